@@ -13,7 +13,7 @@ from rich.table import Table
 from rich.text import Text
 
 from dincl.extras import need_all, needs
-from verification.claims import Cost, Kind
+from verification.claims import Cost, Verdict
 
 app = typer.Typer(
     help="Measure the methods, check the statements of the thesis, write the report.", no_args_is_help=True
@@ -22,8 +22,8 @@ Full = Annotated[
     bool, typer.Option("--full", help="Make the complete studies anew, and say what differs from those that ship.")
 ]
 Out = Annotated[Path, typer.Option(help="Folder of the page, its tables and figures.")]
-COLOURS = dict.fromkeys((Kind.PROVED, Kind.PROVED_INSTANCE, Kind.HOLDS, Kind.NOT_REFUTED), "green")
-COLOURS |= {Kind.CORRECTED: "yellow", Kind.FAILS: "red", Kind.OPEN: "dim"}
+COLOURS = dict.fromkeys((Verdict.PROVED, Verdict.PROVED_INSTANCE, Verdict.HOLDS, Verdict.NOT_REFUTED), "green")
+COLOURS |= {Verdict.CORRECTED: "yellow", Verdict.REFUTED: "red", Verdict.OPEN: "dim"}
 
 
 @app.command()
@@ -63,8 +63,8 @@ def claims(
     from verification.page import kept
     from verification.page.context import Context
     from verification.thesis import selection
-    from verification.thesis.errata import errata
     from verification.thesis.register import register
+    from verification.thesis.text.errata import errata
 
     try:
         chosen = selection.select_claims(register(), chapter or (), name or (), cost)
@@ -75,7 +75,7 @@ def claims(
         tables = selection.tables_for(chosen, context)
         table = decide_all(chosen, tables, context.folder, executor, kept.files())
     _list_claims(table)
-    print(f"{len(errata())} errata of notation stand beside them, in thesis/errata.csv")
+    print(f"{len(errata())} errata of notation are in verification/thesis/text/errata.csv")
     raise typer.Exit(0 if differing(table).empty else 1)
 
 
@@ -88,7 +88,7 @@ def _list_claims(table: pd.DataFrame) -> None:
     shown.add_column("verdict", max_width=12)
     shown.add_column("measured", ratio=1)
     for row in table.itertuples():
-        verdict = Text(row.verdict, style=COLOURS[Kind(row.verdict)])
+        verdict = Text(row.verdict, style=COLOURS[Verdict(row.verdict)])
         shown.add_row(Text(f"{row.id}\n{row.source}"), verdict, Text(row.measured))
     console = Console(highlight=False)
     console.print(shown)

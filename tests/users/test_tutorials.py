@@ -7,7 +7,7 @@ import pytest
 
 from docs.building import notebooks
 from tests.pages import ROOT, links, play
-from verification.claims import Kind
+from verification.claims import Verdict
 
 PAGES = ROOT / "docs" / "tutorials"
 # Those that have a file of tests.
@@ -69,7 +69,7 @@ def test_the_study_has_the_answer_of_the_text(tmp_path):
 def test_claims_of_ones_own(tmp_path):
     found = play(PAGES / "claims.md", tmp_path)
     assert "2 passed" in found["printed"]
-    assert found["found"].kind is Kind.FAILS
+    assert found["found"].verdict is Verdict.REFUTED
 
 
 def test_solve(tmp_path):

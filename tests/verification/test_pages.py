@@ -8,7 +8,7 @@ import pytest
 
 from dincl.study import write
 from tests.executors import Here, Nowhere
-from verification.claims import Kind
+from verification.claims import Verdict
 from verification.page import parts
 from verification.page.context import Context
 from verification.page.parts import Grid, Section, Text, cell, number
@@ -106,7 +106,7 @@ def test_cells() -> None:
     assert cell(True) == ("yes", "")
     assert cell(np.False_) == ("no", "")
     assert cell(3) == ("3", "number")
-    assert cell("fails") == ("fails", "fails")
-    assert cell("holds after the correction") == ("holds after the correction", "corrected")
+    assert cell("refuted") == ("refuted", "refuted")
+    assert cell("refuted, holds when corrected") == ("refuted, holds when corrected", "corrected")
     assert cell("PBD") == ("PBD", "")
-    assert parts.VERDICTS.keys() == {kind.value for kind in Kind}
+    assert parts.VERDICTS.keys() == {verdict.value for verdict in Verdict}

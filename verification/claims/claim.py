@@ -1,4 +1,4 @@
-"""A statement, the check that decides it, and what to read instead where it is wrong."""
+"""Claims: a sentence, the check that decides it, and the correction where the sentence is wrong."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from dincl.checks import describe
 from dincl.errors import InvalidProblem
 from dincl.extras import MissingLibrary
-from verification.claims.evidence import Evidence, Kind
+from verification.claims.evidence import Evidence, Verdict
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -72,31 +72,35 @@ class Correction:
 
 @dataclass(frozen=True)
 class Claim:
-    """One statement.
+    """One claim.
 
     Attributes
     ----------
     id
         Unique short name, without spaces.
     statement
-        What is stated, in own words.
+        The claim in our own words.
     check
-        What decides it: () -> Evidence, or tables -> Evidence where ``needs`` names some.
+        Function that decides it: () -> Evidence, or tables -> Evidence where ``needs`` names some.
     source
-        Where it is stated.
+        Place of the claim in its source.
     quote
         One sentence or formula of the source, as printed.
     needs
         Names of the tables that ``check`` reads.
+    rests_on
+        Ids of the claims that this one uses; where one of them is corrected or refuted, this one is marked.
     recorded
         The verdict that was found; another one is a regression.
     correction
-        Where the statement is wrong as printed.
+        Where the claim is wrong as printed.
     chosen
-        What the source leaves open and the check had to choose.
+        Choices of the check where the source leaves something open.
     tried_on
-        Of a statement about more cases than its check decides, the cases decided: it is then at best "not refuted", or
-        "proved for an instance" if they are proved. Empty where the check decides all that is stated.
+        The cases that the check decides, where the claim is about more cases: the verdict is then at best "not
+        refuted", or "proved for an instance" if the cases are proved. Empty where the check decides the whole claim.
+    arithmetic
+        Whether the check only calculates with printed numbers. Such claims are counted apart.
     cost
         See ``Cost``.
 
@@ -114,10 +118,12 @@ class Claim:
     source: str = ""
     quote: str = ""
     needs: tuple[str, ...] = ()
-    recorded: Kind = Kind.HOLDS
+    rests_on: tuple[str, ...] = ()
+    recorded: Verdict = Verdict.HOLDS
     correction: Correction | None = None
     chosen: str = ""
     tried_on: str = ""
+    arithmetic: bool = False
     cost: Cost = Cost.SECONDS
 
     def __post_init__(self) -> None:
@@ -126,9 +132,12 @@ class Claim:
         for name in ("statement", "source", "quote", "chosen", "tried_on"):
             self._refuse_unless(name, isinstance(getattr(self, name), str), "text")
         self._refuse_unless("statement", bool(self.statement.strip()), "a sentence")
-        named = isinstance(self.needs, tuple) and all(isinstance(name, str) and name for name in self.needs)
-        self._refuse_unless("needs", named, "a tuple of names of tables")
-        for name, kind in (("recorded", Kind), ("cost", Cost)):
+        for name, allowed in (("needs", "names of tables"), ("rests_on", "ids of other claims")):
+            given = getattr(self, name)
+            named = isinstance(given, tuple) and all(isinstance(each, str) and each for each in given)
+            self._refuse_unless(name, named and self.id not in given, f"a tuple of {allowed}")
+        self._refuse_unless("arithmetic", isinstance(self.arithmetic, bool), "True or False")
+        for name, kind in (("recorded", Verdict), ("cost", Cost)):
             self._refuse_unless(name, isinstance(getattr(self, name), kind), f"one of {', '.join(map(str, kind))}")
         self._refuse_unless(
             "correction", self.correction is None or isinstance(self.correction, Correction), "a Correction or None"
@@ -140,8 +149,8 @@ class Claim:
 
     def _check_recorded(self) -> None:
         """The recorded verdict is one that the claim can have."""
-        true = tuple(map(self._restricted, (Kind.PROVED, Kind.HOLDS)))
-        fitting = (Kind.CORRECTED, Kind.FAILS) if self.correction else (*true, Kind.FAILS, Kind.OPEN)
+        true = tuple(map(self._restricted, (Verdict.PROVED, Verdict.HOLDS)))
+        fitting = (Verdict.CORRECTED, Verdict.REFUTED) if self.correction else (*true, Verdict.REFUTED, Verdict.OPEN)
         given = (f"{'with' if self.correction else 'without'} a correction", "of examples" if self.tried_on else "")
         allowed = f"one of {', '.join(map(str, fitting))} {' '.join(filter(None, given))}"
         self._refuse_unless("recorded", self.recorded in fitting, allowed)
@@ -168,13 +177,13 @@ class Claim:
         except MissingLibrary as library:
             return Evidence(str(library), ())
 
-    def verdict(self, evidence: Evidence) -> Kind:
+    def verdict(self, evidence: Evidence) -> Verdict:
         """What the evidence says of the statement: examples that agree do not show that a general one holds."""
-        return self._restricted(evidence.kind)
+        return self._restricted(evidence.verdict)
 
-    def _restricted(self, kind: Kind) -> Kind:
+    def _restricted(self, kind: Verdict) -> Verdict:
         """The verdict on the statement for a verdict on the cases of its check."""
-        of_examples = {Kind.HOLDS: Kind.NOT_REFUTED, Kind.PROVED: Kind.PROVED_INSTANCE}
+        of_examples = {Verdict.HOLDS: Verdict.NOT_REFUTED, Verdict.PROVED: Verdict.PROVED_INSTANCE}
         return of_examples.get(kind, kind) if self.tried_on else kind
 
 
@@ -185,7 +194,8 @@ def claim(
     source: str = "",
     quote: str = "",
     needs: tuple[str, ...] = (),
-    recorded: Kind = Kind.HOLDS,
+    rests_on: tuple[str, ...] = (),
+    recorded: Verdict = Verdict.HOLDS,
     correction: Correction | None = None,
     chosen: str = "",
     tried_on: str = "",
@@ -206,6 +216,7 @@ def claim(
             source=source,
             quote=quote,
             needs=needs,
+            rests_on=rests_on,
             recorded=recorded,
             correction=correction,
             chosen=chosen,

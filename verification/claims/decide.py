@@ -95,6 +95,10 @@ def _row(claim: Claim) -> Row:
         "place": correction.place if correction else 0,
         "chosen": claim.chosen,
         "tried_on": claim.tried_on,
+        "rests_on": ", ".join(claim.rests_on),
+        "arithmetic": claim.arithmetic,
+        "check": f"{claim.check.__module__}:{claim.check.__code__.co_firstlineno}",
+        "needs": ", ".join(claim.needs),
         "cost": claim.cost.value,
     }
 

@@ -1,4 +1,4 @@
-"""What a check found: numbers beside what was expected of them, and the verdict that follows."""
+"""Evidence: numbers beside the ranges that a claim requires, proofs, and the verdict that follows."""
 
 from __future__ import annotations
 
@@ -10,32 +10,32 @@ from enum import Enum
 Interval = tuple[float, float]
 
 
-class Kind(Enum):
-    """How a statement came out."""
+class Verdict(Enum):
+    """The result of a check of a claim."""
 
     PROVED = "proved"
     PROVED_INSTANCE = "proved for an instance"
     HOLDS = "holds"
     NOT_REFUTED = "not refuted"
-    CORRECTED = "holds after the correction"
-    FAILS = "fails"
-    OPEN = "inconclusive"
+    CORRECTED = "refuted, holds when corrected"
+    REFUTED = "refuted"
+    OPEN = "open"
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """A measured number and the range in which a statement wants it.
+    """A measured number and the range that a claim requires.
 
     Attributes
     ----------
     what
-        What was measured, with its unit.
+        Name of the quantity, with its unit in brackets.
     value
         The number; NaN where nothing could be measured.
     low, high
-        The range that is wanted, tolerance included.
+        Ends of the required range, tolerance included.
     interval
-        What the true value may be, where ``value`` is an estimate.
+        Interval of the true value, where ``value`` is an estimate.
     """
 
     what: str
@@ -55,11 +55,11 @@ class Comparison:
         return False if most < self.low or self.high < least else None
 
     def __str__(self) -> str:
-        """The number, its interval and the range: ``order 0.98 [0.96, 1.01], wanted 0.9 … 1.1``."""
+        """Return name, number, interval and range: ``order 0.98 [0.96, 1.01] (required 0.9 … 1.1)``."""
         found = f"{self.what} {self.value:.4g}"
         if self.interval is not None:
             found += f" [{self.interval[0]:.4g}, {self.interval[1]:.4g}]"
-        return f"{found}, wanted {self._range()}"
+        return f"{found} (required {self._range()})"
 
     def _range(self) -> str:
         if self.low == self.high:
@@ -146,46 +146,55 @@ class FormalProof:
 
 @dataclass(frozen=True)
 class Evidence:
-    """What a check found.
+    """Result of a check.
 
     Attributes
     ----------
-    measured
-        One or two sentences with the numbers.
+    remark
+        A sentence that says more than the comparisons do; mostly empty.
     printed
-        All of these hold if the statement does as printed; none: nothing could be measured.
+        Comparisons and proofs that all hold if the claim does as printed; none: nothing could be measured.
     corrected
-        All of these hold if the statement does after its correction.
+        Comparisons and proofs that all hold if the claim does after its correction.
     seed
         Of the random numbers, where there are any.
     runs_needed
-        Of a statement about frequencies or means: the simulations it would take to show a difference of the size that
-        was measured (or stated).
+        Of a claim about frequencies or means: number of simulations that would show a difference of the size that was
+        measured (or stated).
     """
 
-    measured: str
-    printed: tuple[Comparison | FormalProof, ...]
+    remark: str = ""
+    printed: tuple[Comparison | FormalProof, ...] = ()
     corrected: tuple[Comparison | FormalProof, ...] = ()
     seed: int | None = None
     runs_needed: int | None = None
 
     @property
-    def kind(self) -> Kind:
-        """What it says of the statement; of one that was tried on examples see ``Claim.verdict``."""
+    def verdict(self) -> Verdict:
+        """The verdict on the cases of the check; of a claim that was tried on examples see ``Claim.verdict``."""
         printed, corrected = every(self.printed), every(self.corrected)
         if printed is None:
-            return Kind.OPEN
+            return Verdict.OPEN
         if printed:
-            return Kind.PROVED if all(isinstance(each, FormalProof) for each in self.printed) else Kind.HOLDS
+            return Verdict.PROVED if all(isinstance(each, FormalProof) for each in self.printed) else Verdict.HOLDS
         if not self.corrected:
-            return Kind.FAILS
+            return Verdict.REFUTED
         if corrected is None:
-            return Kind.OPEN
-        return Kind.CORRECTED if corrected else Kind.FAILS
+            return Verdict.OPEN
+        return Verdict.CORRECTED if corrected else Verdict.REFUTED
+
+    @property
+    def measured(self) -> str:
+        """The remark, or else the comparisons in words."""
+        if self.remark:
+            return self.remark
+        groups = (("as printed", self.printed), ("corrected", self.corrected))
+        parts = [f"{name}: {'; '.join(map(str, found))}" for name, found in groups if found]
+        return f"{'. '.join(parts)}." if self.corrected else "; ".join(map(str, self.printed))
 
 
 def proved(*proofs: FormalProof) -> Evidence:
-    """Return proofs of a statement as its evidence; the sentence names what they prove."""
+    """Return proofs of a claim as its evidence; the remark names what they prove."""
     found = "Proved" if every(proofs) else "Not proved"
     return Evidence(f"{found}: {'; '.join(proof.statement for proof in proofs)}.", proofs)
 

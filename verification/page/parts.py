@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from verification.claims import Kind
+from verification.claims import Verdict
 
 # Numbers smaller than this are written with an exponent.
 PLAIN = 1e-2
-VERDICTS = {kind.value: kind.name.lower() for kind in Kind}
+VERDICTS = {verdict.value: verdict.name.lower() for verdict in Verdict}
 
 
 @dataclass(frozen=True)

@@ -50,7 +50,7 @@ class Stretch(NamedTuple):
     exponent: Any
 
 
-class Verdict(NamedTuple):
+class Proven(NamedTuple):
     """What a certificate proves: bounds in the order of time, the largest one, the end."""
 
     stretches: list[Stretch]
@@ -266,7 +266,7 @@ def cross(piece: PieceInBalls, a: Any, b: Any, start: tuple[Any, Any], depth: in
     return left + cross(piece, middle, b, (left[-1].square, left[-1].linear), depth + 1)
 
 
-def enclose(certificate: Certificate) -> Verdict:
+def enclose(certificate: Certificate) -> Proven:
     """Compute the bound that the pieces of a certificate prove; BadCertificate where an inequality fails."""
     problem, begin, stretches = ExactProblem(certificate), ZERO, []
     state, growth = problem.start, (ZERO, number(certificate.start_error))
@@ -278,10 +278,10 @@ def enclose(certificate: Certificate) -> Verdict:
         with ctx.workprec(ROUGH):
             stretches += cross(current, arb(-1), arb(1), (growth[0], up(growth[1] + jump)))
         growth = stretches[-1].square, stretches[-1].linear
-    return Verdict(stretches, max(s.bound for s in stretches), begin)
+    return Proven(stretches, max(s.bound for s in stretches), begin)
 
 
-def check(certificate: Certificate) -> Verdict:
+def check(certificate: Certificate) -> Proven:
     """Prove the bound and the balls of a certificate; BadCertificate if they do not follow from its pieces."""
     try:
         verdict = enclose(certificate)

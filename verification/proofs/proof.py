@@ -157,7 +157,7 @@ def prove(problem: dincl.Problem, t: ArrayLike, bound: float = 1e-12) -> Proof:
     return _proof(problem, times, certificate, verdict)
 
 
-def _search(empty: Certificate, events: list[Event], end: float, wanted: float) -> tuple[Certificate, checker.Verdict]:
+def _search(empty: Certificate, events: list[Event], end: float, wanted: float) -> tuple[Certificate, checker.Proven]:
     """Take more digits until the bound is reached; eps enters by its root, so gaps need twice the digits."""
     best, reason = math.inf, ""
     digits = math.ceil(-2 * math.log10(wanted) + SPARE + OF_EVENT * len(events))
@@ -178,7 +178,7 @@ def _search(empty: Certificate, events: list[Event], end: float, wanted: float) 
 
 
 def _proof(
-    problem: dincl.Problem, times: NDArray[np.float64], certificate: Certificate, verdict: checker.Verdict
+    problem: dincl.Problem, times: NDArray[np.float64], certificate: Certificate, verdict: checker.Proven
 ) -> Proof:
     """Add the balls at the output times and the bound to a certificate."""
     balls, radii = [], []

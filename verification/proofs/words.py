@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from verification.proofs.certificate import Certificate, Dyadic
-    from verification.proofs.checker import Verdict
+    from verification.proofs.checker import Proven
 
 
 def value(number: Dyadic) -> float:
@@ -30,7 +30,7 @@ def assumptions(certificate: Certificate) -> list[str]:
     return said
 
 
-def theorem(certificate: Certificate, verdict: Verdict) -> str:
+def theorem(certificate: Certificate, verdict: Proven) -> str:
     """Say what was proved, and what was assumed."""
     d, count = certificate.dimension, len(certificate.start) // certificate.dimension
     lines = [

@@ -12,8 +12,8 @@ from markupsafe import Markup, escape
 
 from dincl.files import write_text
 from verification.claims import Effect
-from verification.thesis.errata import errata
 from verification.thesis.register import chapter_of, register
+from verification.thesis.text.errata import errata
 
 MAKES_NO_NUMBERS = True
 TITLES = ("Introduction", "Chapter 1", "Chapter 2", "Chapter 3", "Chapter 4", "Chapter 5", "Conclusions")

@@ -8,15 +8,15 @@ from typing import Any
 
 import pandas as pd
 
-from verification.claims import Effect, Kind
+from verification.claims import Effect, Verdict
 from verification.claims.decide import decide_all, differing
 from verification.page import kept
 from verification.page.context import Context
 from verification.page.parts import Grid, SearchField, Section, Statements, Text
 from verification.page.prose import fill
 from verification.page.report import Chapter, Finding
-from verification.thesis.errata import errata
 from verification.thesis.register import chapter_of, register
+from verification.thesis.text.errata import errata
 
 PROSE = Path(__file__).parent / "prose"
 TITLES = {
@@ -39,7 +39,7 @@ CORRECTIONS = {
 ERRATA = {"id": "Remark", "source": "Source", "printed": "As printed", "corrected": "To be read"}
 ERRATA |= {"depends": "What depends on it", "why": "Why"}
 COUNTS = "How the statements came out"
-WRONG = (Kind.CORRECTED.value, Kind.FAILS.value)  # as printed
+WRONG = (Verdict.CORRECTED.value, Verdict.REFUTED.value)  # as printed
 # The most serious first; what only concerns notation changes no result.
 SERIOUS = [effect.value for effect in Effect if effect is not Effect.NOTATION]
 
@@ -71,7 +71,7 @@ def _values(table: pd.DataFrame) -> dict[str, Any]:
     total, wrong = table["verdict"].value_counts(), corrections(table)
     return {
         "count": len(table),
-        **{kind.name.lower(): int(total.get(kind.value, 0)) for kind in Kind},
+        **{verdict.name.lower(): int(total.get(verdict.value, 0)) for verdict in Verdict},
         "other": list(differing(table)["id"]),
         "wrong": len(wrong),
         "effects": [f"{count} {effect}" for effect, count in wrong["effect"].value_counts(sort=False).items()],
@@ -80,7 +80,7 @@ def _values(table: pd.DataFrame) -> dict[str, Any]:
 
 def _counts(table: pd.DataFrame, said: Mapping[str, str]) -> Section:
     counts = pd.crosstab(table["chapter"], table["verdict"])
-    counts = counts[[kind.value for kind in Kind if kind.value in counts]]
+    counts = counts[[verdict.value for verdict in Verdict if verdict.value in counts]]
     counts.insert(0, "Chapter", [TITLES[number] for number in counts.index])
     return Section(COUNTS, [Text(said["counts"]), Grid(counts, said["by_chapter"], "claims")])
 
@@ -118,13 +118,13 @@ def findings(context: Context) -> Sequence[Finding]:
     said = fill(
         PROSE / "learned.html",
         count=len(table),
-        proved=total.get(Kind.PROVED.value, 0),
-        instances=total.get(Kind.PROVED_INSTANCE.value, 0),
-        holds=total.get(Kind.HOLDS.value, 0),
-        not_refuted=total.get(Kind.NOT_REFUTED.value, 0),
+        proved=total.get(Verdict.PROVED.value, 0),
+        instances=total.get(Verdict.PROVED_INSTANCE.value, 0),
+        holds=total.get(Verdict.HOLDS.value, 0),
+        not_refuted=total.get(Verdict.NOT_REFUTED.value, 0),
         wrong=len(wrong),
         serious=int(wrong["effect"].isin([effect for effect in SERIOUS if effect != Effect.PROOF.value]).sum()),
-        open=total.get(Kind.OPEN.value, 0),
+        open=total.get(Verdict.OPEN.value, 0),
     )
     return [Finding(said["counts"], COUNTS)]
 

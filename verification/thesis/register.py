@@ -12,6 +12,7 @@ from importlib.util import find_spec
 import verification.thesis
 from verification.claims import Claim, stated_in
 from verification.claims.decide import refuse_one_id_for_two
+from verification.claims.graph import ordered
 
 # It finds claims at run time; the numbers are made by their checks.
 MAKES_NO_NUMBERS = True
@@ -19,10 +20,17 @@ MAKES_NO_NUMBERS = True
 
 @cache
 def register() -> tuple[Claim, ...]:
-    """All claims in the order of the thesis, in a file as they are defined; InvalidProblem if two have one id."""
+    """Return all claims in the order of the thesis, in a file as they are defined.
+
+    Raises
+    ------
+    InvalidProblem
+        If two claims have one id, if a claim rests on an unknown one, or on itself through others.
+    """
     found = [(_place(name), claim) for name in modules() for claim in stated_in(import_module(name))]
     claims = tuple(claim for _, claim in sorted(found, key=lambda pair: (chapter_of(pair[1]), pair[0])))
     refuse_one_id_for_two(claims)
+    ordered(claims)
     return claims
 
 

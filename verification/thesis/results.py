@@ -12,13 +12,13 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from dincl.files import write_text
 from dincl.study import read_sealed
 from verification.beyond.chart import cheapest, work_precision
-from verification.claims import Kind
+from verification.claims import Verdict
 from verification.page.kept import STUDIES
 from verification.thesis.chapter4 import kept
 from verification.thesis.chapter4.studies import preset_of
 from verification.thesis.chapter5 import sampling
-from verification.thesis.errata import errata
 from verification.thesis.register import register
+from verification.thesis.text.errata import errata
 
 PAGE = Path(__file__).parents[2] / "docs" / "results.md"
 PROTRUDES, NO_INM = "[BP]", "[B] no INM"
@@ -45,7 +45,7 @@ def claims() -> dict[str, Any]:
         "all": len(found),
         "errata": len(errata()),
         "verdicts": Counter(claim.recorded.name for claim in found),
-        "open": sum(claim.recorded is Kind.OPEN for claim in found),
+        "open": sum(claim.recorded is Verdict.OPEN for claim in found),
         "effects": Counter(claim.correction.effect.value for claim in found if claim.correction is not None),
     }
 

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from dincl import InvalidProblem
-from verification.claims import Claim, Correction, Cost, Effect, Evidence, Kind, claim, equal, stated_in
+from verification.claims import Claim, Correction, Cost, Effect, Evidence, Verdict, claim, equal, stated_in
 from verification.thesis.register import register
 
 ORDERS = {"orders": pd.DataFrame({"order": [1.0]})}
@@ -27,21 +27,21 @@ def test_a_decorated_check_is_a_claim_that_decides() -> None:
     made = claim("my.unity", "One is one", cost=Cost.MINUTES)(unity)
     assert isinstance(made, Claim)
     assert (made.id, made.statement, made.source, made.cost) == ("my.unity", "One is one", "", Cost.MINUTES)
-    assert made.decide({}).kind is Kind.HOLDS
+    assert made.decide({}).verdict is Verdict.HOLDS
 
 
 def test_examples_that_agree_do_not_show_that_a_general_statement_holds() -> None:
-    made = claim("my.all", "All numbers are one", recorded=Kind.NOT_REFUTED, tried_on="one")(unity)
-    assert made.verdict(unity()) is Kind.NOT_REFUTED
-    assert made.verdict(Evidence("two is not", (equal("two", 2, 1),))) is Kind.FAILS
-    assert made.verdict(Evidence("none", ())) is Kind.OPEN
+    made = claim("my.all", "All numbers are one", recorded=Verdict.NOT_REFUTED, tried_on="one")(unity)
+    assert made.verdict(unity()) is Verdict.NOT_REFUTED
+    assert made.verdict(Evidence("two is not", (equal("two", 2, 1),))) is Verdict.REFUTED
+    assert made.verdict(Evidence("none", ())) is Verdict.OPEN
 
 
 def test_a_claim_about_tables_waits_for_them() -> None:
     made = claim("my.order", "The order is one", needs=("orders",))(order)
-    assert made.decide(ORDERS).kind is Kind.HOLDS
+    assert made.decide(ORDERS).verdict is Verdict.HOLDS
     assert made.missing({}) == ["orders"]
-    assert made.decide({}).kind is Kind.OPEN
+    assert made.decide({}).verdict is Verdict.OPEN
 
 
 @pytest.mark.parametrize(
@@ -54,17 +54,17 @@ def test_a_claim_about_tables_waits_for_them() -> None:
         ({"quote": None}, unity, "quote = None: must be text"),
         ({"needs": "orders"}, order, "needs = 'orders': must be a tuple of names of tables"),
         ({"needs": ("",)}, order, "must be a tuple of names of tables"),
-        ({"recorded": "holds"}, unity, "recorded = 'holds': must be one of Kind.PROVED"),
+        ({"recorded": "holds"}, unity, "recorded = 'holds': must be one of Verdict.PROVED"),
         ({"cost": 3}, unity, "cost = 3: must be one of Cost.SECONDS, Cost.MINUTES, Cost.HOURS"),
         ({"correction": "two"}, unity, "correction = 'two': must be a Correction or None"),
         (
             {"tried_on": "one"},
             unity,
-            "must be one of Kind.PROVED_INSTANCE, Kind.NOT_REFUTED, .* a correction of examples",
+            "must be one of Verdict.PROVED_INSTANCE, Verdict.NOT_REFUTED, .* a correction of examples",
         ),
-        ({"recorded": Kind.NOT_REFUTED}, unity, "must be one of Kind.PROVED, Kind.HOLDS"),
-        ({"recorded": Kind.CORRECTED}, unity, "must be one of .* without a correction"),
-        ({"correction": READ}, unity, "must be one of Kind.CORRECTED, Kind.FAILS with a correction"),
+        ({"recorded": Verdict.NOT_REFUTED}, unity, "must be one of Verdict.PROVED, Verdict.HOLDS"),
+        ({"recorded": Verdict.CORRECTED}, unity, "must be one of .* without a correction"),
+        ({"correction": READ}, unity, "must be one of Verdict.CORRECTED, Verdict.REFUTED with a correction"),
         ({}, order, "must be a function without arguments, as it needs no table"),
         ({"needs": ("orders",)}, unity, "must be a function of the tables"),
         ({}, None, "check = None"),

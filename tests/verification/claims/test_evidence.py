@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from verification.claims import Comparison, Evidence, Kind, at_least, at_most, equal
+from verification.claims import Comparison, Evidence, Verdict, at_least, at_most, equal
 
 TRUE, FALSE, UNKNOWN = equal("x", 1.0, 1.0), equal("x", 2.0, 1.0), equal("x", math.nan, 1.0)
 
@@ -33,30 +33,30 @@ def test_a_number_is_in_its_range_or_not_or_nobody_knows(comparison: Comparison,
 
 
 @pytest.mark.parametrize(
-    ("printed", "corrected", "kind"),
+    ("printed", "corrected", "verdict"),
     [
-        ((TRUE,), (), Kind.HOLDS),
-        ((TRUE,), (FALSE,), Kind.HOLDS),
-        ((TRUE, FALSE), (), Kind.FAILS),
-        ((FALSE,), (TRUE, TRUE), Kind.CORRECTED),
-        ((FALSE,), (TRUE, FALSE), Kind.FAILS),
-        ((FALSE,), (TRUE, UNKNOWN), Kind.OPEN),
-        ((TRUE, UNKNOWN), (), Kind.OPEN),
-        ((FALSE, UNKNOWN), (TRUE,), Kind.CORRECTED),
-        ((), (), Kind.OPEN),
+        ((TRUE,), (), Verdict.HOLDS),
+        ((TRUE,), (FALSE,), Verdict.HOLDS),
+        ((TRUE, FALSE), (), Verdict.REFUTED),
+        ((FALSE,), (TRUE, TRUE), Verdict.CORRECTED),
+        ((FALSE,), (TRUE, FALSE), Verdict.REFUTED),
+        ((FALSE,), (TRUE, UNKNOWN), Verdict.OPEN),
+        ((TRUE, UNKNOWN), (), Verdict.OPEN),
+        ((FALSE, UNKNOWN), (TRUE,), Verdict.CORRECTED),
+        ((), (), Verdict.OPEN),
     ],
 )
-def test_verdict(printed: tuple[Comparison, ...], corrected: tuple[Comparison, ...], kind: Kind) -> None:
-    assert Evidence("measured", printed, corrected).kind is kind
+def test_verdict(printed: tuple[Comparison, ...], corrected: tuple[Comparison, ...], verdict: Verdict) -> None:
+    assert Evidence("measured", printed, corrected).verdict is verdict
 
 
 @pytest.mark.parametrize(
     ("comparison", "text"),
     [
-        (equal("count", 12, 29), "count 12, wanted 29"),
-        (equal("ratio", 0.98, 1.0, 0.1, (0.96, 1.01)), "ratio 0.98 [0.96, 1.01], wanted 1 ± 0.1"),
-        (at_most("error [m]", 2e-9, 1e-8), "error [m] 2e-09, wanted ≤ 1e-08"),
-        (at_least("slack", -1, 0), "slack -1, wanted ≥ 0"),
+        (equal("count", 12, 29), "count 12 (required 29)"),
+        (equal("ratio", 0.98, 1.0, 0.1, (0.96, 1.01)), "ratio 0.98 [0.96, 1.01] (required 1 ± 0.1)"),
+        (at_most("error [m]", 2e-9, 1e-8), "error [m] 2e-09 (required ≤ 1e-08)"),
+        (at_least("slack", -1, 0), "slack -1 (required ≥ 0)"),
     ],
 )
 def test_a_comparison_reads_as_a_sentence(comparison: Comparison, text: str) -> None:

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from verification.claims import Evidence, FormalProof, Kind, Technique, at_most, claim, proved, put_right
+from verification.claims import Evidence, FormalProof, Technique, Verdict, at_most, claim, proved, put_right
 from verification.formal import UnsoundProof, enclosures
 from verification.formal.algebra import identity, library, matrices, sum_of_squares
 from verification.formal.cases import all_cases
@@ -29,7 +29,7 @@ def test_an_identity_is_proved_for_all_values() -> None:
 def test_an_identity_that_does_not_hold_is_refuted() -> None:
     found = identity("(a + b)² = a² + b²", lambda s, a, b: (a + b) ** 2 - a**2 - s * b**2, "−b²")
     assert found.true is False
-    assert proved(found).kind is Kind.FAILS
+    assert proved(found).verdict is Verdict.REFUTED
     assert proved(found).measured.startswith("Not proved: ")
 
 
@@ -122,29 +122,29 @@ def test_no_cases_prove_nothing() -> None:
         all_cases("of none", lambda s, n: s > 0, [], "of none")
 
 
-@pytest.mark.parametrize(("tried_on", "kind"), [("", Kind.PROVED), ("two numbers", Kind.PROVED_INSTANCE)])
-def test_the_verdict_of_a_proof(tried_on: str, kind: Kind) -> None:
-    made = claim("my.binomial", "The square of a sum", recorded=kind, tried_on=tried_on)(lambda: proved(binomial()))
-    assert made.verdict(made.decide({})) is kind
+@pytest.mark.parametrize(("tried_on", "verdict"), [("", Verdict.PROVED), ("two numbers", Verdict.PROVED_INSTANCE)])
+def test_the_verdict_of_a_proof(tried_on: str, verdict: Verdict) -> None:
+    made = claim("my.binomial", "The square of a sum", recorded=verdict, tried_on=tried_on)(lambda: proved(binomial()))
+    assert made.verdict(made.decide({})) is verdict
 
 
 def test_a_correction_is_proved_and_its_printed_form_refuted() -> None:
     found = put_right(binomial())
-    assert found.kind is Kind.CORRECTED
+    assert found.verdict is Verdict.CORRECTED
     assert found.measured.startswith("Refuted as printed, −2ab. Proved: (a + b)²")
     assert [each.true for each in found.printed] == [False]
     assert re.fullmatch(r"−2ab: refuted by computer algebra \(sympy [^)]*\)", str(found.printed[0]))
-    assert put_right(identity("a = b", lambda s, a, b: a - s * b, "a = −b")).kind is Kind.FAILS
+    assert put_right(identity("a = b", lambda s, a, b: a - s * b, "a = −b")).verdict is Verdict.REFUTED
 
 
 def test_measured_numbers_beside_a_proof_are_no_proof() -> None:
-    assert Evidence("both", (binomial(), at_most("one", 1, 2))).kind is Kind.HOLDS
+    assert Evidence("both", (binomial(), at_most("one", 1, 2))).verdict is Verdict.HOLDS
 
 
 def test_a_missing_library_leaves_a_claim_open(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "sympy", None)
     monkeypatch.setattr("dincl.extras.find_spec", lambda _: None)
-    made = claim("my.binomial", "The square of a sum", recorded=Kind.PROVED)(lambda: proved(binomial()))
+    made = claim("my.binomial", "The square of a sum", recorded=Verdict.PROVED)(lambda: proved(binomial()))
     found = made.decide({})
-    assert found.kind is Kind.OPEN
+    assert found.verdict is Verdict.OPEN
     assert "pip install 'dincl-testbed[proofs]'" in found.measured

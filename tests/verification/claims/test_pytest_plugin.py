@@ -11,7 +11,7 @@ pytest_plugins = ["pytester"]
 ROOT = Path(__file__).parents[3]
 CLAIMS = """
 from verification.claims.claim import claim
-from verification.claims.evidence import Evidence, Kind, equal
+from verification.claims.evidence import Evidence, Verdict, equal
 
 @claim("my.order", "PBD converges with order one", source="notes", quote="order 1")
 def order_of_pbd():
@@ -26,7 +26,7 @@ def _made(number):
 
 SEVERAL = tuple(claim(f"my.{{n}}", "A number is itself")(_made(n)) for n in (1, 2))
 
-@claim("my.false", "One is two", recorded=Kind.FAILS)
+@claim("my.false", "One is two", recorded=Verdict.REFUTED)
 def one_is_two():
     return Evidence("one is not two", (equal("one", 1, 2),))
 """
@@ -71,9 +71,9 @@ def test_another_verdict_fails_with_the_evidence(pytester: pytest.Pytester) -> N
             "my.order: PBD converges with order one",
             "*source:   notes: order 1",
             "*recorded: holds",
-            "*found:    fails",
+            "*found:    refuted",
             "*the order is 0.5",
-            "*as stated: order 0.5, wanted 1: NO",
+            "*as stated: order 0.5 (required 1): NO",
         ]
     )
     assert "Traceback" not in result.stdout.str()

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import pytest
 
-from verification.claims import Claim, Evidence, Kind
+from verification.claims import Claim, Evidence, Verdict
 
 Change = Callable[[Any], Any]
 
@@ -18,7 +18,7 @@ class Wrong(NamedTuple):
     module: str
     attributes: str | tuple[str, ...]
     change: Change
-    kind: Kind = Kind.FAILS
+    verdict: Verdict = Verdict.REFUTED
     tables: Mapping[str, Any] = {}
 
 

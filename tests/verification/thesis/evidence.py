@@ -24,10 +24,10 @@ SLSQP = {"c3.rests": 1e-7, "c3.projections": 1e-7}
 
 
 def numbers(evidence: Evidence) -> list[str]:
-    """The numbers of the sentence, as printed; of the comparisons; and the runs needed."""
+    """List the numbers of the remark, as printed; of the comparisons; and the runs needed."""
     compared = chain.from_iterable(map(of_comparison, (*evidence.printed, *evidence.corrected)))
     found = [*compared, float("nan") if evidence.runs_needed is None else evidence.runs_needed]
-    return [*NUMBER.findall(evidence.measured), *(f"{number:.8e}" for number in found)]
+    return [*NUMBER.findall(evidence.remark), *(f"{number:.8e}" for number in found)]
 
 
 def of_comparison(comparison: Comparison | FormalProof) -> list[float]:

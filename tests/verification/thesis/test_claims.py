@@ -17,7 +17,7 @@ from tests.verification.thesis.chapter3 import test_claims_model as test_claims_
 from tests.verification.thesis.chapter4 import test_claims as test_claims_chapter4
 from tests.verification.thesis.chapter5 import test_claims as test_claims_chapter5
 from tests.verification.thesis.claim_changes import measured
-from verification.claims import Claim, Effect, Evidence, Kind, at_most, equal
+from verification.claims import Claim, Effect, Evidence, Verdict, at_most, equal
 from verification.page.chapters import CHAPTERS
 from verification.thesis import register
 from verification.thesis.chapter1.claims import s1_1_newton
@@ -98,14 +98,14 @@ def test_claim_is_complete(claim: Claim) -> None:
         assert claim.correction.place > 0
     assert all(text and text == text.strip() and "\n" not in text for text in texts)
     assert claim.statement != claim.quote
-    assert claim.recorded is Kind.CORRECTED or claim.correction is None or claim.recorded is Kind.FAILS
-    assert claim.recorded is not Kind.CORRECTED or claim.correction is not None
+    assert claim.recorded is Verdict.CORRECTED or claim.correction is None or claim.recorded is Verdict.REFUTED
+    assert claim.recorded is not Verdict.CORRECTED or claim.correction is not None
 
 
 @pytest.mark.parametrize("claim", [one for one in CLAIMS.values() if one.needs], ids=lambda one: one.id)
 def test_claim_waits_for_its_tables_which_one_chapter_makes(claim: Claim) -> None:
     evidence = claim.decide({})
-    assert evidence.kind is Kind.OPEN
+    assert evidence.verdict is Verdict.OPEN
     for name in claim.needs:
         assert name in evidence.measured
         assert len([chapter for chapter in CHAPTERS if name.startswith(chapter.tables)]) == 1

@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 from dincl import study
 from tests.executors import Here, Nowhere
 from verification import cli
-from verification.claims import Claim, Correction, Cost, Effect, Evidence, Kind, Tables, decide, equal
+from verification.claims import Claim, Correction, Cost, Effect, Evidence, Tables, Verdict, decide, equal
 from verification.page.chapters import CHAPTERS
 from verification.page.context import Context
 from verification.thesis import register, selection
@@ -36,7 +36,7 @@ def unsolved() -> Evidence:
 ONE = Correction("one", Effect.NUMBER, "all that follows")
 CLAIMS = [
     Claim("c1.right", "Unity.", right, source="(1.1)", quote="1 = 1"),
-    Claim("c1.wrong", "Duality.", wrong, source="(1.2)", quote="1 = 2", recorded=Kind.CORRECTED, correction=ONE),
+    Claim("c1.wrong", "Duality.", wrong, source="(1.2)", quote="1 = 2", recorded=Verdict.CORRECTED, correction=ONE),
     Claim("c2.table", "The order.", from_table, source="(2.1)", needs=("orders",), cost=Cost.MINUTES),
 ]
 
@@ -76,18 +76,18 @@ def test_rows_say_what_was_found_and_are_not_computed_twice(tmp_path: Path) -> N
         table = decide.decide_all(CLAIMS, tables, tmp_path, here)
     again = decide.decide_all(CLAIMS, {"orders": pd.DataFrame({"order": [2.0]})}, tmp_path, Nowhere())
     assert table["id"].tolist() == ["c1.right", "c1.wrong", "c2.table"]
-    assert table["verdict"].tolist() == ["holds", "holds after the correction", "holds"]
-    assert table["printed"].tolist() == ["one 1, wanted 1", "one 1, wanted 2", "value 1, wanted 1"]
-    assert table["corrected"].tolist() == ["", "one 1, wanted 1", ""]
+    assert table["verdict"].tolist() == ["holds", "refuted, holds when corrected", "holds"]
+    assert table["printed"].tolist() == ["one 1 (required 1)", "one 1 (required 2)", "value 1 (required 1)"]
+    assert table["corrected"].tolist() == ["", "one 1 (required 1)", ""]
     assert table["seed"].tolist() == ["3", "", ""]
     assert table["runs_needed"].tolist() == ["", "", "40"]
-    assert again["verdict"].tolist() == ["holds", "holds after the correction", "fails"]
+    assert again["verdict"].tolist() == ["holds", "refuted, holds when corrected", "refuted"]
     assert decide.differing(again)["id"].tolist() == ["c2.table"]
 
 
 def test_a_solver_that_fails_decides_nothing() -> None:
     row = decide.evidence_row(Claim("c1.unsolved", "Nothing.", unsolved), {})
-    assert row["verdict"] == Kind.OPEN.value
+    assert row["verdict"] == Verdict.OPEN.value
     assert "RuntimeError: no projection after 100 iterations" in row["measured"]
 
 
@@ -107,7 +107,7 @@ def test_command_fails_if_a_verdict_differs(
     monkeypatch.setattr(selection, "tables_for", lambda *_: {"orders": pd.DataFrame({"order": [0.5]})})
     done = CliRunner().invoke(cli.app, ["claims", *options, "--out", str(tmp_path)])
     assert done.exit_code == code, done.output
-    assert ("c2.table: fails, recorded is holds" in done.output) is bool(code)
+    assert ("c2.table: refuted, recorded is holds" in done.output) is bool(code)
 
 
 def test_command_names_what_it_does_not_know() -> None:

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from verification.thesis import errata
 from verification.thesis.register import register
+from verification.thesis.text import errata
 
 
 def test_every_remark_is_complete_and_none_is_a_claim() -> None:

@@ -8,9 +8,9 @@ from typer.testing import CliRunner
 
 from verification import cli
 from verification.claims import Effect
-from verification.thesis.errata import errata
 from verification.thesis.errata_document import as_html, as_tex, listed_errata
 from verification.thesis.register import register
+from verification.thesis.text.errata import errata
 
 
 @pytest.fixture(scope="module")

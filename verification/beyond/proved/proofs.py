@@ -22,7 +22,7 @@ from dincl.drifts import attraction, constant
 from dincl.study import read_sealed
 from verification.page.kept import DATA, keep
 from verification.proofs.certificate import ExactRow, PolynomialPiece, read
-from verification.proofs.checker import Verdict, check
+from verification.proofs.checker import Proven, check
 from verification.proofs.proof import NotProved, Proof, prove
 from verification.proofs.words import value
 
@@ -114,7 +114,7 @@ def measure(case: ProvedScene, bound: float) -> dict[str, Any]:
     return row | exponents(proof, verdict)
 
 
-def exponents(proof: Proof, verdict: Verdict) -> dict[str, float]:
+def exponents(proof: Proof, verdict: Proven) -> dict[str, float]:
     """Return int (L + kappa) dt as proved, and as it would be with coarser bounds; the integrals by the midpoint rule.
 
     ``least`` takes lambda = m, ``sum`` adds the contacts in place of taking the eigenvalue, and ``pointwise`` bounds

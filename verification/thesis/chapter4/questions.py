@@ -16,7 +16,7 @@ from tissue.statistics.categories import NO_INM, by_order, by_selection, happene
 from tissue.statistics.comparisons import Difference, within
 from tissue.statistics.ranking import FEWEST, by_importance
 from tissue.statistics.ratios import Ratio, ratio
-from verification.thesis.chapter4.ratio_claims import CLAIM_LEVEL, RatioClaim, Verdict, alike, more
+from verification.thesis.chapter4.ratio_claims import CLAIM_LEVEL, RatioClaim, RatioVerdict, alike, more
 
 POPULATIONS = ("63 % [P]", "35 % [P]", "7 % [P]")
 GROUP = ", 10 cells"
@@ -66,7 +66,7 @@ class QuestionAnswer:
     question: str
     thesis: str
     measured: tuple[str, ...]
-    verdict: Verdict
+    verdict: RatioVerdict
     needed: int | None
 
 
@@ -96,7 +96,7 @@ def _answer(question: Question, claims: list[RatioClaim]) -> QuestionAnswer:
     return QuestionAnswer(question.text, question.thesis, measured, verdict, needed)
 
 
-def _together(verdicts: list[Verdict], *, mostly: bool) -> Verdict:
+def _together(verdicts: list[RatioVerdict], *, mostly: bool) -> RatioVerdict:
     held, refuted, total = verdicts.count("holds"), verdicts.count("does not hold"), len(verdicts)
     if total and (2 * held > total if mostly else held == total):
         return "holds"
@@ -238,7 +238,7 @@ def _onset_first(name: str, cells: pd.DataFrame) -> Iterator[RatioClaim]:
     if "onset" not in table.index or others.empty:
         return
     onset, best = table.loc["onset"], others.iloc[-1]
-    verdict: Verdict = "holds" if onset["low"] > others["high"].max() else "not decided"
+    verdict: RatioVerdict = "holds" if onset["low"] > others["high"].max() else "not decided"
     verdict = "does not hold" if onset["high"] < others["low"].max() else verdict
     text = f"{name}: importance of the onset {onset['value']:.3f} nats, of {best.name} {best['value']:.3f} nats"
     yield RatioClaim(text, verdict)

@@ -16,7 +16,7 @@ PRINTED_LEVEL = 0.99  # at which a measured ratio agrees with a printed one
 CLAIM_LEVEL = 0.99  # at which a claim is judged: so narrow a chance of error is for several claims of a question
 ALIKE = 0.1  # ratios that differ by less are alike: the thesis prints tenths and calls its results qualitative
 
-Verdict = Literal["holds", "does not hold", "not decided"]
+RatioVerdict = Literal["holds", "does not hold", "not decided"]
 
 
 def against_printed(measured: Ratio, printed: float, of: int) -> Difference:
@@ -64,14 +64,14 @@ class RatioClaim:
     """
 
     text: str
-    verdict: Verdict
+    verdict: RatioVerdict
     needed: int | None = None
 
 
 def more(text: str, difference: Difference, runs: int) -> RatioClaim:
     """Return the claim that the first ratio is larger; ``runs`` is how many replicates there were of each kind."""
     low, high = difference.interval(CLAIM_LEVEL)
-    verdict: Verdict = "holds" if low > 0 else "does not hold" if high < 0 else "not decided"
+    verdict: RatioVerdict = "holds" if low > 0 else "does not hold" if high < 0 else "not decided"
     first, second = difference.first, difference.second
     each = min(first.size, second.size) / runs
     needed = runs_needed(first.value, second.value, level=CLAIM_LEVEL, cells_per_run=each)

@@ -10,7 +10,7 @@ import pytest
 from tests.verification.thesis.claim_changes import Change, Wrong, decided, measured, replaced, times
 from tests.verification.thesis.emt_tables import KEPT
 from tests.verification.thesis.evidence import differences
-from verification.claims import Kind, stated_in
+from verification.claims import Verdict, stated_in
 from verification.thesis.chapter1.cells import HARD
 from verification.thesis.chapter1.claims import (
     s1_1_newton,
@@ -101,7 +101,7 @@ def flat(x: Any) -> Any:
     return np.where(x >= 0, 0.0, np.inf)
 
 
-TRUE = Kind.HOLDS
+TRUE = Verdict.HOLDS
 CHANGES: dict[str, Wrong] = {
     "c0.faster": Wrong("introduction.s1_introduction", "RUNTIMES", replaced(((27.0, 0.1),))),
     "c0.converges": Wrong("introduction.s1_introduction", "pbd_error", times(100.0)),
@@ -166,11 +166,11 @@ def test_the_verdict_is_the_recorded_one(name: str) -> None:
 @pytest.mark.parametrize("name", CHANGES)
 def test_a_wrong_ingredient_changes_the_verdict(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     evidence = decided(CLAIMS[name], CHANGES[name], monkeypatch)
-    assert evidence.kind is CHANGES[name].kind is not CLAIMS[name].recorded, evidence.measured
+    assert evidence.verdict is CHANGES[name].verdict is not CLAIMS[name].recorded, evidence.measured
 
 
-@pytest.mark.parametrize(("basal", "kind"), [(350, Kind.HOLDS), (80, Kind.OPEN), (10, Kind.FAILS)])
-def test_protrusions_are_judged_by_the_interval(basal: int, kind: Kind) -> None:
+@pytest.mark.parametrize(("basal", "verdict"), [(350, Verdict.HOLDS), (80, Verdict.OPEN), (10, Verdict.REFUTED)])
+def test_protrusions_are_judged_by_the_interval(basal: int, verdict: Verdict) -> None:
     evidence = CLAIMS["c0.protrusions"].decide(ratios(basal))
-    assert evidence.kind is kind, evidence.measured
+    assert evidence.verdict is verdict, evidence.measured
     assert evidence.runs_needed

@@ -8,7 +8,7 @@ import pytest
 import dincl
 from tests.verification.thesis.claim_changes import Wrong, decided, measured, replaced, times
 from tests.verification.thesis.evidence import differences
-from verification.claims import Kind, stated_in
+from verification.claims import Verdict, stated_in
 from verification.thesis.chapter2.claims import (
     s1_1_3_repulsion,
     s1_1_reference_methods,
@@ -99,9 +99,9 @@ def best(largest: float, stronger: float = 1.0) -> Tables:
     return {"penalty_best": pd.DataFrame(rows)}
 
 
-def with_table(part: str, tables: Tables, kind: Kind = Kind.FAILS) -> Wrong:
+def with_table(part: str, tables: Tables, verdict: Verdict = Verdict.REFUTED) -> Wrong:
     """Nothing but the table is wrong."""
-    return Wrong(part, (), replaced(None), kind, tables)
+    return Wrong(part, (), replaced(None), verdict, tables)
 
 
 def soft(dt: float, _strength: float = 0.0) -> dincl.Scheme:
@@ -109,7 +109,7 @@ def soft(dt: float, _strength: float = 0.0) -> dincl.Scheme:
     return dincl.Penalty(dt=dt, strength=5.0)
 
 
-TRUE = Kind.HOLDS
+TRUE = Verdict.HOLDS
 CHANGES: dict[str, Wrong] = {
     "c2.event-driven": Wrong("chapter2.s1_1_reference_methods", "event_driven", replaced(lambda: dincl.PBD(dt=0.01))),
     "c2.catch-up": Wrong("chapter2.s1_1_reference_methods", "catch_up", replaced(soft)),
@@ -134,7 +134,7 @@ CHANGES: dict[str, Wrong] = {
     "c2.equilibrium": Wrong("chapter2.s4_2_numerics", "pull", lambda f: lambda t, x: f(t, x) - 1.0),
     "c2.order-four": with_table("chapter2.s4_2_numerics", orders("four_disks", 0.45, 0.55)),
     "c2.decreases": with_table("chapter2.s4_2_numerics", errors(0.2)),
-    "c2.order-ten": with_table("chapter2.s4_2_numerics", orders("ten_disks_corner", 0.8, 1.2), Kind.OPEN),
+    "c2.order-ten": with_table("chapter2.s4_2_numerics", orders("ten_disks_corner", 0.8, 1.2), Verdict.OPEN),
     "c2.at-rest": with_table("chapter2.s4_2_numerics", positions(7, 10)),
     "c2.both-overlap": with_table("chapter2.s4_3_penalty", best(0.0)),
     "c2.strength": with_table("chapter2.s4_3_penalty", scan(0.5, 0.1)),
@@ -178,23 +178,23 @@ def test_a_claim_comes_out_as_recorded(name: str) -> None:
 @pytest.mark.parametrize("name", CHANGES)
 def test_a_wrong_ingredient_changes_the_verdict(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     evidence = decided(CLAIMS[name], CHANGES[name], monkeypatch)
-    assert evidence.kind is CHANGES[name].kind is not CLAIMS[name].recorded, evidence
+    assert evidence.verdict is CHANGES[name].verdict is not CLAIMS[name].recorded, evidence
 
 
 @pytest.mark.parametrize("name", CLAIMS)
 def test_a_correction_stands_where_one_is_needed(name: str) -> None:
     assert CLAIMS[name].statement
-    assert (CLAIMS[name].correction is not None) is (CLAIMS[name].recorded is Kind.CORRECTED)
+    assert (CLAIMS[name].correction is not None) is (CLAIMS[name].recorded is Verdict.CORRECTED)
 
 
 @pytest.mark.parametrize("name", RIGHT)
 def test_a_claim_about_studies_waits_for_its_tables(name: str) -> None:
     evidence: Any = CLAIMS[name].decide({})
-    assert evidence.kind is Kind.OPEN
+    assert evidence.verdict is Verdict.OPEN
     assert CLAIMS[name].needs[0] in evidence.measured
 
 
 def test_the_margin_is_told_and_does_not_decide() -> None:
     found = CLAIMS["c2.margin"].decide(best(5.0))
-    assert found.kind is Kind.HOLDS
+    assert found.verdict is Verdict.HOLDS
     assert "a factor of 5.0 small" in found.measured

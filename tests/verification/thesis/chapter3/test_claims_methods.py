@@ -11,7 +11,7 @@ import pytest
 import dincl
 from tests.verification.thesis.claim_changes import Wrong, decided, measured, replaced, times
 from tests.verification.thesis.evidence import differences
-from verification.claims import Kind, stated_in
+from verification.claims import Verdict, stated_in
 from verification.thesis.appendix.claims import s1_uzawa
 from verification.thesis.chapter3.claims import (
     s2_3_1_daha,
@@ -37,7 +37,7 @@ PARTS = (
     s1_uzawa,
 )
 CLAIMS = {claim.id: claim for part in PARTS for claim in stated_in(part)}
-FALSE, TRUE = Kind.FAILS, Kind.HOLDS
+FALSE, TRUE = Verdict.REFUTED, Verdict.HOLDS
 
 
 def iterations(median: float) -> pd.DataFrame:
@@ -113,9 +113,9 @@ FOUND = {
 }
 
 
-def of_tables(kind: Kind = FALSE, **tables: pd.DataFrame) -> Wrong:
+def of_tables(verdict: Verdict = FALSE, **tables: pd.DataFrame) -> Wrong:
     """Nothing is changed but what the check reads."""
-    return Wrong("chapter3.s3_4_comparison", (), replaced(None), kind, tables)
+    return Wrong("chapter3.s3_4_comparison", (), replaced(None), verdict, tables)
 
 
 def with_double_damping(f: Callable[..., Any]) -> Callable[..., Any]:
@@ -181,7 +181,7 @@ def test_every_claim_is_tried() -> None:
 def test_a_wrong_ingredient_changes_the_verdict(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     claim, wrong = CLAIMS[name], CHANGES[name]
     found = decided(claim, wrong, monkeypatch)
-    assert found.kind is wrong.kind is not claim.recorded, found.measured
+    assert found.verdict is wrong.verdict is not claim.recorded, found.measured
 
 
 @pytest.mark.parametrize("name", CLAIMS)
@@ -191,7 +191,7 @@ def test_the_verdict_is_the_recorded_one(name: str) -> None:
     assert claim.verdict(found) is claim.recorded, found
     assert differences(name, found) == []
     assert len(found.measured) <= 350
-    assert (claim.correction is not None) == (claim.recorded is Kind.CORRECTED)
+    assert (claim.correction is not None) == (claim.recorded is Verdict.CORRECTED)
 
 
 def test_the_runs_that_show_the_best_damping_follow_from_its_interval() -> None:
@@ -202,12 +202,12 @@ def test_the_runs_that_show_the_best_damping_follow_from_its_interval() -> None:
 
 def test_a_share_in_both_models_decides_one_in_four() -> None:
     quarter = failures((0.25, 0.18, 0.34), (0.26, 0.19, 0.34))
-    assert CLAIMS["c3.every-fourth"].decide({"tissue_daha_failures": quarter}).kind is TRUE
+    assert CLAIMS["c3.every-fourth"].decide({"tissue_daha_failures": quarter}).verdict is TRUE
 
 
 def test_a_study_that_is_too_short_to_see_a_doubling_says_so() -> None:
     found = CLAIMS["c3.doubling"].decide({"tissue_doubling": doubling(np.nan)})
-    assert found.kind is Kind.OPEN
+    assert found.verdict is Verdict.OPEN
     assert "nan" not in found.measured
 
 

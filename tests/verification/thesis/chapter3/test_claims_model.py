@@ -9,7 +9,7 @@ import pytest
 
 from tests.verification.thesis.claim_changes import Wrong, decided, measured, replaced, times
 from tests.verification.thesis.evidence import differences
-from verification.claims import Kind, stated_in
+from verification.claims import Verdict, stated_in
 from verification.thesis.chapter3.claims import (
     s1_3_model,
     s2_2_1_cycle,
@@ -37,7 +37,7 @@ CLAIMS = {claim.id: claim for part in PARTS for claim in stated_in(part)}
 MODEL, CYCLE, ENERGIES, FEASIBLE, QSS, PARAMETERS, TABLES, TISSUE, DIRECTIONS = (
     "chapter3." + part.__name__.rpartition(".")[2] for part in PARTS
 )
-HOLDS = Kind.HOLDS
+HOLDS = Verdict.HOLDS
 DISTANCES = ("1/3 R_soft", "1/2 R_soft", "2/3 R_soft", "1 R_soft")
 REVERSED = dict(zip(DISTANCES, reversed(DISTANCES), strict=True))
 
@@ -126,22 +126,22 @@ def test_verdict(name: str) -> None:
 def test_a_wrong_ingredient_changes_the_verdict(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     wrong = CHANGES[name]
     found = decided(CLAIMS[name], wrong, monkeypatch)
-    assert found.kind is wrong.kind is not CLAIMS[name].recorded, found.measured
+    assert found.verdict is wrong.verdict is not CLAIMS[name].recorded, found.measured
 
 
 @pytest.mark.parametrize(
-    ("values", "kind"),
+    ("values", "verdict"),
     [
-        ((1.5, 1.2, 1.1), Kind.CORRECTED),
-        ((1.1, 1.2, 1.5), Kind.HOLDS),
-        ((1.1, 1.5, 1.2), Kind.FAILS),
-        ((1.5, 1.2, 1.195), Kind.OPEN),
+        ((1.5, 1.2, 1.1), Verdict.CORRECTED),
+        ((1.1, 1.2, 1.5), Verdict.HOLDS),
+        ((1.1, 1.5, 1.2), Verdict.REFUTED),
+        ((1.5, 1.2, 1.195), Verdict.OPEN),
     ],
 )
-def test_damping_that_grows_tissue_fastest(values: tuple[float, ...], kind: Kind) -> None:
-    assert CLAIMS["c3.larger-damping"].decide({"tissue_ratios": ratios(*values)}).kind is kind
+def test_damping_that_grows_tissue_fastest(values: tuple[float, ...], verdict: Verdict) -> None:
+    assert CLAIMS["c3.larger-damping"].decide({"tissue_ratios": ratios(*values)}).verdict is verdict
 
 
 def test_growth_without_two_dampings_is_open() -> None:
     table = ratios(1.5, 1.2, 1.1).assign(lost=(1, 1, 0))
-    assert CLAIMS["c3.larger-damping"].decide({"tissue_ratios": table}).kind is Kind.OPEN
+    assert CLAIMS["c3.larger-damping"].decide({"tissue_ratios": table}).verdict is Verdict.OPEN

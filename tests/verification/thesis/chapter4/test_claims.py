@@ -25,7 +25,7 @@ from tests.verification.thesis.emt_tables import (
 from tests.verification.thesis.evidence import differences
 from tissue.events.known import row
 from tissue.statistics.comparisons import Difference
-from verification.claims import Comparison, Kind, stated_in
+from verification.claims import Comparison, Verdict, stated_in
 from verification.thesis.chapter4 import frequencies
 from verification.thesis.chapter4.claims import (
     s2_2_1_events,
@@ -67,8 +67,8 @@ def same(value: Any) -> Any:
     return value
 
 
-def by_tables(tables: Frames, kind: Kind = Kind.FAILS) -> Wrong:
-    return Wrong("chapter4.frequencies", (), same, kind, tables)
+def by_tables(tables: Frames, verdict: Verdict = Verdict.REFUTED) -> Wrong:
+    return Wrong("chapter4.frequencies", (), same, verdict, tables)
 
 
 def without_bridge(edges: frozenset[tuple[int, int]], i: int) -> frozenset[tuple[int, int]]:
@@ -130,15 +130,15 @@ def by_all_draws(_: Any) -> Any:
 
 PUBLISHED, AS_PRINTED = (deciding_as(KEPT, preset) for preset in ("published", "thesis"))
 RATIOS, CATEGORIES, CONDITIONAL = frequencies.RATIOS, frequencies.CATEGORIES, frequencies.CONDITIONAL
-HOLDS, FAILS = Kind.HOLDS, Kind.FAILS
+HOLDS, FAILS = Verdict.HOLDS, Verdict.REFUTED
 CHANGES = {
     "c4.rest-length": Wrong("chapter4.s2_2_1_events", "RATE", replaced(0.0)),
-    "c4.free-basal": Wrong("chapter4.s2_2_1_events", "run_with", unbound, Kind.HOLDS),
+    "c4.free-basal": Wrong("chapter4.s2_2_1_events", "run_with", unbound, Verdict.HOLDS),
     "c4.bent": Wrong("chapter4.s2_2_1_events", "run_with", unbound),
     "c4.constant-group": Wrong("chapter4.s2_2_1_events", "run_with", dividing),
     "c4.outside-depth": Wrong("chapter4.s2_2_4_protrusion", "DEPTH", replaced(1.5)),
-    "c4.grip": Wrong("chapter4.s2_2_4_protrusion", "pull", times(-1.0), Kind.HOLDS),
-    "c4.grip-at-once": Wrong("chapter4.s2_2_4_protrusion", "AT_ONCE", replaced(s2_2_4_protrusion.RATE), Kind.HOLDS),
+    "c4.grip": Wrong("chapter4.s2_2_4_protrusion", "pull", times(-1.0), Verdict.HOLDS),
+    "c4.grip-at-once": Wrong("chapter4.s2_2_4_protrusion", "AT_ONCE", replaced(s2_2_4_protrusion.RATE), Verdict.HOLDS),
     "c4.pulled-back": Wrong("chapter4.s4_3_2_pull_in", "positions", without_b),
     "c4.seventy": Wrong("chapter4.s2_3_timing", "SHARE", replaced(50.0)),
     "c4.range": Wrong("chapter4.s2_3_timing", "TABLES_1_2", replaced((5, 12, 24))),
@@ -157,17 +157,17 @@ CHANGES = {
         one_value("emt_complete_outside", "outside", 0),
     ),
     "c4.categories-count": Wrong("chapter4.s3_3_3_estimates", "share_sum", times(1.5)),
-    "c4.sampling": Wrong("chapter4.s3_3_3_estimates", "accepted", by_all_draws, Kind.HOLDS),
+    "c4.sampling": Wrong("chapter4.s3_3_3_estimates", "accepted", by_all_draws, Verdict.HOLDS),
     "c4.conditional": Wrong("chapter4.s3_3_3_estimates", "estimate", times(1.1)),
     "c4.average": Wrong("chapter4.s3_3_3_estimates", "estimate", replaced(lambda hits, inside: hits.sum() / len(hits))),
     "c4.isolated": by_tables(one_value(s4_1_isolated.PRINTED, "agrees", True), HOLDS),
     "c4.protrusions": by_tables(renamed("scenario", **{"[A]": "[BP]", "[BP]": "[A]"})),
-    "c4.remain": by_tables(AS_PRINTED, Kind.OPEN),
+    "c4.remain": by_tables(AS_PRINTED, Verdict.OPEN),
     "c4.mostly-basally": by_tables(exchanged("what", "apical", "basal"), HOLDS),
     "c4.apical": by_tables(with_counts(RATIOS, 0.5)),
     "c4.timing-isolated": by_tables(with_counts(RATIOS, 0.5), HOLDS),
     "c4.without-inm": by_tables(exchanged("what", "basal", "apical")),
-    "c4.inm-swaps": by_tables(AS_PRINTED, Kind.OPEN),
+    "c4.inm-swaps": by_tables(AS_PRINTED, Verdict.OPEN),
     "c4.drift": Wrong("chapter4.s4_2_without_inm", "in_models", the_other_way, FAILS, KEPT),
     "c4.straightness": by_tables(with_counts(RATIOS, 0.1), HOLDS),
     "c4.delays": Wrong("chapter4.s4_3_tables", "TABLE_3", replaced(((6, 18), (15, 15), (24, 6)))),
@@ -175,10 +175,10 @@ CHANGES = {
     "c4.seven-per-cent": Wrong("chapter4.s4_3_tables", "timing", replaced(lambda _: s2_3_timing.timing("6 h"))),
     "c4.data-points": Wrong("chapter4.s4_3_tables", "STATED_RUNS", replaced(500_000), HOLDS),
     "c4.figure-20": Wrong("chapter4.s4_3_tables", "TABLE_5", replaced((dict.fromkeys("ABSP", "6 h"),)), HOLDS),
-    "c4.dominates": by_tables(with_counts(RATIOS, 0.5), Kind.OPEN),
+    "c4.dominates": by_tables(with_counts(RATIOS, 0.5), Verdict.OPEN),
     "c4.homogeneous-drop": by_tables(PUBLISHED),
     "c4.q5-mixed": Wrong("chapter4.s4_5_mixed", "against_like", mirror_like, HOLDS, KEPT),
-    "c4.mixed-with-inm": by_tables(AS_PRINTED, Kind.OPEN),
+    "c4.mixed-with-inm": by_tables(AS_PRINTED, Verdict.OPEN),
     "c4.mixed-without-inm": by_tables(of_more_cells(PUBLISHED, 10), HOLDS),
     "c4.almost-double": by_tables(AS_PRINTED, HOLDS),
     "c4.competition": by_tables(reversed_rows(CATEGORIES, "category")),
@@ -188,7 +188,7 @@ CHANGES = {
     "c4.most-basal": by_tables(with_counts(CONDITIONAL, 0.75), HOLDS),
     "c4.lower-half": by_tables(reversed_rows(CONDITIONAL, "study", "given", "inm")),
     "c4.only-protrusions": by_tables(with_counts(RATIOS, 0.95)),
-    "c4.fewer-apical": by_tables(with_counts(RATIOS, 0.0), Kind.OPEN),
+    "c4.fewer-apical": by_tables(with_counts(RATIOS, 0.0), Verdict.OPEN),
     "c4.q2-inm": by_tables(exchanged("category", "[A]", "[B]")),
     **{f"c4.{name.lower()}": by_tables(answers(name, corrected="does not hold")) for name in s4_7_results.QUESTIONS},
 }
@@ -203,7 +203,7 @@ def test_every_claim_of_the_chapter_is_tried() -> None:
 def test_a_wrong_value_changes_the_verdict(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     wrong = CHANGES[name]
     found = decided(CLAIMS[name], wrong, monkeypatch)
-    assert found.kind is wrong.kind is not CLAIMS[name].recorded, found
+    assert found.verdict is wrong.verdict is not CLAIMS[name].recorded, found
 
 
 @pytest.mark.parametrize("name", CLAIMS)
@@ -213,7 +213,7 @@ def test_verdict_by_the_kept_tables_is_the_recorded_one(name: str) -> None:
     assert claim.verdict(found) is claim.recorded, found
     assert differences(name, found) == []
     assert 0 < len(found.measured) <= 350
-    assert (claim.correction is None) == (claim.recorded is not Kind.CORRECTED)
+    assert (claim.correction is None) == (claim.recorded is not Verdict.CORRECTED)
 
 
 # The first leaves open which cells it is about, the second which limit it has; the tables of answers give no runs for
@@ -232,34 +232,34 @@ def test_claims_wait_for_their_tables() -> None:
     for claim in CLAIMS.values():
         if claim.needs:
             found = claim.decide({})
-            assert found.kind is Kind.OPEN
+            assert found.verdict is Verdict.OPEN
             assert claim.needs[0] in found.measured
 
 
 @pytest.mark.parametrize(
-    ("corrected", "published", "kind"),
+    ("corrected", "published", "verdict"),
     [
-        ("holds", "does not hold", Kind.HOLDS),
-        ("does not hold", "holds", Kind.FAILS),
-        ("not decided", "holds", Kind.OPEN),
+        ("holds", "does not hold", Verdict.HOLDS),
+        ("does not hold", "holds", Verdict.REFUTED),
+        ("not decided", "holds", Verdict.OPEN),
     ],
 )
 def test_answers_hold_if_the_model_with_the_corrected_energies_says_so(
-    corrected: str, published: str, kind: Kind
+    corrected: str, published: str, verdict: Verdict
 ) -> None:
-    verdict = CLAIMS["c4.q3"].decide(answers("Q3", corrected=corrected, published=published))
-    assert verdict.kind is kind
-    assert f"corrected preset: {corrected}, published preset: {published}" in verdict.measured
+    found = CLAIMS["c4.q3"].decide(answers("Q3", corrected=corrected, published=published))
+    assert found.verdict is verdict
+    assert f"corrected preset: {corrected}, published preset: {published}" in found.measured
 
 
 @pytest.mark.parametrize(
-    ("thesis", "published", "kind"),
-    [(2, 2, Kind.HOLDS), (1, 2, Kind.CORRECTED), (1, 1, Kind.FAILS), (1, 0, Kind.FAILS)],
+    ("thesis", "published", "verdict"),
+    [(2, 2, Verdict.HOLDS), (1, 2, Verdict.CORRECTED), (1, 1, Verdict.REFUTED), (1, 0, Verdict.REFUTED)],
 )
-def test_printed_ratios_may_be_those_of_the_published_runs(thesis: int, published: int, kind: Kind) -> None:
+def test_printed_ratios_may_be_those_of_the_published_runs(thesis: int, published: int, verdict: Verdict) -> None:
     rows = [
         {"preset": preset, "time_h": 48.0, "agrees": k < agreeing}
         for preset, agreeing in (("thesis", thesis), ("published", published))
         for k in range(2)
     ]
-    assert CLAIMS["c4.isolated"].decide({s4_1_isolated.PRINTED: pd.DataFrame(rows)}).kind is kind
+    assert CLAIMS["c4.isolated"].decide({s4_1_isolated.PRINTED: pd.DataFrame(rows)}).verdict is verdict

@@ -5,7 +5,7 @@ import pytest
 
 from tissue.statistics.comparisons import Difference
 from tissue.statistics.ratios import Ratio
-from verification.claims import Evidence, Kind
+from verification.claims import Evidence, Verdict
 from verification.thesis.chapter4 import frequencies
 from verification.thesis.chapter4.studies import PRESETS
 
@@ -33,18 +33,18 @@ def by_model(**counts: int) -> dict[str, Difference]:
 
 
 def test_one_model_decides() -> None:
-    def found(*counts: int) -> Kind:
+    def found(*counts: int) -> Verdict:
         kinds = [by_model(corrected=count, thesis=1000 - count) for count in counts]
-        return Evidence("", (frequencies.more("", *kinds),)).kind
+        return Evidence("", (frequencies.more("", *kinds),)).verdict
 
-    assert found(700) is Kind.HOLDS
-    assert found(300) is Kind.FAILS
-    assert found(500) is Kind.OPEN
+    assert found(700) is Verdict.HOLDS
+    assert found(300) is Verdict.REFUTED
+    assert found(500) is Verdict.OPEN
 
 
 def test_kinds_of_cells_that_differ_decide_nothing() -> None:
     kinds = [by_model(corrected=count) for count in (700, 400)]
-    assert Evidence("", (frequencies.more("", *kinds),)).kind is Kind.OPEN
+    assert Evidence("", (frequencies.more("", *kinds),)).verdict is Verdict.OPEN
 
 
 def test_what_is_told_begins_with_the_model_that_decides() -> None:

@@ -9,7 +9,7 @@ import pytest
 from meanfield import State
 from tests.verification.thesis.claim_changes import Change, Wrong, decided, measured, replaced, times
 from tests.verification.thesis.evidence import differences
-from verification.claims import Kind, stated_in
+from verification.claims import Verdict, stated_in
 from verification.thesis.appendix.claims import s2_derivation
 from verification.thesis.chapter5.claims import (
     s1_introduction,
@@ -139,7 +139,7 @@ MOMENTS, MOTION, APPENDIX = (
     "appendix.s2_derivation",
 )
 # The world is as printed.
-TRUE = Kind.HOLDS
+TRUE = Verdict.HOLDS
 # What is changed, in which file, and how the claim then comes out.
 CHANGES: dict[str, Wrong] = {
     "c5.generalises": Wrong(INTRODUCTION, "force1", lambda f: lambda *given: np.tanh(f(*given))),
@@ -176,7 +176,7 @@ def test_the_verdict_is_the_recorded_one(name: str) -> None:
     evidence = claim.decide({})
     assert claim.verdict(evidence) is claim.recorded, evidence.measured
     assert differences(name, evidence) == []
-    assert (claim.correction is not None) == (claim.recorded is Kind.CORRECTED)
+    assert (claim.correction is not None) == (claim.recorded is Verdict.CORRECTED)
     assert len(evidence.measured) <= 350
 
 
@@ -184,7 +184,7 @@ def test_the_verdict_is_the_recorded_one(name: str) -> None:
 def test_a_wrong_value_changes_the_verdict(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     wrong = CHANGES[name]
     evidence = decided(CLAIMS[name], wrong, monkeypatch)
-    assert evidence.kind is wrong.kind is not CLAIMS[name].recorded, evidence.measured
+    assert evidence.verdict is wrong.verdict is not CLAIMS[name].recorded, evidence.measured
 
 
 def test_the_rig_moves_on_the_constraint_and_keeps_the_energy() -> None:

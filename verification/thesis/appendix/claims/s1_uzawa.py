@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from verification.claims import Correction, Effect, Evidence, Kind, claim, proved, put_right
+from verification.claims import Evidence, Verdict, proved, put_right
 from verification.formal.algebra import identity, library, sum_of_squares
 from verification.formal.enclosures import balls, not_negative
+from verification.thesis.text.quoted import claim
 
 Floats = NDArray[np.float64]
 SEED = 33
@@ -26,16 +27,8 @@ def saddle(seed: int = SEED) -> tuple[Floats, Floats, Floats, Floats]:
 @claim(
     "c3.uzawa-energy",
     "The quadratic program whose first-order conditions are the linear system (A.1).",
-    source="appendix 1.1, (A.1)",
-    quote="minimise xᵀAx - fᵀx subject to Bx = g … The corresponding first order conditions yield the linear problem",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "minimise ½xᵀAx - fᵀx",
-        Effect.MODEL,
-        "ℒ, which needs the same factor ½, and (A.1)",
-        why="the gradient of xᵀAx is 2Ax, (A.1) has Ax",
-        place=4031,
-    ),
+    "appendix 1.1, (A.1)",
+    Verdict.CORRECTED,
 )
 def _first_order() -> Evidence:
     """Two unknowns; others alike."""
@@ -56,16 +49,8 @@ def _first_order() -> Evidence:
 @claim(
     "c3.uzawa-lagrangian",
     "The Lagrangian whose saddle points solve the program.",
-    source="appendix 1.1",
-    quote="ℒ(x, λ) := xᵀAx + Bᵀλ - fᵀx … We note that sup_λ ℒ(x, λ) = ∞ if Bx ≠ g",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "ℒ(x, λ) := ½xᵀAx - fᵀx + λᵀ(Bx - g)",
-        Effect.MODEL,
-        "(A.1), the steps of Uzawa's method",
-        why="Bᵀλ is a vector, and without Bx − g the supremum over λ does not see the constraint",
-        place=4038,
-    ),
+    "appendix 1.1",
+    Verdict.CORRECTED,
     chosen="the factor ½, so that this is another matter than the energy",
 )
 def _lagrangian() -> Evidence:
@@ -83,10 +68,9 @@ def _lagrangian() -> Evidence:
 @claim(
     "c3.uzawa-symmetric",
     "The matrix of (A.1) is in general not symmetric positive definite.",
-    source="appendix 1.1",
-    quote="this linear system is often not symmetric and positive definite",
+    "appendix 1.1",
+    Verdict.PROVED,
     chosen="read as: not both at once",
-    recorded=Kind.PROVED,
 )
 def _indefinite() -> Evidence:
     """The quadratic form of (A.1) at (0, lambda), for three unknowns and two constraints; others alike."""
@@ -114,9 +98,8 @@ def dual(lam: Floats) -> float:
 @claim(
     "c3.uzawa-dual",
     "The multiplier of (A.1) minimises this quadratic function.",
-    source="appendix 1.1",
-    quote="min_λ F(λ) with F(λ) := λᵀBA⁻¹Bᵀλ - 2λᵀ(BA⁻¹f - g)",
-    recorded=Kind.PROVED,
+    "appendix 1.1",
+    Verdict.PROVED,
 )
 def _dual() -> Evidence:
     """S = B A^-1 B^T = C C^T with two constraints; lambda* solves S lambda* = B A^-1 f - g, which is (A.1)."""
@@ -147,16 +130,8 @@ def _dual() -> Evidence:
 @claim(
     "c3.uzawa-step",
     "The step for the multiplier in Uzawa's method, in two forms.",
-    source="appendix 1.1",
-    quote="λ_{k+1} = λ_k + α(BA⁻¹Bᵀλ_k - BA⁻¹f - g) = λ_k + α(Bx_{k+1} - g)",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "the first form is λ_k + α(BA⁻¹f - BA⁻¹Bᵀλ_k - g): descent of F, ascent of ℒ",
-        Effect.MODEL,
-        "the method, if it is run by the first form: it diverges",
-        why="inserting x_{k+1} = A⁻¹(f − Bᵀλ_k) into the second form gives the other signs",
-        place=4077,
-    ),
+    "appendix 1.1",
+    Verdict.CORRECTED,
     chosen="“The gradient of F is given by” is followed by nothing: 2(BA⁻¹Bᵀλ - BA⁻¹f + g)",
 )
 def _ascent() -> Evidence:
@@ -174,10 +149,9 @@ def _ascent() -> Evidence:
 @claim(
     "c3.uzawa-nonlinear",
     "The nonlinear variant of Uzawa's method for equality constraints.",
-    source="appendix 1.2",
-    quote="x_{k+1} = x_k - γ(∇W(x_k) + (∇g(x_k))ᵀλ_k), λ_{k+1} = λ_k + αg(x_{k+1})",
+    "appendix 1.2",
+    Verdict.PROVED_INSTANCE,
     chosen="both step sizes 0.1; the letters of c3.uzawa-start and c3.uzawa-transpose",
-    recorded=Kind.PROVED_INSTANCE,
     tried_on="the unit circle and the point (2, 1), from starts near the solution",
 )
 def _nonlinear() -> Evidence:

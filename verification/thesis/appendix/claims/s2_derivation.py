@@ -5,24 +5,17 @@ from __future__ import annotations
 
 from typing import Any
 
-from verification.claims import Correction, Effect, Evidence, FormalProof, Kind, claim, proved, put_right
+from verification.claims import Evidence, FormalProof, Verdict, proved, put_right
 from verification.formal.algebra import identity, matrices
 from verification.thesis.chapter5.general import eliminated, multiplier, pair_force, particle
+from verification.thesis.text.quoted import claim
 
 
 @claim(
     "c5.derivation-order",
     "The force on a particle by the others.",
-    source="appendix 2, (A.4a)",
-    quote="mẌ_i = F₁(X_i) + 1/N Σ_k K(X_i, X_k) − (∂_X g(X_i, y))ᵀλ_i",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "mẌ_i = F₁(X_i) + 1/N Σ_k K(X_k, X_i) − (∂_X g(X_i, y))ᵀλ_i, as in (5.6a)",
-        Effect.MODEL,
-        "(A.11) to (A.14), which have the same order; with it “which is equivalent to (A.5a)”, after (A.13), is false",
-        why=("(5.6a), which (A.4a) recalls, has K(X_k, X_i), and K is antisymmetric, so the sign of the force changes"),
-        place=4111,
-    ),
+    "appendix 2, (A.4a)",
+    Verdict.CORRECTED,
 )
 def _order() -> Evidence:
     """One pair and one coordinate, as for c5.pair-force."""
@@ -32,9 +25,8 @@ def _order() -> Evidence:
 @claim(
     "c5.derivation-constraint",
     "The constraints hold if and only if the particles have the velocities Φ_i[ẏ].",
-    source="appendix 2, (A.6), (A.7)",
-    quote="(A.4c) ⇔ dg(X_i, y)/dt = 0 ⇔ Ẋ_i = −(∂_X g)⁻¹∂_y g[ẏ] ⇔ (A.5b)",
-    recorded=Kind.PROVED,
+    "appendix 2, (A.6), (A.7)",
+    Verdict.PROVED,
 )
 def _constraint() -> Evidence:
     """(A.7) in both directions: what is left of U - Phi[v] is G^-1 times the rate of g."""
@@ -52,9 +44,8 @@ def _constraint() -> Evidence:
 @claim(
     "c5.derivation-rate",
     "The acceleration of a particle by that of the macroscopic component.",
-    source="appendix 2, (A.8) to (A.10)",
-    quote="Ẍ_i = Φ_i[ÿ] + Ω_i[ẏ, ẏ]",
-    recorded=Kind.PROVED,
+    "appendix 2, (A.8) to (A.10)",
+    Verdict.PROVED,
 )
 def _rate() -> Evidence:
     """d^2 g/dt^2 for U = Phi[v], Omega being the rate of Phi[v] with v held."""
@@ -85,16 +76,8 @@ def others(statement: str, printed: str, inserted: bool) -> FormalProof:
 @claim(
     "c5.derivation-multipliers",
     "The multipliers as functions of positions, velocities and ÿ.",
-    source="appendix 2, (A.11), (A.12)",
-    quote="λ_i = (∂_X g)⁻ᵀ(F₁(X_i) + 1/N Σ_k K(X_i, X_k) − mΦ_i[ÿ] − mΩ_i[ẏ, ẏ])",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "λ_i = (∂_X g)⁻ᵀ(F₁(X_i) + 1/N Σ_k K(X_k, X_i) − mΦ_i[ÿ] − mΩ_i[ẏ, ẏ])",
-        Effect.MODEL,
-        "(A.14), and with it the multipliers of Proposition 5.1",
-        why="it is (A.4a) solved for λ_i, with the order of K that c5.derivation-order corrects to that of (5.6a)",
-        place=4162,
-    ),
+    "appendix 2, (A.11), (A.12)",
+    Verdict.CORRECTED,
 )
 def _multipliers() -> Evidence:
     return put_right(others("λ_i of (A.12) with K(X_k, X_i) solves (5.6a), any nx, ny, N", "with K(X_i, X_k)", False))
@@ -103,16 +86,8 @@ def _multipliers() -> Evidence:
 @claim(
     "c5.derivation-insert",
     "The equation for ÿ once the multipliers are inserted.",
-    source="appendix 2, (A.13)",
-    quote="ÿ = F₀ + 1/N Σ_j Φ_jᵀ(F₁(X_j) + 1/N Σ_k K(X_j, X_k) − m(Φ_j[ÿ] + Ω_j[ẏ, ẏ]))",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "ÿ = F₀ + 1/N Σ_j Φ_jᵀ(F₁(X_j) + 1/N Σ_k K(X_k, X_j) − m(Φ_j[ÿ] + Ω_j[ẏ, ẏ]))",
-        Effect.MODEL,
-        "“which is equivalent to (A.5a)”, after it, which is true with this order only",
-        why="(5.14), to which it leads, has K(X_k, X_j); the printed order is that of (A.4a)",
-        place=4166,
-    ),
+    "appendix 2, (A.13)",
+    Verdict.CORRECTED,
 )
 def _insert() -> Evidence:
     return put_right(others("inserted into (5.6b) it gives (A.13) with K(X_k, X_j)", "with K(X_j, X_k)", True))
@@ -121,16 +96,8 @@ def _insert() -> Evidence:
 @claim(
     "c5.derivation-back",
     "The multipliers that turn a solution of the reduced equations into one of the constrained ones.",
-    source="appendix 2, (A.14)",
-    quote="λ_i := (∂_X g)⁻ᵀ(F₁(X_i) + 1/N Σ_k K(X_i, X_k) − mΦ_i[ÿ] − mΩ_i[ẏ, ÿ])",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "λ_i := (∂_X g)⁻ᵀ(F₁(X_i) + 1/N Σ_k K(X_k, X_i) − mΦ_i[ÿ] − mΩ_i[ẏ, ẏ]), as in (A.12)",
-        Effect.MODEL,
-        "Proposition 5.1, which defines λ_i by (A.14); it holds with (A.12)",
-        why=("(A.12), which it is said to be, has Ω_i[ẏ, ẏ], from (A.10); the order of K is that of (5.6a)"),
-        place=4181,
-    ),
+    "appendix 2, (A.14)",
+    Verdict.CORRECTED,
 )
 def _back() -> Evidence:
     """Omega[y', y''], as printed, is another word than Omega[y', y']."""
@@ -152,12 +119,9 @@ def _back() -> Evidence:
 @claim(
     "c5.equivalence",
     "Reduced and constrained equations have the same solutions.",
-    source="before Proposition 5.1",
-    quote=(
-        "with solutions of the ODE model we can recover the Lagrangian multipliers to construct a solution of the DAE"
-    ),
+    "before Proposition 5.1",
+    Verdict.PROVED,
     chosen="λ_i of (A.12) with K(X_k, X_i); those of (A.14), which Proposition 5.1 names, see c5.derivation-back",
-    recorded=Kind.PROVED,
 )
 def _equivalent() -> Evidence:
     """With the multipliers of (A.12) equation (5.6a) holds, and (5.6b) is (5.11a)."""

@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from verification.claims import Correction, Effect, Evidence, Kind, at_most, claim, equal, proved
+from verification.claims import Evidence, Verdict, at_most, equal, proved
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication
 from verification.thesis.chapter1.sets import SLOPES, Floats, subgradients, unlike
+from verification.thesis.text.quoted import claim
 
 WEIGHT = 2.0
 RADIUS, VISCOSITY, WATER = 5e-6, 0.1, 1.0016e-3  # [m], [Pa s], water at 20 °C [Pa s]
@@ -24,10 +25,9 @@ CELL_SPEED = 1e-4 / 3600  # [m/s], 0.1 mm/h: faster than cells are
 @claim(
     "c1.impact",
     "When a rubber ball meets infinitely stiff ground, its velocity jumps and the force is a measure.",
-    source="introduction, Figure 1",
-    quote="The velocity will change discontinuously, … the forces at contact are only generalised functions",
+    "introduction, Figure 1",
+    Verdict.PROVED_INSTANCE,
     chosen="Newton's equation without damping or weight, and a ground that is a spring whose stiffness grows",
-    recorded=Kind.PROVED_INSTANCE,
     tried_on="a ground that is a spring, of any stiffness",
 )
 def _impact() -> Evidence:
@@ -61,16 +61,8 @@ def ball_energy(x: Floats) -> Floats:
 @claim(
     "c1.ball-at-rest",
     "The subderivative of the energy of a ball above the ground.",
-    source="introduction",
-    quote="∂W(x) = {mg} if x ≥ 0, (-∞, 0] if x = 0, ∅ if x < 0",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "∂W(x) = {mg} if x > 0, (-∞, mg] if x = 0, ∅ if x < 0",
-        Effect.MODEL,
-        "the first differential inclusion of the chapter, μẋ ∈ -∂W(x), for a ball that other forces act on",
-        why="W(y) ≥ vy for all y ≥ 0 is mgy ≥ vy, so v ≤ mg, by (1.9); at x > 0 the energy has the slope mg alone",
-        place=189,
-    ),
+    "introduction",
+    Verdict.CORRECTED,
 )
 def _ball_at_rest() -> Evidence:
     """All slopes that support W at 0, at 1 and below the ground."""
@@ -91,9 +83,8 @@ def _ball_at_rest() -> Evidence:
 @claim(
     "c1.velocity",
     "The velocity of a damped particle under a constant force.",
-    source="after (1.1)",
-    quote="v(t) = (vⁱⁿⁱᵗ - F/μ) e^(-μt/m) + F/μ",
-    recorded=Kind.PROVED,
+    "after (1.1)",
+    Verdict.PROVED,
 )
 def _velocity() -> Evidence:
     """One coordinate; the others alike."""
@@ -111,9 +102,8 @@ def _velocity() -> Evidence:
 @claim(
     "c1.time-scale",
     "The velocity comes near to F/μ in times of the size of m/μ.",
-    source="after (1.1)",
-    quote="The relevant time scale for the convergence is τ = m/μ.",
-    recorded=Kind.PROVED,
+    "after (1.1)",
+    Verdict.PROVED,
 )
 def _time_scale() -> Evidence:
     sp = library()
@@ -132,10 +122,9 @@ def _time_scale() -> Evidence:
 @claim(
     "c1.overdamped",
     "Without its inertia a particle moves nearly as before if m/μ is short.",
-    source="section 1.1",
-    quote="where m/μ ≪ T, then we obtain good approximations by solving the overdamped Newton equation",
+    "section 1.1",
+    Verdict.PROVED_INSTANCE,
     chosen="one particle on a spring that starts at rest; “good” is an error of the order of m/(μT)",
-    recorded=Kind.PROVED_INSTANCE,
     tried_on="a mass on a spring that starts at rest, every m with k = μ = 1",
 )
 def _overdamped() -> Evidence:
@@ -173,8 +162,7 @@ def _overdamped() -> Evidence:
 @claim(
     "c1.viscosity",
     "The viscosity of cytoplasm beside that of water.",
-    source="Example 1.1",
-    quote="η = 10⁻¹ kg m⁻¹ s⁻¹ which is 100 times larger than that of water",
+    "Example 1.1",
     chosen="water at 20 °C",
 )
 def _viscosity() -> Evidence:
@@ -187,8 +175,7 @@ def _viscosity() -> Evidence:
 @claim(
     "c1.drag",
     "The drag of a cell by the law of Stokes.",
-    source="Example 1.1",
-    quote="μ ≈ 6πRη = 9.42 × 10⁻³ g s⁻¹",
+    "Example 1.1",
     chosen="the size of the drag (its sign: see the errata)",
 )
 def _drag() -> Evidence:
@@ -202,16 +189,8 @@ def _drag() -> Evidence:
 @claim(
     "c1.density",
     "The density and mass of a cell and the time in which its velocity adapts.",
-    source="Example 1.1",
-    quote="m ≈ 1.05 g L⁻¹ · 4/3 π R³ = 0.55 × 10⁻¹² g, m/μ = 5.833 × 10⁻¹¹ s",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "the density is 1.05 g mL⁻¹, so m = 0.55 × 10⁻⁹ g and m/μ = 5.83 × 10⁻⁸ s",
-        Effect.NUMBER,
-        "the time scale of section 1.1; the conclusion (overdamped) stands",
-        why="the sentence itself says 1.05 times the density of water, which is 1 kg/L = 1 g/mL",
-        place=251,
-    ),
+    "Example 1.1",
+    Verdict.CORRECTED,
 )
 def _density() -> Evidence:
     volume, drag = 4 / 3 * math.pi * RADIUS**3, 6 * math.pi * RADIUS * VISCOSITY  # [m³], [kg/s]
@@ -232,8 +211,7 @@ def _density() -> Evidence:
 @claim(
     "c1.regime",
     "Cells have no inertia to speak of, and the Reynolds number of their motion is small.",
-    source="Example 1.1",
-    quote="the motion of cells is in the overdamped regime … we deal with a very small Reynolds number.",
+    "Example 1.1",
     chosen="a cell that moves by 0.1 mm/h, and the density of water",
 )
 def _regime() -> Evidence:

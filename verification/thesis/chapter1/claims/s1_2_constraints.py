@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from verification.claims import Evidence, Kind, claim, proved
+from verification.claims import Evidence, Verdict, proved
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication, solver_library
 from verification.thesis.chapter1.sets import Floats
+from verification.thesis.text.quoted import claim
 
 SIDES = [(0, 1), (0, 2), (1, 2)]
 
@@ -19,9 +20,8 @@ SIDES = [(0, 1), (0, 2), (1, 2)]
 @claim(
     "c1.pairs",
     "N discs have as many constraints as pairs.",
-    source="before (1.3)",
-    quote="Let us define g₁, …, g_M for M = (N over 2)",
-    recorded=Kind.PROVED,
+    "before (1.3)",
+    Verdict.PROVED,
 )
 def _pairs() -> Evidence:
     """By induction: one more disc has a pair with each of the N before."""
@@ -37,9 +37,8 @@ def _pairs() -> Evidence:
 @claim(
     "c1.multipliers",
     "Discs in contact are pushed apart along the gradients of their distances, with multipliers ≥ 0.",
-    source="(1.4), (1.5)",
-    quote="Ẋ_i = F_i(X) + Σ λ_k ∇_{X_i} g_k(X), g_k ≥ 0, λ_k ≥ 0 and λ_k g_k = 0",
-    recorded=Kind.PROVED_INSTANCE,
+    "(1.4), (1.5)",
+    Verdict.PROVED_INSTANCE,
     tried_on="three touching discs, every force",
 )
 def _multipliers() -> Evidence:
@@ -76,10 +75,9 @@ def _multipliers() -> Evidence:
 @claim(
     "c1.penalty-force",
     "The energy n dist(x, S) holds a point back unless the force is too large.",
-    source="(1.7), (1.8)",
-    quote="but if F is large enough, it could push x into the unfeasible region.",
+    "(1.7), (1.8)",
+    Verdict.PROVED,
     chosen="S = [0, ∞) and a constant force; “large enough” is |F| > n",
-    recorded=Kind.PROVED,
 )
 def _penalty() -> Evidence:
     """S = [0, inf), W = n max(0, -x): below 0 the penalty pushes with n, against the force f < 0; v is the velocity."""
@@ -103,9 +101,8 @@ def indicator(x: Floats) -> Floats:
 @claim(
     "c1.indicator",
     "The penalty energies tend to the indicator function.",
-    source="section 1.3",
-    quote="W(x) := lim sup W_n(x) = I_S(x) = ∞ if x ∉ S, 0 if x ∈ S",
-    recorded=Kind.PROVED,
+    "section 1.3",
+    Verdict.PROVED,
 )
 def _indicator() -> Evidence:
     """d = dist(x, S), which is positive outside of the closed S; K is any bound."""
@@ -123,9 +120,8 @@ def _indicator() -> Evidence:
 @claim(
     "c1.subdifferential",
     "The subdifferential of the indicator function of [0, 1].",
-    source="after (1.9)",
-    quote="∂W(x) = {0} if x ∈ (0, 1), ∅ if x < 0 or x > 1, (-∞, 0] if x = 0, [0, ∞) if x = 1",
-    recorded=Kind.PROVED,
+    "after (1.9)",
+    Verdict.PROVED,
 )
 def _subdifferential() -> Evidence:
     """v is a slope at x in [0, 1] if v (y - x) <= W(y) - W(x) = 0 for all y of [0, 1]; outside, W = inf, none is."""

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from verification.claims import Correction, Effect, Evidence, Kind, at_least, claim, equal, proved
+from verification.claims import Evidence, Verdict, at_least, equal, proved
 from verification.thesis.chapter1.claims.s4_2_hypomonotone import cones
 from verification.thesis.chapter1.sets import Floats
+from verification.thesis.text.quoted import claim
 
 SAMPLES, SEED = 300, 14
 ROUNDING = 1e-12
@@ -35,17 +36,8 @@ def proximal(v: Floats, x: Floats) -> bool:
 @claim(
     "c1.outward-normals",
     "The subdifferential of the indicator function of a set is its normal cone.",
-    source="before Model 1.3",
-    quote="∂W(x) is the set of all outward pointing normal vectors of S, e.g. ∂W(x) = ∂I_S(x) = N(S, x)",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "for convex S; otherwise ∂ is the proximal subdifferential, which (1.9) is not",
-        Effect.PROOF,
-        "the step to Model 1.3, which stands with N(S, x) of Definition 1.23",
-        why="(1.9) bounds W from below at all y, and behind a touching disc there are feasible y again: at two "
-        "touching discs (1.9) gives {0}, the cone has a normal",
-        place=359,
-    ),
+    "before Model 1.3",
+    Verdict.CORRECTED,
     tried_on="the unit disc, and two touching discs",
 )
 def _outward() -> Evidence:
@@ -74,10 +66,9 @@ def _outward() -> Evidence:
 @claim(
     "c1.equivalent",
     "The inclusion with the normal cone and the equations with multipliers have the same solutions.",
-    source="section 1.3",
-    quote="we will see that this model is equivalent to (1.4) and (1.5).",
+    "section 1.3",
+    Verdict.PROVED_INSTANCE,
     chosen="the four discs of Figure 4 of chapter 2",
-    recorded=Kind.PROVED_INSTANCE,
     tried_on="states whose contacts have independent gradients",
 )
 def _equivalent() -> Evidence:

@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from verification.claims import Correction, Effect, Evidence, FormalProof, Kind, at_least, at_most, claim, equal, proved
+from verification.claims import Evidence, FormalProof, Verdict, at_least, at_most, equal, proved
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication, solver_library
+from verification.thesis.text.quoted import claim
 
 # Places on both sides of 0, the nearest as near as numbers that are squared allow.
 LINE = np.concatenate([sign * np.logspace(-8, 1, 40) for sign in (-1.0, 1.0)])
@@ -38,9 +39,8 @@ def growth_of_distance() -> tuple[FormalProof, FormalProof]:
 @claim(
     "c1.one-sided",
     "Solutions of a one-sided Lipschitz inclusion stay within exp(Lt) times their first distance.",
-    source="Theorem 1.13",
-    quote="‖x(t) - y(t)‖ ≤ exp(Lt) ‖x(0) - y(0)‖",
-    recorded=Kind.PROVED,
+    "Theorem 1.13",
+    Verdict.PROVED,
 )
 def _one_sided() -> Evidence:
     """E' = 2 (x' - y') (x - y) <= 2 L E for E = |x - y|^2; K = L t."""
@@ -65,9 +65,8 @@ def steepest(sign: float) -> float:
 @claim(
     "c1.step-continuity",
     "The right-hand side of the step inclusion is upper semicontinuous and one-sided Lipschitz at 0.",
-    source="Remark 1.14",
-    quote="(v - w)(x - y) = (v + 1)(0 - y) ≤ 0 ≤ 2(x - y)²",
-    recorded=Kind.PROVED,
+    "Remark 1.14",
+    Verdict.PROVED,
 )
 def _remark() -> Evidence:
     """h and k are values of sign at x and y, any of [-1, 1] at 0; (1.13) has the right side -h."""
@@ -94,21 +93,8 @@ def _remark() -> Evidence:
 @claim(
     "c1.monotone-maps",
     "The set-valued sign function is one-sided Lipschitz with L = 0.",
-    source="Remark 1.15",
-    quote=(
-        "we actually showed a stronger property for the sign function, namely that it is a monotone map … with L = 0."
-    ),
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "-sign is one-sided Lipschitz with L = 0; sign is not for any L, as the remark says in its next sentence",
-        Effect.PROOF,
-        "the remark itself; Theorem 1.13 is applied to -sign",
-        why=(
-            "Remark 1.14 is about −sign, and the next sentence says that sign is neither monotone nor one-sided "
-            "Lipschitz: for y → 0 the quotient of sign grows like 1/|y|"
-        ),
-        place=498,
-    ),
+    "Remark 1.15",
+    Verdict.CORRECTED,
 )
 def _monotone_maps() -> Evidence:
     plain, turned = steepest(-1.0), steepest(1.0)
@@ -126,10 +112,9 @@ def _monotone_maps() -> Evidence:
 @claim(
     "c1.neither",
     "The right-hand side of the model of discs fulfils neither assumption of the classical theorems.",
-    source="after Remark 1.15",
-    quote="the multi-functions F considered will neither be upper semicontinuous nor one-sided Lipschitz continuous.",
+    "after Remark 1.15",
+    Verdict.PROVED,
     chosen="F = 0 and two discs",
-    recorded=Kind.PROVED,
 )
 def _neither() -> Evidence:
     """Discs at -e, e and -f, f with unit vectors e, f at any angle: a normal of length s at the first pair."""
@@ -164,20 +149,8 @@ def cones_from(least: float, most: float) -> int:
 @claim(
     "c1.generalise",
     "How the theorems for prox-regular sets are related to those of section 2.",
-    source="after Remark 1.15",
-    quote="The main theorems of this chapter (Theorem 1.31 and Lemma 1.32) generalise Theorem 1.11 and Theorem 1.13.",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "they carry existence and uniqueness over to F - N(S, ·) with a single-valued, Lipschitz continuous F; neither "
-        "pair contains the other",
-        Effect.PROOF,
-        "a force with several values, as dry friction has, beside constraints: Theorem 1.31 does not cover it",
-        why=(
-            "Theorems 1.11 and 1.13 cover (1.13), whose value at 0 is [-1, 1]; F(x) - N(S, x) is a point plus a cone, "
-            "in ℝ one point, a half-line or all of ℝ, so that Theorem 1.31 does not cover it"
-        ),
-        place=502,
-    ),
+    "after Remark 1.15",
+    Verdict.CORRECTED,
 )
 def _generalise() -> Evidence:
     """In R, a value of F - N is a force plus {0}, a half-line or the line; that of (1.13) at 0, and at 0 of [0, oo)."""

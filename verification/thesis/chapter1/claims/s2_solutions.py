@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 
 import dincl
-from verification.claims import Correction, Effect, Evidence, Kind, claim, equal, proved
+from verification.claims import Evidence, Verdict, equal, proved
 from verification.formal.reals import implication, solver_library
+from verification.thesis.text.quoted import claim
 
 ROUNDING = 1e-12
 # The start c of Example 1.9 where quotients are formed, and their step; both exact in binary.
@@ -59,10 +60,9 @@ def lost_rise(f: Callable[[float], float]) -> float:
 @claim(
     "c1.absolutely-continuous",
     "Absolutely continuous functions are the integrals of integrable ones.",
-    source="Definition 1.6, Lemma 1.7",
-    quote="f is absolutely continuous if and only if there exists a Lebesgue integrable function g … f(x) = f(a) + ∫ g",
+    "Definition 1.6, Lemma 1.7",
+    Verdict.NOT_REFUTED,
     chosen="four functions on [0, 1]; g can only be the derivative",
-    recorded=Kind.NOT_REFUTED,
     tried_on="four functions on [0, 1]",
 )
 def _absolutely_continuous() -> Evidence:
@@ -97,16 +97,8 @@ def unsolved(c: float, end: float) -> float:
 @claim(
     "c1.no-classical",
     "The equation with the sign function has no differentiable solution.",
-    source="Example 1.9",
-    quote="ẋ = -sign(x) with the convention sign(0) = 0. This equation has no classical solutions.",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "from x(0) = c ≠ 0 it has no classical solution on [0, T] with T ≥ |c|",
-        Effect.PROOF,
-        "nothing else: the example goes on with c > 0 and times beyond c",
-        why="x = 0 for all times fulfils ẋ = -sign(x) with sign(0) = 0, and so does c - t for t < c",
-        place=429,
-    ),
+    "Example 1.9",
+    Verdict.CORRECTED,
 )
 def _no_classical() -> Evidence:
     """Two classical solutions by their residuals, and the velocity of the third, that comes to 0."""
@@ -128,9 +120,8 @@ def step_solution(c: float, t: float) -> float:
 @claim(
     "c1.step",
     "The solution of the step inclusion.",
-    source="Example 1.9",
-    quote="It turns out that the unique solution is x(t) = max(c - t, 0).",
-    recorded=Kind.PROVED,
+    "Example 1.9",
+    Verdict.PROVED,
 )
 def _step() -> Evidence:
     """x' in -H(x), H = sign(x), and [-1, 1] at 0; h and k are values of H at x and y."""
@@ -159,9 +150,8 @@ def _step() -> Evidence:
 @claim(
     "c1.kink",
     "The derivative of the solution of the step inclusion, and where there is none.",
-    source="Example 1.9",
-    quote="the derivative does not exist at t = c … for t ≠ c is equal to -1_{t < c}(t)",
-    recorded=Kind.PROVED,
+    "Example 1.9",
+    Verdict.PROVED,
 )
 def _kink() -> Evidence:
     """The quotient q of max(c - t, 0) over a step h from t = c + d, both ends on one side of c or one of them at c."""
@@ -181,21 +171,8 @@ def _kink() -> Evidence:
 @claim(
     "c1.almost-everywhere",
     "A function with a derivative almost everywhere is absolutely continuous.",
-    source="Example 1.9",
-    quote=(
-        "The existence of an almost everywhere defined derivative proves that x is absolutely continuous by Lemma 1.7."
-    ),
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "x is absolutely continuous by Lemma 1.7, as it is the integral of its derivative",
-        Effect.PROOF,
-        "nothing else: max(c - t, 0) is absolutely continuous",
-        why=(
-            "Cantor's function has the derivative 0 almost everywhere and is not constant; Lemma 1.7 asks that "
-            "the function is the integral of its derivative"
-        ),
-        place=441,
-    ),
+    "Example 1.9",
+    Verdict.CORRECTED,
 )
 def _almost_everywhere() -> Evidence:
     lost, ours = lost_rise(cantor), lost_rise(lambda t: step_solution(C, t))

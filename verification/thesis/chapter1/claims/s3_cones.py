@@ -5,10 +5,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from verification.claims import Correction, Effect, Evidence, Kind, at_most, claim, equal, proved, put_right
+from verification.claims import Evidence, Verdict, at_most, equal, proved, put_right
 from verification.formal.reals import implication
 from verification.thesis.chapter1.claims.s1_2_constraints import indicator
 from verification.thesis.chapter1.sets import PLACES, SLOPES, subgradients
+from verification.thesis.text.quoted import claim
 
 SEED = 11
 ROUNDING = 1e-12
@@ -17,9 +18,8 @@ ROUNDING = 1e-12
 @claim(
     "c1.convex-cone",
     "Normal cones are convex cones, and at inner points they contain 0 alone.",
-    source="after Definition 1.16",
-    quote="for v, w ∈ N_C(x) we also have αv + w ∈ N_C(x) for all α > 0 … N_C(x) = {0}",
-    recorded=Kind.PROVED,
+    "after Definition 1.16",
+    Verdict.PROVED,
 )
 def _convex_cone() -> Evidence:
     """p = v.(y - x) and q = w.(y - x) for a point y of C; at an inner point y = x + t v is in C for a t > 0."""
@@ -40,16 +40,8 @@ def _convex_cone() -> Evidence:
 @claim(
     "c1.outside",
     "Outside of a convex set its normal cone is empty.",
-    source="after Definition 1.16",
-    quote="If x ∉ C then N_C(x) = ∅.",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "it is empty if Definition 1.16 asks for x ∈ C besides; as printed N_C(x) contains at least 0",
-        Effect.MODEL,
-        "(1.15) and (1.16): as printed they do not keep a point in C, and 0 is a solution from every start",
-        why=("v = 0 fulfils v·(y − x) ≤ 0 for every x, also outside of C, and the definition does not ask for x ∈ C"),
-        place=536,
-    ),
+    "after Definition 1.16",
+    Verdict.CORRECTED,
 )
 def _outside() -> Evidence:
     """C = [0, 1], x = 3/2: Definition 1.16 as printed, and with x in C, which is (1.9) for the indicator function."""
@@ -67,16 +59,8 @@ def _outside() -> Evidence:
 @claim(
     "c1.monotone",
     "The sign of the product of differences of normals and of points of a convex set.",
-    source="after (1.15)",
-    quote="(v - w)·(x - y) ≤ 0 for all v ∈ N_C(x), w ∈ N_C(y)",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "(v - w)·(x - y) ≥ 0",
-        Effect.PROOF,
-        "the uniqueness of solutions of (1.15), which stands: the right-hand side has -N_C",
-        why="v·(y − x) ≤ 0 and w·(x − y) ≤ 0 by Definition 1.16; their sum is −(v − w)·(x − y) ≤ 0",
-        place=559,
-    ),
+    "after (1.15)",
+    Verdict.CORRECTED,
 )
 def _monotone() -> Evidence:
     """p = v.(y - x) <= 0 and q = w.(x - y) <= 0 for v in N_C(x), w in N_C(y)."""
@@ -92,10 +76,9 @@ def _monotone() -> Evidence:
 @claim(
     "c1.convex-unique",
     "Solutions that only the normals of a convex set move do not come apart.",
-    source="after (1.15)",
-    quote="in the case F = 0, Theorem 1.13 implies uniqueness of solutions of (1.15).",
+    "after (1.15)",
+    Verdict.PROVED,
     chosen="a set that moves, as in (1.16): in one that stands still nothing moves without F",
-    recorded=Kind.PROVED,
 )
 def _convex_unique() -> Evidence:
     """v in N_C(x), w in N_C(y), x' = -v, y' = -w: p = v.(y - x), q = w.(x - y); C may move."""
@@ -111,10 +94,9 @@ def _convex_unique() -> Evidence:
 @claim(
     "c1.sweeping",
     "A swept point is not faster than the set that sweeps it.",
-    source="Theorem 1.18",
-    quote="For almost every t ∈ [0, T] we have ‖ẋ(t)‖ ≤ L.",
+    "Theorem 1.18",
+    Verdict.PROVED,
     chosen="C(t) = [sin t, sin t + 1/2]; a given start, see c1.sweeping-unique",
-    recorded=Kind.PROVED,
 )
 def _sweeping() -> Evidence:
     """n = -x'/|x'| is normal to C(t). A point of C(t) is within L h of x(t - h) = x - h x' + o(h): n.(z - x) <= 0.
@@ -142,16 +124,8 @@ def swept_from(start: float, h: float, end: float) -> float:
 @claim(
     "c1.sweeping-unique",
     "The sweeping process has one solution.",
-    source="Theorem 1.18, (1.16), (1.17)",
-    quote="(1.17) x(0) ∈ C(0) … Then there is an unique solution x ∈ AC([0, T], ℝ^d) solving (1.16) and (1.17).",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "for each xⁱⁿⁱᵗ ∈ C(0) there is a unique solution with x(0) = xⁱⁿⁱᵗ",
-        Effect.MODEL,
-        "(1.17), which should fix the start; Theorem 1.31 has x(0) = xⁱⁿⁱᵗ",
-        why="(1.17) only asks for a start in C(0), and different starts in it have different solutions",
-        place=573,
-    ),
+    "Theorem 1.18, (1.16), (1.17)",
+    Verdict.CORRECTED,
     tried_on="C(t) = [sin t, sin t + 1/2]",
 )
 def _sweeping_unique() -> Evidence:

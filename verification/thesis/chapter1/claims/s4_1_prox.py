@@ -8,11 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from verification.claims import Correction, Effect, Evidence, FormalProof, Kind, at_least, at_most, claim, equal, proved
+from verification.claims import Evidence, FormalProof, Verdict, at_least, at_most, equal, proved
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication
 from verification.thesis.chapter1.claims.s3_cones import SEED
 from verification.thesis.chapter1.sets import contact_gradients
+from verification.thesis.text.quoted import claim
 
 ROUNDING = 1e-12
 RADIUS = 0.5
@@ -21,9 +22,8 @@ RADIUS = 0.5
 @claim(
     "c1.not-convex",
     "Discs that do not overlap may overlap half-way between two arrangements.",
-    source="section 4",
-    quote="the set of non-overlapping disks … is not convex.",
-    recorded=Kind.PROVED,
+    "section 4",
+    Verdict.PROVED,
 )
 def _not_convex() -> Evidence:
     """Centres at -R e and R e, exchanged, and half-way between: any radius and direction."""
@@ -49,9 +49,8 @@ def _not_convex() -> Evidence:
 @claim(
     "c1.convex-projection",
     "Convex sets have one nearest point.",
-    source="after Definition 1.20",
-    quote="the projection onto convex, closed, non-empty sets C is unique, i.e. P_C is single valued.",
-    recorded=Kind.PROVED,
+    "after Definition 1.20",
+    Verdict.PROVED,
 )
 def _convex_projection() -> Evidence:
     """The parallelogram law in each coordinate; p, q nearest at the distance r, e = |p - q|^2, m their middle."""
@@ -72,9 +71,8 @@ def _convex_projection() -> Evidence:
 @claim(
     "c1.pacman",
     "A disc with a mouth has points with two nearest points, as near to it as one likes.",
-    source="Figure 7",
-    quote="The Pacman-like set is not uniformly prox-regular since for points in the middle of the mouth … not unique.",
-    recorded=Kind.PROVED,
+    "Figure 7",
+    Verdict.PROVED,
 )
 def _pacman() -> Evidence:
     """(s, 0) in a mouth of half the angle w < pi/2, and the point of a lip at r from the corner."""
@@ -119,19 +117,8 @@ def bent_rows(n: int) -> float:
 @claim(
     "c1.prox-constant",
     "The constant of prox-regularity of N discs.",
-    source="Proposition 1.22",
-    quote="S is η-prox-regular with η = R/(6N) (1/3 sin(2π/N))^d for N ∈ ℕ",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "the formula is for N ≥ 3; η = R √(2/(2N - 3)) holds for all N ≥ 2",
-        Effect.NUMBER,
-        "Theorem 1.31 and Corollary 1.33 for two discs, which need some η > 0",
-        why=(
-            "sin(2π/N) is 0 for N = 1 and N = 2, and Definition 1.21 asks for η > 0; two discs are √2 "
-            "R-prox-regular, as their projection is unique until the centres meet"
-        ),
-        place=646,
-    ),
+    "Proposition 1.22",
+    Verdict.CORRECTED,
     tried_on="N = 2 to 199, d = 1, 2, 3; bent rows of 2 to 9 discs",
 )
 def _prox_constant() -> Evidence:
@@ -156,10 +143,9 @@ def _prox_constant() -> Evidence:
 @claim(
     "c1.same-cones",
     "For convex sets proximal normals are the normals of convex analysis.",
-    source="after Definition 1.23",
-    quote="N_C(x) = N(C, x) for all x ∈ ℝ^d",
+    "after Definition 1.23",
+    Verdict.PROVED,
     chosen="x ∈ C, or N_C(x) = ∅ outside of C, as is said after Definition 1.16",
-    recorded=Kind.PROVED,
 )
 def _same_cones() -> Evidence:
     """p = n.(y - x), D = |y - x|^2 for y in C; n is proximal if p <= k D for a k >= 0; x + t(y - x) is in C."""
@@ -183,10 +169,9 @@ def _same_cones() -> Evidence:
 @claim(
     "c1.nonconvex-normal",
     "A proximal normal of a set that is not convex may point towards other points of the set.",
-    source="Figure 8",
-    quote="n would not be a normal vector according to Definition 1.16 since n·(y - x) > 0.",
+    "Figure 8",
+    Verdict.PROVED,
     chosen="the outside of the unit disc",
-    recorded=Kind.PROVED,
 )
 def _not_a_convex_normal() -> Evidence:
     """A is the outside of the unit disc, x = (0, 1), n = -x; (u, v) is a point of A."""
@@ -217,9 +202,8 @@ def nearest() -> FormalProof:
 @claim(
     "c1.projection-normal",
     "What a projection takes away is a proximal normal.",
-    source="(1.23)",
-    quote="x = P_S(y) ⟺ P_S(x + (y - x)) = x ⟹ y - x ∈ N(S, x)",
-    recorded=Kind.PROVED,
+    "(1.23)",
+    Verdict.PROVED,
 )
 def _projection_normal() -> Evidence:
     """|y - z|^2 = |y - x|^2 - 2 (y - x).(z - x) + |z - x|^2."""

@@ -3,10 +3,11 @@
 
 from __future__ import annotations
 
-from verification.claims import Correction, Effect, Evidence, FormalProof, Kind, at_most, claim, equal, proved
+from verification.claims import Evidence, FormalProof, Verdict, at_most, equal, proved
 from verification.formal.algebra import identity
 from verification.formal.reals import implication
 from verification.thesis.chapter1.claims.s2_1_inclusions import LINE, step_values
+from verification.thesis.text.quoted import claim
 
 
 def cones() -> tuple[FormalProof, FormalProof, FormalProof]:
@@ -38,9 +39,8 @@ def cones() -> tuple[FormalProof, FormalProof, FormalProof]:
 @claim(
     "c1.cones",
     "The proximal normals of the set of discs are what multipliers give.",
-    source="Theorem 1.25",
-    quote="N(S, x) = N^g(x) for all x ∈ ℝ^2N",
-    recorded=Kind.PROVED_INSTANCE,
+    "Theorem 1.25",
+    Verdict.PROVED_INSTANCE,
     tried_on="states whose contacts have independent gradients",
 )
 def _cones() -> Evidence:
@@ -50,9 +50,8 @@ def _cones() -> Evidence:
 @claim(
     "c1.sum-of-all",
     "The proximal normals of the set of discs are the sums of those of its pairs.",
-    source="Theorem 1.25",
-    quote="N(S, x) = Σ_j N(S_j, x) for all x ∈ ℝ^2N",
-    recorded=Kind.PROVED_INSTANCE,
+    "Theorem 1.25",
+    Verdict.PROVED_INSTANCE,
     tried_on="states whose contacts have independent gradients",
 )
 def _sum_of_all() -> Evidence:
@@ -73,19 +72,8 @@ def spread(sign: float) -> float:
 @claim(
     "c1.one-sided-word",
     "What Theorem 1.13 asks for.",
-    source="section 4.3",
-    quote="We saw in Theorem 1.13 that solutions of ẋ ∈ F(x) are unique, if F is one-sided semicontinuous.",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "if F is one-sided Lipschitz continuous; so in the sentence after it",
-        Effect.NOTATION,
-        "nothing else: Theorem 1.13 has the right word",
-        why=(
-            "Theorem 1.13 is stated for one-sided Lipschitz continuous multi-functions, and “one-sided "
-            "semicontinuous” is defined nowhere"
-        ),
-        place=723,
-    ),
+    "section 4.3",
+    Verdict.CORRECTED,
     chosen="semicontinuous is read as in Definition 1.10",
 )
 def _one_sided_word() -> Evidence:
@@ -106,9 +94,8 @@ def _one_sided_word() -> Evidence:
 @claim(
     "c1.hypomonotone",
     "Normals of prox-regular sets are monotone up to a quadratic term.",
-    source="(1.28)",
-    quote="-(v - w)·(x - y) ≤ (‖v‖ + ‖w‖)/(2η) ‖x - y‖²",
-    recorded=Kind.PROVED,
+    "(1.28)",
+    Verdict.PROVED,
 )
 def _hypomonotone() -> Evidence:
     """p = v.(y - x), q = w.(x - y), D = |x - y|^2, k = 1/(2 eta); c = p/|v|, ``square`` is |x + eta v/|v| - y|^2."""
@@ -135,9 +122,8 @@ def _hypomonotone() -> Evidence:
 @claim(
     "c1.one-over-eta",
     "The one-sided Lipschitz constant of normals of length up to 1.",
-    source="section 4.3",
-    quote="x ↦ -N(S, x) ∩ B₁(0) is one-sided Lipschitz with constant 1/η.",
-    recorded=Kind.PROVED,
+    "section 4.3",
+    Verdict.PROVED,
 )
 def _one_over_eta() -> Evidence:
     """(1.28) for |v|, |w| <= 1: p = -(v - w).(x - y), D = |x - y|^2."""

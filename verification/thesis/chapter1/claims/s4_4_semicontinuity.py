@@ -7,11 +7,12 @@ import math
 
 import numpy as np
 
-from verification.claims import Correction, Effect, Evidence, FormalProof, Kind, at_most, claim, equal, proved
+from verification.claims import Evidence, FormalProof, Verdict, at_most, equal, proved
 from verification.formal.reals import implication, solver_library
 from verification.thesis.chapter1.claims.s1_2_constraints import SIDES
 from verification.thesis.chapter1.claims.s4_2_hypomonotone import cones
 from verification.thesis.chapter1.sets import Floats, contact_gradients, support_of_cone
+from verification.thesis.text.quoted import claim
 
 SAMPLES, SEED = 300, 12
 
@@ -59,9 +60,8 @@ def closed_graph() -> FormalProof:
 @claim(
     "c1.scalarly-upper",
     "The short normals of the set of discs are scalarly upper semicontinuous.",
-    source="Proposition 1.28",
-    quote="lim sup σ(-N(S, x_n) ∩ B₁(0), w) ≤ σ(-N(S, x) ∩ B₁(0), w)",
-    recorded=Kind.PROVED,
+    "Proposition 1.28",
+    Verdict.PROVED,
 )
 def _scalarly_upper() -> Evidence:
     """v_n in N(S, x_n), |v_n| <= 1, tend to v (a subsequence, the ball being compact) and x_n to x: p, K of the limit.
@@ -74,10 +74,9 @@ def _scalarly_upper() -> Evidence:
 @claim(
     "c1.distance",
     "The short normals are the proximal subgradients of the distance.",
-    source="Remark 1.29",
-    quote="N(S, x) ∩ B₁(0) = ∂dist(x, S)",
+    "Remark 1.29",
+    Verdict.PROVED_INSTANCE,
     chosen="the outside of the unit disc, x on its boundary; the ball is closed (see the errata)",
-    recorded=Kind.PROVED_INSTANCE,
     tried_on="the outside of the unit disc, every point of its boundary",
 )
 def _distance() -> Evidence:
@@ -118,10 +117,9 @@ def _distance() -> Evidence:
 @claim(
     "c1.sum-limit",
     "Sums of normals at points that tend to x are, in the limit, normals at x.",
-    source="Corollary 1.30, (1.35)",
-    quote="lim sup σ(-Σ_j N(S_j, p_j) ∩ B₁(0), w) ≤ σ(-N(S, x) ∩ B₁(0), w)",
+    "Corollary 1.30, (1.35)",
+    Verdict.PROVED_INSTANCE,
     chosen="the ball cuts the sum of the cones, not each of them",
-    recorded=Kind.PROVED_INSTANCE,
     tried_on="contacts with independent gradients",
 )
 def _sum_limit() -> Evidence:
@@ -143,19 +141,8 @@ def _sum_limit() -> Evidence:
 @claim(
     "c1.sum-of-cones",
     "The proof of the corollary adds support functions of cones that are cut by a ball.",
-    source="proof of Corollary 1.30",
-    quote="lim sup σ(-Σ N(S_j, p_j) ∩ B₁, w) = lim sup Σ σ(-N(S_j, p_j) ∩ B₁, w) ≤ … = σ(-Σ N(S_j, x) ∩ B₁, w)",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "Σ_j (N(S_j, x) ∩ B₁) ⊆ N(S, x) ∩ B_M; the corollary itself holds if the ball cuts the sum of the cones",
-        Effect.PROOF,
-        "Lemma 2.8, which needs only some radius",
-        why=(
-            "(1.31) is about sums of sets: if the ball cuts each cone, the last set is not N(S, x) ∩ B₁, and if "
-            "it cuts the sum, the first equality is none"
-        ),
-        place=816,
-    ),
+    "proof of Corollary 1.30",
+    Verdict.CORRECTED,
     tried_on="two pairs of touching discs",
 )
 def _sum_of_cones() -> Evidence:

@@ -7,9 +7,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from verification.claims import Correction, Effect, Evidence, Kind, claim, equal, proved
+from verification.claims import Evidence, Verdict, equal, proved
 from verification.formal.reals import implication
 from verification.thesis.chapter1.sets import Floats
+from verification.thesis.text.quoted import claim
 
 SAMPLES, SEED = 300, 12
 ROUNDING = 1e-12
@@ -37,9 +38,8 @@ def in_ellipse(a: Floats) -> np.ndarray:
 @claim(
     "c1.half-spaces",
     "The support function tells which half-spaces contain a set.",
-    source="after (1.29)",
-    quote="A ⊆ {v | v·w ≤ α} ⟺ σ(A, w) ≤ α",
-    recorded=Kind.PROVED,
+    "after (1.29)",
+    Verdict.PROVED,
 )
 def _half_spaces() -> Evidence:
     """p = v.w of a point v of A; sigma is the least upper bound of these p, so not above alpha if alpha is one."""
@@ -61,16 +61,8 @@ def _half_spaces() -> Evidence:
 @claim(
     "c1.support",
     "Inclusion of sets is the order of their support functions.",
-    source="(1.30)",
-    quote="A ⊆ B ⟺ σ(A, v) ≤ σ(B, v) for all v",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "“⇐” holds if B is closed and convex",
-        Effect.PROOF,
-        "(1.73), where B is closed and convex",
-        why="support functions do not tell a set from its closed convex hull: {0, 1} and [0, 1] have the same one",
-        place=759,
-    ),
+    "(1.30)",
+    Verdict.CORRECTED,
     tried_on="an ellipse and 300 points",
 )
 def _support() -> Evidence:
@@ -93,9 +85,8 @@ def _support() -> Evidence:
 @claim(
     "c1.additive",
     "Support functions of sums of sets.",
-    source="(1.31)",
-    quote="σ(A + B, v) = σ(A, v) + σ(B, v)",
-    recorded=Kind.PROVED,
+    "(1.31)",
+    Verdict.PROVED,
 )
 def _additive() -> Evidence:
     """Values p of A and q of B in one direction, with least upper bounds a and b; c is any upper bound of the sums."""
@@ -151,16 +142,8 @@ def by_half_lines(f: Callable[[Floats], Floats]) -> bool:
 @claim(
     "c1.single-valued",
     "Definition 1.10 for a single-valued function is its upper semicontinuity.",
-    source="after Definition 1.27",
-    quote="f is upper semicontinuous at x₀ if it satisfies Definition 1.10, which simplifies to lim sup f(x) ≤ f(x₀)",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "for {f(x)} Definition 1.10 is continuity; upper semicontinuity is Definition 1.10 for (-∞, f(x)]",
-        Effect.PROOF,
-        "nothing else: (1.33) is stated explicitly",
-        why="for F(x) = {f(x)} Definition 1.10 asks for |f(y) − f(x)| < ε, which is continuity",
-        place=782,
-    ),
+    "after Definition 1.27",
+    Verdict.CORRECTED,
     tried_on="five functions on the line",
 )
 def _single_valued() -> Evidence:

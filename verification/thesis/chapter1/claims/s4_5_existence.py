@@ -6,13 +6,14 @@ from __future__ import annotations
 import numpy as np
 
 import dincl
-from verification.claims import Correction, Effect, Evidence, Kind, at_least, at_most, claim, equal, proved
+from verification.claims import Evidence, Verdict, at_least, at_most, equal, proved
 from verification.formal.algebra import identity
 from verification.formal.reals import implication
 from verification.thesis.chapter1.cells import GROWN, HARD, TOL, away, in_mitosis, resting
 from verification.thesis.chapter1.claims.s2_1_inclusions import growth_of_distance
 from verification.thesis.chapter1.claims.s4_1_prox import nearest
 from verification.thesis.chapter1.sets import Floats, apart, catch_up, falling
+from verification.thesis.text.quoted import claim
 
 SAMPLES, SEED = 300, 12
 ROUNDING = 1e-12
@@ -24,9 +25,8 @@ OVERLAPPING, APART = np.array([[0.0, 0.0], [0.8, 0.0]]), np.array([[0.0, 0.0], [
 @claim(
     "c1.linear-growth",
     "A Lipschitz continuous force grows at most linearly.",
-    source="section 4.5, (A1), (A2)",
-    quote="We note that Lipschitz continuity implies that the function grows at most linearly.",
-    recorded=Kind.PROVED,
+    "section 4.5, (A1), (A2)",
+    Verdict.PROVED,
 )
 def _linear_growth() -> Evidence:
     """n = |F(x)|, n0 = |F(0)|, r = |x|."""
@@ -42,9 +42,8 @@ def _linear_growth() -> Evidence:
 @claim(
     "c1.catch-up-normal",
     "A step of the catch-up scheme fulfils a discrete inclusion.",
-    source="after (1.39)",
-    quote="x_k - x_{k+1} + hF(x_k) ∈ N(S, x_{k+1})",
-    recorded=Kind.PROVED,
+    "after (1.39)",
+    Verdict.PROVED,
 )
 def _catch_up_normal() -> Evidence:
     """x_(k+1) = P_S(y) with y = x_k + h F(x_k); the vector is y - x_(k+1)."""
@@ -67,10 +66,9 @@ def slide(t: Floats) -> Floats:
 @claim(
     "c1.existence",
     "There is a solution, to which the catch-up scheme converges.",
-    source="Theorem 1.31",
-    quote="the system has an absolutely continuous solution x : [0, T] → ℝ^d.",
+    "Theorem 1.31",
+    Verdict.NOT_REFUTED,
     chosen="a disc that slides over a fixed one, whose solution is known",
-    recorded=Kind.NOT_REFUTED,
     tried_on="a point that slides over a disc",
 )
 def _existence() -> Evidence:
@@ -96,9 +94,8 @@ def _existence() -> Evidence:
 @claim(
     "c1.dependence",
     "The distance of two solutions stays within a factor.",
-    source="Lemma 1.32, (1.41)",
-    quote="there exists a constant a > 0 such that for all t ∈ [0, T] ‖x(t) - y(t)‖ ≤ a ‖xⁱⁿⁱᵗ - yⁱⁿⁱᵗ‖",
-    recorded=Kind.PROVED,
+    "Lemma 1.32, (1.41)",
+    Verdict.PROVED,
 )
 def _dependence() -> Evidence:
     """E = |x - y|^2, F has the constant L, and -N is hypomonotone by (1.28): p = -(v - w).(x - y), v, w forces <= M."""
@@ -118,20 +115,8 @@ def _dependence() -> Evidence:
 @claim(
     "c1.start",
     "The model of discs has a solution from every start.",
-    source="Corollary 1.33",
-    quote="Then for all xⁱⁿⁱᵗ ∈ ℝ^2N and any T > 0, the system has a unique solution.",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "for all xⁱⁿⁱᵗ ∈ S, as in Theorem 1.31",
-        Effect.CONCLUSION,
-        "the models of chapters 3 and 4: their start must not overlap, nor their state after a cell event, as it "
-        "does (section 5)",
-        why=(
-            "N(S, x) = ∅ for x ∉ S by Definition 1.23, so a solution lies in S at almost all times and, being "
-            "continuous, at t = 0; Theorem 1.31 has xⁱⁿⁱᵗ ∈ S"
-        ),
-        place=876,
-    ),
+    "Corollary 1.33",
+    Verdict.CORRECTED,
 )
 def _start() -> Evidence:
     """A solution is in S at almost all times, so at the start, too, as it is continuous."""
@@ -153,19 +138,8 @@ def _start() -> Evidence:
 @claim(
     "c1.time-independent",
     "The feasible sets of the models that the theorem is for do not depend on time.",
-    source="section 4.6",
-    quote="since we only need the result for time-independent sets, the following proof is simpler.",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "S is constant between cell events, where the proof applies; by (3.4) and (3.8) of chapter 3 it jumps at them",
-        Effect.PROOF,
-        "the use of Theorem 1.31 in chapters 3 and 4, one interval between events after another",
-        why=(
-            "in chapter 3 the hard radius of a cell jumps when its mitosis begins (3.4), and a division adds a "
-            "cell (3.7), (3.8), so S changes in time"
-        ),
-        place=884,
-    ),
+    "section 4.6",
+    Verdict.CORRECTED,
     chosen="a nucleus that two others touch when its mitosis begins",
 )
 def _time_independent() -> Evidence:

@@ -9,9 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from verification.claims import Correction, Effect, Evidence, Kind, at_most, claim, proved
+from verification.claims import Evidence, Verdict, at_most, proved
 from verification.formal.algebra import identity, library
 from verification.thesis.chapter1.sets import Floats
+from verification.thesis.text.quoted import claim
 
 SAMPLES, SEED = 300, 12
 ROUNDING = 1e-12
@@ -39,19 +40,8 @@ def hlawka(norm: Callable[[Floats], Floats], x: Floats, y: Floats, z: Floats) ->
 @claim(
     "c1.isometry",
     "Bounded functions are mapped into the integrable ones with the norm kept.",
-    source="section 4.6.1",
-    quote="there exists an isometry L^∞([0, T], ℝ^d) → L¹([0, T], ℝ^d).",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "an isometry onto the dual space of L¹; into L¹ a continuous embedding, ‖x‖₁ ≤ T ‖x‖_∞",
-        Effect.PROOF,
-        "(1.58), which uses the embedding",
-        why=(
-            "L^∞ is not separable and L¹ is, so that no isometry leads into L¹; what is isometric to L^∞ is the "
-            "dual space of L¹, named just before"
-        ),
-        place=912,
-    ),
+    "section 4.6.1",
+    Verdict.CORRECTED,
     chosen="linear maps; no other isometry exists either, as L^∞ is not separable",
     tried_on="step functions, random ones in L¹",
 )
@@ -78,10 +68,9 @@ def wave(n: Floats | int) -> Floats:
 @claim(
     "c1.mazur",
     "Convex combinations of a weakly convergent sequence converge strongly.",
-    source="Lemma 1.34",
-    quote="z⁽ⁿ⁾ = Σ_{ℓ ≥ n} λ_ℓ y⁽ℓ⁾ … such that z⁽ⁿ⁾ → x in X.",
+    "Lemma 1.34",
+    Verdict.PROVED_INSTANCE,
     chosen="y⁽ℓ⁾ is read as x⁽ℓ⁾ (see the errata)",
-    recorded=Kind.PROVED_INSTANCE,
     tried_on="sin(2πnt) in L¹(0, 1)",
 )
 def _mazur() -> Evidence:
@@ -113,10 +102,9 @@ def _mazur() -> Evidence:
 @claim(
     "c1.compact",
     "Paths with bounded speeds have a uniform limit, and their velocities a weak* one.",
-    source="Lemma 1.35",
-    quote="x⁽ⁿ_k⁾ → x in L^∞ and ẋ⁽ⁿ_k⁾ ⇀* ẋ in L^∞",
+    "Lemma 1.35",
+    Verdict.PROVED_INSTANCE,
     chosen="one sequence whose velocities do not converge in norm",
-    recorded=Kind.PROVED_INSTANCE,
     tried_on="sin(2πnt)/(2πn), velocities paired with step functions",
 )
 def _compact() -> Evidence:
@@ -165,18 +153,8 @@ def discrete_bound(first: float) -> float:
 @claim(
     "c1.gronwall-discrete",
     "A discrete Gronwall inequality.",
-    source="Theorem 1.36",
-    quote="a_k ≤ (1 + BT/n)^n + 1/B ((1 + BT/n)^n - 1) A ≤ exp(BT) + A (exp(BT) - 1)/B",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "‖a_k‖ ≤ (1 + BT/n)^n ‖a₀‖ + 1/B ((1 + BT/n)^n - 1) A ≤ exp(BT) ‖a₀‖ + A (exp(BT) - 1)/B",
-        Effect.CONCLUSION,
-        "(1.52) and the constants C₁, C₂, C₃; the proof of existence stands with the factor",
-        why=(
-            "‖a_{k+1}‖ ≤ (1 + BT/n)‖a_k‖ + AT/n, so (1 + BT/n)^k multiplies ‖a₀‖; a_k is a vector, its norm is bounded"
-        ),
-        place=942,
-    ),
+    "Theorem 1.36",
+    Verdict.CORRECTED,
     tried_on="300 sequences in the plane, n = 50",
 )
 def _gronwall_discrete() -> Evidence:
@@ -200,19 +178,8 @@ def _gronwall_discrete() -> Evidence:
 @claim(
     "c1.gronwall-range",
     "For which k the inequality is assumed, and for which it follows.",
-    source="Theorem 1.36, (1.43)",
-    quote="‖a_{k+1} - a_k‖ ≤ … for all 1 ≤ k ≤ n, then … for all integers 0 ≤ k ≤ n.",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "(1.43) for 0 ≤ k ≤ n - 1, for a sequence a₀, …, a_n",
-        Effect.PROOF,
-        "(1.52), where the scheme begins with x₀",
-        why=(
-            "for k = n (1.43) speaks of a_{n+1}, which the sequence a₁, …, a_n does not have, and for a₀ it says "
-            "nothing"
-        ),
-        place=938,
-    ),
+    "Theorem 1.36, (1.43)",
+    Verdict.CORRECTED,
     chosen="the bound begins with ‖a₁‖, the first element that (1.43) speaks of",
     tried_on="300 sequences in the plane, n = 50",
 )

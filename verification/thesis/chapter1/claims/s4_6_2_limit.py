@@ -5,10 +5,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from verification.claims import Correction, Effect, Evidence, Kind, at_least, at_most, claim, proved
+from verification.claims import Evidence, Verdict, at_least, at_most, proved
 from verification.formal.algebra import identity
 from verification.thesis.chapter1.claims.s4_1_prox import nearest
 from verification.thesis.chapter1.claims.s4_4_semicontinuity import SEED, excess, limits
+from verification.thesis.text.quoted import claim
 
 
 def length_around(level: int, share: float) -> tuple[float, float]:
@@ -27,19 +28,8 @@ def settled(first: int, last: int) -> float:
 @claim(
     "c1.dense",
     "On which times the velocities converge, and for which the inclusion follows.",
-    source="step 4, (1.62), and (1.74)",
-    quote="we obtain for a dense set 𝒯 ⊆ [0, T] the pointwise convergence … for a.e. t ∈ [0, T].",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "𝒯 has full measure: convergence in L¹ gives a subsequence that converges almost everywhere",
-        Effect.PROOF,
-        "(1.68) to (1.74), which hold for t ∈ 𝒯",
-        why=(
-            "a sequence that converges in L¹ has a subsequence that converges almost everywhere; a dense set may "
-            "have measure 0, and (1.74) is for almost every t"
-        ),
-        place=1039,
-    ),
+    "step 4, (1.62), and (1.74)",
+    Verdict.CORRECTED,
     tried_on="one sequence of running steps",
 )
 def _dense() -> Evidence:
@@ -58,9 +48,8 @@ def _dense() -> Evidence:
 @claim(
     "c1.step-inclusion",
     "Between two steps the interpolated solution fulfils an inclusion at the later state.",
-    source="(1.66)",
-    quote="ẋ⁽ⁿ⁾(t) - F⁽ⁿ⁾(t) ∈ -N(S, x_{k+1}) for t ∈ (t_k, t_{k+1})",
-    recorded=Kind.PROVED,
+    "(1.66)",
+    Verdict.PROVED,
 )
 def _step_inclusion() -> Evidence:
     """Between t_k and t_(k+1) the velocity is (x_(k+1) - x_k)/h and the force F(x_k); N is a cone."""
@@ -77,16 +66,8 @@ def _step_inclusion() -> Evidence:
 @claim(
     "c1.lower",
     "Which semicontinuity the last step of the proof uses.",
-    source="step 6",
-    quote="We now use scalarly lower semicontinuity of x ↦ -N(S, x) ∩ B_{C₃}(0)",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "upper semicontinuity",
-        Effect.NOTATION,
-        "(1.71), which is Proposition 1.28",
-        why="(1.71) bounds the lim sup from above and names Proposition 1.28, which is about upper semicontinuity",
-        place=1077,
-    ),
+    "step 6",
+    Verdict.CORRECTED,
     tried_on="three touching discs, three sequences",
 )
 def _lower() -> Evidence:

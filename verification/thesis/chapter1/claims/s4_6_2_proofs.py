@@ -7,9 +7,10 @@ import math
 
 import numpy as np
 
-from verification.claims import Correction, Effect, Evidence, Kind, at_most, claim, proved
+from verification.claims import Evidence, Verdict, at_most, proved
 from verification.formal.reals import implication
 from verification.thesis.chapter1.sets import Floats, catch_up, outside
+from verification.thesis.text.quoted import claim
 
 ROUNDING = 1e-12
 T, STEPS = 1.0, 200
@@ -33,16 +34,8 @@ def reach(y: Floats) -> Floats:
 @claim(
     "c1.projection-step",
     "The distance of a step of catch-up from the free step.",
-    source="before (1.50)",
-    quote="With x_{k+1} ∈ P_S(x_k), we get ‖x_{k+1} - (x_k + hF(x_k))‖ = dist(x_k + hF(x_k), S)",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "x_{k+1} ∈ P_S(x_k + hF(x_k))",
-        Effect.NOTATION,
-        "nothing else: (1.46) is right",
-        why="(1.46) projects x_k + hF(x_k); P_S(x_k) = x_k as x_k ∈ S",
-        place=974,
-    ),
+    "before (1.50)",
+    Verdict.CORRECTED,
     chosen="the outside of the unit disc and a linear force",
     tried_on="a linear force outside of a disc, four starts",
 )
@@ -64,9 +57,8 @@ def _projection_step() -> Evidence:
 @claim(
     "c1.step-bounds",
     "How far a step of catch-up goes.",
-    source="(1.50), (1.51)",
-    quote="… ≤ hM_F(1 + ‖x_k‖), ‖x_{k+1} - x_k‖ ≤ 2hM_F(‖x_k‖ + 1)",
-    recorded=Kind.PROVED,
+    "(1.50), (1.51)",
+    Verdict.PROVED,
 )
 def _step_bounds() -> Evidence:
     """d = dist(x_k + hF, S) <= |hF| as x_k is in S; g = h M_F (1 + |x_k|); n = |x_(k+1) - x_k|."""
@@ -90,19 +82,8 @@ def first_constant(start: Floats, growth: float = M_F) -> Floats:
 @claim(
     "c1.constant",
     "What the bound of the discrete solutions depends on.",
-    source="(1.52)",
-    quote="‖x_k‖ ≤ C₁ < ∞ for a constant C₁ which only depends on T and M_F.",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "C₁ = exp(2M_F T)(‖xⁱⁿⁱᵗ‖ + 1) - 1 depends on ‖xⁱⁿⁱᵗ‖ as well",
-        Effect.PROOF,
-        "C₂ and C₃; the solution of one start exists all the same",
-        why=(
-            "Theorem 1.36 with A = B = 2M_F bounds ‖x_k‖ by exp(2M_F T)‖x₀‖ + exp(2M_F T) − 1, and k = 0 alone "
-            "needs C₁ ≥ ‖xⁱⁿⁱᵗ‖"
-        ),
-        place=995,
-    ),
+    "(1.52)",
+    Verdict.CORRECTED,
     chosen="the outside of the unit disc and a linear force",
     tried_on="a linear force outside of a disc, four starts",
 )
@@ -122,10 +103,9 @@ def _constant() -> Evidence:
 @claim(
     "c1.speeds",
     "Bounds of the interpolated solutions, their speeds and the constraint forces.",
-    source="(1.53), (1.54), before (1.67)",
-    quote="2M_F(1 + C₁) =: C₂, ‖x⁽ⁿ⁾‖_∞ ≤ C₁, ‖ẋ⁽ⁿ⁾‖_∞ ≤ C₂, C₃ := C₂ + M_F(1 + C₁)",
+    "(1.53), (1.54), before (1.67)",
+    Verdict.PROVED,
     chosen="C₁ with the start in it; the outside of the unit disc and a linear force",
-    recorded=Kind.PROVED,
 )
 def _speeds() -> Evidence:
     """r = |x_k| <= C1 at all steps, n = |x_(k+1) - x_k|/h, f = |F(x_k)|; G = (1 + 2 h M_F)^k (1 + |x_0|)."""
@@ -154,9 +134,8 @@ def _speeds() -> Evidence:
 @claim(
     "c1.unique-projections",
     "With short steps the catch-up scheme has one place to go to.",
-    source="(1.55)",
-    quote="dist(x_k + hF(x_k), S) ≤ … < η … the projections in (1.39) are unique for sufficiently large n.",
-    recorded=Kind.PROVED,
+    "(1.55)",
+    Verdict.PROVED,
 )
 def _unique() -> Evidence:
     """Two nearest points p, q of z at the distance r: (1.28) for z - p and z - q says D <= (r/eta) D, D = |p - q|^2."""

@@ -1,5 +1,4 @@
 """Chapter 1, section 4.6.3: the proof of uniqueness."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
@@ -7,8 +6,9 @@ import math
 
 import numpy as np
 
-from verification.claims import Correction, Effect, Evidence, Kind, at_most, claim
+from verification.claims import Evidence, Verdict, at_most
 from verification.thesis.chapter1.sets import Floats, catch_up, falling
+from verification.thesis.text.quoted import claim
 
 
 def beside_the_top() -> tuple[Floats, Floats, Floats]:
@@ -21,16 +21,8 @@ def beside_the_top() -> tuple[Floats, Floats, Floats]:
 @claim(
     "c1.uniqueness-sign",
     "The growth of the distance of two solutions, with v, w ∈ -N.",
-    source="proof of Lemma 1.32",
-    quote="½ d/dt ‖x - y‖² ≤ -(v - w)·(x - y) + … ≤ (‖v‖ + ‖w‖)/(2η) ‖x - y‖² + …",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "(v - w)·(x - y)",
-        Effect.PROOF,
-        "(1.77), which stands but for its exponential",
-        why="ẋ − ẏ = (v − w) + F(x) − F(y), and (1.28) for −v, −w ∈ N(S, ·) bounds (v − w)·(x − y) from above",
-        place=1119,
-    ),
+    "proof of Lemma 1.32",
+    Verdict.CORRECTED,
     chosen="two points that slide over a fixed disc",
     tried_on="two points that slide over a disc",
 )
@@ -57,19 +49,8 @@ def _uniqueness_sign() -> Evidence:
 @claim(
     "c1.gronwall",
     "The bound of the distance of two solutions.",
-    source="(1.77)",
-    quote="‖x(t) - y(t)‖ ≤ ‖xⁱⁿⁱᵗ - yⁱⁿⁱᵗ‖ ∫₀ᵗ (L_F + (‖v‖ + ‖w‖)/(2η)) ds",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "‖xⁱⁿⁱᵗ - yⁱⁿⁱᵗ‖ exp(∫₀ᵗ (L_F + (‖v‖ + ‖w‖)/(2η)) ds)",
-        Effect.PROOF,
-        "the constant a of Lemma 1.32",
-        why=(
-            "Gronwall's lemma turns d/dt ‖x − y‖² ≤ 2a(t)‖x − y‖² into the exponential of ∫a; at t = 0 the "
-            "printed bound is 0"
-        ),
-        place=1123,
-    ),
+    "(1.77)",
+    Verdict.CORRECTED,
     chosen="two points that slide over a fixed disc",
     tried_on="two points that slide over a disc",
 )

@@ -7,8 +7,9 @@ from itertools import pairwise
 import numpy as np
 
 import dincl
-from verification.claims import Correction, Effect, Evidence, Kind, at_most, claim
+from verification.claims import Evidence, Verdict, at_most
 from verification.thesis.chapter1.cells import TOL, State, divided, in_mitosis, nearest, overlap, problem
+from verification.thesis.text.quoted import claim
 
 # Of catch-up from a feasible state, in units of the time in which the pull to the middle acts.
 DT, END = 0.1, 1.0
@@ -31,22 +32,8 @@ def refined(start: State) -> tuple[float, float]:
 @claim(
     "c1.applications",
     "The existence and uniqueness of solutions is shown for the tissues of later chapters, too.",
-    source="section 5, and introduction, Part I",
-    quote="the presented theorems also cover our applications in Chapters 3 and 4.",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "they cover the motion from one cell event to the next, if it starts in S; after a division, and when "
-        "mitosis begins, the state is not in S, and has to be projected or set anew, e.g. with daughters "
-        "2R^hard apart",
-        Effect.CONCLUSION,
-        "“which fulfil the assumptions needed for well-posedness” in the introduction; section 3.2 of chapter 3, "
-        "which takes Theorem 1.31 for its model",
-        why=(
-            "Theorem 1.31 needs xⁱⁿⁱᵗ ∈ S; by (3.7) daughters are set nearer to each other than twice the hard "
-            "radius, and by (3.4) that radius jumps"
-        ),
-        place=1129,
-    ),
+    "section 5, and introduction, Part I",
+    Verdict.CORRECTED,
     chosen="nuclei in a row that touch, pulled to the middle, without noise",
 )
 def _applications() -> Evidence:

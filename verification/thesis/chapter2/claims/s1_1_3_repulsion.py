@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from verification.claims import Correction, Effect, Evidence, Kind, at_most, claim, proved
+from verification.claims import Evidence, Verdict, at_most, proved
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication, solver_library
+from verification.thesis.text.quoted import claim
 
 # A point that is pressed onto the wall x >= 0 with force 1, g(x) = x [length / time, time].
 PRESSED, DT, STRENGTH = -1.0, 0.01, 20.0
@@ -49,20 +50,8 @@ def steepest(push: Callable[[float], float]) -> float:
 @claim(
     "c2.printed-penalty",
     "With a force ∇g at overlap the inclusion is smoothed to an ordinary differential equation.",
-    source="section 1.1.3",
-    quote="smoothening approach … F_ℓ(x) := ∇g_ℓ(x) if g_ℓ(x) < 0 … one might apply any numerical scheme for ODEs",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "with F_ℓ = −g_ℓ ∇g_ℓ where g_ℓ < 0 it is an ODE whose right-hand side is Lipschitz continuous while no "
-        "centres coincide; as printed (2.2) is a differential inclusion again",
-        Effect.MODEL,
-        "“any numerical scheme for ODEs”; the stiffness for large ε of the next paragraph, which is that of −g∇g",
-        why=(
-            "∇g does not grow from 0 with the overlap: it jumps where contact begins, so the right-hand side is "
-            "not continuous"
-        ),
-        place=1223,
-    ),
+    "section 1.1.3",
+    Verdict.CORRECTED,
     chosen="one constraint, g(x) = x",
 )
 def _printed_penalty() -> Evidence:
@@ -88,10 +77,9 @@ def _printed_penalty() -> Evidence:
 @claim(
     "c2.penalty-limit",
     "The stronger the repulsion, the nearer is the penalty method to the inclusion.",
-    source="(2.2)",
-    quote="For ε → ∞ the dynamics converge to the non-smooth behaviour.",
+    "(2.2)",
+    Verdict.PROVED_INSTANCE,
     chosen="the force as corrected in c2.printed-penalty",
-    recorded=Kind.PROVED_INSTANCE,
     tried_on="two discs that a constant force presses together along their line",
 )
 def _limit() -> Evidence:
@@ -113,10 +101,9 @@ def _limit() -> Evidence:
 @claim(
     "c2.stiffness",
     "The longest stable step of an explicit method falls as the penalty parameter grows.",
-    source="section 1.1.3",
-    quote="the stiffness typically also increases dramatically for large penalty parameters which forces small …",
+    "section 1.1.3",
+    Verdict.PROVED_INSTANCE,
     chosen="the force as corrected in c2.printed-penalty",
-    recorded=Kind.PROVED_INSTANCE,
     tried_on="a point between two walls, by explicit Euler",
 )
 def _stiffness() -> Evidence:

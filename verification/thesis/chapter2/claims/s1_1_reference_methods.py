@@ -6,10 +6,11 @@ from __future__ import annotations
 import numpy as np
 
 import dincl
-from verification.claims import Evidence, Kind, at_least, at_most, claim, equal, proved
+from verification.claims import Evidence, Verdict, at_least, at_most, equal, proved
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication
 from verification.thesis.chapter2.runs import exact
+from verification.thesis.text.quoted import claim
 
 # Two discs that slide along each other, of which the exact solution is known; at this time they are in contact.
 SCENE, END = dincl.scenes.two_disks(), 2.0
@@ -45,13 +46,9 @@ def event_driven() -> dincl.Scheme:
 @claim(
     "c2.event-driven",
     "Following every contact gives nearly exact solutions, at a cost that grows with the contacts.",
-    source="section 1",
-    quote=(
-        "The most rigorous methods are typically event-driven methods, however, these methods are … less performant "
-        "for large systems."
-    ),
+    "section 1",
+    Verdict.NOT_REFUTED,
     chosen="two discs with a known solution; small piles of discs",
-    recorded=Kind.NOT_REFUTED,
     tried_on="two discs with a known solution, and piles of 4 and 8 discs",
 )
 def _event_driven() -> Evidence:
@@ -73,10 +70,9 @@ def _event_driven() -> Evidence:
 @claim(
     "c2.damping",
     "A damping other than 1 changes the time scale of a solution, and nothing else.",
-    source="(2.1)",
-    quote="the physically correct equation is μẋ ∈ F(x) − N(S, x) but … we set μ = 1",
+    "(2.1)",
+    Verdict.PROVED,
     chosen="a force that does not depend on time",
-    recorded=Kind.PROVED,
 )
 def _damping() -> Evidence:
     """The chain rule for z(t) = x(t/mu); the force does not depend on t, and N is a cone."""
@@ -95,9 +91,8 @@ def _damping() -> Evidence:
 @claim(
     "c2.catch-up",
     "Moreau's catch-up scheme converges to the solution of the differential inclusion.",
-    source="section 1.1.1",
-    quote="x_{k+1} = P_S(x_k + Δt F(x_k)) … a proof of the convergence for this numerical method",
-    recorded=Kind.NOT_REFUTED,
+    "section 1.1.1",
+    Verdict.NOT_REFUTED,
     tried_on="two discs in contact",
 )
 def _catch_up() -> Evidence:
@@ -112,9 +107,8 @@ def _catch_up() -> Evidence:
 @claim(
     "c2.inner",
     "Where the linearised constraints hold, the discs do not overlap: the polytope lies inside of S.",
-    source="section 1.1.2",
-    quote="S̃(x) := {y | g_ℓ(x) + ∇g_ℓ(x)·(y − x) ≥ 0}, the inner convex approximation",
-    recorded=Kind.PROVED,
+    "section 1.1.2",
+    Verdict.PROVED,
 )
 def _inner() -> Evidence:
     """a, b: the distance of two centres at x and at y, p = the product of the differences, at most a b; L = 2R."""
@@ -130,9 +124,8 @@ def _inner() -> Evidence:
 @claim(
     "c2.linearised",
     "The catch-up scheme converges as well if it projects onto the polytope at the last state.",
-    source="section 1.1.2",
-    quote="one can replace S with S̃(x) in the catch-up scheme without loss of convergence",
-    recorded=Kind.NOT_REFUTED,
+    "section 1.1.2",
+    Verdict.NOT_REFUTED,
     tried_on="two discs in contact",
 )
 def _linearised() -> Evidence:

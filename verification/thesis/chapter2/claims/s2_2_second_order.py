@@ -6,8 +6,9 @@ from __future__ import annotations
 from typing import Any
 
 import dincl
-from verification.claims import Correction, Effect, Evidence, Kind, at_least, claim, proved, put_right
+from verification.claims import Evidence, Verdict, at_least, proved, put_right
 from verification.formal.algebra import identity, library
+from verification.thesis.text.quoted import claim
 
 # A body that falls from rest: mass, force and time.
 # A ball that meets an elastic wall at t = 1 with speed 1.
@@ -23,8 +24,7 @@ def bounced(dt: float) -> float:
 @claim(
     "c2.elastic",
     "However small the step, the second-order method misses elastic collisions.",
-    source="introduction",
-    quote="it does not converge to exact solutions of the underlying second-order contact problems",
+    "introduction",
 )
 def _elastic() -> Evidence:
     places = [bounced(dt) for dt in IMPACT_STEPS]
@@ -38,16 +38,8 @@ def _elastic() -> Evidence:
 @claim(
     "c2.mass",
     "The velocity of a body of mass m is updated by Δt F.",
-    source="(2.3)",
-    quote="m ẍ = F(x) … ṽ_{k+1} := v_k + Δt F(x_k, v_k)",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "ṽ_{k+1} = v_k + Δt F(x_k, v_k)/m; (2.3) as printed is for m = 1",
-        Effect.MODEL,
-        "Method 2.2; not the first-order Method 2.3, where μ = 1 was agreed",
-        why="m ẍ = F gives the acceleration F/m; Δt F is a momentum",
-        place=1269,
-    ),
+    "(2.3)",
+    Verdict.CORRECTED,
 )
 def _mass() -> Evidence:
     return put_right(
@@ -63,10 +55,9 @@ def _mass() -> Evidence:
 @claim(
     "c2.symplectic",
     "The prediction of velocities and then positions is a symplectic map.",
-    source="section 2.2",
-    quote="The first part (2.3) and (2.4) is the symplectic Euler method",
+    "section 2.2",
+    Verdict.PROVED,
     chosen="forces that depend on the positions only and have a potential",
-    recorded=Kind.PROVED,
 )
 def _symplectic() -> Evidence:
     """The slope of (x, v) -> (x + h v', v'), v' = v - h grad U(x), H the Hessian of U, any number of variables."""

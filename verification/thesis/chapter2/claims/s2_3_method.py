@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 
 import dincl
-from verification.claims import Evidence, Kind, Tables, at_least, at_most, claim, equal, proved
+from verification.claims import Evidence, Tables, Verdict, at_least, at_most, equal, proved
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication
 from verification.thesis.chapter2.methods import PBD
+from verification.thesis.text.quoted import claim
 
 # Steps of the four discs, and how far from 1 an order may be that is read off two of them.
 STEPS, ORDER_BAND = (1 / 160, 1 / 320), 0.1
@@ -21,9 +22,8 @@ STEPS, ORDER_BAND = (1 / 160, 1 / 320), 0.1
 @claim(
     "c2.infeasible",
     "One sweep of projections need not reach the intersection of the sets.",
-    source="section 2.3",
-    quote="it can happen that even the corrected state is not feasible, i.e. x_{k+1} ∉ S",
-    recorded=Kind.PROVED,
+    "section 2.3",
+    Verdict.PROVED,
 )
 def _infeasible() -> Evidence:
     """Discs of diameter 1 at -1 + h, 0 and 1 - h; a, b, c after the first pair is moved apart, then d, e the second."""
@@ -44,9 +44,8 @@ def _infeasible() -> Evidence:
 @claim(
     "c2.prediction",
     "The prediction adds at most the length of its step to the distance from the feasible set.",
-    source="section 2.3",
-    quote="dist(x̃_{k+1}, S) ≤ dist(x_k, S) + Δt ‖F(x_k)‖",
-    recorded=Kind.PROVED,
+    "section 2.3",
+    Verdict.PROVED,
 )
 def _prediction() -> Evidence:
     """p is the point of S nearest to x; d = |x - p|, n = |x~ - p|, q = dist(x~, S) <= n."""
@@ -69,10 +68,9 @@ def largest_overlap(dt: float) -> float:
 @claim(
     "c2.smaller",
     "The largest overlap of a run of PBD goes to zero with the step.",
-    source="Figure 2",
-    quote="by choosing sufficiently small time steps the infeasibility will also decrease",
+    "Figure 2",
+    Verdict.NOT_REFUTED,
     chosen="the four discs of Figure 4, the start is not given",
-    recorded=Kind.NOT_REFUTED,
     tried_on="four discs that are drawn to one point",
 )
 def _smaller() -> Evidence:
@@ -88,11 +86,10 @@ def _smaller() -> Evidence:
 @claim(
     "c2.large-steps",
     "At steps at which the penalty method throws the discs apart, PBD does not.",
-    source="Figure 2",
-    quote="Crucially, the use of large time steps does not make the simulations unstable.",
+    "Figure 2",
+    Verdict.NOT_REFUTED,
     needs=("large_steps",),
     chosen="steps at which explicit Euler without constraints is stable; the starts",
-    recorded=Kind.NOT_REFUTED,
     tried_on="the scenes of Figures 4 and 5",
 )
 def _large(tables: Tables) -> Evidence:
@@ -118,10 +115,9 @@ def _large(tables: Tables) -> Evidence:
 @claim(
     "c2.alternating",
     "Alternating projections converge to a common point, in examples also for sets that are not convex.",
-    source="Remark 2.4",
-    quote="alternating projections finds a point in the intersection A ∩ B by iterating x_{k+1} = P_A(P_B(x_k))",
+    "Remark 2.4",
+    Verdict.PROVED_INSTANCE,
     chosen="a disc and a half plane; two contacts of three discs",
-    recorded=Kind.PROVED_INSTANCE,
     tried_on="the unit disc and y ≥ ½, and three discs in a line",
 )
 def _alternating() -> Evidence:
@@ -157,9 +153,8 @@ def _alternating() -> Evidence:
 @claim(
     "c2.subspaces",
     "For subspaces the iteration converges, and then to the projection onto the intersection.",
-    source="Remark 2.4",
-    quote="If A, B are closed subspaces … Von Neumann's alternating projections",
-    recorded=Kind.PROVED_INSTANCE,
+    "Remark 2.4",
+    Verdict.PROVED_INSTANCE,
     tried_on="subspaces of finite dimension, in the planes of their principal angles",
 )
 def _subspaces() -> Evidence:

@@ -9,11 +9,12 @@ from collections.abc import Callable
 import numpy as np
 
 import dincl
-from verification.claims import Correction, Effect, Evidence, Kind, at_least, at_most, claim, equal, proved
+from verification.claims import Evidence, Verdict, at_least, at_most, equal, proved
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication
 from verification.thesis.chapter1.sets import Floats
 from verification.thesis.chapter2.discs import RADIUS
+from verification.thesis.text.quoted import claim
 
 SEED = 21
 # The four discs of Figure 4; a power of two, so that t += dt ends at END exactly.
@@ -25,9 +26,8 @@ COUNTS, ORDER_BAND = (400, 1600), 0.1
 @claim(
     "c2.example",
     "Two discs that are moved apart, each by half of their overlap, are at the nearest feasible point.",
-    source="Example 2.5",
-    quote="Each disk is shifted by half of the overlap, which is exactly the projection.",
-    recorded=Kind.PROVED,
+    "Example 2.5",
+    Verdict.PROVED,
 )
 def _example() -> Evidence:
     """b < D the distance of the centres, a >= D that of any feasible state, m the square of the way there."""
@@ -59,10 +59,9 @@ def slope(x: Floats) -> Floats:
 @claim(
     "c2.gauss-newton",
     "For discs one Gauss-Newton step is the projection itself.",
-    source="section 2.2, footnote 2",
-    quote="instead, one uses a single step of a local Gauss-Newton iteration to compute the projections P_{S_j}",
+    "section 2.2, footnote 2",
+    Verdict.PROVED,
     chosen="the constraint functions of Model 1.2",
-    recorded=Kind.PROVED,
 )
 def _gauss_newton() -> Evidence:
     """Two discs in the plane, the distance 2R = L; the second disc moves as the first, the other way."""
@@ -112,19 +111,8 @@ def dimension(_delta: float) -> float:
 @claim(
     "c2.algorithm",
     "The algorithm is the first-order PBD method for discs.",
-    source="Algorithm 1",
-    quote="δ_ij ← ‖X_i − X_j‖ − 2R; if δ_ij < 0: X_i ← X_i − d/2 X_ij, X_j ← X_j + d/2 X_ij",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "X_i ← X_i + δ_ij/2 X_ij, X_j ← X_j − δ_ij/2 X_ij (δ_ij is negative here, and d is not defined)",
-        Effect.MODEL,
-        "every simulation that takes the algorithm as printed: discs that overlap are drawn together",
-        why=(
-            "the algorithm sets δ_ij negative where Example 2.5 has the positive overlap, and d stands for none "
-            "of its variables: with −δ_ij the step is that of the example"
-        ),
-        place=1368,
-    ),
+    "Algorithm 1",
+    Verdict.CORRECTED,
 )
 def _algorithm() -> Evidence:
     method = dincl.solve(dincl.scenes.four_disks(), dincl.PBD(dt=DT), t=END).final
@@ -169,13 +157,9 @@ def crowd(count: int) -> Floats:
 @claim(
     "c2.linear-runtime",
     "With linked cells the number of pairs that are looked at grows as the number of discs.",
-    source="Remark 2.6",
-    quote=(
-        "efficient collision detection allows an implementation of Algorithm 1 with linear runtime O(N) instead of "
-        "O(N²)"
-    ),
+    "Remark 2.6",
+    Verdict.NOT_REFUTED,
     chosen="a square of discs that slightly overlap",
-    recorded=Kind.NOT_REFUTED,
     tried_on="squares of 400 and 1600 discs",
 )
 def _linear() -> Evidence:

@@ -6,10 +6,11 @@ from __future__ import annotations
 import numpy as np
 
 import dincl
-from verification.claims import Correction, Effect, Evidence, Kind, at_least, at_most, claim, equal, proved
+from verification.claims import Evidence, Verdict, at_least, at_most, equal, proved
 from verification.formal.reals import implication, solver_library
 from verification.thesis.chapter1.sets import Floats
 from verification.thesis.chapter2.discs import RADIUS, ROUNDING, points_of_step, row
+from verification.thesis.text.quoted import claim
 
 SEED = 23
 # The wall x >= 0, a point on it that is pulled away by F = 1, and the ball and direction of the support functions.
@@ -56,24 +57,8 @@ def beside_normals() -> list[float]:
 @claim(
     "c2.limits",
     "Limits of a method that is consistent are solutions.",
-    source="sections 3 and 5",
-    quote=(
-        "the PBD method is a numerically consistent method. This … shows that each limit of the PBD method would be a "
-        "solution."
-    ),
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "consistency as in Definition 2.7, at a fixed x, does not show it; the bound is needed along x_n → x, with "
-        "Δt → 0, as in (1.71), which PBD has while its overlaps are of the size of Δt",
-        Effect.PROOF,
-        "“uses exactly this concept” after Definition 2.7, and “all convergent limits … will solve” in section 5; "
-        "that overlaps stay small is left open in the conclusions of the thesis",
-        why=(
-            "a flow can be consistent at every fixed x, and fail on sets that move to x as Δt → 0; limits of its "
-            "steps are then no solutions"
-        ),
-        place=1381,
-    ),
+    "sections 3 and 5",
+    Verdict.CORRECTED,
     chosen="the flow that stands still on [1 − Δt, 1), S = ℝ; Definition 2.7 as corrected; a row of discs",
     tried_on="PBD with a row of five discs",
 )
@@ -105,9 +90,8 @@ def _limits() -> Evidence:
 @claim(
     "c2.not-sufficient",
     "A method can be consistent at every point and yet not converge.",
-    source="(2.10)",
-    quote="We note, that this property alone does not imply convergence of the numerical method.",
-    recorded=Kind.PROVED,
+    "(2.10)",
+    Verdict.PROVED,
 )
 def _not_sufficient() -> Evidence:
     """F = 1, y = Phi(x) = x + h, but Phi(x) = x on [1 - h, 1)."""
@@ -141,19 +125,8 @@ def leaving() -> tuple[float, float]:
 @claim(
     "c2.definition",
     "Consistent is a method whose support functions tend to those of the normal cone.",
-    source="Definition 2.7",
-    quote="lim sup σ((Φ(x) − x)/Δt − F(x), w) → σ(−N(S, x) ∩ B_R(0), w)",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "lim sup σ(…, w) ≤ σ(−N(S, x) ∩ B_R(0), w), as in Definition 1.27",
-        Effect.MODEL,
-        "Lemma 2.8: with the printed arrow PBD is not consistent, where a force leads away from contact",
-        why=(
-            "upper semicontinuity bounds the support functions from above; where F leads away from contact the "
-            "left side is 0 and the right side is R"
-        ),
-        place=1401,
-    ),
+    "Definition 2.7",
+    Verdict.CORRECTED,
 )
 def _definition() -> Evidence:
     left, right = leaving()
@@ -173,17 +146,8 @@ def shares(x: Floats, force: Floats, dt: float) -> Floats:
 @claim(
     "c2.lemma",
     "A step of PBD without its drift tends to the normals of S, and stays bounded.",
-    source="Lemma 2.8",
-    quote="For F bounded, i.e., ‖F‖_∞ < ∞, the PBD method is consistent in the sense of Definition 2.7.",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "… in the sense of Definition 2.7 with “≤” in place of “→”",
-        Effect.PROOF,
-        "nothing else: the proof shows “≤”, and that is what section 3 uses",
-        why="where a force leads away from contact the left side of the definition is 0 and the right side is R; see "
-        "c2.definition",
-        place=1409,
-    ),
+    "Lemma 2.8",
+    Verdict.CORRECTED,
     chosen="a row of discs, where a step crosses several contacts",
     tried_on="a row of five discs, 20 random forces",
 )

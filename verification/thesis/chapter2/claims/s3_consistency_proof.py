@@ -8,11 +8,12 @@ import math
 import numpy as np
 
 import dincl
-from verification.claims import Correction, Effect, Evidence, Kind, at_least, at_most, claim, equal, proved, put_right
+from verification.claims import Evidence, Verdict, at_least, at_most, equal, proved, put_right
 from verification.formal.algebra import identity
 from verification.formal.reals import implication
 from verification.thesis.chapter1.sets import Floats
 from verification.thesis.chapter2.discs import RADIUS, ROUNDING, overlap, parted, points_of_step, row
+from verification.thesis.text.quoted import claim
 
 SEED, SAMPLES = 21, 100
 DT = 1e-3
@@ -37,19 +38,8 @@ def not_normal(normal: Floats, p: Floats) -> float:
 @claim(
     "c2.equivalent",
     "That p_j is the projection of p_{j−1}, and that their difference is normal at p_j, is the same.",
-    source="proof of Lemma 2.8",
-    quote="(2.11) is equivalent to p_{j−1} − p_j ∈ N(S_j, p_j)",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "(2.11) implies p_{j−1} − p_j ∈ N(S_j, p_j), as in (1.23); the converse is false",
-        Effect.PROOF,
-        "nothing else: only this direction is used",
-        why=(
-            "p − q is normal at every q on the line through both centres where the discs touch, also with the "
-            "discs exchanged, and only one of these is the projection"
-        ),
-        place=1421,
-    ),
+    "proof of Lemma 2.8",
+    Verdict.CORRECTED,
 )
 def _equivalent() -> Evidence:
     """p - q normal at q: for q the projection of p, and for a q that is not."""
@@ -74,16 +64,8 @@ def _equivalent() -> Evidence:
 @claim(
     "c2.scale",
     "The rate of a step without its drift, by its first and last point.",
-    source="(2.12)",
-    quote="(Φ(x) − x)/Δt − F(x) = p_M − p_0",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "(Φ(x) − x)/Δt − F(x) = (p_M − p_0)/Δt",
-        Effect.PROOF,
-        "the inclusion after it stands, for cones do not change with a factor",
-        why="(Φ(x) − x)/Δt − F(x) = (p_M − x)/Δt − (p_0 − x)/Δt",
-        place=1427,
-    ),
+    "(2.12)",
+    Verdict.CORRECTED,
 )
 def _scale() -> Evidence:
     """p_0 = x + dt F(x) and Phi(x) = p_M."""
@@ -100,9 +82,8 @@ def _scale() -> Evidence:
 @claim(
     "c2.steps",
     "Every projection at most doubles the distance from the start of the step.",
-    source="(2.13)",
-    quote="‖p_j − x‖ ≤ 2^j Δt ‖F(x)‖",
-    recorded=Kind.PROVED,
+    "(2.13)",
+    Verdict.PROVED,
 )
 def _steps() -> Evidence:
     """x is in all S_j: n = |p_j - p_(j-1)| <= |x - p_(j-1)| = d, q = |p_j - x|, P = 2^(j-1) dt |F|."""
@@ -132,16 +113,8 @@ def kicked(count: int) -> tuple[Floats, Floats]:
 @claim(
     "c2.induction",
     "The rate of a step without its drift is bounded by the force, with a constant that has the index j.",
-    source="after (2.13)",
-    quote="‖(Φ(x) − x)/Δt − F(x)‖ ≤ (2^j + 1) ‖F‖_∞",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "≤ (2^M + 1) ‖F‖_∞ and R = (2^M + 1) ‖F‖_∞ + 1: the bound is (2.13) at j = M",
-        Effect.PROOF,
-        "the constant R of the proof, which needs only to exist",
-        why="j is the index of the points; the step ends at p_M",
-        place=1458,
-    ),
+    "after (2.13)",
+    Verdict.CORRECTED,
     chosen="j = 1 for the free index",
 )
 def _induction() -> Evidence:
@@ -161,18 +134,8 @@ def _induction() -> Evidence:
 @claim(
     "c2.last-line",
     "In the limit of small steps the cones at the p_j have the support function of the cone at x.",
-    source="proof of Lemma 2.8, last line",
-    quote="lim sup σ(−Σ N(S_j, p_j) ∩ B_R(0), w) = σ(−N(S, x) ∩ B_R(0), w)",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "lim sup … ≤ σ(−N(S, x) ∩ B_R(0), w), which is what Corollary 1.30 gives",
-        Effect.PROOF,
-        "Lemma 2.8 needs only this; “converges” in the caption of Figure 3 is to be read in the same way",
-        why=(
-            "where a projection leaves contact the cones at p_j are smaller than the cone at x, and stay so as Δt → 0"
-        ),
-        place=1470,
-    ),
+    "proof of Lemma 2.8, last line",
+    Verdict.CORRECTED,
 )
 def _last() -> Evidence:
     """Both sides for two touching discs, w pointing apart: p_1 has no contact left."""

@@ -6,9 +6,10 @@ from __future__ import annotations
 import numpy as np
 
 import dincl
-from verification.claims import Correction, Effect, Evidence, Kind, Tables, at_least, at_most, claim, proved
+from verification.claims import Evidence, Tables, Verdict, at_least, at_most, proved
 from verification.formal.reals import implication, solver_library
 from verification.thesis.chapter2.methods import CATCH_UP, CHECK_TOL, LINEARISED_CLARABEL, REFERENCE_TOL
+from verification.thesis.text.quoted import claim
 
 # "Much smaller" and "much larger" are read as at least this factor.
 MUCH = 100.0
@@ -19,10 +20,9 @@ FOUR_DT, MOST_STEPS = 0.02, 1e6
 @claim(
     "c2.stack",
     "The heights of discs that fall onto each other can be written down.",
-    source="section 4.1",
-    quote="one can compute explicitly simple situations such as a stack of disks",
+    "section 4.1",
+    Verdict.PROVED,
     chosen="discs above each other that fall with speed 1",
-    recorded=Kind.PROVED,
 )
 def _stack() -> Evidence:
     """Disc i (height a, from y) above disc i - 1 (height b, from z), R the radius, k = (2i - 1) R; l, m: multipliers.
@@ -65,19 +65,8 @@ def step_error(dt: float) -> float:
 @claim(
     "c2.tolerance",
     "How the tolerance of the projections compares with the errors of the time steps.",
-    source="section 4.1",
-    quote="We set tol to 10⁻¹¹ which was much larger than the errors introduced by the time-stepping.",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "… which was much smaller than the errors introduced by the time-stepping",
-        Effect.NUMBER,
-        "the accuracy of the reference solutions: as printed, the tolerance would spoil them",
-        why=(
-            "a reference is as good as the larger of both errors; for the time steps to count, the tolerance has "
-            "to be the smaller one"
-        ),
-        place=1480,
-    ),
+    "section 4.1",
+    Verdict.CORRECTED,
     chosen="the start; at most a million steps, for theirs are not given",
 )
 def _tolerance() -> Evidence:
@@ -95,11 +84,7 @@ def _tolerance() -> Evidence:
 @claim(
     "c2.coincides",
     "Both convergent methods give the same reference solutions, within their errors.",
-    source="section 4.1",
-    quote=(
-        "The computed solutions from [inner convex approximation] coincided with the solutions computed with "
-        "Moreau's catch-up scheme."
-    ),
+    "section 4.1",
     needs=("references", "convergence"),
     chosen="the starts; the limits of small steps are compared",
 )

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from verification.claims import Evidence, Tables, at_least, claim
+from verification.claims import Evidence, Tables, at_least
+from verification.thesis.text.quoted import claim
 
 # Discs that end farther than this, a radius, from where they belong have been thrown away [length].
 THROWN = 0.5
@@ -17,8 +18,7 @@ TOO_STRONGLY = 10.0
 @claim(
     "c2.both-overlap",
     "Neither of the two methods keeps discs from overlapping.",
-    source="section 4.3",
-    quote="Both the penalty method and the PBD method are prone to produce overlap between objects",
+    "section 4.3",
     needs=("penalty_best",),
     chosen="the starts and steps",
 )
@@ -35,11 +35,7 @@ def _both(tables: Tables) -> Evidence:
 @claim(
     "c2.strength",
     "The penalty method needs a strength that is neither too small nor too large.",
-    source="section 4.3",
-    quote=(
-        "For too large penalty parameters, simulations become unstable, but for too small …, the constraints will "
-        "be violated too strongly."
-    ),
+    "section 4.3",
     needs=("penalty_scan",),
     chosen="the starts, the steps, and the force as corrected in c2.printed-penalty",
 )
@@ -63,8 +59,7 @@ def _strength(tables: Tables) -> Evidence:
 @claim(
     "c2.a-priori",
     "Which strength is best depends on the scene and the step.",
-    source="section 4.3",
-    quote="In general, it is difficult to find the optimal penalty parameter a priori, i.e. before the simulation.",
+    "section 4.3",
     needs=("penalty_best",),
     chosen="the starts and steps, and the force as corrected in c2.printed-penalty",
 )
@@ -82,11 +77,7 @@ def _a_priori(tables: Tables) -> Evidence:
 @claim(
     "c2.margin",
     "The largest overlap in a run of PBD is somewhat smaller than that of the best penalty method.",
-    source="Figure 6",
-    quote=(
-        "PBD is able to outperform the penalty method by a small margin, even for optimal choice of the penalty "
-        "parameter."
-    ),
+    "Figure 6",
     needs=("penalty_best",),
     chosen="the starts and steps; best is the strength with the least largest overlap; what is small is left open",
 )

@@ -14,8 +14,9 @@ from tissue.files.parameters import preset
 from tissue.frames.observables import ab_positions
 from tissue.runs.simulate import simulate
 from tissue.statistics.ratios import Ratio
-from verification.claims import Evidence, at_least, at_most, claim, equal
+from verification.claims import Evidence, at_least, at_most, equal
 from verification.thesis.chapter3.intervals import over_seeds
+from verification.thesis.text.quoted import claim
 
 SEEDS = tuple(range(4))
 # Hours before division: the passive part that is looked at, and the rise (T^G2 + T^mitosis = 1 h).
@@ -67,11 +68,7 @@ def speed(table: pd.DataFrame, part: tuple[float, float]) -> float:
 @claim(
     "c3.inm",
     "Nuclei move slowly towards the basal side for most of the cycle and fast to the apical side at the end of it.",
-    source="section 1.3",
-    quote=(
-        "an apical to basal movement during the G1 phase, the S phase and a passive part of the G2 phase. Followed by a"
-        " fast basal to apical displacement during the active part of the G2 phase and mitosis"
-    ),
+    "section 1.3",
     chosen="ages at the start uniform on the cycle; nuclei anywhere in the box",
 )
 def _movement() -> Evidence:
@@ -106,8 +103,7 @@ def divided_apically(**phases: str) -> tuple[int, int]:
 @claim(
     "c3.apical-mitosis",
     "With interkinetic nuclear movement practically every cell divides on the apical side.",
-    source="section 1.3",
-    quote="One consequence of INM is that effectively all cell division occurs on the apical side of the tissue",
+    "section 1.3",
     chosen="the apical side is y_AB > 1/2; 95 % count as effectively all",
 )
 def _apical() -> Evidence:
@@ -135,8 +131,7 @@ def turn(table: pd.DataFrame) -> float:
 @claim(
     "c3.last-hour",
     "Nuclei turn round one hour before division.",
-    source="Figure 7",
-    quote="Just one hour before cell division the cytoskeleton of the cell pushed the nucleus to the apical side",
+    "Figure 7",
     chosen="as for c3.inm",
 )
 def _last_hour() -> Evidence:
@@ -160,8 +155,7 @@ def spread(name: str, changes: tuple[tuple[str, object], ...]) -> list[float]:
 @claim(
     "c3.pushing",
     "Nuclei lie at different heights because they push each other.",
-    source="section 2.1",
-    quote="The mechanical pushing between nuclei leads to the pseudostratified nature of the tissue",
+    "section 2.1",
     chosen="a standard deviation of y_AB above 0.1 counts as stratified",
 )
 def _pushing() -> Evidence:

@@ -16,10 +16,11 @@ from tissue.runs.compiled_rules import rules_pointer
 from tissue.runs.simulate import simulate
 from tissue.state.numbers import numbers_pointer
 from tissue.state.running import contents, new_state
-from verification.claims import Evidence, Kind, at_least, at_most, claim, equal, proved
+from verification.claims import Evidence, Verdict, at_least, at_most, equal, proved
 from verification.formal.algebra import identity, library
 from verification.thesis.chapter3.claims.s1_3_model import grown, runs_for
 from verification.thesis.chapter3.intervals import over_seeds
+from verification.thesis.text.quoted import claim
 
 SEEDS = tuple(range(4))
 # Table 2, in hours and 1/h.
@@ -54,8 +55,7 @@ def cycles(seed: int) -> Cycle:
 @claim(
     "c3.phases",
     "Cycles last 10 to 21 hours, evenly distributed, and mitosis is the last 30 minutes of each.",
-    source="section 2.2.1, (3.1)",
-    quote="t_i^cycle ∼ U(T^min-age, T^max-age) … the mitosis phase starts at t_i^age = t_i^cycle − T^mitosis",
+    "section 2.2.1, (3.1)",
     chosen="ages at the start, uniform on the cycle",
 )
 def _phases() -> Evidence:
@@ -85,10 +85,9 @@ def _settled() -> Frame:
 @claim(
     "c3.adaptation",
     "Rest lengths approach the desired ones exponentially at the rates k.",
-    source="(3.2), (3.3), (3.6)",
-    quote="dη^ax/dt = −k^ax (η^ax − η^ax*), dη^aa/dt = −k^aa η^aa, where k denotes the speed of adaptation",
+    "(3.2), (3.3), (3.6)",
+    Verdict.PROVED,
     chosen="desired lengths stand still within a step",
-    recorded=Kind.PROVED,
 )
 def _adaptation() -> Evidence:
     sp = library()
@@ -107,12 +106,8 @@ def _adaptation() -> Evidence:
 @claim(
     "c3.passive-springs",
     "At the desired rest lengths of G1 and S the cytoskeleton exerts no force.",
-    source="section 2.2.2",
-    quote=(
-        "During the G1 and the S phase, the cytoskeleton of the cell will adapt to the current extension: η^ax* := ‖X −"
-        " A‖ − R^soft"
-    ),
-    recorded=Kind.PROVED,
+    "section 2.2.2",
+    Verdict.PROVED,
 )
 def _passive() -> Evidence:
     d, alpha, R, eta = library().symbols("d alpha R eta", positive=True)
@@ -129,12 +124,8 @@ def _passive() -> Evidence:
 @claim(
     "c3.inm-equilibrium",
     "With the desired lengths of G2 both springs are at rest where the nucleus touches the apical point.",
-    source="sections 2.1 and 2.2.3",
-    quote=(
-        "η^ax* := 0 μm, η^bx* := ‖A − B‖ − 2R^soft … such that the most apical position is the equilibrium for both"
-        " springs"
-    ),
-    recorded=Kind.PROVED,
+    "sections 2.1 and 2.2.3",
+    Verdict.PROVED,
 )
 def _equilibrium() -> Evidence:
     """A straight cell of the height h, the nucleus at y above B: W^ax + W^bx >= 0 is 0 at y = h - R."""
@@ -167,11 +158,7 @@ def cells_after(share: float, seed: int) -> float:
 @claim(
     "c3.slice",
     "With cycles of 10 to 21 hours a slice of tissue grows too fast if each division adds a cell to it.",
-    source="section 2.2.5",
-    quote=(
-        "since we only model a 2D slice of a three-dimensional tissue, the growth of the tissue would be too fast if "
-        "cells divide at a realistic rate"
-    ),
+    "section 2.2.5",
     chosen="too fast: more than 4 times the cells in 48 h, and not more than 2.5 times with p^div = 20 %",
 )
 def _slice() -> Evidence:
@@ -203,11 +190,7 @@ def printed_edges(edges: set[tuple[int, int]], mother: int, new: int) -> set[tup
 @claim(
     "c3.daughters",
     "The new chain of cells is ordered from left to right, as the daughters are placed.",
-    source="section 2.2.5",
-    quote=(
-        "adding the edge (i, N + 1) and by connecting the former right apical neighbour of the i th cell with the new"
-        " N + 1 th cell"
-    ),
+    "section 2.2.5",
     chosen="rest lengths of the new cell and of its junction: those of the mother, and R^soft/3",
 )
 def _division() -> Evidence:

@@ -14,11 +14,12 @@ from tissue.frames.observables import height
 from tissue.model.energy import forces
 from tissue.runs.simulate import simulate
 from tissue.state.cells import COORDINATES, Cells
-from verification.claims import Correction, Effect, Evidence, Kind, at_most, claim, equal, proved, put_right
+from verification.claims import Evidence, Verdict, at_most, equal, proved, put_right
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication, solver_library
 from verification.thesis.chapter3.intervals import MeanInterval, over_seeds
 from verification.thesis.chapter3.terms import STEP, Point, bending, junction, repulsion, slope, spring
+from verification.thesis.text.quoted import claim
 
 # Table 2; lengths in R_soft.
 AA, AX, BX, XX, AXB = 5.0, 2.0, 2.0, 1.0, 15.0
@@ -61,22 +62,8 @@ def push(d: float) -> float:
 @claim(
     "c3.dimensions",
     "The energies (3.9) to (3.13) are numbers without unit.",
-    source="section 2.2.6",
-    quote="We define the energy terms in their non-dimensional form as in [Fer+19]",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "the denominators are squares: (R^soft + η)² in (3.9), (3.10), (2R^soft)² in (3.11), (3.13)",
-        Effect.MODEL,
-        "F^basal-cytos in section 2.2.4 of chapter 4, which needs the square, too; the weight of (3.12) against the"
-        " other terms; the unit of μ (Table 5); Figures 14 and 16: with μ = 0.2 and 0.025 h and short substeps"
-        " the squares give 1.3 and 2.1 times the first height, the printed denominators 1.7 and 2.8 times",
-        why=(
-            "each of them is a length squared over a length, and (3.12) is a number: they cannot be added without "
-            "units, and other units give other weights; the published program divides by squares (compute_forces.jl "
-            "of sEMTor.jl)"
-        ),
-        place=1793,
-    ),
+    "section 2.2.6",
+    Verdict.CORRECTED,
     chosen="PBD with μ = 0.2 h, which is said to be similar, stands for DAHA; lengths in R^soft",
 )
 def _dimensions() -> Evidence:
@@ -105,10 +92,9 @@ def _dimensions() -> Evidence:
 @claim(
     "c3.springs",
     "The cytoskeleton springs are linear with the rest length R^soft + η, with the force of chapter 4.",
-    source="(3.9), (3.10)",
-    quote="W_i^ax = α^ax/(R^soft + η_i^ax) (‖X_i − A_i‖ − R^soft − η_i^ax)²",
+    "(3.9), (3.10)",
+    Verdict.PROVED,
     chosen="the denominators as printed, in both chapters: see c3.dimensions",
-    recorded=Kind.PROVED,
 )
 def _spring() -> Evidence:
     d, alpha, R, eta = library().symbols("d alpha R eta", positive=True)
@@ -125,12 +111,8 @@ def _spring() -> Evidence:
 @claim(
     "c3.straight-minimum",
     "The bending energy is least where the nucleus lies between its two points on a straight line.",
-    source="(3.12)",
-    quote=(
-        "The equilibrium of W_i^axb corresponds to the case when the angle … is 180°, i.e. if X_i lies on the straight"
-        " line joining the apical and the basal points"
-    ),
-    recorded=Kind.PROVED,
+    "(3.12)",
+    Verdict.PROVED,
 )
 def _straight() -> Evidence:
     """c = u.v and k = u x v for u = A - X, v = B - X n = |u||v|: n^2 = c^2 + k^2, W = alpha (c/n + 1)."""
@@ -155,16 +137,8 @@ def _straight() -> Evidence:
 @claim(
     "c3.straightness",
     "The bending energy in terms of the difference of the angle from π.",
-    source="(3.12)",
-    quote="α^axb (cos(γ) + 1) = α^axb (cos(π) − cos(γ − π))",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "α^axb (cos(γ) + 1) = α^axb (cos(0) − cos(γ − π))",
-        Effect.PROOF,
-        "the energy of a cell, which the second form shifts by −2α^axb; forces and the equilibrium γ = π stand",
-        why="cos(π) − cos(γ − π) = −1 + cos(γ)",
-        place=1815,
-    ),
+    "(3.12)",
+    Verdict.CORRECTED,
 )
 def _straightness() -> Evidence:
     sp = library()
@@ -182,17 +156,8 @@ def _straightness() -> Evidence:
 @claim(
     "c3.repulsion",
     "The energy by which nuclei with overlapping soft discs push each other apart.",
-    source="(3.13)",
-    quote="the repulsive energy W_ij^xx = −α^xx/(2R^soft) (‖X_i − X_j‖ − 2R^soft)² if ‖X_i − X_j‖ ≤ 2R^soft",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "W_ij^xx = +α^xx/(2R^soft) (‖X_i − X_j‖ − 2R^soft)²",
-        Effect.MODEL,
-        "(3.14), the forces of all models of chapters 3 and 4: as printed nuclei attract each other until their"
-        " hard discs touch",
-        why="−∇ of the printed energy points from each nucleus to the other; the text calls it repulsive",
-        place=1821,
-    ),
+    "(3.13)",
+    Verdict.CORRECTED,
 )
 def _repulsion() -> Evidence:
     """The force f = -dW/dd of two nuclei at the distance d < 2R; W = alpha (d - 2R)^2/(2R)."""
@@ -231,13 +196,9 @@ def moved(cells: Cells, name: str, i: int, by: float) -> Cells:
 @claim(
     "c3.forces",
     "The energy of the tissue, each pair counted once, and its forces.",
-    source="(3.14) and section 2.2",
-    quote=(
-        "W := Σ_i (W_i^ax + W_i^bx + W_i^axb) + Σ_(i,j)∈A W_ij^aa + Σ_i Σ_j<i W_ij^xx; the forces of the system are"
-        " −∇_Z W"
-    ),
+    "(3.14) and section 2.2",
+    Verdict.NOT_REFUTED,
     chosen="(3.13) as corrected in c3.repulsion; denominators as printed, lengths in R^soft",
-    recorded=Kind.NOT_REFUTED,
     tried_on="12 cells, by central differences",
 )
 def _forces() -> Evidence:

@@ -1,5 +1,4 @@
 """Chapter 3, section 2.2.7: whether states stay feasible at cell events, and how far Proposition 1.22 reaches."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
@@ -8,7 +7,8 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from verification.claims import Correction, Effect, Evidence, Kind, at_least, claim, equal
+from verification.claims import Evidence, Verdict, at_least, equal
+from verification.thesis.text.quoted import claim
 
 Floats = NDArray[np.float64]
 # Table 2 and (3.7), in μm; (3.4) in units of R_soft.
@@ -42,24 +42,8 @@ def growing() -> tuple[float, float]:
 @claim(
     "c3.at-all-times",
     "The state is feasible at all times, also right after a cell event.",
-    source="sections 2.2 and 3.2",
-    quote=(
-        "The forces of the system are −∇W(Z, P) with the additional constraint that Z ∈ S at all times. … We define "
-        "the FO-PSE model as (3.33) together [with] the discontinuous cell events"
-    ),
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "Z ∈ S but right after a division with two offspring and at the onset of mitosis; from there the state is "
-        "first projected onto S, and then follows (3.33)",
-        Effect.MODEL,
-        "(3.33), whose right side is empty outside of S, so that it cannot go on after such an event; Model 3.1 and "
-        "Method 3.7 need no change, for minimisation and projections begin outside of S as well",
-        why=(
-            "(3.7) puts both nuclei 0.1 μm apart, (C1) asks for 3.32 μm; the radius of (3.4) jumps to 3.5 μm while "
-            "nuclei touch"
-        ),
-        place=1680,
-    ),
+    "sections 2.2 and 3.2",
+    Verdict.CORRECTED,
 )
 def _at_all_times() -> Evidence:
     born, asked = distance(daughters()), 2 * HARD
@@ -85,17 +69,8 @@ def asked_distances(radii: Floats) -> list[float]:
 @claim(
     "c3.equal-radii",
     "The feasible set is that of Proposition 1.22, hence prox-regular.",
-    source="section 3.2",
-    quote="Since the set S is uniformly prox-regular by Proposition 1.22",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "… by Proposition 1.22 while no cell is in mitosis; with the two radii of (3.4) the proposition is needed for "
-        "hard spheres of different radii",
-        Effect.PROOF,
-        "well-posedness while a cell is in mitosis; c3.well-posed has another gap of the same sentence",
-        why="the proposition has one distance 2R for all pairs; (C1) has R_i^hard + R_j^hard with two values of R^hard",
-        place=2145,
-    ),
+    "section 3.2",
+    Verdict.CORRECTED,
     chosen="three cells; whether S is prox-regular with two radii is left open",
 )
 def _equal_radii() -> Evidence:

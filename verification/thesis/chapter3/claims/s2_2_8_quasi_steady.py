@@ -18,8 +18,9 @@ from tissue.runs.simulate import simulate
 from tissue.state.cells import COORDINATES, Cells
 from tissue.state.numbers import numbers_pointer
 from tissue.state.running import contents, new_state
-from verification.claims import Correction, Effect, Evidence, Kind, at_least, at_most, claim
+from verification.claims import Evidence, Verdict, at_least, at_most
 from verification.thesis.chapter3.terms import slope, spring
+from verification.thesis.text.quoted import claim
 
 TOL = 1e-6
 # Rest lengths that are off by this [R_soft], as they are between G2 and the hour after.
@@ -47,21 +48,8 @@ def apart(one: Cells, other: Cells) -> float:
 @claim(
     "c3.state",
     "The positions with the hard radii and desired rest lengths are the state, and the energy is a function of them.",
-    source="section 2.2 and Model 3.1",
-    quote=(
-        "W : R^6N × R^3N → R … Given the state of the system at time t_k as (Z^k, P^k), P_i = (R_i^hard, η_i^ax*,"
-        " η_i^bx*)"
-    ),
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "the present rest lengths η^ax, η^bx and η^aa belong to the state, and W is a function of them; it does not"
-        " depend on R^hard and η*",
-        Effect.NOTATION,
-        "Model 3.1 and Method 3.7, which update the rest lengths all the same: only who restarts a run from (Z, P)"
-        " gets another one",
-        why="(3.9) to (3.11) contain η^ax, η^bx, η^aa, which neither Z nor P has, and neither R^hard nor η*",
-        place=1674,
-    ),
+    "section 2.2 and Model 3.1",
+    Verdict.CORRECTED,
 )
 def _state() -> Evidence:
     """Equal Z^k and P^k: both are functions of positions and ages, which the two states share."""
@@ -89,8 +77,7 @@ def _state() -> Evidence:
 @claim(
     "c3.not-unique",
     "Minima of the energy over the feasible states need not be unique.",
-    source="Remark 3.2",
-    quote="The local minimisation in the QSS model might not be unique in some circumstances",
+    "Remark 3.2",
 )
 def _not_unique() -> Evidence:
     """The whole tissue moved along the basal layer: as low, and as feasible."""
@@ -157,20 +144,8 @@ def minima(power: int) -> float:
 @claim(
     "c3.regularised",
     "A distance from the last state added to the energy makes the minimiser unique.",
-    source="Remark 3.2",
-    quote="One might add a regularising term Z^k+1 := argmin (W(Z, P^k) + c ‖Z − Z^k‖)",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "the term is c ‖Z − Z^k‖², with W(Z, P^k+1) as in Model 3.1; it is the implicit Euler step of μ dZ/dt = −∇W"
-        " with μ = 2c Δt",
-        Effect.NOTATION,
-        "who takes the norm without square gets a tissue that stops wherever ‖∇W‖ ≤ c; nothing else uses it",
-        why=(
-            "c‖Z − Z^k‖ has a kink at Z^k, so Z^k stays the minimiser wherever ‖∇W‖ ≤ c; its square makes the "
-            "implicit Euler step"
-        ),
-        place=1881,
-    ),
+    "Remark 3.2",
+    Verdict.CORRECTED,
     chosen="a regularised step should have one minimiser for each convex W and c > 0, and rest at minima of W only",
 )
 def _regularised() -> Evidence:

@@ -8,11 +8,12 @@ from itertools import pairwise
 from tissue.files.parameters import preset
 from tissue.frames.observables import nuclear_layers
 from tissue.runs.simulate import simulate
-from verification.claims import Evidence, Kind, at_least, claim, proved
+from verification.claims import Evidence, Verdict, at_least, proved
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication
 from verification.thesis.chapter3.claims.s1_3_model import runs_for
 from verification.thesis.chapter3.intervals import over_seeds
+from verification.thesis.text.quoted import claim
 
 SEEDS = tuple(range(4))
 # Table 1 in μm and μm²/h, Table 3 in h.
@@ -29,11 +30,7 @@ def layers(distance: str) -> list[float]:
 @claim(
     "c3.layers",
     "The number of layers of nuclei tells the distance of neighbouring apical and basal points.",
-    source="section 2.2.9",
-    quote=(
-        "by counting the number of layers that the cells form in vivo, one can estimate values for d^init-apical,"
-        " d^max-basal depending on the number of cells"
-    ),
+    "section 2.2.9",
     chosen="one distance for both kinds of points; layers are soft discs on a vertical line, on average",
 )
 def _layers() -> Evidence:
@@ -54,9 +51,8 @@ def _layers() -> Evidence:
 @claim(
     "c3.relative",
     "Only the ratios of the stiffnesses matter for the minima of the energy.",
-    source="section 2.2.9",
-    quote="The stiffness coefficients are relative to each other",
-    recorded=Kind.PROVED,
+    "section 2.2.9",
+    Verdict.PROVED,
 )
 def _relative() -> Evidence:
     """Energies v, w of two states, multiplied by c; and a minimiser of c v + w that is none of v + w."""
@@ -72,9 +68,8 @@ def _relative() -> Evidence:
 @claim(
     "c3.diffusion",
     "Noise of variance 2DΔt in each coordinate makes free nuclei diffuse with the coefficient D.",
-    source="Table 1, (3.17)",
-    quote="D = 2.5 μm²/h diffusion coefficient; X_i^k+1 − X_i^k ∼ N_2(0, 2DΔt)",
-    recorded=Kind.PROVED,
+    "Table 1, (3.17)",
+    Verdict.PROVED,
 )
 def _diffusion() -> Evidence:
     """One coordinate and one step from x: independent steps add their variances, so n of them have 2 D n dt."""

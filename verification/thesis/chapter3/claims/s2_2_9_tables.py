@@ -1,5 +1,4 @@
 """Chapter 3, Tables 1 and 2: entries that are not those of the text and of what was run."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
@@ -11,7 +10,8 @@ import numpy as np
 from tissue.files.parameters import preset
 from tissue.frames.observables import widths
 from tissue.runs.simulate import simulate
-from verification.claims import Correction, Effect, Evidence, Kind, at_least, claim, equal
+from verification.claims import Evidence, Verdict, at_least, equal
+from verification.thesis.text.quoted import claim
 
 SEED, MANY = 0, 12
 # Table 1 in μm; the first height of Figure 16, whose unit is R_soft.
@@ -31,19 +31,8 @@ Z = 3.29
 @claim(
     "c3.box",
     "The height and the width of the tissue at the start.",
-    source="Table 1",
-    quote="h^init = 50 μm initial tissue height, w^init = 40 μm initial tissue width",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "h^init = 40 μm, w^init = 50 μm",
-        Effect.NUMBER,
-        "every run of chapters 3 and 4 begins in this box; heights are compared with the first one (Figure 16)",
-        why=(
-            "Figure 16 and section 4 speak of “an increase from 8 to 16” R^soft, and 8 R^soft are 40 μm; the "
-            "published program begins 8 high (parameters.jl, line 18, of sEMTor.jl)"
-        ),
-        place=1899,
-    ),
+    "Table 1",
+    Verdict.CORRECTED,
 )
 def _box() -> Evidence:
     """Table 1 against Figure 16 and the published program; by elimination the other value is the width."""
@@ -72,20 +61,8 @@ def zone(cells: int) -> float:
 @claim(
     "c3.row",
     "The number of cells, the distance of their apical points, and the width of the tissue at the start.",
-    source="Table 1",
-    quote="N^init = 60 number of cells, w^init = 40 μm initial tissue width, d^init-apical = 1.66 μm",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "w^init = N^init d^init-apical, 100 μm for 60 cells; 50 μm are the width of 30 cells",
-        Effect.NUMBER,
-        "the start of runs: by the letter all nuclei begin above less than half of their apical points; c3.box, whose "
-        "50 μm is the other value of the table, is about which of the two is the height",
-        why=(
-            "60 points at 1.66 μm are a row of 100 μm, neither 40 nor 50 μm; the published program has N_init = 30 and "
-            "the width N_init/3 in R^soft (parameters.jl, lines 3 and 18, of sEMTor.jl)"
-        ),
-        place=1898,
-    ),
+    "Table 1",
+    Verdict.CORRECTED,
     chosen="the row reaches half a distance beyond its ends; a distance more or less is left open",
 )
 def _row() -> Evidence:
@@ -112,19 +89,8 @@ def basal_width(distance: str) -> float:
 @claim(
     "c3.basal",
     "How far neighbouring basal points may be apart.",
-    source="Table 1",
-    quote="d^max-basal = 0 μm, maximal allowed distance between basal points",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "a positive distance, in published runs d^max-basal = R^soft/3 = 1.67 μm",
-        Effect.MODEL,
-        "(C2) in every run of chapters 3 and 4: with 0 the basal layer is a point",
-        why=(
-            "with 0 μm (C2) puts all basal points in one place; the published program has 1/3 R^soft "
-            "(parameters.jl, line 20, of sEMTor.jl)"
-        ),
-        place=1902,
-    ),
+    "Table 1",
+    Verdict.CORRECTED,
     chosen="10⁻⁶ μm in place of 0",
 )
 def _basal() -> Evidence:
@@ -155,19 +121,8 @@ def singles(two: float) -> tuple[int, int]:
 @claim(
     "c3.offspring",
     "How often a division brings a single cell.",
-    source="Table 1",
-    quote="p^div = 20 %, probability of division with single offspring",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "p^div = 20 % is the probability of a division with two offspring; one of 80 % brings a single one",
-        Effect.MODEL,
-        "the growth of the tissue in chapters 3 and 4; p^div-out = 100 % of chapter 4 is 1 − p^div",
-        why=(
-            "sections 2.1 and 2.2.5 create a second daughter in 20 % of the divisions; the published program lets "
-            "it leave with 0.8 (parameters.jl, line 21, of sEMTor.jl)"
-        ),
-        place=1903,
-    ),
+    "Table 1",
+    Verdict.CORRECTED,
 )
 def _offspring() -> Evidence:
     """By the rule of sections 2.1 and 2.2.5, against what the table says of the same number."""
@@ -199,19 +154,8 @@ def enlarged_minutes(rule: Callable[[np.ndarray, float], np.ndarray], cycle: flo
 @claim(
     "c3.enlarged",
     "The phases in which a nucleus has the larger hard radius.",
-    source="Table 2, (3.4)",
-    quote="R^hard,G2 = 0.7 R^soft radius of non-overlap (during active G2, mitosis phase)",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "0.7 R^soft during mitosis only, R^hard = 1.66 μm in G1, S and the whole of G2",
-        Effect.MODEL,
-        "the rise of nuclei in active G2, which the table makes twice as large while they move",
-        why=(
-            "sections 2.1, 2.2.3 and (3.4) enlarge the radius in mitosis only, (3.8) calls the other one that of "
-            "the passive phase, G1 among them"
-        ),
-        place=1927,
-    ),
+    "Table 2, (3.4)",
+    Verdict.CORRECTED,
 )
 def _enlarged() -> Evidence:
     by_text = enlarged_minutes(text_rule, 14.0)

@@ -8,8 +8,9 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from verification.claims import Correction, Effect, Evidence, Kind, at_least, at_most, claim, equal, proved
+from verification.claims import Evidence, Verdict, at_least, at_most, equal, proved
 from verification.formal.algebra import identity, library
+from verification.thesis.text.quoted import claim
 
 Floats = NDArray[np.float64]
 State = TypeVar("State", float, Floats)
@@ -27,10 +28,9 @@ BISECTIONS = 40
 @claim(
     "c3.discretised",
     "(3.25) is a difference formula for the damped second-order system (3.23).",
-    source="(3.25)",
-    quote="A discretisation of (3.22) and (3.23) yields the damped Arrow-Hurwicz algorithm (DAHA).",
+    "(3.25)",
+    Verdict.PROVED,
     chosen="the multiplier is a given function of time, so that its misprinted update does not matter",
-    recorded=Kind.PROVED,
 )
 def _discretised() -> Evidence:
     """Both quotients of (3.25) for a path with the derivatives v, a, b, d at the present: no terms below h^2."""
@@ -62,9 +62,8 @@ def damped(now: Any, before: Any, push: Any, c: Any, dtau: Any) -> Any:
 @claim(
     "c3.solved",
     "(3.25) solved for the next state.",
-    source="section 2.3",
-    quote="z_{n+1} = 1/(1 + ½Δτc) (2z_n - (1 - ½Δτc) z_{n-1} - Δτ²α(∇W - Σ λ_ℓ ∇g_ℓ) - Δτ²γ Σ g_ℓ λ_ℓ ∇g_ℓ)",
-    recorded=Kind.PROVED,
+    "section 2.3",
+    Verdict.PROVED,
 )
 def _solved() -> Evidence:
     return proved(
@@ -83,9 +82,8 @@ def _solved() -> Evidence:
 @claim(
     "c3.one-step",
     "At this damping the next state no longer depends on the one before the present.",
-    source="section 2.3",
-    quote="We observe that for c = 2/Δτ the method reduces to a one-step method.",
-    recorded=Kind.PROVED,
+    "section 2.3",
+    Verdict.PROVED,
 )
 def _one_step() -> Evidence:
     return proved(
@@ -136,20 +134,8 @@ def least_weight(c: float, dtau: float) -> float:
 @claim(
     "c3.stable-choice",
     "How the damping and the step of DAHA trade stability for iterations.",
-    source="section 2.3.1",
-    quote=(
-        "Increasing the damping coefficient c and the time-step size Δt can reduce the numerical instabilities, but it "
-        "also directly increases the number of required iterations."
-    ),
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "Δτ must be decreased: energies are stable for Δτ²αW'' ≤ 4, whatever c is; a larger c helps contacts only. "
-        "Both take more iterations",
-        Effect.MODEL,
-        "the choice of parameters: a larger Δτ is less stable and needs fewer iterations",
-        why="explicit steps of a stiff system become stable by shorter, not longer steps",
-        place=2037,
-    ),
+    "section 2.3.1",
+    Verdict.CORRECTED,
     chosen="the step is Δτ of (3.25), in which Δt does not occur",
 )
 def _choice() -> Evidence:
@@ -192,8 +178,7 @@ def last_move(product: float, steps: int = 2000) -> float:
 @claim(
     "c3.endless",
     "An iteration beyond its stability limit need not meet (3.24).",
-    source="section 2.3.1",
-    quote="Such instabilities can lead to non-terminating conditions of the iteration",
+    "section 2.3.1",
     chosen="a force that is bounded, as that of the straightness energy is at a given distance",
 )
 def _endless() -> Evidence:

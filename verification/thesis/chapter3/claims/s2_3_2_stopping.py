@@ -8,9 +8,10 @@ from numpy.typing import NDArray
 
 import dincl
 from dincl.minimise import DampedArrowHurwicz, Stationary, minimise
-from verification.claims import Correction, Effect, Evidence, Kind, at_most, claim, equal, proved
+from verification.claims import Evidence, Verdict, at_most, equal, proved
 from verification.formal.algebra import identity
 from verification.thesis.chapter3.claims.s2_3_1_daha import damped
+from verification.thesis.text.quoted import claim
 
 Floats = NDArray[np.float64]
 TOL = 1e-8
@@ -31,16 +32,8 @@ def pulled() -> dincl.Problem:
 @claim(
     "c3.update",
     "What a step of DAHA becomes with Table 4.",
-    source="(3.26)",
-    quote="z_{n+1} = z_n - α∇W(z_n) + Σ (αλ_ℓ - γλ_ℓ g_ℓ(z_n)) ∇g_ℓ",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "α/2 and γ/2 for α and γ, also in (3.27) and (3.28); or Table 4 with α and γ doubled",
-        Effect.MODEL,
-        "Remark 3.6, (3.28) to (3.32): the damping coefficient of the first-order model",
-        why="with c = 2 and Δτ = 1 the factor 1/(1 + Δτc/2) of the line before is 1/2",
-        place=2041,
-    ),
+    "(3.26)",
+    Verdict.CORRECTED,
 )
 def _update() -> Evidence:
     problem = pulled()
@@ -87,22 +80,8 @@ def landed(weight: float) -> Floats:
 @claim(
     "c3.overdamped",
     "With Table 4 the states run into their rest without swinging around it.",
-    source="section 2.3.1",
-    quote=(
-        "We see in particular, that the Damped Arrow-Hurwicz Algorithm approaches the equilibrium on an overdamped "
-        "trajectory."
-    ),
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "… approaches it on an overdamped trajectory where no constraint is active; at a contact the state swings",
-        Effect.PROOF,
-        "nothing of Remark 3.6 and section 3.1, which leave the constraints out",
-        why=(
-            "c = 2 with Δτ = 1 removes the inertia of z alone: z and λ together are of second order, λ sums up g, and "
-            "(3.26), from which the sentence is read off, has the terms of the constraints"
-        ),
-        place=2043,
-    ),
+    "section 2.3.1",
+    Verdict.CORRECTED,
     chosen="a weight on a floor; the multiplier as corrected in c3.daha-multiplier",
 )
 def _overdamped() -> Evidence:
@@ -122,13 +101,9 @@ def _overdamped() -> Evidence:
 @claim(
     "c3.descent",
     "Without constraints and with c = 2/Δτ DAHA is plain gradient descent.",
-    source="Remark 3.6",
-    quote=(
-        "Let us consider the situation without constraints, e.g. M = 0, and with parameters as in Table 4. In this "
-        "case the DAHA method reduces to a gradient decent method with fixed step size."
-    ),
+    "Remark 3.6",
+    Verdict.PROVED,
     chosen="the step size is not asked for: it is α/2, see c3.update",
-    recorded=Kind.PROVED,
 )
 def _descent() -> Evidence:
     return proved(
@@ -145,16 +120,8 @@ def _descent() -> Evidence:
 @claim(
     "c3.stopping",
     "How much of the gradient is left where DAHA stops.",
-    source="Remark 3.6",
-    quote="‖∇W(z_{n*})‖ / ‖z_{n*}‖ ≤ ε/α = 10⁻⁶/10⁻⁴ = 0.01",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "≤ 2ε/α = 0.02, for the step is α/2: it follows from c3.update",
-        Effect.NUMBER,
-        "the accuracy that Remark 3.6 derives",
-        why="by c3.update the step is α/2 ∇W, so ‖∇W‖ = 2/α times the way of a step",
-        place=2061,
-    ),
+    "Remark 3.6",
+    Verdict.CORRECTED,
 )
 def _stopping() -> Evidence:
     found = minimise(pulled(), DampedArrowHurwicz.published())

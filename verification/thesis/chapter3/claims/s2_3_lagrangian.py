@@ -11,9 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 import dincl
-from verification.claims import Correction, Effect, Evidence, Kind, at_least, claim, equal, proved
+from verification.claims import Evidence, Verdict, at_least, equal, proved
 from verification.formal.algebra import identity
 from verification.formal.reals import implication, solver_library
+from verification.thesis.text.quoted import claim
 
 Floats = NDArray[np.float64]
 SEED = 37
@@ -57,8 +58,7 @@ def in_all(z: Floats) -> bool:
     "c3.feasible-set",
     "S is the intersection of the sets of single constraints: the nuclei that meet (C1), times all "
     "apical points, times a convex set of basal points. So S is prox-regular if the set of (C1) is.",
-    source="(3.16), sections 3.2 and 3.3",
-    quote="S = ⋂_{j=1}^M S_j, which is the key assumption for the application of PBD",
+    "(3.16), sections 3.2 and 3.3",
     chosen="equal hard radii, as Proposition 1.22 has them; for others see c3.equal-radii",
 )
 def _set() -> Evidence:
@@ -92,10 +92,9 @@ def next_to(n: int) -> list[tuple[int, int]]:
 @claim(
     "c3.constraint-count",
     "How many scalar constraints a tissue of N cells has.",
-    source="section 2.3",
-    quote="in the setup of Section 2.2.7 we have M = N(N-1)/2 + 2(N-1) + N constraints",
+    "section 2.3",
+    Verdict.PROVED,
     chosen="the basal line counts as one constraint for each cell",
-    recorded=Kind.PROVED,
 )
 def _count() -> Evidence:
     """By induction: one more cell brings a pair with each of the N before, an edge of two constraints, and (C3)."""
@@ -126,16 +125,8 @@ def steepness(edge: Callable[[float], float]) -> float:
 @claim(
     "c3.squared",
     "All four kinds of constraints are taken squared.",
-    source="section 2.3",
-    quote="Since the convergence rates can depend on the representation, we define g_ℓ as the square of (C1) to (C4).",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "distances (C1), (C2) are squared; the order (C4) is taken as it stands, and (C3) is eliminated",
-        Effect.NOTATION,
-        "(3.19) and every method that uses these g_ℓ",
-        why="(C3) is an equation and (C4) has a sign that its square loses",
-        place=1949,
-    ),
+    "section 2.3",
+    Verdict.CORRECTED,
 )
 def _squared() -> Evidence:
     left, right = basal_pairs().T
@@ -158,9 +149,8 @@ def _squared() -> Evidence:
 @claim(
     "c3.saddle",
     "inf sup of ℒ = W + Σ λ_ℓ min(0, g_ℓ) over all λ gives the minima of W over S.",
-    source="(3.20)",
-    quote="Solutions of (3.20) will also be solutions of the original problem (3.18).",
-    recorded=Kind.PROVED,
+    "(3.20)",
+    Verdict.PROVED,
 )
 def _saddle() -> Evidence:
     """m = min(0, g(z)) of one row; sup over lambda of W + lambda m is W for m = 0 and infinite for m < 0."""
@@ -181,13 +171,9 @@ def _saddle() -> Evidence:
 @claim(
     "c3.rests",
     "A constrained minimum, with its multipliers, is an equilibrium of both systems.",
-    source="(3.21) to (3.23)",
-    quote=(
-        "The dynamical system (3.21) and (3.22) has every solution of (3.18) as an equilibrium. … (3.23) … has also "
-        "all solutions of (3.18) as equilibria."
-    ),
+    "(3.21) to (3.23)",
+    Verdict.PROVED,
     chosen="multipliers ≤ 0 for (3.21), ≥ 0 for (3.23), as their signs ask for",
-    recorded=Kind.PROVED,
 )
 def _rest() -> Evidence:
     """One component and one row: w of grad W, j of grad g; a minimum has w = l j, l >= 0, g >= 0, l g = 0."""

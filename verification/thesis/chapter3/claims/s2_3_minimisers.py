@@ -9,10 +9,11 @@ import numpy as np
 
 import dincl
 from dincl.minimise import ArrowHurwicz, DampedArrowHurwicz, Minimum, Stationary, minimise
-from verification.claims import Correction, Effect, Evidence, Kind, at_least, at_most, claim, equal, proved
+from verification.claims import Evidence, Verdict, at_least, at_most, equal, proved
 from verification.formal.algebra import identity
 from verification.formal.reals import implication
 from verification.thesis.chapter3.claims.s2_3_1_daha import damped
+from verification.thesis.text.quoted import claim
 
 STEPS = 2000
 # Steps of the methods for discs: a few more than the damped one needs.
@@ -56,19 +57,8 @@ def first_method(side: float, turn: float) -> tuple[float, float]:
 @claim(
     "c3.arrow-hurwicz",
     "The two steps of the Arrow-Hurwicz method, which find a minimum of W over g ≥ 0.",
-    source="Method 3.3",
-    quote="z_{n+1} := z_n - α(∇W(z_n) + Σ λ_ℓ ∇g_ℓ(z_n)), λ_{ℓ,n+1} := min(0, λ_{ℓ,n} - β g_ℓ(z_{n+1}))",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "either λ ≤ 0 with + Σ λ_ℓ ∇g_ℓ and min(0, λ_ℓ + βg_ℓ), or λ ≥ 0 with - Σ λ_ℓ ∇g_ℓ and max(0, λ_ℓ - βg_ℓ)",
-        Effect.MODEL,
-        "(3.21), (3.22), for which the method is the semi-implicit Euler method, and Method 3.4",
-        why=(
-            "where g > 0 and λ = 0 the printed update makes λ negative, and + λ∇g then drives the state away from "
-            "feasible points"
-        ),
-        place=1979,
-    ),
+    "Method 3.3",
+    Verdict.CORRECTED,
     chosen="step sizes and one row, the wall x ≥ 0; the first step is from z_0 to z_1, though “n > 0” is printed",
 )
 def _method() -> Evidence:
@@ -97,17 +87,8 @@ def growth_rate(side: float, turn: float) -> float:
 @claim(
     "c3.equilibria",
     "The system whose attractive equilibria are to be the minima.",
-    source="(3.21), (3.22)",
-    quote="attractive equilibria of the constructed dynamical system … ż = -α(∇W + Σ λ_ℓ ∇g_ℓ), λ̇_ℓ = -βg_ℓ",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "either λ ≤ 0 with + Σ λ_ℓ ∇g_ℓ in (3.21) and λ̇_ℓ = +βg_ℓ in (3.22), or λ ≥ 0 with - Σ λ_ℓ ∇g_ℓ, as in "
-        "(3.23), and λ̇_ℓ = -βg_ℓ",
-        Effect.MODEL,
-        "Method 3.3, which is the semi-implicit Euler method for this system, as in c3.arrow-hurwicz",
-        why="linearised at a contact the printed pair has a positive eigenvalue",
-        place=1987,
-    ),
+    "(3.21), (3.22)",
+    Verdict.CORRECTED,
 )
 def _equilibria() -> Evidence:
     printed, negative, positive = growth_rate(1, -1), growth_rate(1, 1), growth_rate(-1, -1)
@@ -126,10 +107,7 @@ def _equilibria() -> Evidence:
 @claim(
     "c3.not-always",
     "The undamped method can fail for discs where the damped one converges.",
-    source="section 2.3",
-    quote=(
-        "the direct application of the Arrow-Hurwicz algorithm does not always converge for … non-overlapping spheres"
-    ),
+    "section 2.3",
     chosen="signs that the optimality conditions ask for; step sizes 0.1",
 )
 def _not_always() -> Evidence:
@@ -166,19 +144,8 @@ def two_discs() -> dincl.Problem:
 @claim(
     "c3.daha-multiplier",
     "How the damped method updates its multipliers.",
-    source="Method 3.4",
-    quote="λ_{ℓ,n+1} = min(0, λ_{ℓ,n} - Δτ β g_ℓ(z_n))",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "λ_{ℓ,n+1} = max(0, λ_{ℓ,n} - Δτ β g_ℓ(z_n))",
-        Effect.MODEL,
-        "the method: with min, discs that overlap do not notice each other",
-        why=(
-            "λ begins at 0, grows while g < 0 and must not become negative, as (3.25) has − Σ λ∇g; min(0, ·) "
-            "keeps it at 0 there"
-        ),
-        place=2014,
-    ),
+    "Method 3.4",
+    Verdict.CORRECTED,
     chosen="n starts at 1 with z_1 = z_0, and λ_1 = 0: the text sets only λ_0",
 )
 def _damped_multiplier() -> Evidence:
@@ -203,9 +170,8 @@ def _damped_multiplier() -> Evidence:
 @claim(
     "c3.rescaled",
     "The step Δτ can be absorbed in the other parameters.",
-    source="Remark 3.5",
-    quote="For example, we can choose without loss of generality Δτ = 1.",
-    recorded=Kind.PROVED,
+    "Remark 3.5",
+    Verdict.PROVED,
 )
 def _rescaled() -> Evidence:
     """(3.25) for dtau and for 1; w = grad W - sum lambda grad g, q = sum g lambda grad g."""
@@ -223,10 +189,9 @@ def _rescaled() -> Evidence:
 @claim(
     "c3.attractive",
     "For two discs the damped system is attracted by the minimum.",
-    source="section 2.3",
-    quote="For special cases such as N = 2 … the underlying dynamical system … has an attractive equilibrium",
+    "section 2.3",
+    Verdict.PROVED_INSTANCE,
     chosen="W = ‖z‖²/2; for a W that is much weaker the parameters of Table 4 do not attract",
-    recorded=Kind.PROVED_INSTANCE,
     tried_on="two discs, W = ‖z‖²/2, linearised",
 )
 def _attractive() -> Evidence:

@@ -7,8 +7,9 @@ import numpy as np
 
 import dincl
 from dincl.minimise import DampedArrowHurwicz, Stationary, minimise
-from verification.claims import Correction, Effect, Evidence, Kind, claim, equal, proved
+from verification.claims import Evidence, Verdict, equal, proved
 from verification.formal.algebra import identity, library
+from verification.thesis.text.quoted import claim
 
 # Tables 3 and 4, and section 3.1.
 DT, ALPHA, USUAL = 0.1, 1e-4, 7500
@@ -21,9 +22,8 @@ TOLD, ABOUT = 0.14, 0.1
 @claim(
     "c3.time-transform",
     "The gradient flow of n* iterations, in the time of the model.",
-    source="(3.30)",
-    quote="t := δτ, z̃(t) := z(τ), … δ dz̃/dt = -α∇W(z̃) for t ∈ [0, Δt]",
-    recorded=Kind.PROVED,
+    "(3.30)",
+    Verdict.PROVED,
 )
 def _scaled() -> Evidence:
     """The chain rule for z~(t) = z(t/delta)."""
@@ -49,16 +49,8 @@ def daha_step() -> float:
 @claim(
     "c3.time-scale",
     "The damping coefficient with which the first-order model does what DAHA does.",
-    source="(3.32)",
-    quote="μ = Δt/(n* α) = 0.1/(7500 · 10⁻⁴) = 0.1333",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "μ = 2Δt/(n* α) = 0.2667 h, since a step of (3.25) with Table 4 is α/2: it follows from c3.update",
-        Effect.NUMBER,
-        "Table 5 and the comparisons of section 3.4; 0.1333 belongs to (3.26) as printed",
-        why="by c3.update a step of DAHA moves by α/2, so 7500 of them make half the way that (3.28) gives",
-        place=2135,
-    ),
+    "(3.32)",
+    Verdict.CORRECTED,
 )
 def _time_scale() -> Evidence:
     """The mu with which mu dz/dt = -grad W makes in dt what 7500 steps of DAHA make, W'' = 2."""
@@ -80,16 +72,8 @@ def predicted(n: float) -> float:
 @claim(
     "c3.prediction",
     "The damping coefficient that the derivation predicts.",
-    source="section 3.4",
-    quote="PBD with μ = 0.14: Theoretical prediction of the matching damping coefficient.",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "μ = 0.13, as (3.32) gives with n* = 7500 and the step of (3.26)",
-        Effect.NUMBER,
-        "the comparisons of section 3.4, which use 0.14, and Table 5, which has 0.15",
-        why="0.1333 is 0.13 to two digits; 0.14 belongs to n* = 7143",
-        place=2198,
-    ),
+    "section 3.4",
+    Verdict.CORRECTED,
 )
 def _prediction() -> Evidence:
     value, n = predicted(USUAL), DT / (TOLD * ALPHA)

@@ -8,19 +8,7 @@ import math
 import pandas as pd
 from scipy.special import stdtrit
 
-from verification.claims import (
-    Comparison,
-    Correction,
-    Effect,
-    Evidence,
-    Kind,
-    MissingRow,
-    Tables,
-    at_least,
-    at_most,
-    claim,
-    equal,
-)
+from verification.claims import Comparison, Evidence, MissingRow, Tables, Verdict, at_least, at_most, equal
 from verification.thesis.chapter3.daha import (
     COMPARED,
     DOUBLED_CASE,
@@ -32,6 +20,7 @@ from verification.thesis.chapter3.daha import (
     TIMES,
 )
 from verification.thesis.chapter3.intervals import CONFIDENCE, over_seeds
+from verification.thesis.text.quoted import claim
 
 USUAL, SHARE, DISTANCE, SUBSTEPS = 7500, 0.25, 0.06, min(PBD_SUBSTEPS)
 # "Roughly every fourth", "close to", "almost optimal": what is taken as such.
@@ -45,11 +34,7 @@ NOTCH = 1.57
 @claim(
     "c3.part-way",
     "DAHA stops on its way from the start to the minimum.",
-    source="section 2.3.2",
-    quote=(
-        "we will show an error estimate for DAHA which will later explain why DAHA prefers solutions which are close "
-        "the starting point"
-    ),
+    "section 2.3.2",
     needs=("tissue_judged_steps",),
     chosen="stops on its way: at least a tenth of the way is left",
 )
@@ -73,12 +58,9 @@ def runs_for(share: float, error: float) -> int:
 @claim(
     "c3.every-fourth",
     "A quarter of the simulations by DAHA fail.",
-    source="sections 3 and 3.4",
-    quote=(
-        "In roughly every fourth situation, the DAHA solver has stability issues which lead to non-terminating states."
-    ),
+    "sections 3 and 3.4",
+    Verdict.OPEN,
     needs=("tissue_daha_failures",),
-    recorded=Kind.OPEN,
     chosen="runs of 10 h, at most 100,000 iterations in a step; whether desired rest lengths may be negative",
 )
 def _failures(tables: Tables) -> Evidence:
@@ -113,8 +95,7 @@ def needed(runs: float, half: float, gap: float) -> int:
 @claim(
     "c3.iterations",
     "How many iterations DAHA needs in a step.",
-    source="section 3.1, Figure 11",
-    quote="For the default parameter ε = 10⁻⁶, the number of iterations in most cases close to n* ≈ 7500.",
+    "section 3.1, Figure 11",
     needs=("tissue_daha_iterations",),
     chosen="close: within a quarter",
 )
@@ -138,16 +119,10 @@ def _iterations(tables: Tables) -> Evidence:
 @claim(
     "c3.optimal",
     "The damping that is derived makes PBD nearly as close to DAHA as any.",
-    source="section 3.1",
-    quote=(
-        "[μ = 0.1333] Here, the choice of n* is the median obtained from Figure 11. We will later see that this "
-        "choice is almost optimal."
-    ),
+    "section 3.1",
     needs=("tissue_daha_fits",),
-    chosen=(
-        "the step of DAHA is that of (3.26), from which 0.1333 is derived (c3.update); almost: within a factor "
-        "1.5; desired rest lengths as corrected in c3.gradients"
-    ),
+    chosen="the step of DAHA is that of (3.26), from which 0.1333 is derived (c3.update); almost: within a factor "
+    "1.5; desired rest lengths as corrected in c3.gradients",
 )
 def _optimal(tables: Tables) -> Evidence:
     fits = tables["tissue_daha_fits"]
@@ -166,20 +141,9 @@ def _optimal(tables: Tables) -> Evidence:
 @claim(
     "c3.gradients",
     "DAHA evaluates the gradient some 300 times as often as PBD.",
-    source="section 3.4",
-    quote="The faster simulation is simply a result of less evaluations of the energy gradient.",
+    "section 3.4",
+    Verdict.CORRECTED,
     needs=("tissue_daha",),
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "the same with desired rest lengths max(0, ‖X − A‖ − R^soft) and max(0, ‖X − B‖ − R^soft) in section 2.2.2",
-        Effect.MODEL,
-        "all comparisons of section 3.4: by the letter no run of 10 h by DAHA ends, and there is nothing to compare",
-        why=(
-            "a nucleus nearer than R^soft to an end gets a negative rest length, and a spring that stiffens like 1/d; "
-            "the published program has max(0, ·) (time_step_springs! in src/core/simulate.jl of sEMTor.jl)"
-        ),
-        place=2217,
-    ),
 )
 def _work(tables: Tables) -> Evidence:
     table = tables["tissue_daha"]
@@ -213,13 +177,10 @@ def _beyond(row: pd.Series, value: float) -> float:
 @claim(
     "c3.six-per-cent",
     "How far apart the nuclei of one simulation by both methods are.",
-    source="section 3.4",
-    quote="‖X^DAHA(10 h) - X^PBD(10 h)‖/‖X^DAHA(10 h)‖ ≈ 0.06 for μ = 0.14",
+    "section 3.4",
     needs=("tissue_daha_distances",),
-    chosen=(
-        "the step of DAHA is that of (3.26), desired rest lengths as corrected in c3.gradients; one run is compared "
-        "with the spread of single runs"
-    ),
+    chosen="the step of DAHA is that of (3.26), desired rest lengths as corrected in c3.gradients; one run is compared "
+    "with the spread of single runs",
 )
 def _distance(tables: Tables) -> Evidence:
     table = tables["tissue_daha_distances"]

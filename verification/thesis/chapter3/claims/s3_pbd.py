@@ -8,10 +8,11 @@ from numpy.typing import NDArray
 
 from tissue.files.parameters import preset
 from tissue.state.cells import empty
-from verification.claims import Correction, Effect, Evidence, Kind, at_least, at_most, claim, equal, proved
+from verification.claims import Evidence, Verdict, at_least, at_most, equal, proved
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication
 from verification.thesis.chapter3.linear import own_hessians
+from verification.thesis.text.quoted import claim
 
 Floats = NDArray[np.float64]
 SEED = 36
@@ -22,11 +23,7 @@ DAHA_SECONDS, PBD_SECONDS, USUAL, SUBSTEPS = (27.0, 28.0), 0.08, 7500, 20
 @claim(
     "c3.speedup",
     "The times that are given, their ratio, and the ratio of the work.",
-    source="sections 3 and 3.4",
-    quote=(
-        "27 s … 0.08 s, which is over 300× faster … 28 s … 300× speed-up … essentially the ratio between n* = 7500 and "
-        "n^sub-steps = 20"
-    ),
+    "sections 3 and 3.4",
 )
 def _speedup() -> Evidence:
     least, most = (seconds / PBD_SECONDS for seconds in DAHA_SECONDS)
@@ -56,20 +53,8 @@ def curvature(x: Floats, y: Floats) -> Floats:
 @claim(
     "c3.well-posed",
     "By the theorems of chapter 1 the first-order model has one solution from each start, for all times.",
-    source="section 3.2",
-    quote=(
-        "Since the set S is uniformly prox-regular …, we obtain from Theorem 1.31 and Lemma 1.32 the well-posed of "
-        "this equation."
-    ),
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "the theorems need a Lipschitz ∇W: they apply as long as no nucleus comes near an end of its cell, where "
-        "(3.12) has no bounded second derivative",
-        Effect.PROOF,
-        "well-posedness for all times; where nuclei meet an end, DAHA and PBD become unstable",
-        why="(3.12) has second derivatives like 1/‖X − A‖², so ∇W is not Lipschitz near the ends of a cell",
-        place=2145,
-    ),
+    "section 3.2",
+    Verdict.CORRECTED,
     chosen="one cell of 8 R_soft with the stiffnesses of Table 2",
 )
 def _well_posed() -> Evidence:
@@ -96,13 +81,9 @@ LIPSCHITZ = 2 * 15 * 3 + 2 * 4 * 2 * 1.5 / 2.5
 @claim(
     "c3.projections",
     "The nearest point of each single constraint has a closed form.",
-    source="section 3.3",
-    quote=(
-        "All these constraints have in common, that it is very easy to explicitly compute the projection for each "
-        "individual constraint."
-    ),
+    "section 3.3",
+    Verdict.PROVED,
     chosen="the formulas, which the text leaves to the reader",
-    recorded=Kind.PROVED,
 )
 def _projections() -> Evidence:
     """b, a: the distance of the pair before and in any other state, p = their product of differences, m = |move|^2."""
@@ -136,10 +117,9 @@ def _projections() -> Evidence:
 @claim(
     "c3.substeps",
     "n substeps of Δt/n each, with Δt/μ as the weight of the gradient, cover one time step.",
-    source="(3.34)",
-    quote="Φ^PBD(Z) = (Φ^PBD_{Δt/n^sub-step})^{n^sub-step} (Z)",
+    "(3.34)",
+    Verdict.PROVED_INSTANCE,
     chosen="coordinates that do not act on each other, so that the solution is known",
-    recorded=Kind.PROVED_INSTANCE,
     tried_on="a spring of any stiffness",
 )
 def _substeps() -> Evidence:

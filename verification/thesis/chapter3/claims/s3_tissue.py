@@ -8,7 +8,8 @@ import math
 import numpy as np
 import pandas as pd
 
-from verification.claims import Correction, Effect, Evidence, Kind, Tables, at_least, at_most, claim, equal
+from verification.claims import Evidence, Tables, Verdict, at_least, at_most, equal
+from verification.thesis.text.quoted import claim
 
 # Tables 1, 4 and 5, in units of R_soft and hours.
 D, DT, MU, ALPHA, ITERATIONS = 0.1, 0.1, 0.15, 1e-4, 7500
@@ -26,16 +27,8 @@ def noise_step(mu: float, factor: float, normal: np.ndarray) -> np.ndarray:
 @claim(
     "c3.noise",
     "The stochastic inclusion whose noise the method adds as N_2(0, 2DΔt).",
-    source="(3.33)",
-    quote="μ dZ ∈ −∇W(Z) dt − N(S, Z) dt + √(2D) dW_X",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "μ dZ ∈ −∇W(Z) dt − N(S, Z) dt + μ √(2D) dW_X",
-        Effect.MODEL,
-        "the first-order model; its method (3.35) and D of Table 1 belong to the corrected equation",
-        why="with √(2D) dW on the right the displacement has the variance 2D Δt/μ²; (3.35) and Table 1 have 2DΔt",
-        place=2149,
-    ),
+    "(3.33)",
+    Verdict.CORRECTED,
 )
 def _noise() -> Evidence:
     """The variance of a coordinate after one step of (3.33) without forces, over that of (3.35)."""
@@ -58,16 +51,8 @@ def decayed(dt: float, mu: float) -> float:
 @claim(
     "c3.mu-unit",
     "The unit of the damping coefficient.",
-    source="Table 5",
-    quote="μ = 0.15 h⁻¹, damping coefficient",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "μ = 0.15 h",
-        Effect.NUMBER,
-        "whoever changes the unit of time: in minutes μ is 9, not 0.0025; larger μ is slower",
-        why="W is a number and Z a length in R^soft, so μ dZ/dt = −∇W makes μ a time, as (3.32) has it",
-        place=2187,
-    ),
+    "Table 5",
+    Verdict.CORRECTED,
     chosen="energies without unit, lengths in R^soft",
 )
 def _mu() -> Evidence:
@@ -104,17 +89,9 @@ def growth_steps(table: pd.DataFrame) -> pd.DataFrame:
 @claim(
     "c3.larger-damping",
     "The direction in which the damping has to change for a tissue that grows faster.",
-    source="section 4",
-    quote="This shows that larger damping coefficients would fit better to the in vivo experimental data",
+    "section 4",
+    Verdict.CORRECTED,
     needs=("tissue_ratios",),
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "smaller damping coefficients would fit better",
-        Effect.CONCLUSION,
-        "the finding of section 4 and the choice of μ; Figures 15 and 16 say the same as the correction",
-        why="the sentence before says that reduced damping leads to faster growth, as do Figures 15 and 16",
-        place=2248,
-    ),
 )
 def _damping(tables: Tables) -> Evidence:
     steps = growth_steps(tables["tissue_ratios"])

@@ -10,12 +10,13 @@ import numpy as np
 from tissue.files.parameters import preset
 from tissue.frames.observables import ab_positions
 from tissue.runs.simulate import simulate
-from verification.claims import Evidence, Kind, Tables, at_least, at_most, claim, equal
+from verification.claims import Evidence, Tables, Verdict, at_least, at_most, equal
 from verification.thesis.chapter3.claims.s1_3_model import runs_for
 from verification.thesis.chapter3.claims.s3_4_comparison import SHARE, SUBSTEPS, needed, row_of
 from verification.thesis.chapter3.daha import COMPARED, DOUBLED_CASE, TERMINATING, TIMES
 from verification.thesis.chapter3.growing import PRESETS
 from verification.thesis.chapter3.intervals import CONFIDENCE, over_seeds
+from verification.thesis.text.quoted import claim
 
 # "Similar", "intact": heights and widths within this part.
 SIMILAR = 0.1
@@ -29,14 +30,10 @@ HALF, MATCHING, DOUBLING, NEAR_DOUBLING = 1.5, 0.2, 0.025, 0.005
 @claim(
     "c3.only-condition",
     "With substeps that are short enough PBD loses no run.",
-    source="section 3.4",
-    quote=(
-        "In all our experiments, the PBD method did never diverge. The only condition is that Δt and n^sub-steps have "
-        "reasonable values such that the explicit Euler method converges."
-    ),
+    "section 3.4",
+    Verdict.NOT_REFUTED,
     needs=("tissue_ratios",),
     chosen="short enough: the finest substeps of the study of growth",
-    recorded=Kind.NOT_REFUTED,
     tried_on="the runs of the study of growth",
 )
 def _condition(tables: Tables) -> Evidence:
@@ -56,13 +53,10 @@ def _condition(tables: Tables) -> Evidence:
 @claim(
     "c3.macroscopic",
     "Tissues by both methods are as high and as wide.",
-    source="section 3.4",
-    quote="More importantly, the macroscopic quantities such as tissue height, shape and growth, remain intact",
+    "section 3.4",
     needs=("tissue_daha_distances",),
-    chosen=(
-        "the step of DAHA is that of (3.26), desired rest lengths as corrected in c3.gradients; height and apical "
-        "width at 10 h within 10 %"
-    ),
+    chosen="the step of DAHA is that of (3.26), desired rest lengths as corrected in c3.gradients; height and apical "
+    "width at 10 h within 10 %",
 )
 def _macroscopic(tables: Tables) -> Evidence:
     table = tables["tissue_daha_distances"]
@@ -95,12 +89,9 @@ def mean_position(rules: str, seed: int, **phases: str) -> float:
 @claim(
     "c3.accumulation",
     "After two days more nuclei lie near the apical than near the basal side.",
-    source="Figure 14",
-    quote="We see the expected behaviour of tissue growth with accumulation of nuclei on the apical side",
-    chosen=(
-        "accumulation: the mean of y_AB is above 0.6, that of evenly spread nuclei is 0.5; PBD with μ = 0.2 h "
-        "stands for DAHA"
-    ),
+    "Figure 14",
+    chosen="accumulation: the mean of y_AB is above 0.6, that of evenly spread nuclei is 0.5; PBD with μ = 0.2 h "
+    "stands for DAHA",
 )
 def _accumulation() -> Evidence:
     values = [[mean_position(rules, seed) for seed in SEEDS] for rules in PRESETS]
@@ -123,16 +114,10 @@ def _accumulation() -> Evidence:
 @claim(
     "c3.less-than-half",
     "With the default parameters the tissue gains less than half of its height in two days.",
-    source="section 4, Figure 14",
-    quote=(
-        "Figure 14 shows a simulation with the QSS-PSE model where the height increase is less than 50 % of the "
-        "initial height."
-    ),
+    "section 4, Figure 14",
     needs=("tissue_ratios",),
-    chosen=(
-        "the rules of the published runs, whose springs and repulsion have the squared denominators of "
-        "c3.dimensions; PBD with μ = 0.2 h, which is said to be similar, stands for DAHA"
-    ),
+    chosen="the rules of the published runs, whose springs and repulsion have the squared denominators of "
+    "c3.dimensions; PBD with μ = 0.2 h, which is said to be similar, stands for DAHA",
 )
 def _less_than_half(tables: Tables) -> Evidence:
     table = tables["tissue_ratios"]
@@ -150,8 +135,7 @@ def _less_than_half(tables: Tables) -> Evidence:
 @claim(
     "c3.similar",
     "With this damping the first-order model grows as the quasi-steady one.",
-    source="Figure 15",
-    quote="Values around μ = 0.2 give similar results as the QSS-PSE model.",
+    "Figure 15",
     needs=("tissue_daha_distances",),
     chosen="similar: heights at 10 h within 10 %; desired rest lengths of DAHA as corrected in c3.gradients",
 )
@@ -179,12 +163,9 @@ def _similar(tables: Tables) -> Evidence:
 @claim(
     "c3.doubling",
     "The damping at which the tissue doubles its height in two days.",
-    source="Figure 16",
-    quote="A realistic increase within 48 h would be a doubling …, similar to the choice μ = 0.025.",
+    "Figure 16",
     needs=("tissue_doubling",),
-    chosen=(
-        "the rules of the published runs, whose springs and repulsion have the squared denominators of c3.dimensions"
-    ),
+    chosen="the rules of the published runs; springs and repulsion with the squared denominators of c3.dimensions",
 )
 def _doubling(tables: Tables) -> Evidence:
     table = tables["tissue_doubling"]

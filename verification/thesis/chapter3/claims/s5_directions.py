@@ -1,5 +1,4 @@
 """Chapter 3, section 5: what the third dimension takes."""
-# ruff: noqa: RUF001 - quoted as it is printed
 
 from __future__ import annotations
 
@@ -9,7 +8,8 @@ import pandas as pd
 from tissue.files.parameters import preset
 from tissue.frames.frame import Frame
 from tissue.runs.simulate import simulate
-from verification.claims import Correction, Effect, Evidence, Kind, Tables, at_least, claim, equal
+from verification.claims import Evidence, Tables, Verdict, at_least, equal
+from verification.thesis.text.quoted import claim
 
 SEED = 0
 SHEET = {"tissue.dimension": 3, "tissue.cells": 100, "space.boundary": "open", "numerics.t_end": "12 h"}
@@ -26,19 +26,8 @@ def overtaken(frame: Frame, first: Frame) -> int:
 @claim(
     "c3.independent-rules",
     "What is left to be done for the tissue in three dimensions.",
-    source="section 5",
-    quote=(
-        "most of the rules are already independent of the dimension. The ‘only’ remaining task is to find good rules "
-        "for cell division and construction of apical-apical springs"
-    ),
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "rules are left for cell division, for apical-apical springs, and for neighbours of basal points",
-        Effect.MODEL,
-        "(C2) and (C4), which take the cells to the left and to the right; on a surface there is no such order",
-        why="in a sheet basal neighbours pass each other along x, and their network has no crossing edges all the same",
-        place=2269,
-    ),
+    "section 5",
+    Verdict.CORRECTED,
 )
 def _rules() -> Evidence:
     run = simulate(preset("published").changed(SHEET), SEED)
@@ -64,8 +53,7 @@ def least_grown(table: pd.DataFrame) -> pd.Series:
 @claim(
     "c3.height-in-space",
     "Tissue in three dimensions grows in height.",
-    source="Figure 17",
-    quote="already the first simulations gave rise to growth of the tissue height",
+    "Figure 17",
     needs=("space_heights",),
 )
 def _height(tables: Tables) -> Evidence:

@@ -11,10 +11,11 @@ from scipy.optimize import brentq
 from tissue.files.parameters import preset
 from tissue.runs.simulate import simulate
 from tissue.state.cells import Floats
-from verification.claims import Correction, Effect, Evidence, Kind, at_least, at_most, claim, proved
+from verification.claims import Evidence, Verdict, at_least, at_most, proved
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication, solver_library
 from verification.thesis.chapter4.frequencies import DECIDES
+from verification.thesis.text.quoted import claim
 
 SEED = 224
 # Units of R_soft; v^run has no value in the thesis: 1 R_soft/h, and with (4.1) only the time scale depends on it.
@@ -49,10 +50,9 @@ def run(B: Floats, X: Floats, hours: float) -> tuple[Floats, float]:
     "c4.protrusion-law",
     "A basal point runs away from its nucleus at one speed and stops 2 R_soft below the basal layer; "
     "one that begins above its nucleus never gets there.",
-    source="(4.1)",
-    quote="Ḃ_i = v^run (B_i − X_i)/‖B_i − X_i‖ if y(B_i) > −2R^soft, 0 else",
+    "(4.1)",
+    Verdict.PROVED,
     chosen="the nucleus rests; v^run = 1 R_soft/h, for the thesis gives no value",
-    recorded=Kind.PROVED,
 )
 def _law() -> Evidence:
     """B = X + (r + v t) e, e a unit vector, X at rest; e1 = e.y < 0 for a point that begins below its nucleus."""
@@ -100,16 +100,8 @@ def on_arrival() -> list[float]:
 @claim(
     "c4.outside-depth",
     "When its basal point has come to this depth a cell lies below the basal layer with its whole soft disc.",
-    source="section 2.2.4",
-    quote="The motion stops once B_i … has distance 2R^soft from the basal layer (i.e. the full cell must have left)",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "at this depth there is room for the full cell: it lies below the layer once its spring has drawn it to B_i",
-        Effect.NOTATION,
-        "nothing: the motion stops by y(B_i) alone, and extruded cells are counted by their nuclei, (4.3)",
-        why="the nucleus follows its basal point with a delay, by a spring and past other nuclei",
-        place=2437,
-    ),
+    "section 2.2.4",
+    Verdict.CORRECTED,
 )
 def _outside() -> Evidence:
     """The nucleus straight above the basal point, in units of R_soft."""
@@ -145,9 +137,8 @@ def pull(X: Floats, B: Floats, eta: float) -> Floats:
 @claim(
     "c4.basal-force",
     "The force of the basal spring on the nucleus is the one that its energy (3.10) gives.",
-    source="section 2.2.4",
-    quote="F = 2α^bx/(R^soft + η) (‖B − X‖ − R^soft − η) (B − X)/‖B − X‖",
-    recorded=Kind.PROVED,
+    "section 2.2.4",
+    Verdict.PROVED,
 )
 def _force() -> Evidence:
     sp = library()
@@ -174,17 +165,8 @@ def rest_length(X: Floats, B: Floats) -> float:
 @claim(
     "c4.grip",
     "With this rest length the spring has no force above the basal layer and pulls once below.",
-    source="section 2.2.4",
-    quote="η^bx := ‖X − B‖ − R^soft if y(B) > 0, 0 if y(B) ≤ 0",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "… and pulls once below, as long as ‖X − B‖ > R^soft; a nucleus that is nearer to its basal point is "
-        "pushed away",
-        Effect.MODEL,
-        "where a nucleus rests beside a basal point below the layer: its disc touches the point, it does not reach it",
-        why="with η^bx = 0 the printed force is 2α^bx/R^soft (‖B − X‖ − R^soft) towards B: below 0 if ‖B − X‖ < R^soft",
-        place=2454,
-    ),
+    "section 2.2.4",
+    Verdict.CORRECTED,
 )
 def _grip() -> Evidence:
     """The pull towards B for rest lengths d - R above the layer and 0 below it, for nuclei at the distance d from B."""
@@ -222,23 +204,8 @@ def gripping(rate: float) -> Floats:
 @claim(
     "c4.grip-at-once",
     "The rule of 2.2.4 is that of 2.1, by which the desired rest length is zero and the pull grows.",
-    source="sections 2.1, 2.2.4",
-    quote=(
-        "as soon as the basal point is below the basal layer, we set the desired rest length of the basal-nuclei "
-        "spring to zero … η^bx(t) := 0 if y(B) ≤ 0. This equation replaces (3.3)."
-    ),
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "below the layer η^bx* := 0 and (3.3) goes on to hold; only above it the rule for η^bx replaces (3.3)",
-        Effect.MODEL,
-        "how suddenly [P] pulls: the two sections contradict each other; in the published program the rest length "
-        "relaxes below the layer (time_step_springs! in src/core/simulate.jl of SteffenPL/sEMTor.jl)",
-        why=(
-            "section 2.1 sets the desired rest length to zero and section 2.2.4 the rest length itself; with "
-            "the latter the pull jumps to its full size within one step"
-        ),
-        place=2456,
-    ),
+    "sections 2.1, 2.2.4",
+    Verdict.CORRECTED,
     chosen="the nucleus and the basal point rest; k^bx of Table 2",
 )
 def _at_once() -> Evidence:

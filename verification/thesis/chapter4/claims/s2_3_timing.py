@@ -12,9 +12,10 @@ import numpy as np
 from tissue.events.known import row, settled
 from tissue.files.timing import timing
 from tissue.state.cells import Floats
-from verification.claims import Correction, Effect, Evidence, Kind, at_most, claim, equal, proved
+from verification.claims import Evidence, Verdict, at_most, equal, proved
 from verification.formal.algebra import identity, library
 from verification.thesis.chapter4.claims.s4_3_tables import NEVER, TABLE_3, TABLE_4, TABLE_5
+from verification.thesis.text.quoted import claim
 
 SEED = 231
 CELLS = 50_000
@@ -28,9 +29,8 @@ ROUGHLY = (1.5, 3.0)
 @claim(
     "c4.mixture",
     "The distribution U^{70%} skips an event in 30 % of the cases and is uniform otherwise.",
-    source="section 2.3.1",
-    quote="P[T = ∞] = 0.3 and P[T ∈ (a, b)] = 0.7 (b − a)/(T^max − T^min)",
-    recorded=Kind.PROVED,
+    "section 2.3.1",
+    Verdict.PROVED,
 )
 def _mixture() -> Evidence:
     """The density 0.7/(T_max - T_min) on (T_min, T_max), and 0.3 at infinity."""
@@ -73,12 +73,8 @@ def spread(p: float, events: str, possible: Mapping[str, Floats]) -> float:
 @claim(
     "c4.seventy",
     "With 70 % the chances of one, two and three events are roughly as the numbers of their possible combinations.",
-    source="section 2.3.1",
-    quote=(
-        "70 % ensures that the number of one-step, two-step and three-step EMT events is roughly proportional to the "
-        "number of possible combinations"
-    ),
-    recorded=Kind.OPEN,
+    "section 2.3.1",
+    Verdict.OPEN,
     chosen=f"combinations: orders, as in (Q4), not sets, as in (Q2); roughly: within a factor between {ROUGHLY[0]:g} "
     f"and {ROUGHLY[1]:g}; the verdict depends on both",
 )
@@ -107,8 +103,7 @@ def _seventy() -> Evidence:
 @claim(
     "c4.range",
     "The times of all tables lie between 6 h and 24 h, and reach both.",
-    source="section 2.3.1",
-    quote="All simulations in this thesis will use T^min = 6 h and T^max = 24 h.",
+    "section 2.3.1",
 )
 def _range() -> Evidence:
     fixed = [t for t in (*TABLES_1_2, *chain(*TABLE_3, *TABLE_4)) if t < NEVER]
@@ -129,19 +124,8 @@ def _range() -> Evidence:
 @claim(
     "c4.onset",
     "The two definitions of the onset, over four events and over three, are the same.",
-    source="(Q3), (4.8)",
-    quote=(
-        "The timing of onset of EMT … is the minimum of T^A, T^B, T^S and T^P; T_i^EMT is that of T_i^A, T_i^B, T_i^S"
-    ),
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "in (Q3) max(T^P, T^B) in place of T^P, or as in (4.8) without it",
-        Effect.NUMBER,
-        "the onset of a quarter of the cells with times from (4.2); Figures 21 and 22 are by (4.8)",
-        why="section 2.3.1 draws T^P and T^B independently, and [P] waits for [B] (section 2.2.4): a T^P before all "
-        "other times is the time of no event",
-        place=2532,
-    ),
+    "(Q3), (4.8)",
+    Verdict.CORRECTED,
 )
 def _onset() -> Evidence:
     """The times as drawn, and those at which the events happen."""

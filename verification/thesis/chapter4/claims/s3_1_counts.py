@@ -6,7 +6,8 @@ from __future__ import annotations
 from itertools import permutations, product
 
 from tissue.statistics.categories import EVENTS
-from verification.claims import Correction, Effect, Evidence, Kind, at_least, at_most, claim, equal
+from verification.claims import Evidence, Verdict, at_least, at_most, equal
+from verification.thesis.text.quoted import claim
 
 # The footnote on possible orders: counts as printed, and the orders that it lists.
 STEPS = {1: 3, 2: 7, 3: 10, 4: 9}
@@ -25,8 +26,7 @@ MINUTES, FASTER, MEASURED = 45, 300, 27 / 0.08
 @claim(
     "c4.selections",
     "The number of sets of events in which [P] comes only with [B].",
-    source="(Q2)",
-    quote="We get 2³ + 2² = 12 possible selections of active EMT events.",
+    "(Q2)",
 )
 def _selections() -> Evidence:
     chosen = [events for events in product((False, True), repeat=4) if events[1] or not events[3]]
@@ -51,19 +51,8 @@ def _orders() -> list[str]:
 @claim(
     "c4.orders",
     "The number of orders of one to four events in which [P] follows [B].",
-    source="(Q4), footnote 1",
-    quote="There are 29 possible orderings of the EMT events … 10× three-step EMT … 9× four-step EMT",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "34 = 3 + 7 + 12 + 12",
-        Effect.NUMBER,
-        "the number of EMT categories by order, and the list in the footnote",
-        why=(
-            "without [P] there are 3, 6 and 6 orders of one to three of A, B, S; with [P] behind [B] 1, 6 "
-            "and 12 of two to four: 3, 7, 12 and 12; the footnote itself lists 12 of three"
-        ),
-        place=2535,
-    ),
+    "(Q4), footnote 1",
+    Verdict.CORRECTED,
 )
 def _count_orders() -> Evidence:
     found = _orders()
@@ -86,19 +75,8 @@ def _count_orders() -> Evidence:
 @claim(
     "c4.orders-listed",
     "The list of all possible orders.",
-    source="footnote 1",
-    quote="9× four-step EMT: ABSP, ABPS, ASPB, BASP, BAPS, BSAP, BSPA, BPAS, BPSA.",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "without ASPB, with ASBP, SABP, SBAP and SBPA: twelve of four steps",
-        Effect.NUMBER,
-        "the count of 29 in (Q4)",
-        why=(
-            "in ASPB [P] comes before [B], which the footnote excludes; of the 4!/2 = 12 orders of all four "
-            "events it lacks four"
-        ),
-        place=2556,
-    ),
+    "footnote 1",
+    Verdict.CORRECTED,
 )
 def _listed_orders() -> Evidence:
     found = set(_orders())
@@ -116,8 +94,7 @@ def _listed_orders() -> Evidence:
 @claim(
     "c4.samples",
     "The numbers of runs and of categories give a thousand runs for each category.",
-    source="section 3.3.3",
-    quote="n^D ∈ [10, 500] … n^rep ∈ [10⁴, 5·10⁵] to ensure that we have around 10³ simulations to rate each category",
+    "section 3.3.3",
 )
 def _samples() -> Evidence:
     each = [runs / categories for runs, categories in RUNS_PER_CATEGORIES]
@@ -130,10 +107,7 @@ def _samples() -> Evidence:
 @claim(
     "c4.ten-per-cent",
     "The shares of Figure 10 and of section 4.1.2 for [A] add up.",
-    source="section 4.1.2, Figure 10",
-    quote=(
-        "There is only a 10 % likelihood that an EMT cell is neither apically extruded nor below all epithelial cells."
-    ),
+    "section 4.1.2, Figure 10",
 )
 def _ten_per_cent() -> Evidence:
     neither = 100 - APICAL - BELOW
@@ -146,8 +120,7 @@ def _ten_per_cent() -> Evidence:
 @claim(
     "c4.speed-up",
     "45 min at the new speed are ten days at the former one.",
-    source="footnote 2",
-    quote="300 times faster … 50000 simulations in less than 45 min instead of 10 days",
+    "footnote 2",
 )
 def _speed_up() -> Evidence:
     """300 is rounded down: 'over 300 times' in the introduction, 27 s against 0.08 s in chapter 3."""

@@ -9,8 +9,9 @@ import numpy as np
 
 from tissue.state.cells import Floats
 from tissue.statistics.proportions import POWER
-from verification.claims import Correction, Effect, Evidence, Kind, Tables, at_most, claim, proved
+from verification.claims import Evidence, Tables, Verdict, at_most, proved
 from verification.formal.reals import implication, solver_library
+from verification.thesis.text.quoted import claim
 
 # Of the intervals D_k.
 PARTS = 10
@@ -20,10 +21,9 @@ POINTS = np.concatenate((np.linspace(0.0, 1.0, 201), [-0.02, 1.03]))
 @claim(
     "c4.ab-scale",
     "The scale is 0 at the basal and 1 at the apical layer; the indicators tell which cells are out.",
-    source="section 3.3.1, (4.3)",
-    quote="y^AB(X_i) := y(X_i)/y(A_i^ref) … δ^basal-extr = 1 if y^AB < 0, δ^apical-extr = 1 if y^AB > 1",
+    "section 3.3.1, (4.3)",
+    Verdict.PROVED,
     chosen="the apical layer is a graph over x",
-    recorded=Kind.PROVED,
 )
 def _scale() -> Evidence:
     """y of a nucleus and h > 0 of the apical layer at the same place: the scale is q = y/h."""
@@ -43,13 +43,9 @@ def _scale() -> Evidence:
 @claim(
     "c4.contained",
     "A basally extruded cell counts as being in basal positioning, too, so the yellow ratio contains it.",
-    source="section 3.3.1, Figure 10",
-    quote=(
-        "δ^basal-pos := 1 if y^AB(X_i) ≤ min_{j control} y^AB(X_j) … The yellow color shows the ratio of EMT cells "
-        "below all epithelial cells"
-    ),
+    "section 3.3.1, Figure 10",
+    Verdict.PROVED,
     chosen="no control cell has left basally",
-    recorded=Kind.PROVED,
 )
 def _contained() -> Evidence:
     """y of an EMT cell that is out, y < 0; m is the least y of the control cells, m >= 0."""
@@ -79,20 +75,9 @@ def cells_for_one(share: float) -> int | None:
 @claim(
     "c4.partition",
     "The intervals are a partition of the positions at the onset of EMT.",
-    source="section 3.3.4",
-    quote="(0, 1/n^D] ∪ … ∪ ((n^D−1)/n^D, 1] = [0, 1]",
+    "section 3.3.4",
+    Verdict.CORRECTED,
     needs=("emt_complete_outside",),
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "[0, 1/n^D] ∪ (1/n^D, 2/n^D] ∪ … = [0, 1], and one set each for positions below 0 and above 1",
-        Effect.NOTATION,
-        "Figure 21: one cell of ten thousand is in no category",
-        why=(
-            "the first interval is open at 0, so 0 is in no D_k though the union is said to be [0, 1]; "
-            "positions at the onset may lie outside of [0, 1] by (4.3)"
-        ),
-        place=2712,
-    ),
 )
 def _partition(tables: Tables) -> Evidence:
     """Exactly at 0, and by the onsets of the runs, some of which are above the apical layer."""

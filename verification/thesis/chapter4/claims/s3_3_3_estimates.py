@@ -1,5 +1,4 @@
 """Chapter 4, section 3.3.3: categories of event times, and the ratios that are estimated for them."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
@@ -7,8 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tissue.state.cells import Floats
-from verification.claims import Correction, Effect, Evidence, Kind, at_most, claim, equal, proved
+from verification.claims import Evidence, Verdict, at_most, equal, proved
 from verification.formal.algebra import identity
+from verification.thesis.text.quoted import claim
 
 SEED = 333
 RUNS, GROUP = 20_000, 10
@@ -31,16 +31,8 @@ def share_sum(sets: int) -> float:
 @claim(
     "c4.categories-count",
     "The number of categories of event times.",
-    source="section 3.3.3",
-    quote="we will consider a partition … into n^D + 1 many subsets D_1, …, D_{n^D}",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "n^D many subsets",
-        Effect.NUMBER,
-        "P[D_k] ≈ 1/n^D and the n^rep/n^D samples for each category",
-        why="the sets are numbered from 1 to n^D, and n^D chances of 1/n^D make up 1",
-        place=2655,
-    ),
+    "section 3.3.3",
+    Verdict.CORRECTED,
 )
 def _count() -> Evidence:
     printed, right = share_sum(SETS + 1), share_sum(SETS)
@@ -60,22 +52,8 @@ def accepted(outcomes: Floats, inside: Floats) -> Floats:
 @claim(
     "c4.sampling",
     "The name of the method by which (4.12) draws from a category.",
-    source="section 3.3.3",
-    quote=(
-        "This approach to sample these conditional expectations is an inverse transform sampling for the conditional "
-        "probabilities."
-    ),
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "it is rejection sampling: of the draws of all times those in D_k are accepted",
-        Effect.NOTATION,
-        "the next sentence, by which accept-rejection algorithms do not fit; the estimate (4.12) stands",
-        why=(
-            "inverse transform sampling maps a uniform number by an inverse distribution function and "
-            "rejects no draw; (4.12) draws all times and keeps those in D_k"
-        ),
-        place=2673,
-    ),
+    "section 3.3.3",
+    Verdict.CORRECTED,
 )
 def _sampling() -> Evidence:
     """Inverse transform sampling makes each uniform number a draw from the category, and rejects none."""
@@ -130,9 +108,8 @@ def by_counting() -> tuple[Floats, Floats]:
 @claim(
     "c4.conditional",
     "The ratio of chances is the conditional expectation, and the ratio of sums over runs tends to it.",
-    source="(4.9), (4.11), (4.12)",
-    quote="E[δ_i | T_i ∈ D_k] ≈ Σ_ℓ δ_i(ω_ℓ) 1_{D_k}(T_i(ω_ℓ)) / Σ_ℓ 1_{D_k}(T_i(ω_ℓ))",
-    recorded=Kind.NOT_REFUTED,
+    "(4.9), (4.11), (4.12)",
+    Verdict.NOT_REFUTED,
     tried_on="a model with three categories and known chances",
 )
 def _conditional() -> Evidence:
@@ -158,9 +135,8 @@ def _conditional() -> Evidence:
 @claim(
     "c4.average",
     "The mean over the cells of a group and the ratio over all cells of a category estimate one number.",
-    source="(4.10), Remark 4.1",
-    quote="Expected ratio of basally extruded cells in category k = A/B",
-    recorded=Kind.NOT_REFUTED,
+    "(4.10), Remark 4.1",
+    Verdict.NOT_REFUTED,
     tried_on="a model with three categories and known chances",
 )
 def _average() -> Evidence:
@@ -185,9 +161,8 @@ def _average() -> Evidence:
 @claim(
     "c4.total",
     "The ratios of the categories, weighted by their chances, make up the ratio of extruded cells.",
-    source="(4.7), (4.10)",
-    quote="r*(D_k) := 1/N^EMT Σ_i E[δ_i* | T_i ∈ D_k]",
-    recorded=Kind.PROVED,
+    "(4.7), (4.10)",
+    Verdict.PROVED,
 )
 def _total() -> Evidence:
     """h of the n cells of one category are out, of N cells in all: the sum over categories is linear."""

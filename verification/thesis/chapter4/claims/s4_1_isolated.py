@@ -7,7 +7,7 @@ from functools import partial
 
 from tissue.statistics.comparisons import Difference
 from tissue.statistics.ratios import Ratio, as_ratio
-from verification.claims import Correction, Effect, Evidence, Kind, Tables, at_most, claim
+from verification.claims import Evidence, Tables, Verdict, at_most
 from verification.thesis.chapter4.frequencies import (
     DECIDES,
     RATIOS,
@@ -26,6 +26,7 @@ from verification.thesis.chapter4.frequencies import (
     told,
 )
 from verification.thesis.chapter4.ratio_claims import ALIKE, CLAIM_LEVEL
+from verification.thesis.text.quoted import claim
 
 PRINTED, SINCE = "emt_complete_printed", "emt_complete_since"
 # Of Table 3 those with the longest delays.
@@ -39,24 +40,9 @@ FEW, SOME = 0.2, 0.01
 @claim(
     "c4.isolated",
     "The ratios of Figures 10 and 12 come out of the model as chapter 3 prints it.",
-    source="sections 4.1, 4.2.1, Figures 10, 12",
-    quote=(
-        "All simulations use the default parameters from Tables 1 to 3 (from Chapter 3) … [A] 30 % apically, 10 % "
-        "basally, without INM 20 %; [B] 0 %, without INM 70 %"
-    ),
+    "sections 4.1, 4.2.1, Figures 10, 12",
+    Verdict.CORRECTED,
     needs=(PRINTED,),
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "they come out of the published runs; of the twelve rows in which they differ from chapter 3 two decide: the "
-        "energies of the cytoskeleton and of the apical junctions",
-        Effect.MODEL,
-        "all numbers of section 4; averaged over all other rows the first raises basal extrusion of [A] by 28 "
-        "points, without INM by 40, of [B] without INM by 58; the second lowers them by 14, 17, 9; no other by over 6",
-        why="with (3.9), (3.10) as printed the springs are too stiff by the factor R^soft + η, and hardly a cell "
-        "leaves basally; the published program divides by the square (src/core/compute_forces.jl, line 28, of "
-        "SteffenPL/sEMTor.jl), and its junctions have half the energy of (3.11) without dimension (line 83)",
-        place=2758,
-    ),
     chosen="the ends of the runs, 48 h and 54 h, for the text gives none; what chapter 3 leaves open as in the "
     "published runs",
 )
@@ -83,8 +69,7 @@ def lead(tables: Tables, suffix: str, event: str) -> Difference:
 @claim(
     "c4.protrusions",
     "Far more isolated cells leave basally with protrusions than by any other single event.",
-    source="section 4.1.1, Figure 10",
-    quote="This makes [P] extremely effective compared to all other EMT events.",
+    "section 4.1.1, Figure 10",
     needs=(RATIOS,),
     chosen="far more: by at least half of all cells; the evidence has the largest margin for which it holds",
 )
@@ -103,8 +88,7 @@ def _protrusions(tables: Tables) -> Evidence:
 @claim(
     "c4.remain",
     "More than half of the cells with [B], and of those with [S], are not above or below the others.",
-    source="Figure 10",
-    quote="For loss of basal adhesion [B] and loss of straightness [S], cells remain mostly between the control cells.",
+    "Figure 10",
     needs=(RATIOS,),
 )
 def _remain(tables: Tables) -> Evidence:
@@ -128,20 +112,9 @@ def _remain(tables: Tables) -> Evidence:
 @claim(
     "c4.mostly-basally",
     "Of the cells that [A] drives out of the tissue most leave basally.",
-    source="sections 4.1, 4.1.2",
-    quote=(
-        "[A] drives cells out of the tissue, mostly basally. … While there is more apical extrusion than basal "
-        "extrusion …, in 60 % of the cases, the loss of apical adhesion pushes cells basally"
-    ),
+    "sections 4.1, 4.1.2",
+    Verdict.CORRECTED,
     needs=(RATIOS,),
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "[A] brings most cells below all others, but out of the tissue fewer basally than apically",
-        Effect.CONCLUSION,
-        "the second of the observations in 4.1, the heading of 4.1.2, whose text has 30 % apically, 10 % basally",
-        why="a cell that lies below all others is not extruded by (4.3); the section counts it with the extruded ones",
-        place=2764,
-    ),
 )
 def _mostly_basally(tables: Tables) -> Evidence:
     """The ratios are of the same cells."""
@@ -164,8 +137,7 @@ def _mostly_basally(tables: Tables) -> Evidence:
 @claim(
     "c4.apical",
     "Isolated cells with [A], [B] or [BP] leave apically, too, those with [BP] rarely.",
-    source="sections 4.1.1, 4.1.3",
-    quote="[A] and [B] also lead to apical extrusion; with [BP], a small number of cells exit apically",
+    "sections 4.1.1, 4.1.3",
     needs=(RATIOS,),
     chosen=f"a small number: up to {FEW:.0%}; it holds for each limit above the interval",
 )
@@ -201,18 +173,9 @@ def since_a(tables: Tables, suffix: str) -> Difference:
 @claim(
     "c4.timing-isolated",
     "An isolated cell leaves basally as often whether [A] is early and [B] late, or the other way round.",
-    source="section 4.3, Table 3",
-    quote="we can conclude that the timing of EMT events does not seem to have an impact on basal extrusion",
+    "section 4.3, Table 3",
+    Verdict.CORRECTED,
     needs=(RATIOS, SINCE),
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "the time of [A] has an impact; the order of [A] and [B], counted from [A] on, has less",
-        Effect.CONCLUSION,
-        "4.3 and 4.3.1; the captions of Figures 14 and 20 and section 4.5.3 say that the time of [A] has an impact",
-        why="a cell whose [A] comes 18 h earlier has 18 h more to leave, and the curves of both orders differ even if "
-        "they begin at [A]",
-        place=2841,
-    ),
     chosen="the programs of Table 3 with the longest delays; the end of the runs, and 24 h after [A]",
 )
 def _timing(tables: Tables) -> Evidence:

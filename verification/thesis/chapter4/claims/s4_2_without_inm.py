@@ -8,7 +8,7 @@ from functools import partial
 
 from tissue.statistics.comparisons import Difference
 from tissue.statistics.ratios import Ratio
-from verification.claims import Comparison, Correction, Effect, Evidence, Kind, Tables, claim
+from verification.claims import Comparison, Evidence, Tables, Verdict
 from verification.thesis.chapter4.frequencies import (
     DECIDES,
     RATIOS,
@@ -24,6 +24,7 @@ from verification.thesis.chapter4.frequencies import (
 )
 from verification.thesis.chapter4.ratio_claims import CLAIM_LEVEL
 from verification.thesis.chapter4.studies import PRESETS
+from verification.thesis.text.quoted import claim
 
 # By so much [S] may change a ratio if it is 'mostly irrelevant'; the evidence says which limits decide alike.
 LITTLE = 0.2
@@ -43,8 +44,7 @@ def stopped(tables: Tables, suffix: str, event: str, what: str) -> Difference:
 @claim(
     "c4.without-inm",
     "An isolated cell with [A] or [B] leaves more often basally and less often apically without INM.",
-    source="section 4.2.1",
-    quote="Stopped INM leads to more basal and less apical extrusion.",
+    "section 4.2.1",
     needs=(RATIOS,),
 )
 def _without_inm(tables: Tables) -> Evidence:
@@ -64,8 +64,7 @@ def _without_inm(tables: Tables) -> Evidence:
 @claim(
     "c4.inm-swaps",
     "Without INM [B] extrudes more cells basally than [A], with INM fewer.",
-    source="Figure 12",
-    quote="Suddenly, [B] leads to much more basal extrusion compared to [A]. With INM it was the other way around.",
+    "Figure 12",
     needs=(RATIOS,),
 )
 def _swapped(tables: Tables) -> Evidence:
@@ -81,8 +80,7 @@ def _swapped(tables: Tables) -> Evidence:
 @claim(
     "c4.drift",
     "A cell that stops INM comes to lie below all others more often, without an event and with [S].",
-    source="Figure 12, section 4.2.1",
-    quote="the basal positioning increases even for EMT cells which only stop INM … or only perform [S]",
+    "Figure 12, section 4.2.1",
     needs=(RATIOS,),
 )
 def _drift(tables: Tables) -> Evidence:
@@ -123,20 +121,9 @@ def largest(found: dict[str, Difference], end: Callable[[float, float], float]) 
 @claim(
     "c4.straightness",
     "A cell whose bending spring is set to no stiffness leaves hardly more often than one without event.",
-    source="sections 4.2.2, 2.2.3",
-    quote="[S] is mostly irrelevant … cells which lose straightness [S] still behave essentially like epithelial cells",
+    "sections 4.2.2, 2.2.3",
+    Verdict.CORRECTED,
     needs=(RATIOS,),
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "[S] decreases α^axb, as section 2.1 says, to 1 of 15 in the published runs, not to 0 as in 2.2.3: with 1 "
-        "it is mostly irrelevant",
-        Effect.MODEL,
-        "2.2.3 and Figures 10, 12; that [S] is left out from 4.3 on. One rule changed alone, of 400 cells with INM "
-        "leave apically: energies as printed 43 % with 0, 20 % with 1; published energies 45 % and 8 %",
-        why="section 2.1 says that [S] decreases α^axb; without bending stiffness nothing holds the nucleus between "
-        "its two points, and a fifth to two fifths of the cells with INM leave apically",
-        place=2821,
-    ),
     chosen=f"mostly irrelevant: a change of less than {100 * LITTLE:.0f} points",
 )
 def _straightness(tables: Tables) -> Evidence:

@@ -9,9 +9,10 @@ from tissue.files.parameters import preset
 from tissue.frames.observables import ab_positions
 from tissue.runs.simulate import simulate
 from tissue.state.cells import Floats
-from verification.claims import Evidence, Kind, at_least, claim, proved
+from verification.claims import Evidence, Verdict, at_least, proved
 from verification.formal.reals import implication
 from verification.thesis.chapter4.frequencies import DECIDES
+from verification.thesis.text.quoted import claim
 
 # Runs with one cell each, and how long after [B] they end [h].
 RUNS, AFTER = 60, 3
@@ -34,11 +35,7 @@ def back(b: str) -> tuple[int, int]:
 @claim(
     "c4.pulled-back",
     "Some cells that left apically after [A] return into the tissue when [B] frees their basal spring.",
-    source="Figure 14",
-    quote=(
-        "In [A⊗B], the amount of apical extrusion increases rapidly in the beginning … at the onset of [B] some cells "
-        "are pulled back into the tissue."
-    ),
+    "Figure 14",
     chosen=f"back: y^AB ≤ 1 within {AFTER} h",
 )
 def _pulled_back() -> Evidence:
@@ -53,9 +50,8 @@ def _pulled_back() -> Evidence:
 @claim(
     "c4.pull-in",
     "The freed spring draws the nucleus to its apical side after [A] and to its basal side after [B].",
-    source="section 4.3.2, Figure 14",
-    quote="not only pulls the apical or basal point towards the nucleus but it also pulls the nucleus itself",
-    recorded=Kind.PROVED,
+    "section 4.3.2, Figure 14",
+    Verdict.PROVED,
 )
 def _pull_in() -> Evidence:
     """A straight cell at rest, d = R + eta of one spring, eta > 0; its rest length becomes R; f acts on the nucleus."""

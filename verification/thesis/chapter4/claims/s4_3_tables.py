@@ -9,8 +9,9 @@ import numpy as np
 
 from tissue.files.timing import timing
 from tissue.statistics.proportions import wilson
-from verification.claims import Comparison, Correction, Effect, Evidence, Kind, at_most, claim, equal
+from verification.claims import Comparison, Evidence, Verdict, at_most, equal
 from verification.thesis.chapter4.frequencies import most_runs, runs_for_bound
+from verification.thesis.text.quoted import claim
 
 SEED = 5
 DRAWS = 200_000
@@ -46,8 +47,7 @@ EARLY_LATE = ((6, 7, 0),)
 @claim(
     "c4.delays",
     "The delays of Table 3 are 18 h, those of the first eight rows of Table 4 are 12 h.",
-    source="Tables 3 and 4, Figure 15",
-    quote="for [A☒B] there is an 18 h delay between [A] and [B] … The ⊗ symbol denotes 12 h delay",
+    "Tables 3 and 4, Figure 15",
 )
 def _delays() -> Evidence:
     third = [abs(b - a) for a, b in TABLE_3]
@@ -70,16 +70,8 @@ def _delays() -> Evidence:
 @claim(
     "c4.table-4",
     "The times of the ninth program of Table 4, the one between [☒A] and [☒B].",
-    source="Table 4",
-    quote="☒: T^P = ∞, T^A = 6 h, T^B = ∞, T^S = ∞.",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "the ninth row is [B☒]: T^A = ∞, T^B = 6 h",
-        Effect.NUMBER,
-        "Figure 15 and section 4.4.1, which discuss [B☒]",
-        why="as printed the row is the seventh once more, and no program is the early one of the pair with [☒B]",
-        place=2871,
-    ),
+    "Table 4",
+    Verdict.CORRECTED,
 )
 def _table4() -> Evidence:
     right = (*TABLE_4[:8], NINTH, *TABLE_4[9:])
@@ -107,16 +99,8 @@ def acting(percent: float) -> Comparison:
 @claim(
     "c4.seven-per-cent",
     "The share of cells in which protrusions take effect, in the three rows.",
-    source="Table 5",
-    quote="'6% [P]': U^{10%}(6 h, 24 h)",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "7 % = 10 % · 70 %",
-        Effect.NUMBER,
-        "the names in Figures 17 to 19",
-        why="[P] acts only with [B], which 70 % of the cells have: 90 % and 50 % become 63 % and 35 %, 10 % become 7 %",
-        place=2909,
-    ),
+    "Table 5",
+    Verdict.CORRECTED,
 )
 def _seven() -> Evidence:
     found = [acting(percent) for percent in (90, 50, 10)]
@@ -140,17 +124,8 @@ def _seven() -> Evidence:
 @claim(
     "c4.data-points",
     "The number of EMT cells that the heterogeneous runs observe.",
-    source="section 4.5",
-    quote="50000 simulation runs with 10 EMT cells each, yielding 5×10⁶ data points",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "5 × 10⁵ data points",
-        Effect.NUMBER,
-        "the accuracy of Figures 17 to 22; that millions of transitions were simulated (abstract, introduction): the "
-        "three rows of Table 5 make 1.5 million",
-        why="50000 runs of 10 cells are 500 000 cells",
-        place=2913,
-    ),
+    "section 4.5",
+    Verdict.CORRECTED,
 )
 def _data_points() -> Evidence:
     points = STATED_RUNS * STATED_CELLS
@@ -164,16 +139,8 @@ def _data_points() -> Evidence:
 @claim(
     "c4.figure-20",
     "The events whose times Figure 20 shows.",
-    source="Figure 20",
-    quote="Extrusion ratios for cells which start of [A], [B] and [S] within a particular time interval.",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "[A], [B] and [P], also in 'the timing of [B] and [P] are irrelevant'",
-        Effect.NUMBER,
-        "what the third panel of Figure 20 is of; section 4.5.3 says [P], the times of [S] were never drawn",
-        why="Table 5 has T^S = ∞ for all cells, so none starts [S] in any interval; section 4.5.3 has [A], [B] and [P]",
-        place=2955,
-    ),
+    "Figure 20",
+    Verdict.CORRECTED,
 )
 def _figure_20() -> Evidence:
     timed = {event for row in TABLE_5 for event, time in row.items() if timing(time).ever}

@@ -8,7 +8,7 @@ from functools import partial
 
 from tissue.statistics.comparisons import Difference
 from tissue.statistics.ratios import Ratio
-from verification.claims import Correction, Effect, Evidence, Kind, Tables, claim
+from verification.claims import Evidence, Tables, Verdict
 from verification.thesis.chapter4.frequencies import (
     DECIDES,
     RATIOS,
@@ -24,6 +24,7 @@ from verification.thesis.chapter4.frequencies import (
 )
 from verification.thesis.chapter4.ratio_claims import CLAIM_LEVEL
 from verification.thesis.chapter4.studies import PRESETS
+from verification.thesis.text.quoted import claim
 
 # Ends of the names of the scenarios of Figure 15.
 SIZES = {"": "one with INM", " no INM": "one without", ", 10 cells": "ten with INM", " no INM, 10 cells": "ten without"}
@@ -49,8 +50,7 @@ def least_lead(tables: Tables, suffix: str, kind: str) -> Difference:
 @claim(
     "c4.dominates",
     "Each program with [P] extrudes more cells basally than each without, for cells of one kind.",
-    source="section 4.3, Figure 15",
-    quote="we can already draw that [P] will dominate each other event (which is also confirmed later in Figure 15)",
+    "section 4.3, Figure 15",
     needs=(RATIOS,),
 )
 def _dominates(tables: Tables) -> Evidence:
@@ -66,10 +66,9 @@ def _dominates(tables: Tables) -> Evidence:
 @claim(
     "c4.homogeneous-drop",
     "In a homogeneous group up to ten points fewer of the cells with [B☒] and without INM leave basally.",
-    source="section 4.4.1, Table 4",
-    quote="the basal extrusion for homogeneous EMT drops …, the difference is up to −10% (for example [☒] without INM)",
+    "section 4.4.1, Table 4",
+    Verdict.OPEN,
     needs=(RATIOS,),
-    recorded=Kind.OPEN,
     chosen="[☒] is [B☒] (c4.table-4); −10% are points",
 )
 def _drop(tables: Tables) -> Evidence:
@@ -102,17 +101,9 @@ def spared(tables: Tables, suffix: str, passive: str, active: str) -> Difference
 @claim(
     "c4.fewer-apical",
     "With [P] fewer cells leave apically than without it, by the programs with [B] of Table 4.",
-    source="section 5",
-    quote="Protrusive activities lead to basal extrusion and prevent apical extrusion, see Figure 10.",
+    "section 5",
+    Verdict.CORRECTED,
     needs=(RATIOS,),
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "protrusive activities make apical extrusion rarer",
-        Effect.CONCLUSION,
-        "the first hypothesis of section 5",
-        why="section 4.1.1 says of Figure 10 that with [BP] a small number of cells exit apically, and so it is",
-        place=3027,
-    ),
 )
 def _fewer(tables: Tables) -> Evidence:
     """Isolated cells with [BP]; rarer: in groups of ten, of which there are enough cells to see it."""
@@ -134,8 +125,7 @@ def _fewer(tables: Tables) -> Evidence:
 @claim(
     "c4.only-protrusions",
     "Nearly all cells leave basally by some programs with [P], and by none without.",
-    source="section 5.1",
-    quote="The model suggests that such high rates of basal extrusion are only possible with cell protrusions.",
+    "section 5.1",
     needs=(RATIOS,),
     chosen=f"such high rates, 100 % in practice: more than {NEARLY_ALL:.0%}",
 )

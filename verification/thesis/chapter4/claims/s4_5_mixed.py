@@ -7,7 +7,7 @@ from functools import partial
 
 from tissue.statistics.comparisons import Difference
 from tissue.statistics.ratios import Ratio
-from verification.claims import Correction, Effect, Evidence, Interval, Kind, Tables, at_least, at_most, claim
+from verification.claims import Evidence, Interval, Tables, Verdict, at_least, at_most
 from verification.thesis.chapter4.frequencies import (
     CATEGORIES,
     DECIDES,
@@ -20,6 +20,7 @@ from verification.thesis.chapter4.frequencies import (
     told,
 )
 from verification.thesis.chapter4.ratio_claims import CLAIM_LEVEL
+from verification.thesis.text.quoted import claim
 
 # The middle row of Table 5, whose cells Figure 22 shows.
 MIDDLE = "table5_35"
@@ -61,8 +62,7 @@ def _mixed(tables: Tables, inm: str, sign: int, kinds: tuple[str, ...]) -> Evide
 @claim(
     "c4.mixed-with-inm",
     "Cells with INM leave basally less often in a mixed group than among cells with the same events.",
-    source="section 4.5.1",
-    quote="for EMT cells with INM the frequency of basal extrusion is lowest in the case of heterogeneous EMT",
+    "section 4.5.1",
     needs=(CATEGORIES, RATIOS),
     chosen="the group '35 % [P]'; homogeneous: the same events, each cell at its own time",
 )
@@ -73,19 +73,9 @@ def _with_inm(tables: Tables) -> Evidence:
 @claim(
     "c4.mixed-without-inm",
     "Cells without INM leave basally more often in a mixed group than among cells with the same events.",
-    source="section 4.5.2",
-    quote="EMT cells without INM show higher rates of basal extrusion than they would show in a homogeneous case",
+    "section 4.5.2",
+    Verdict.CORRECTED,
     needs=(CATEGORIES, RATIOS),
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "cells with [A] alone do; those with [A] and [B] do so in the published runs, and with the corrected energies "
-        "less often",
-        Effect.CONCLUSION,
-        "4.5.2, and the picture of a group in which the others make room for cells without INM",
-        why="the difference has one sign for [A] and another one for [A] and [B], beyond chance, in the model whose "
-        "energies alone are corrected",
-        place=2932,
-    ),
     chosen="the group '35 % [P]'; homogeneous: the same events, each cell at its own time",
 )
 def _no_inm(tables: Tables) -> Evidence:
@@ -105,22 +95,9 @@ def gains(tables: Tables) -> dict[str, Interval]:
 @claim(
     "c4.q5-mixed",
     "Of the six kinds of cells of Figures 17 to 19 more than half leave basally more often in mixed groups.",
-    source="section 4.7, (Q5)",
-    quote=(
-        "heterogeneous groups increase the efficiency of basal extrusion for most EMT programs compared to homogeneous "
-        "groups."
-    ),
+    "section 4.7, (Q5)",
+    Verdict.CORRECTED,
     needs=(CATEGORIES, RATIOS),
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "for cells without INM with [A], in the published runs for all without INM; for those with INM and [A], with "
-        "and without [B], they decrease it",
-        Effect.CONCLUSION,
-        "the second half of the answer to (Q5)",
-        why="the observation of 4.5.1 has a lower frequency with INM, that of 4.5.2 a higher one without: three of six "
-        "figures are not most, and with the corrected energies it is one",
-        place=3007,
-    ),
     chosen="the group '35 % [P]'; most: more than half of [A], [B] and both, with and without INM",
 )
 def _q5_mixed(tables: Tables) -> Evidence:
@@ -144,22 +121,9 @@ def _q5_mixed(tables: Tables) -> Evidence:
 @claim(
     "c4.almost-double",
     "Cells with [A] and without INM leave basally almost twice as often in a mixed group as alone.",
-    source="section 4.5.2, Figure 18",
-    quote=(
-        "In all but one of the examples, individual cells are more efficient than cells in a heterogeneous "
-        "environment. The only exception is in Figure 18 where cells with [A] do almost double their extrusion ratios"
-    ),
+    "section 4.5.2, Figure 18",
+    Verdict.CORRECTED,
     needs=(CATEGORIES, RATIOS),
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "cells with [A] are no exception: they leave less often in a mixed group than alone, and more often than in a "
-        "homogeneous one",
-        Effect.CONCLUSION,
-        "the caption of Figure 18, and that heterogeneity makes inefficient events more efficient",
-        why="only with the energies as printed in chapter 3, with which hardly a cell with [A] leaves alone, does the "
-        "mixed group help them beyond that",
-        place=2934,
-    ),
     chosen="the group '35 % [P]'; alone and in a homogeneous group: [A] at any time, as in the mixed one",
 )
 def _double(tables: Tables) -> Evidence:
@@ -187,8 +151,7 @@ def crowded_out(tables: Tables, suffix: str, events: str) -> Difference:
 @claim(
     "c4.competition",
     "The more cells of a group have [P], the fewer of those without [P] and without INM leave basally.",
-    source="Figure 19",
-    quote="the presence of more protrusive cells … decreases the basal extrusion rates for cells without protrusions",
+    "Figure 19",
     needs=(CATEGORIES,),
 )
 def _competition(tables: Tables) -> Evidence:

@@ -10,7 +10,7 @@ import pandas as pd
 from tissue.statistics.comparisons import Difference
 from tissue.statistics.proportions import LEVEL
 from tissue.statistics.ratios import Ratio, as_ratio
-from verification.claims import Evidence, Interval, Kind, Tables, claim
+from verification.claims import Evidence, Interval, Tables, Verdict
 from verification.thesis.chapter4.frequencies import (
     BESIDE,
     CONDITIONAL,
@@ -29,6 +29,7 @@ from verification.thesis.chapter4.frequencies import (
 from verification.thesis.chapter4.ratio_claims import ALIKE, CLAIM_LEVEL
 from verification.thesis.chapter4.studies import PRESETS
 from verification.thesis.chapter4.summaries import POPULATIONS
+from verification.thesis.text.quoted import claim
 
 RANKING = "emt_complete_ranking"
 # The middle row of Table 5, whose cells Figure 22 shows.
@@ -62,13 +63,9 @@ def by_kind(tables: Tables, given: str) -> list[dict[str, Difference]]:
     "c4.timing",
     "In a mixed group early [A] extrudes more cells than late [A]; early and late [B] are alike, "
     "and so are early and late [P].",
-    source="section 4.5.3, Figure 20",
-    quote=(
-        "the basal extrusion ratios are independent of the timing of [B] and [P] … there is some trend concerning [A], "
-        "preferring earlier timings"
-    ),
+    "section 4.5.3, Figure 20",
+    Verdict.OPEN,
     needs=(CONDITIONAL,),
-    recorded=Kind.OPEN,
     chosen=f"the group '35 % [P]'; independent: alike within {ALIKE:.0%}, on which the verdict for [B] depends",
 )
 def _timing(tables: Tables) -> Evidence:
@@ -102,8 +99,7 @@ def lead(first: Interval, second: Interval) -> Interval:
 @claim(
     "c4.onset-over-timing",
     "Basal extrusion of cells without [P] depends more on where than on when EMT begins.",
-    source="section 4.6, Figures 20, 21",
-    quote="Comparing Figure 21 and Figure 20 … basal positioning has more impact on basal extrusion than the timing",
+    "section 4.6, Figures 20, 21",
     needs=(CONDITIONAL,),
     chosen="the group '35 % [P]'",
 )
@@ -128,8 +124,7 @@ def _onset(tables: Tables) -> Evidence:
 @claim(
     "c4.predictor",
     "Beside protrusions nothing tells more about basal extrusion than the position at the onset.",
-    source="section 4.6",
-    quote="basal positioning is for cells without protrusive activities the best predictor of basal extrusion",
+    "section 4.6",
     needs=(RANKING,),
     chosen="the group '35 % [P]', all cells; what a factor tells: the loss of a classifier without it",
 )
@@ -155,10 +150,9 @@ def _predictor(tables: Tables) -> Evidence:
 @claim(
     "c4.most-basal",
     "Seven or eight of ten cells without [P] that begin EMT in the lowest fifth leave basally.",
-    source="section 4.6, Figure 21",
-    quote="EMT cells which are in the most basal 20% of the tissue do exit basally with rates between 70 % up to 80 %.",
+    "section 4.6, Figure 21",
+    Verdict.OPEN,
     needs=(CONDITIONAL,),
-    recorded=Kind.OPEN,
 )
 def _most_basal(tables: Tables) -> Evidence:
     """Figure 21 does not say of which group and of which cells it is: all are taken."""
@@ -181,8 +175,7 @@ def _most_basal(tables: Tables) -> Evidence:
 @claim(
     "c4.lower-half",
     "More than half of the basally extruded cells without INM began EMT at a position below 1/2.",
-    source="Figure 22",
-    quote="Most cells which extrude basally start EMT from the lower half of the tissue.",
+    "Figure 22",
     needs=(CONDITIONAL,),
     chosen="cells without [P], as the figure shows",
 )

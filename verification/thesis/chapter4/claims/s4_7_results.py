@@ -10,7 +10,7 @@ import pandas as pd
 
 from tissue.statistics.comparisons import Difference
 from tissue.statistics.ratios import Ratio, as_ratio
-from verification.claims import Comparison, Correction, Effect, Evidence, Kind, Tables, claim
+from verification.claims import Comparison, Evidence, Tables, Verdict
 from verification.thesis.chapter4.frequencies import (
     CATEGORIES,
     CONDITIONAL,
@@ -28,6 +28,7 @@ from verification.thesis.chapter4.frequencies import (
 from verification.thesis.chapter4.questions import QUESTIONS
 from verification.thesis.chapter4.ratio_claims import CLAIM_LEVEL
 from verification.thesis.chapter4.summaries import POPULATIONS
+from verification.thesis.text.quoted import claim
 
 ANSWERS = "emt_complete_answers"
 TRUTH = {"holds": 1.0, "does not hold": 0.0, "not decided": float("nan")}
@@ -40,7 +41,7 @@ STATED = {
     "Q5": "The answer to question 5, both halves together, by claims about ratios. The second half: c4.q5-mixed.",
 }
 # What the model says that decides; the others are open.
-RECORDED = dict.fromkeys(("Q1", "Q2", "Q7"), Kind.HOLDS)
+RECORDED = dict.fromkeys(("Q1", "Q2", "Q7"), Verdict.HOLDS)
 
 
 def truth(verdict: str) -> Comparison:
@@ -72,10 +73,9 @@ ANSWERED = tuple(
         STATED.get(
             name, f"The answer to question {name[1:]}, by claims about ratios of basal extrusion with intervals."
         ),
-        source=f"section 4.7, ({name})",
-        quote=f"{question.text} {PARTS.get(name, question.thesis)}",
+        f"section 4.7, ({name})",
+        RECORDED.get(name, Verdict.OPEN),
         needs=(ANSWERS,),
-        recorded=RECORDED.get(name, Kind.OPEN),
         chosen="the claims that an answer is taken to make, in tissue/study/questions.py",
     )(_answer(name))
     for name, question in QUESTIONS.items()
@@ -113,20 +113,9 @@ def favourable(tables: Tables, suffix: str) -> Ratio:
 @claim(
     "c4.q2-inm",
     "Which cells with INM leave basally: those with [P], and well placed ones with [A] or with [B].",
-    source="section 4.7, (Q2)",
-    quote="If cells continue to perform INM, then only [P] or cells with [A] or [B] and favourable basal positioning "
-    "get extruded.",
+    "section 4.7, (Q2)",
+    Verdict.CORRECTED,
     needs=(CATEGORIES, CONDITIONAL),
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "[P], or [A], with or without [B], and favourable basal positioning: [B] alone with INM does not extrude, "
-        "as Figure 19 says",
-        Effect.CONCLUSION,
-        "the second half of the answer to (Q2); in homogeneous groups of ten of the published runs [B] extrudes 0.3 % "
-        "to 0.5 % of the cells",
-        why="of cells with INM and [B] alone fewer than one in a hundred leave basally, wherever EMT begins",
-        place=2990,
-    ),
     chosen=f"favourable: the lower half at the onset, in which cells with [B] are as often as those with [A];"
     f" get extruded: {SOME:.0%} of the cells, at least; each limit between [B] and [A] decides alike",
 )

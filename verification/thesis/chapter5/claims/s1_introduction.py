@@ -7,19 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from verification.claims import (
-    Correction,
-    Effect,
-    Evidence,
-    FormalProof,
-    Kind,
-    at_least,
-    at_most,
-    claim,
-    equal,
-    proved,
-    put_right,
-)
+from verification.claims import Evidence, FormalProof, Verdict, at_least, at_most, equal, proved, put_right
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication
 from verification.thesis.chapter5.claims.s2_3_examples import shifted, with_springs
@@ -29,6 +17,7 @@ from verification.thesis.chapter5.instant import (
     force1,
 )
 from verification.thesis.chapter5.wavy import symbolic_soft
+from verification.thesis.text.quoted import claim
 
 # What central differences of numbers that are right to rounding leave.
 TOL = 1e-8
@@ -39,16 +28,8 @@ WRONG = 1e-4
 @claim(
     "c5.diffusive-scaling",
     "The scaling of time and space under which diffusion looks the same.",
-    source="section 1",
-    quote="the diffusive scaling limit requires (t, x) ↦ (εt, ε²x)",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "(t, x) ↦ (ε²t, εx)",
-        Effect.NUMBER,
-        "the next sentence, which has ε²x for εx; that scaled positions leave the constraints stands",
-        why="diffusion keeps x²/t: if lengths are multiplied by ε, times are by ε²",
-        place=3099,
-    ),
+    "section 1",
+    Verdict.CORRECTED,
 )
 def _diffusive() -> Evidence:
     """The density of Brownian motion; a scaled one keeps its integral by the factor of x."""
@@ -71,10 +52,9 @@ def _diffusive() -> Evidence:
 @claim(
     "c5.scaled-positions",
     "Scaled positions need not fulfil the constraints that the positions fulfil.",
-    source="section 1",
-    quote="if x is subject to constraints, this scaling is ill-posed since ε²x might not satisfy the … constraints",
+    "section 1",
+    Verdict.PROVED,
     chosen="εx, too, which c5.diffusive-scaling puts in the place of ε²x",
-    recorded=Kind.PROVED,
 )
 def _scaled_positions() -> Evidence:
     """The straight fibre, g = X/y; e is the factor of X, epsilon or epsilon^2."""
@@ -91,9 +71,8 @@ def _scaled_positions() -> Evidence:
 @claim(
     "c5.inverse-mass",
     "The inverse mean-field mass changes by no more than a constant times the distance of two measures.",
-    source="section 1",
-    quote="μ ↦ (∫ m_eff⁽¹⁾(x, y) dμ(x))⁻¹ is bounded and Lipschitz continuous",
-    recorded=Kind.PROVED,
+    "section 1",
+    Verdict.PROVED,
 )
 def _inverse_mass() -> Evidence:
     """a = |A^-1|, b = |B^-1| for the masses of two measures, r = |A - B| at most L W by Lemma 5.15."""
@@ -114,16 +93,8 @@ def _inverse_mass() -> Evidence:
 @claim(
     "c5.abstract-estimate",
     "The main estimate: two solutions stay close to each other if they are so at first.",
-    source="section 1",
-    quote="W₁(μ₁ᵗ, μ₂ᵗ) + ‖y₁ + y₂‖ + ‖ẏ₁ + ẏ₂‖ ≤ C e^{Lt} (…)",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "W₁(μ₁ᵗ, μ₂ᵗ) + ‖y₁ − y₂‖ + ‖ẏ₁ − ẏ₂‖ ≤ C e^{Lt} (…), as in (5.60)",
-        Effect.CONCLUSION,
-        "the main result as the introduction states it; Theorem 5.16 has the right signs",
-        why=("for two equal solutions the right side is 0, the printed sums are not; (5.60) has differences"),
-        place=3131,
-    ),
+    "section 1",
+    Verdict.CORRECTED,
 )
 def _estimate() -> Evidence:
     """Equal solutions, one coordinate."""
@@ -139,22 +110,8 @@ def _estimate() -> Evidence:
 @claim(
     "c5.generalises",
     "The results contain those for linear constraints and forces.",
-    source="section 1",
-    quote=(
-        "This article generalises … Instead of assuming that the constraints and forces are linear, we allow nonlinear"
-    ),
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "linear forces are excluded by (A1b), (A1d); with a constant Φ the bounds can be dropped, and then the "
-        "linear case is included",
-        Effect.CONCLUSION,
-        "Theorems 5.9, 5.12 and 5.16 do not apply to the linear case of the previous work as they stand",
-        why=(
-            "(A1b) and (A1d) ask for bounded forces, and a linear force is not bounded unless it is 0; the "
-            "bounds are needed only where Φ changes"
-        ),
-        place=3135,
-    ),
+    "section 1",
+    Verdict.CORRECTED,
     tried_on="one spring, g = X − y",
 )
 def _generalises() -> Evidence:
@@ -198,9 +155,8 @@ def mass_rates() -> FormalProof:
 @claim(
     "c5.changing-mass",
     "With nonlinear constraints the effective mass changes during the motion.",
-    source="section 1",
-    quote="the mean-field mass is non-constant in contrast to the linear case",
-    recorded=Kind.PROVED,
+    "section 1",
+    Verdict.PROVED,
 )
 def _changing_mass() -> Evidence:
     return proved(mass_rates())

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from verification.claims import Correction, Effect, Evidence, Kind, at_least, at_most, claim, proved, put_right
+from verification.claims import Evidence, Verdict, at_least, at_most, proved, put_right
 from verification.formal.algebra import identity, library
 from verification.thesis.chapter5.general import even, pair_force
 from verification.thesis.chapter5.instant import (
@@ -17,6 +17,7 @@ from verification.thesis.chapter5.instant import (
     instant,
     pulls,
 )
+from verification.thesis.text.quoted import claim
 
 # What central differences of numbers that are right to rounding leave.
 TOL = 1e-8
@@ -32,16 +33,8 @@ def odd(r: Floats) -> Floats:
 @claim(
     "c5.non-interacting",
     "The particles exert no forces on each other.",
-    source="section 2.1",
-    quote="N identical, non-interacting, microscopic particles",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "the particles interact by K of (5.4); only their velocities (5.11b) do not depend on each other",
-        Effect.MODEL,
-        "(5.6a), (5.14), (5.41b), and the conclusion, which lists such forces as a further extension",
-        why="(5.4) and (5.6a), which follow, have a force K between each two particles",
-        place=3155,
-    ),
+    "section 2.1",
+    Verdict.CORRECTED,
 )
 def _non_interacting() -> Evidence:
     at = general_instant()
@@ -63,10 +56,9 @@ def _non_interacting() -> Evidence:
 @claim(
     "c5.pair-force",
     "The force of a pair is the negative slope of its potential energy.",
-    source="(5.4)",
-    quote="K(X_j, X_i) = ∇_{X_i} − V(X_j − X_i)",
+    "(5.4)",
+    Verdict.PROVED,
     chosen="the gradient of −V, as section 3.3 recalls it: −∇_{X_i} V(X_j − X_i); for the sign c5.pair-force-sign",
-    recorded=Kind.PROVED,
 )
 def _pair_force() -> Evidence:
     return proved(
@@ -80,19 +72,8 @@ def _pair_force() -> Evidence:
 @claim(
     "c5.even-potential",
     "The symmetry of the potential energy of a pair.",
-    source="after (5.4)",
-    quote="V(−X) = −V(X), ∇V(0) = 0 and V(0) = 0",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "V(−X) = V(X)",
-        Effect.MODEL,
-        "(A2a), (5.52), conservation of energy: with an odd V all pairs cancel",
-        why=(
-            "the gradient of an odd function is even, so K would be symmetric, against (A2a); that of an "
-            "even one is odd"
-        ),
-        place=3163,
-    ),
+    "after (5.4)",
+    Verdict.CORRECTED,
     tried_on="one even potential",
 )
 def _even() -> Evidence:
@@ -120,19 +101,8 @@ def _even() -> Evidence:
 @claim(
     "c5.lagrangian",
     "The Lagrangian whose multipliers enforce the constraints.",
-    source="(5.8)",
-    quote="L = … − γ Σ_j g(X_j, y) λ_j",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "L = … − γ Σ_j (g(X_j, y) − g(X_jⁱⁿⁱᵗ, yⁱⁿⁱᵗ))·λ_j",
-        Effect.NOTATION,
-        "(5.6c) follows only then, but it is stated as well; (5.6a), (5.6b) are the same",
-        why=(
-            "the derivative by λ_j sets the factor of λ_j to 0, and (5.6c) keeps g at its value at the "
-            "start, which need not be 0"
-        ),
-        place=3193,
-    ),
+    "(5.8)",
+    Verdict.CORRECTED,
 )
 def _lagrangian() -> Evidence:
     """The slope in lambda at the start, where g has some value."""
@@ -150,13 +120,9 @@ def _lagrangian() -> Evidence:
 @claim(
     "c5.equations",
     "The equations for the accelerations are those of the Lagrangian.",
-    source="(5.6a), (5.6b)",
-    quote=(
-        "mẌ_i = F₁(X_i) + 1/N Σ_k K(X_k, X_i) − (∂_X g)ᵀλ_i, ÿ = F₀(y) − 1/N Σ_j (∂_y g)ᵀλ_j … Euler-Lagrange "
-        "equations for the choice α = β = γ = 1/N"
-    ),
+    "(5.6a), (5.6b)",
+    Verdict.PROVED,
     chosen="an even 𝒱, as (A2a) needs it; for (5.6c) see c5.lagrangian",
-    recorded=Kind.PROVED,
 )
 def _equations() -> Evidence:
     """One coordinate x of X_i and one of y, the others being p and q; sums over particles and components are linear."""

@@ -5,18 +5,18 @@ from __future__ import annotations
 
 from typing import Any
 
-from verification.claims import Evidence, Kind, claim, proved
+from verification.claims import Evidence, Verdict, proved
 from verification.formal.algebra import identity, library, matrices
 from verification.formal.reals import implication
 from verification.thesis.chapter5.general import multiplier, particle
+from verification.thesis.text.quoted import claim
 
 
 @claim(
     "c5.locally",
     "With full rank, y fixes each particle as long as it is followed, not among all positions.",
-    source="after (5.5)",
-    quote="This implies that the state of the macroscopic component determines locally the position of all particles",
-    recorded=Kind.PROVED_INSTANCE,
+    "after (5.5)",
+    Verdict.PROVED_INSTANCE,
     tried_on="g = exp(X) − y in the complex plane",
 )
 def _locally() -> Evidence:
@@ -38,9 +38,8 @@ def _locally() -> Evidence:
 @claim(
     "c5.initial-multipliers",
     "Positions and the velocity of the macroscopic component fix the multipliers at the start.",
-    source="after (5.7)",
-    quote="the Lagrangian multipliers for (5.6c), and their initial value is determined implicitly by the system",
-    recorded=Kind.PROVED,
+    "after (5.7)",
+    Verdict.PROVED,
 )
 def _initial_multipliers() -> Evidence:
     """The homogeneous equations of accelerations and multipliers, tested with their own solution."""
@@ -68,9 +67,8 @@ def _initial_multipliers() -> Evidence:
 @claim(
     "c5.interaction-scaling",
     "With 1/N before the sum over pairs their influence does not grow with the number of particles.",
-    source="section 2.1",
-    quote="The choice β ~ 1/N … keeps the relative influence of the interaction forces constant",
-    recorded=Kind.PROVED,
+    "section 2.1",
+    Verdict.PROVED,
 )
 def _beta() -> Evidence:
     """c particles for each of N at the same places; K is the sum of the forces of N particles on one."""
@@ -89,12 +87,8 @@ def _beta() -> Evidence:
 @claim(
     "c5.scaling",
     "With 1/N before the particles' part of the Lagrangian their influence and multipliers stay bounded.",
-    source="section 2.1",
-    quote=(
-        "With the choice α ~ 1/N the influence of the particles on the macroscopic component remains of order 1 in the "
-        "limit … to ensure that also λ₁, …, λ_N are of order 1. Therefore, we pick γ ~ 1/N"
-    ),
-    recorded=Kind.PROVED,
+    "section 2.1",
+    Verdict.PROVED,
 )
 def _alpha() -> Evidence:
     """c particles at each of N places: alpha m A = alpha f - gamma G^T lambda, and y feels gamma sum B^T lambda."""
@@ -123,9 +117,8 @@ def _alpha() -> Evidence:
 @claim(
     "c5.total-mass",
     "With α = 1/N all particles together have the mass m.",
-    source="section 2.1",
-    quote="A side effect of this scaling is that the total mass of the particles is constant in the limit",
-    recorded=Kind.PROVED,
+    "section 2.1",
+    Verdict.PROVED,
 )
 def _total_mass() -> Evidence:
     n, m = library().symbols("N m", positive=True)
@@ -135,9 +128,8 @@ def _total_mass() -> Evidence:
 @claim(
     "c5.gamma",
     "The factor before the constraints changes only the multipliers.",
-    source="section 2.1",
-    quote="the choice of the factor γ is physically irrelevant, since the Lagrangian multipliers … would just scale",
-    recorded=Kind.PROVED,
+    "section 2.1",
+    Verdict.PROVED,
 )
 def _gamma() -> Evidence:
     """The equations of motion contain gamma lambda only."""

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from verification.claims import Correction, Effect, Evidence, Kind, at_most, claim, proved, put_right
+from verification.claims import Evidence, Verdict, at_most, proved, put_right
 from verification.formal.algebra import identity, library, matrices
 from verification.thesis.chapter5.general import eliminated, even, multiplier, particle
 from verification.thesis.chapter5.instant import (
@@ -15,6 +15,7 @@ from verification.thesis.chapter5.instant import (
     phi,
     pulls,
 )
+from verification.thesis.text.quoted import claim
 
 # What central differences of numbers that are right to rounding leave.
 TOL = 1e-8
@@ -23,9 +24,8 @@ TOL = 1e-8
 @claim(
     "c5.reduced-model",
     "The equation of the macroscopic component once the multipliers are eliminated.",
-    source="section 1",
-    quote="(1/N Σ_j m_eff⁽¹⁾(X_j, y)) ÿ = 1/N Σ_j (F_eff⁽¹⁾(X_j, y, ẏ) + 1/N Σ_k K_eff(X_k, X_j))",
-    recorded=Kind.PROVED,
+    "section 1",
+    Verdict.PROVED,
 )
 def _reduced() -> Evidence:
     """The terms of one particle, with the forces of the others as a sum of its own."""
@@ -49,9 +49,8 @@ def _reduced() -> Evidence:
 @claim(
     "c5.velocity",
     "The constraints turn the velocity of the macroscopic component into that of each particle.",
-    source="(5.9)",
-    quote="g = const. ⇔ dg/dt = 0 ⇔ Ẋ_i = Φ_i[ẏ], Φ = −(∂_X g)⁻¹ ∂_y g",
-    recorded=Kind.PROVED,
+    "(5.9)",
+    Verdict.PROVED,
 )
 def _velocity() -> Evidence:
     """(5.9) in both directions."""
@@ -68,16 +67,8 @@ def _velocity() -> Evidence:
 @claim(
     "c5.acceleration",
     "The acceleration of a particle by that of the macroscopic component.",
-    source="(5.10)",
-    quote="Ẍ_i = Φ_i[ẏ] + Ω_i[ẏ, ẏ]",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "Ẍ_i = Φ_i[ÿ] + Ω_i[ẏ, ẏ]",
-        Effect.MODEL,
-        "the elimination of Ẍ_i; (5.14), (5.51) and (A.10) are right",
-        why="the derivative of Φ_i[ẏ] in time is Φ_i[ÿ] + Ω_i[ẏ, ẏ]; (A.10) has it",
-        place=3217,
-    ),
+    "(5.10)",
+    Verdict.CORRECTED,
 )
 def _acceleration() -> Evidence:
     p = particle()
@@ -93,9 +84,8 @@ def _acceleration() -> Evidence:
 @claim(
     "c5.effective",
     "Effective mass and force of the macroscopic component.",
-    source="(5.11a), (5.13), (5.14)",
-    quote="m_eff = I + m/N Σ_j Φ_jᵀΦ_j, F_eff = F₀ + 1/N Σ_j Φ_jᵀ(F₁(X_j) + 1/N Σ_k K(X_k, X_j) − mΩ_j[ẏ, ẏ])",
-    recorded=Kind.PROVED,
+    "(5.11a), (5.13), (5.14)",
+    Verdict.PROVED,
 )
 def _effective() -> Evidence:
     return proved(
@@ -106,9 +96,8 @@ def _effective() -> Evidence:
 @claim(
     "c5.means",
     "Effective mass and force are means over single particles, and over pairs for the interaction.",
-    source="(5.15), (5.16)",
-    quote="The last equation holds because K(X, X) = 0",
-    recorded=Kind.PROVED,
+    "(5.15), (5.16)",
+    Verdict.PROVED,
 )
 def _means() -> Evidence:
     """K(X, X) for an even potential, in one coordinate; the terms of one particle and one other."""
@@ -132,9 +121,8 @@ def _means() -> Evidence:
 @claim(
     "c5.effective-interaction",
     "The interaction of particles acts on the macroscopic component only through the change of Φ.",
-    source="after (5.17)",
-    quote="K_eff might not be anti-symmetric. When K_eff is anti-symmetric, the double sum in (5.16) would vanish",
-    recorded=Kind.PROVED,
+    "after (5.17)",
+    Verdict.PROVED,
 )
 def _interaction() -> Evidence:
     """K_eff(X_k, X_j) + K_eff(X_j, X_k) with K(X_j, X_k) = -K(X_k, X_j)."""
@@ -151,18 +139,8 @@ def _interaction() -> Evidence:
 @claim(
     "c5.kernel-order",
     "The effective interaction, by its two positions.",
-    source="proof of Lemma 5.6",
-    quote="K_eff(X, Z, y) = Φ(X, y)ᵀ K(Z, X)",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "K_eff(Z, X, y) = Φ(X, y)ᵀ K(Z, X), as in (5.17)",
-        Effect.NOTATION,
-        "nothing: only double sums are used",
-        why=(
-            "in (5.17) the second argument of K_eff is the particle at which Φ is taken, in the lemma it is the first"
-        ),
-        place=3492,
-    ),
+    "proof of Lemma 5.6",
+    Verdict.CORRECTED,
     tried_on="one state of four particles, nx = 2, ny = 3",
 )
 def _order_of_arguments() -> Evidence:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from verification.claims import Correction, Effect, Evidence, Kind, claim, proved, put_right
+from verification.claims import Evidence, Verdict, proved, put_right
 from verification.formal.algebra import identity, library
 from verification.thesis.chapter5.instant import (
     Floats,
@@ -16,6 +16,7 @@ from verification.thesis.chapter5.instant import (
     System,
     instant,
 )
+from verification.thesis.text.quoted import claim
 
 M = 0.7
 X0 = np.array([[0.5], [1.2], [-0.8]])
@@ -41,16 +42,8 @@ def shifted() -> Instant:
 @claim(
     "c5.initial-level",
     "The cross-bridges keep their place in the undeformed tissue.",
-    source="(5.19)",
-    quote="F(y)⁻¹ X_i = F(yⁱⁿⁱᵗ) X_iⁱⁿⁱᵗ",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "F(y)⁻¹ X_i = F(yⁱⁿⁱᵗ)⁻¹ X_iⁱⁿⁱᵗ",
-        Effect.MODEL,
-        "(5.20) and (5.32), which have it right",
-        why="at t = 0 both sides must agree for all X_iⁱⁿⁱᵗ; (5.32) has the inverse",
-        place=3294,
-    ),
+    "(5.19)",
+    Verdict.CORRECTED,
 )
 def _level() -> Evidence:
     """At the start y = y_init and X = X_init."""
@@ -67,9 +60,8 @@ def _level() -> Evidence:
 @claim(
     "c5.straight-slopes",
     "The derivatives of the constraint of a straight fibre.",
-    source="(5.20)",
-    quote="g(X_i, y) = X_i/y, ∂_X g = 1/y and ∂_y g = −X_i/y²",
-    recorded=Kind.PROVED,
+    "(5.20)",
+    Verdict.PROVED,
 )
 def _straight_slopes() -> Evidence:
     x, y = library().symbols("x y", positive=True)
@@ -85,9 +77,8 @@ def _straight_slopes() -> Evidence:
 @claim(
     "c5.straight-flow",
     "Velocities and curvature of the motion of a straight fibre.",
-    source="(5.21)",
-    quote="Φ(X_i, y) = X_i/y and Ω(X_i, y) = X_i/y² + −X_i/y² = 0",
-    recorded=Kind.PROVED,
+    "(5.21)",
+    Verdict.PROVED,
 )
 def _straight_flow() -> Evidence:
     x, y = library().symbols("x y", positive=True)
@@ -103,16 +94,8 @@ def _straight_flow() -> Evidence:
 @claim(
     "c5.straight-mass",
     "The effective mass of a straight fibre.",
-    source="(5.22)",
-    quote="m_eff = m I + 1/N Σ_j X_j²/y²",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "m_eff = 1 + m/N Σ_j X_j²/y²",
-        Effect.MODEL,
-        "the motion of Example 5.2",
-        why="(5.13) with Φ = X/y: the mass of the macroscopic component is 1, and m multiplies Φ²",
-        place=3310,
-    ),
+    "(5.22)",
+    Verdict.CORRECTED,
     chosen=NO_INTERACTION,
 )
 def _straight_mass() -> Evidence:
@@ -131,10 +114,9 @@ def _straight_mass() -> Evidence:
 @claim(
     "c5.straight-force",
     "The effective force of a straight fibre.",
-    source="(5.23)",
-    quote="F_eff = F₀(y) + 1/N Σ_j X_j/y F₁(X_j)",
+    "(5.23)",
+    Verdict.PROVED,
     chosen=NO_INTERACTION,
-    recorded=Kind.PROVED,
 )
 def _straight_force() -> Evidence:
     """The terms of one particle: lambda/y = F1 - m x'' by (5.6a), and y feels lambda X/y^2 by (5.6b)."""
@@ -153,9 +135,8 @@ def _straight_force() -> Evidence:
 @claim(
     "c5.shear-flow",
     "The velocity of a cross-bridge in a deforming tissue element, in two forms.",
-    source="(5.33), (5.34)",
-    quote="Ẋ_i = F(ẏ)F(y)⁻¹X_i = F(ẏ)F(yⁱⁿⁱᵗ)⁻¹X_iⁱⁿⁱᵗ",
-    recorded=Kind.PROVED,
+    "(5.33), (5.34)",
+    Verdict.PROVED,
 )
 def _shear_flow() -> Evidence:
     """F(y) is linear in y; X = F(y) F(y_init)^-1 X_init."""
@@ -183,10 +164,9 @@ def _shear_flow() -> Evidence:
 @claim(
     "c5.shear-transport",
     "How the density of cross-bridges in a tissue element changes.",
-    source="(5.35), (5.36)",
-    quote="∂_t f = −div_x(f F(ẏ)F(y)⁻¹x) = −f tr(F(ẏ)F(y)⁻¹) − ∂_x f F(ẏ)F(y)⁻¹x",
+    "(5.35), (5.36)",
+    Verdict.PROVED,
     chosen="f(x, t) on the right side, too, see c5.density-time",
-    recorded=Kind.PROVED,
 )
 def _shear_transport() -> Evidence:
     """A density that is carried along keeps f det F(y); its rate at a fixed point, by the product rule."""

@@ -5,17 +5,17 @@ from __future__ import annotations
 
 from typing import Any
 
-from verification.claims import Correction, Effect, Evidence, Kind, claim, proved, put_right
+from verification.claims import Evidence, Verdict, proved, put_right
 from verification.formal.algebra import identity, library
+from verification.thesis.text.quoted import claim
 
 
 @claim(
     "c5.characteristic-length",
     "The point of the linearisation and the scaled coordinate lead to X̃ − y.",
-    source="Example 5.3",
-    quote="linearising the constraint around X_i ≈ X_c = 1/N … X̃_i = y_c/X_c X_i = N y_c X_i",
+    "Example 5.3",
+    Verdict.PROVED,
     chosen="y_c is a number of order 1, so that O(y_c/N) contains 1/N",
-    recorded=Kind.PROVED,
 )
 def _length() -> Evidence:
     x, y, n, c = library().symbols("x y N y_c", positive=True)
@@ -37,16 +37,8 @@ def _length() -> Evidence:
 @claim(
     "c5.linearised",
     "The constraint of a straight fibre, linearised.",
-    source="(5.24)",
-    quote="g(X_i, y) ≈ X_i/y_c − y/(N y_c²)",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "g(X_i, y) ≈ X_i/y_c − y/(N y_c²) + 1/(N y_c)",
-        Effect.NOTATION,
-        "nothing: a constraint keeps g constant, so a constant may be left out; (5.25) says “= const.”",
-        why="the first terms are 0 where X/y is linearised, X = 1/N and y = y_c, and X/y is 1/(N y_c) there",
-        place=3316,
-    ),
+    "(5.24)",
+    Verdict.CORRECTED,
     chosen="X_c = 1/N, as printed",
 )
 def _linearised() -> Evidence:
@@ -70,16 +62,8 @@ def _linearised() -> Evidence:
 @claim(
     "c5.coordinates",
     "In the scaled coordinate the effective mass of y is 1 + m.",
-    source="Example 5.3",
-    quote="we apply the coordinate change X̃_i = y_c/X_c X_i = N y_c X_i … m_eff = m I + 1",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "m_eff = 1 + m(X_c/y_c)² = 1 + m/(N y_c)², and (X_c/y_c)F₁ for F₁; or m and F₁ are said to be those of X̃",
-        Effect.MODEL,
-        "(5.26) to (5.30): by the letter they are another model than the linearised one, which depends on N",
-        why="m is the mass that multiplies Ẍ_i in (5.6a), and Ẋ_i is X_c/y_c times the rate of X̃_i",
-        place=3324,
-    ),
+    "Example 5.3",
+    Verdict.CORRECTED,
 )
 def _coordinates() -> Evidence:
     """Phi of (5.24) in the coordinate X."""
@@ -99,9 +83,8 @@ def _coordinates() -> Evidence:
 @claim(
     "c5.linear-mass",
     "The effective mass with the linearised constraint.",
-    source="(5.26)",
-    quote="for g_L = X̃_i − y: m_eff = m I + 1",
-    recorded=Kind.PROVED,
+    "(5.26)",
+    Verdict.PROVED,
 )
 def _linear_mass() -> Evidence:
     m, x, y = library().symbols("m x y")
@@ -113,9 +96,8 @@ def _linear_mass() -> Evidence:
 @claim(
     "c5.linear-force",
     "The effective force with the linearised constraint.",
-    source="(5.27)",
-    quote="F_eff(X̃₁, …, X̃_N, y) = F₀(y) + 1/N Σ_j F₁(X̃_j)",
-    recorded=Kind.PROVED,
+    "(5.27)",
+    Verdict.PROVED,
 )
 def _linear_force() -> Evidence:
     """The terms of one particle: m a = f - lambda by (5.6a), and y feels -lambda by (5.6b)."""

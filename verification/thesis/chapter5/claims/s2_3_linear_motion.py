@@ -3,8 +3,9 @@
 
 from __future__ import annotations
 
-from verification.claims import Correction, Effect, Evidence, FormalProof, Kind, claim, proved, put_right
+from verification.claims import Evidence, FormalProof, Verdict, proved, put_right
 from verification.formal.algebra import identity, library, matrices
+from verification.thesis.text.quoted import claim
 
 
 def newton() -> FormalProof:
@@ -20,16 +21,8 @@ def newton() -> FormalProof:
 @claim(
     "c5.linear-newton",
     "The equation of motion with the linearised constraint.",
-    source="(5.28)",
-    quote="mÿ = F₀(y) + 1/N Σ_j F₁(X̃_j)",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "(1 + m)ÿ = F₀(y) + 1/N Σ_j F₁(X̃_j)",
-        Effect.MODEL,
-        "the motion of Example 5.3; (5.26) is right",
-        why="(5.11a) with the effective mass 1 + m of (5.26)",
-        place=3330,
-    ),
+    "(5.28)",
+    Verdict.CORRECTED,
 )
 def _linear_newton() -> Evidence:
     return put_right(newton())
@@ -38,16 +31,8 @@ def _linear_newton() -> Evidence:
 @claim(
     "c5.linear-limit",
     "The mean-field equation of motion with the linearised constraint.",
-    source="(5.30)",
-    quote="mÿ = F₀(y) + ∫F₁(x)f(x, t) dx",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "(1 + m)ÿ = F₀(y) + ∫F₁(x)f(x, t) dx",
-        Effect.MODEL,
-        "the mean-field motion of Example 5.3, as in (5.28)",
-        why="(5.40a) with the effective mass 1 + m of (5.26)",
-        place=3336,
-    ),
+    "(5.30)",
+    Verdict.CORRECTED,
 )
 def _linear_limit() -> Evidence:
     """The mean over particles or over a density."""
@@ -57,9 +42,8 @@ def _linear_limit() -> Evidence:
 @claim(
     "c5.linear-transport",
     "With the linearised constraint the density is shifted.",
-    source="(5.31)",
-    quote="∂_t f(x, t) = −∂_x(f(x, t) ẏ(t))",
-    recorded=Kind.PROVED,
+    "(5.31)",
+    Verdict.PROVED,
 )
 def _linear_transport() -> Evidence:
     sp = library()
@@ -78,16 +62,8 @@ def _linear_transport() -> Evidence:
 @claim(
     "c5.linear-velocity",
     "With the linearised constraint the velocity of a particle is that of the macroscopic component.",
-    source="(5.29)",
-    quote="X̃_i = ẏ",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "dX̃_i/dt = ẏ",
-        Effect.MODEL,
-        "the motion of Example 5.3; (5.31) is right",
-        why="(5.11b) with Φ = 1: the constraint is differentiated in time, and a position is no velocity",
-        place=3332,
-    ),
+    "(5.29)",
+    Verdict.CORRECTED,
 )
 def _linear_velocity() -> Evidence:
     sp = library()
@@ -106,9 +82,8 @@ def _linear_velocity() -> Evidence:
 @claim(
     "c5.linear-map",
     "With linear constraints the positions are an explicit function of the macroscopic state.",
-    source="after (5.31)",
-    quote="g = Gy − X_i imply that Φ = G is constant and Ω = 0 … X_i(t) = X_iⁱⁿⁱᵗ + G(y(t) − yⁱⁿⁱᵗ)",
-    recorded=Kind.PROVED,
+    "after (5.31)",
+    Verdict.PROVED,
 )
 def _linear_map() -> Evidence:
     G, X, y, start = matrices("G X y z")

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from verification.claims import Correction, Effect, Evidence, Kind, at_most, claim, proved
+from verification.claims import Evidence, Verdict, at_most, proved
 from verification.formal.algebra import identity, library, matrices
 from verification.thesis.chapter5.claims.s2_3_examples import (
     ONE,
@@ -16,6 +16,7 @@ from verification.thesis.chapter5.claims.s2_3_examples import (
     with_springs,
 )
 from verification.thesis.chapter5.instant import omega, phi
+from verification.thesis.text.quoted import claim
 
 # What rounding, complex steps and Runge-Kutta steps leave.
 TOL = 1e-8
@@ -25,12 +26,8 @@ SEED = 19
 @claim(
     "c5.aligned",
     "Under shear, the stretch of a cross-bridge depends on its direction.",
-    source="Figure 2",
-    quote=(
-        "cross-bridges which align with the directions of maximal deformation of the muscle are more extended than "
-        "cross-bridges which are orthogonal"
-    ),
-    recorded=Kind.PROVED,
+    "Figure 2",
+    Verdict.PROVED,
 )
 def _aligned() -> Evidence:
     """F(y) in its axes, with the stretches a > b, and a cross-bridge of length 1 at the angle w to the first axis."""
@@ -52,17 +49,8 @@ def _aligned() -> Evidence:
 @claim(
     "c5.in-class",
     "The straight fibre is an instance of the systems that the theorems are about.",
-    source="section 2.3",
-    quote="To motivate the class of systems, we give a few examples",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "Examples 5.2 and 5.4 are of the class only where X and the inverse of F(y) are bounded: in Example 5.2 where "
-        "|X| ≤ R and y ≥ y_min > 0",
-        Effect.CONCLUSION,
-        "Theorems 5.9, 5.12 and 5.16 do not apply to Examples 5.2 and 5.4 as they stand",
-        why="(5.5) and (A3) to (A5) are asked for all X and y, but X/y has no value at y = 0, and Φ = X/y has no bound",
-        place=3284,
-    ),
+    "section 2.3",
+    Verdict.CORRECTED,
     tried_on="Example 5.2, |X| ≤ 2, y ≥ 0.5",
 )
 def _in_class() -> Evidence:
@@ -96,12 +84,8 @@ def _in_class() -> Evidence:
 @claim(
     "c5.position",
     "The deformed cross-bridge depends on its vector only, not on its place.",
-    source="section 2.3",
-    quote=(
-        "Since we consider a homogeneous deformation of the muscle tissue, the position p of the cross-bridge is "
-        "irrelevant"
-    ),
-    recorded=Kind.PROVED,
+    "section 2.3",
+    Verdict.PROVED,
 )
 def _position() -> Evidence:
     F, p, X = matrices("F p X")
@@ -115,12 +99,8 @@ def _position() -> Evidence:
 @claim(
     "c5.needs-nonlinear",
     "With linear constraints all directions are shifted alike.",
-    source="before Example 5.4",
-    quote=(
-        "the deformation of cross-bridges is larger if they align with the axis … such dynamics require nonlinear "
-        "constraints"
-    ),
-    recorded=Kind.PROVED,
+    "before Example 5.4",
+    Verdict.PROVED,
 )
 def _nonlinear() -> Evidence:
     """Phi[v] at two positions: for any linear constraint H X + K y, and for Example 5.4."""
@@ -145,9 +125,8 @@ def _nonlinear() -> Evidence:
 @claim(
     "c5.tissue-level",
     "The constraint carries each cross-bridge with the deformation gradient.",
-    source="(5.32)",
-    quote="This constraint ensures that the cross-bridges deform exactly like the tissue",
-    recorded=Kind.PROVED,
+    "(5.32)",
+    Verdict.PROVED,
 )
 def _deforms_like_tissue() -> Evidence:
     F, start, X = matrices("F F0 X")

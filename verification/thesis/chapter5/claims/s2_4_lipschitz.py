@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from verification.claims import Correction, Effect, Evidence, FormalProof, Kind, at_most, claim, proved, put_right
+from verification.claims import Evidence, FormalProof, Verdict, at_most, proved, put_right
 from verification.formal.algebra import identity, library, sum_of_squares
 from verification.formal.enclosures import not_negative
 from verification.formal.reals import implication
@@ -18,6 +18,7 @@ from verification.thesis.chapter5.instant import (
     kernel,
     wavy_system,
 )
+from verification.thesis.text.quoted import claim
 
 # What rounding leaves.
 ROUNDING = 1e-12
@@ -45,10 +46,9 @@ def steepest(f: Callable[[FlowState], float], count: int) -> float:
 @claim(
     "c5.globally-lipschitz",
     "The right side of the reduced equations is Lipschitz continuous for all positions.",
-    source="section 2.5",
-    quote="(A1a) to (A5b) are chosen such that the ODE model is globally Lipschitz",
+    "section 2.5",
+    Verdict.PROVED_INSTANCE,
     chosen="read with the sentences after it, for ‖v‖ ≤ M_v: Φ[v] and Ω[v, v] have no constant for all v",
-    recorded=Kind.PROVED_INSTANCE,
     tried_on="Φ of g = X + sin(X)/2 − y",
 )
 def _global() -> Evidence:
@@ -68,10 +68,9 @@ def _global() -> Evidence:
 @claim(
     "c5.any-number",
     "Effective mass and force have bounds and Lipschitz constants that do not depend on N.",
-    source="Lemma 5.6",
-    quote="m_eff and F_eff are bounded and Lipschitz continuous … The derived bounds do not depend on N",
+    "Lemma 5.6",
+    Verdict.PROVED,
     chosen="distance of positions: the largest over the particles",
-    recorded=Kind.PROVED,
 )
 def _any_number() -> Evidence:
     """Means of N numbers below a bound stay below it, by induction; what is averaged are products, see c5.product."""
@@ -93,16 +92,8 @@ def _any_number() -> Evidence:
 @claim(
     "c5.one-particle",
     "The effective force of one particle.",
-    source="proof of Lemma 5.6",
-    quote="F_eff⁽¹⁾ = F₀(y) + Φ(X, y)ᵀF₁(X) + mΩ(X_i, y)[v, v]",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "F_eff⁽¹⁾ = F₀(y) + Φ(X, y)ᵀ(F₁(X) − mΩ(X, y)[v, v])",
-        Effect.MODEL,
-        "the force in (5.41b), to which this definition belongs; (5.14) is right, the lemma stands",
-        why=("(5.14) has −mΦᵀΩ: mΩ[v, v] is in ℝ^nx and cannot be added to F₀ in ℝ^ny, and its sign is the other one"),
-        place=3492,
-    ),
+    "proof of Lemma 5.6",
+    Verdict.CORRECTED,
 )
 def _one_particle() -> Evidence:
     """The terms of one particle, with Phi^T Omega as in (5.14) or with Omega alone."""
@@ -162,9 +153,8 @@ def products(what: str) -> tuple[FormalProof, FormalProof]:
 @claim(
     "c5.product",
     "Products of bounded Lipschitz continuous functions are such functions.",
-    source="proof of Lemma 5.6",
-    quote="if h₁, h₂ are both bounded and Lipschitz continuous, then the product h₁h₂ is also bounded and Lipschitz",
-    recorded=Kind.PROVED,
+    "proof of Lemma 5.6",
+    Verdict.PROVED,
 )
 def _product() -> Evidence:
     return proved(*products("values of any functions"))
@@ -173,16 +163,8 @@ def _product() -> Evidence:
 @claim(
     "c5.kernel-lipschitz",
     "The interaction is Lipschitz continuous in both positions.",
-    source="proof of Lemma 5.6",
-    quote="K is bounded and Lipschitz by (A2b) and (A2c)",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "K is bounded and Lipschitz by (A2a) to (A2c)",
-        Effect.PROOF,
-        "nothing: (A2a) is among the assumptions",
-        why="(A2b) is about the first position only; (A2a) carries it over to the second one",
-        place=3500,
-    ),
+    "proof of Lemma 5.6",
+    Verdict.CORRECTED,
     tried_on="𝒱(r) = √(1 + |r|²), 200 pairs in the plane",
 )
 def _kernel() -> Evidence:
@@ -216,9 +198,8 @@ def _kernel() -> Evidence:
 @claim(
     "c5.acceleration-lipschitz",
     "The acceleration of the macroscopic component is Lipschitz continuous at bounded speed.",
-    source="Lemma 5.8",
-    quote="(X⁽ᴺ⁾, y, v) ↦ (m_eff⁽ᴺ⁾)⁻¹ F_eff⁽ᴺ⁾ is Lipschitz continuous … with ‖v‖ ≤ M_v",
-    recorded=Kind.PROVED,
+    "Lemma 5.8",
+    Verdict.PROVED,
 )
 def _acceleration() -> Evidence:
     """The rule for products with the constants of Lemma 5.7 for m_eff^-1: i = |m_eff^-1|, k its Lipschitz constant."""
@@ -239,9 +220,8 @@ def _acceleration() -> Evidence:
 @claim(
     "c5.elliptic",
     "The effective mass is symmetric and at least the mass of the macroscopic component.",
-    source="proof of Lemma 5.8",
-    quote="m_eff is symmetric, wᵀ m_eff w ≥ ‖w‖² for all w ∈ ℝ^ny",
-    recorded=Kind.PROVED,
+    "proof of Lemma 5.8",
+    Verdict.PROVED,
 )
 def _elliptic() -> Evidence:
     """Phi of one row and three columns; more rows and more particles add more squares of the same kind."""

@@ -8,18 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from verification.claims import (
-    Correction,
-    Effect,
-    Evidence,
-    FormalProof,
-    Kind,
-    at_least,
-    at_most,
-    claim,
-    proved,
-    put_right,
-)
+from verification.claims import Evidence, FormalProof, Verdict, at_least, at_most, proved, put_right
 from verification.formal.algebra import identity, library
 from verification.thesis.chapter5.general import even, particle
 from verification.thesis.chapter5.instant import (
@@ -39,6 +28,7 @@ from verification.thesis.chapter5.instant import (
     pushed,
     slope,
 )
+from verification.thesis.text.quoted import claim
 
 # What central differences of numbers that are right to rounding leave.
 TOL = 1e-8
@@ -73,10 +63,9 @@ def conserved() -> FormalProof:
 @claim(
     "c5.energy",
     "The reduced equations keep the total energy.",
-    source="Lemma 5.5, (5.37)",
-    quote="E = … + 1/(2N) Σ_k 𝒱(X_k, X_i)) is a conserved quantity",
+    "Lemma 5.5, (5.37)",
+    Verdict.PROVED,
     chosen="𝒱(X_k − X_i), see c5.pair-energy; an even 𝒱, as (A2a) needs it",
-    recorded=Kind.PROVED,
 )
 def _energy() -> Evidence:
     return proved(conserved())
@@ -85,16 +74,8 @@ def _energy() -> Evidence:
 @claim(
     "c5.energy-lagrangian",
     "How Lagrangian and energy are related.",
-    source="proof of Lemma 5.5",
-    quote="the Lagrangian L = ‖ẏ‖² − E",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "L = ‖ẏ‖² + m/N Σ_i ‖Ẋ_i‖² − E",
-        Effect.PROOF,
-        "nothing: with L of (5.8) Lemma 5.5 follows as said",
-        why="L is twice the kinetic energy less E, and the particles have a part of the kinetic energy",
-        place=3474,
-    ),
+    "proof of Lemma 5.5",
+    Verdict.CORRECTED,
 )
 def _lagrangian() -> Evidence:
     """T is the kinetic energy of y (n = |y'|^2) and of the particles (q, the mean of m |X'|^2), W the other energy."""
@@ -122,16 +103,8 @@ def atoms_move() -> tuple[Instant, Floats, float]:
 @claim(
     "c5.mean-field-energy",
     "The mean-field equations keep the total energy.",
-    source="Lemma 5.11, (5.50)",
-    quote="E = ½‖ẏ‖² + 𝒲₀(y) + ∫ m/2 ‖Φ(x, y)ẏ‖² + 𝒲₁(x) + ½∫ 𝒱(x′ − x) dμᵗ(x′) is conserved",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "E = ½‖ẏ‖² + 𝒲₀(y) + ∫(m/2 ‖Φ(x, y)ẏ‖² + 𝒲₁(x) + ½∫ 𝒱(x′ − x) dμᵗ(x′)) dμᵗ(x)",
-        Effect.NOTATION,
-        "the first line of Ė in the proof, which has dμᵗ(x̃′) twice; from its second line on x has its measure",
-        why=("the outer integral has no measure; the mean over the particles in (5.37) becomes an integral over μᵗ"),
-        place=3688,
-    ),
+    "Lemma 5.11, (5.50)",
+    Verdict.CORRECTED,
     chosen="an even 𝒱; for the reading with dx the square |x₁|, |x₂| ≤ 2",
     tried_on="four point masses",
 )
@@ -166,10 +139,9 @@ def _mean_field() -> Evidence:
 @claim(
     "c5.interaction-power",
     "The rate of the energy of a pair, and of all pairs.",
-    source="(5.52), (5.53)",
-    quote="d/dt 𝒱(Xᵗ(x′) − Xᵗ(x)) = −Ẋᵗ(x′)K(Xᵗ(x), Xᵗ(x′)) − Ẋᵗ(x)K(Xᵗ(x′), Xᵗ(x))",
+    "(5.52), (5.53)",
+    Verdict.PROVED,
     chosen="an even 𝒱, as (A2a) needs it; products of vectors by c5.power-transpose",
-    recorded=Kind.PROVED,
 )
 def _power() -> Evidence:
     """One coordinate of both points, the other coordinates being held: the chain rule sums over coordinates."""
@@ -196,16 +168,8 @@ def _power() -> Evidence:
 @claim(
     "c5.energy-proof",
     "The rate of the energy is the power of what the equation of motion leaves.",
-    source="proof of Lemma 5.11",
-    quote="Ė = … ∫ ẏᵀΦ_xᵀ(mΦ_x[ÿ] + mΩ_x[ẏ, ẏ] − F₁(Xᵗ(x) − 𝒦(x)) dμⁱⁿⁱᵗ(x) = … = ẏᵀ(m_eff ÿ − F_eff) = 0",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "… − F₁(Xᵗ(x)) − 𝒦(x)) dμⁱⁿⁱᵗ(x) …",
-        Effect.NOTATION,
-        "the second and third line of Ė; the fourth has the bracket where it belongs",
-        why="F₁ is taken at a position, and 𝒦(x) is a force; the next line but one has F₁(Xᵗ(x)) + 𝒦(x)",
-        place=3726,
-    ),
+    "proof of Lemma 5.11",
+    Verdict.CORRECTED,
     chosen="for the last line an acceleration that does not solve the equation, so that the rate is not 0",
     tried_on="one state of four particles, nx = 2, ny = 3",
 )

@@ -5,10 +5,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from verification.claims import Correction, Effect, Evidence, FormalProof, Kind, at_least, at_most, claim, proved
+from verification.claims import Evidence, FormalProof, Verdict, at_least, at_most, proved
 from verification.formal.algebra import identity
 from verification.formal.reals import implication
 from verification.thesis.chapter5.instant import Floats
+from verification.thesis.text.quoted import claim
 
 ROUNDING = 1e-12
 SEED, SAMPLES = 57, 200
@@ -37,10 +38,9 @@ def inverses() -> FormalProof:
 @claim(
     "c5.inverse",
     "The inverse of a uniformly elliptic matrix is Lipschitz continuous.",
-    source="Lemma 5.7",
-    quote="z ↦ (m(z))⁻¹ is bounded and Lipschitz continuous with constant δ_m⁻² Lip(m)",
+    "Lemma 5.7",
+    Verdict.PROVED,
     chosen="the letters of c5.ellipticity and c5.inverse-values",
-    recorded=Kind.PROVED,
 )
 def _inverse() -> Evidence:
     """e = |w|, f = |m w|, p = w·mw; a = |A^-1|, b = |B^-1|, r = |A - B|, n = |A^-1 - B^-1|."""
@@ -67,16 +67,8 @@ def _inverse() -> Evidence:
 @claim(
     "c5.inverse-bounded",
     "What follows from the least eigenvalue being at least a positive constant.",
-    source="proof of Lemma 5.7",
-    quote="its norm is bounded by ‖(m(z))⁻¹‖ ≤ δ_m⁻¹. This shows implies that x ↦ m(z) is bounded",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "this implies that z ↦ (m(z))⁻¹ is bounded",
-        Effect.PROOF,
-        "nothing: the lemma states it of the inverse, and m is bounded by assumption",
-        why="the line before bounds the inverse, and the least eigenvalue says nothing about the largest",
-        place=3526,
-    ),
+    "proof of Lemma 5.7",
+    Verdict.CORRECTED,
     tried_on="200 matrices of 3 × 3",
 )
 def _inverse_bounded() -> Evidence:
@@ -102,10 +94,9 @@ def _inverse_bounded() -> Evidence:
 @claim(
     "c5.inverse-slope",
     "The derivative of the inverse and its norm.",
-    source="proof of Lemma 5.7",
-    quote="DInv(m)[w] = −m⁻¹wm⁻¹ … which implies DInv(m(z)) ≤ δ_m⁻²",
+    "proof of Lemma 5.7",
+    Verdict.PROVED,
     chosen="‖DInv(m(z))‖, see c5.inverse-norm",
-    recorded=Kind.PROVED,
 )
 def _slope() -> Evidence:
     """The derivative D of the inverse along w, from the derivative of m m^-1 = I; b = |m^-1|, r = |w|, n = |D|."""
@@ -128,22 +119,8 @@ def _slope() -> Evidence:
 @claim(
     "c5.inverse-proof",
     "Why the segment between two of the matrices contains no singular one.",
-    source="proof of Lemma 5.7",
-    quote=(
-        "only positive eigenvalues. Hence, they are part of the same connected component of GL(d). Therefore, the "
-        "mean-value theorem is applicable"
-    ),
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "symmetric, with eigenvalues of at least δ_m, as is each matrix of the segment between them; therefore …",
-        Effect.PROOF,
-        "nothing: the lemma assumes symmetry, and stands",
-        why=(
-            "the mean-value theorem needs the segment between the two matrices in GL(n), with the bound of the "
-            "derivative on it; a connected component need not contain the segment"
-        ),
-        place=3536,
-    ),
+    "proof of Lemma 5.7",
+    Verdict.CORRECTED,
     tried_on="200 pairs of 3 × 3 matrices",
 )
 def _inverse_proof() -> Evidence:

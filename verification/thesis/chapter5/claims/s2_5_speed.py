@@ -7,11 +7,12 @@ from collections.abc import Callable
 
 import numpy as np
 
-from verification.claims import Correction, Effect, Evidence, Kind, at_most, claim, proved, put_right
+from verification.claims import Evidence, Verdict, at_most, proved, put_right
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication
 from verification.thesis.chapter5.instant import STEP, general_instant, kinetic, phi, potential
 from verification.thesis.chapter5.wavy import runge_kutta, symbolic_soft
+from verification.thesis.text.quoted import claim
 
 # What the integration of the pendulum leaves, and far above it.
 SLACK = 1e-6
@@ -34,20 +35,8 @@ def speeds(force: Callable[[float], float]) -> tuple[float, float]:
 @claim(
     "c5.speed-all-times",
     "The speed of the macroscopic component stays below a bound that the start gives.",
-    source="section 2.5",
-    quote="‖ẏ(t)‖ ≤ M_v for all t ≥ 0 where M_v > 0 is a constant depending only on the initial conditions",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "for potentials that are bounded below, which (A1a) to (A5b) do not ask for; else up to a time T, with a "
-        "bound that depends on T",
-        Effect.PROOF,
-        "the constants of Theorems 5.9, 5.12 and 5.16; existence and uniqueness up to T stand",
-        why=(
-            "a constant force fulfils (A1a), (A1b) and accelerates without end; the energy bounds the speed "
-            "only if the potential energy is bounded below"
-        ),
-        place=3458,
-    ),
+    "section 2.5",
+    Verdict.CORRECTED,
     chosen="W₀ = −y, and W₀ = √(1 + y²) − y, which pulls the same way but is not negative",
     tried_on="one potential ≥ 0",
 )
@@ -66,16 +55,8 @@ def _all_times() -> Evidence:
 @claim(
     "c5.speed-bound",
     "The energy bounds the speed of the macroscopic component.",
-    source="(5.38)",
-    quote="‖ẏ(t)‖² ≤ 2E(Xⁱⁿⁱᵗ, yⁱⁿⁱᵗ, vⁱⁿⁱᵗ)",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "‖ẏ(t)‖² ≤ 2(E − the infimum of the potential energy), or 2E if no potential is negative",
-        Effect.CONCLUSION,
-        "M_v of Theorems 5.9, 5.12 and 5.16, which need potentials that are bounded below",
-        why="‖ẏ‖²/2 is E less all other energy, and the potential energy may be negative",
-        place=3472,
-    ),
+    "(5.38)",
+    Verdict.CORRECTED,
 )
 def _bound() -> Evidence:
     """E = |y'|^2/2 + k + W, the kinetic energy k >= 0 of the particles, W >= w all potential energy."""
@@ -92,10 +73,9 @@ def _bound() -> Evidence:
 @claim(
     "c5.well-posed",
     "Solutions exist for all times and are unique, though a term grows with the square of the speed.",
-    source="Theorem 5.9",
-    quote="For T > 0 … the ODE model has a unique solution",
+    "Theorem 5.9",
+    Verdict.PROVED_INSTANCE,
     chosen="particles without forces on g = X + sin(X)/2 − y",
-    recorded=Kind.PROVED_INSTANCE,
     tried_on="g = X + sin(X)/2 − y without forces, every mass and start",
 )
 def _well_posed() -> Evidence:
@@ -135,16 +115,8 @@ def _well_posed() -> Evidence:
 @claim(
     "c5.speed-constant",
     "The bound of the speed that the proof uses.",
-    source="proof of Theorem 5.9",
-    quote="M_v := 2(E(Xⁱⁿⁱᵗ, yⁱⁿⁱᵗ, vⁱⁿⁱᵗ))²",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "M_v := (2E(Xⁱⁿⁱᵗ, yⁱⁿⁱᵗ, vⁱⁿⁱᵗ))^½ for potentials ≥ 0",
-        Effect.NUMBER,
-        "the set on which the right side is Lipschitz",
-        why="(5.38) bounds the square of the speed by 2E, so the speed by a root, not by a square",
-        place=3558,
-    ),
+    "proof of Theorem 5.9",
+    Verdict.CORRECTED,
 )
 def _constant() -> Evidence:
     """v = |y'|, M = M_v >= 0."""
@@ -174,19 +146,8 @@ def energy_rate(moving: float) -> float:
 @claim(
     "c5.speed-constant-limit",
     "The bound of the speed that the proof uses, in the limit.",
-    source="proof of Theorem 5.12",
-    quote="M_v := 2E(y, ẏ, μⁱⁿⁱᵗ). Then every solution candidate has to satisfy ‖ẏ(t)‖ ≤ M_v",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "M_v := (2E(yⁱⁿⁱᵗ, vⁱⁿⁱᵗ, μⁱⁿⁱᵗ))^½ for potentials ≥ 0",
-        Effect.NUMBER,
-        "the set on which the right side is Lipschitz",
-        why=(
-            "2E bounds the square of the speed; and Lemma 5.11 keeps the energy of y(t), ẏ(t), μᵗ, not that "
-            "of y(t), ẏ(t), μⁱⁿⁱᵗ"
-        ),
-        place=3786,
-    ),
+    "proof of Theorem 5.12",
+    Verdict.CORRECTED,
     tried_on="one free motion, and one state of four points",
 )
 def _constant_limit() -> Evidence:

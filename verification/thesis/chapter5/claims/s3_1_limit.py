@@ -5,19 +5,19 @@ from __future__ import annotations
 
 from typing import Any
 
-from verification.claims import Correction, Effect, Evidence, FormalProof, Kind, claim, proved, put_right
+from verification.claims import Evidence, FormalProof, Verdict, proved, put_right
 from verification.formal.algebra import identity, library
 from verification.thesis.chapter5.claims.s3_4_stability import means_apart
 from verification.thesis.chapter5.general import eliminated
+from verification.thesis.text.quoted import claim
 
 
 @claim(
     "c5.limit-force",
     "Constrained particles that stand for a density accelerate y as the integrals over the density say.",
-    source="section 1, (5.40a), (5.41)",
-    quote="(∫ m_eff⁽¹⁾(x, y) f dx) ÿ = ∫ (F_eff⁽¹⁾(x, y, ẏ) + ∫ K_eff(x′, x) f(x′, t) dx′) f(x, t) dx",
+    "section 1, (5.40a), (5.41)",
+    Verdict.PROVED,
     chosen="F_eff⁽¹⁾ with −mΦᵀΩ, as in (5.14)",
-    recorded=Kind.PROVED,
 )
 def _limit_force() -> Evidence:
     """Particles have the integrals over their empirical measure; these tend to those over the density with W1."""
@@ -43,9 +43,8 @@ def volumes(what: str) -> FormalProof:
 @claim(
     "c5.transport",
     "How the density of the particles changes.",
-    source="section 1, (5.42b)",
-    quote="∂_t f(x, t) = −div_x(f(x, t) Φ(x, y)[ẏ])",
-    recorded=Kind.PROVED,
+    "section 1, (5.42b)",
+    Verdict.PROVED,
 )
 def _transport() -> Evidence:
     """f det J is constant along the flow; its rate in one coordinate, the others alike."""
@@ -68,16 +67,8 @@ def _transport() -> Evidence:
 @claim(
     "c5.weak-bracket",
     "The rate of the mean of a test function, by the divergence of the flux.",
-    source="proof of Lemma 5.10",
-    quote="d/dt ⟨ξ, f⁽ᴺ⁾⟩ = … = −⟨ξ, div(Φẏ) f⁽ᴺ⁾⟩",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "−⟨ξ, div(Φẏ f⁽ᴺ⁾)⟩",
-        Effect.PROOF,
-        "nothing: the line above it has f under the divergence",
-        why="integration by parts moves the derivative from ξ to the whole product Φẏ f",
-        place=3676,
-    ),
+    "proof of Lemma 5.10",
+    Verdict.CORRECTED,
 )
 def _weak_bracket() -> Evidence:
     """One coordinate: the integrand, up to the derivative of xi u f, which vanishes at the ends; u = Phi y'."""
@@ -118,10 +109,9 @@ def atoms() -> FormalProof:
 @claim(
     "c5.empirical",
     "For point masses the integrals are the effective mass and force of the particles.",
-    source="(5.44) to (5.46)",
-    quote="m_eff(μ^emp, y) = m_eff⁽ᴺ⁾(X⁽ᴺ⁾, y), F_eff(μ^emp, y, v) = F_eff⁽ᴺ⁾(X⁽ᴺ⁾, y, v)",
+    "(5.44) to (5.46)",
+    Verdict.PROVED,
     chosen="F_eff⁽¹⁾ with −mΦᵀΩ, as in (5.14)",
-    recorded=Kind.PROVED,
 )
 def _empirical() -> Evidence:
     return proved(atoms())
@@ -130,9 +120,8 @@ def _empirical() -> Evidence:
 @claim(
     "c5.consistency",
     "The motion of particles solves the mean-field equations for their empirical measure.",
-    source="Lemma 5.10",
-    quote="we can construct X … such that (X, y) is a solution of the … equations (5.40a) to (5.40c)",
-    recorded=Kind.PROVED,
+    "Lemma 5.10",
+    Verdict.PROVED,
 )
 def _consistency() -> Evidence:
     """The flow at X_j(0) moves by Phi[y'], as X_j(t) does in (5.11b): with h(X^t(x)) for h(x) (5.40a) is (5.11a)."""

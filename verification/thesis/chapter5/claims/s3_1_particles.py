@@ -8,10 +8,11 @@ from statistics import NormalDist
 
 import numpy as np
 
-from verification.claims import Correction, Effect, Evidence, Interval, Kind, at_least, at_most, claim, proved
+from verification.claims import Evidence, Interval, Verdict, at_least, at_most, proved
 from verification.formal.algebra import identity, library
 from verification.thesis.chapter5.instant import Floats, effective_force, effective_mass, general_instant, phi
 from verification.thesis.chapter5.wavy import runge_kutta, soft, symbolic_soft
+from verification.thesis.text.quoted import claim
 
 # What rounding and sums over a fine grid leave.
 TOL = 1e-9
@@ -53,9 +54,8 @@ def _sizes(interval: Interval) -> Interval:
 @claim(
     "c5.independent",
     "Particles with independent starts become independent as their number grows.",
-    source="section 3.1",
-    quote="we can hope that there exists a statistical distribution … such that X₁(t), …, X_N(t) ~ μᵗ",
-    recorded=Kind.NOT_REFUTED,
+    "section 3.1",
+    Verdict.NOT_REFUTED,
     chosen=f"a mass of {M:g}, so that few particles feel each other; independence by the correlation of two",
     tried_on="g = X + sin(X)/2 − y, one distribution, 2 and 24 particles",
 )
@@ -85,16 +85,8 @@ def velocity(at_X: Floats) -> Floats:
 @claim(
     "c5.no-pairs",
     "Neither of the two reduced equations has an interaction of pairs of particles.",
-    source="footnote 2",
-    quote="the ODE model (5.11a) and (5.11b) since it lacks pairwise interaction between particles",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "only (5.11b) lacks it: (5.11a) has the forces K, by which particles act on each other through y",
-        Effect.MODEL,
-        "why independence in the limit is called less surprising; (5.14), (5.16), (5.41b) have these forces",
-        why="(5.14), the right side of (5.11a), has the sum of K over all pairs",
-        place=3590,
-    ),
+    "footnote 2",
+    Verdict.CORRECTED,
     tried_on="one state of four particles, nx = 2, ny = 3",
 )
 def _no_pairs() -> Evidence:
@@ -123,9 +115,8 @@ def _no_pairs() -> Evidence:
 @claim(
     "c5.moved-measure",
     "Integrals over the measure at a time are integrals over the initial one along the flow.",
-    source="proof of Lemma 5.10",
-    quote="∫ξ(x) dμᵗ(x) = ∫ξ(Xᵗ(x′)) dμⁱⁿⁱᵗ(x′)",
-    recorded=Kind.PROVED_INSTANCE,
+    "proof of Lemma 5.10",
+    Verdict.PROVED_INSTANCE,
     tried_on="g = X + sin(X)/2 − y, all densities and all ξ",
 )
 def _moved_measure() -> Evidence:

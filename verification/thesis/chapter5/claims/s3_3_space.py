@@ -7,13 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from verification.claims import Correction, Effect, Evidence, FormalProof, Kind, at_most, claim, proved
+from verification.claims import Evidence, FormalProof, Verdict, at_most, proved
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication
 from verification.thesis.chapter5.claims.s2_3_examples import with_springs
 from verification.thesis.chapter5.claims.s2_4_lipschitz import products
 from verification.thesis.chapter5.instant import Floats, phi, wavy_system
 from verification.thesis.chapter5.wavy import symbolic_soft
+from verification.thesis.text.quoted import claim
 
 # What rounding leaves.
 TOL = 1e-8
@@ -29,10 +30,9 @@ ATOMS, SHARES = np.array([120, 190, 215, 260]), np.array([0.1, 0.4, 0.3, 0.2])
 @claim(
     "c5.linear-growth",
     "The flow stays in the space Y in which its equation is solved.",
-    source="section 3.3",
-    quote="We pick the function space of continuous and at most linearly growing functions",
+    "section 3.3",
+    Verdict.PROVED,
     chosen="‖Xᵗ(x)‖ ≤ ‖x‖ + M_Φ M_v t, with M_v = √(2E)",
-    recorded=Kind.PROVED,
 )
 def _linear_growth() -> Evidence:
     """r = |X^t(x)|, x = |x| and c = M_Phi M_v t."""
@@ -49,16 +49,8 @@ def _linear_growth() -> Evidence:
 @claim(
     "c5.bounded-flow",
     "Which assumption makes the velocity field an element of Y.",
-    source="section 3.3",
-    quote="(A5b) implies ‖Φ(φ(·), y)[v]‖_Y ≤ M_Φ M_v",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "(A4b) implies it",
-        Effect.NOTATION,
-        "nothing: (A4b) is among the assumptions",
-        why="(A5b) bounds Ω; (A4b) bounds Φ by M_Φ",
-        place=3760,
-    ),
+    "section 3.3",
+    Verdict.CORRECTED,
     tried_on="g = X + sin(X)/2 − y",
 )
 def _bounded_flow() -> Evidence:
@@ -80,16 +72,8 @@ def _bounded_flow() -> Evidence:
 @claim(
     "c5.lipschitz-constants",
     "Lipschitz constants of integrals as functions of the flow.",
-    source="Lemma 5.13",
-    quote="Lipschitz continuous with constants Lip(ϕ)C_μ‖φ − ψ‖_Y and 2Lip(η)C_μ‖φ − ψ‖_Y",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "with constants Lip(ϕ)C_μ and 2Lip(η)C_μ",
-        Effect.NOTATION,
-        "nothing: the proof bounds the differences",
-        why="‖φ − ψ‖_Y is the distance by which a Lipschitz constant is multiplied, not a part of it",
-        place=3774,
-    ),
+    "Lemma 5.13",
+    Verdict.CORRECTED,
     tried_on="ϕ(a) = a and η(a, b) = a + b",
 )
 def _constants() -> Evidence:
@@ -117,10 +101,9 @@ def _constants() -> Evidence:
 @claim(
     "c5.differentiable-flow",
     "The flow has a continuous slope in the initial position.",
-    source="Theorem 5.12",
-    quote="(y, X) ∈ C²([0, T], ℝⁿʸ) × C¹([0, T] × ℝⁿˣ, ℝⁿˣ)",
+    "Theorem 5.12",
+    Verdict.PROVED_INSTANCE,
     chosen="g = X + sin(X)/2 − y",
-    recorded=Kind.PROVED_INSTANCE,
     tried_on="g = X + sin(X)/2 − y",
 )
 def _differentiable() -> Evidence:
@@ -156,9 +139,8 @@ def weighted() -> FormalProof:
 @claim(
     "c5.weighted-difference",
     "The mean distance of two flows by their distance in Y.",
-    source="proof of Lemma 5.13",
-    quote="∫‖φ(x) − ψ(x)‖ dμ(x) ≤ C_μ‖φ − ψ‖_Y",
-    recorded=Kind.PROVED,
+    "proof of Lemma 5.13",
+    Verdict.PROVED,
 )
 def _difference() -> Evidence:
     return proved(weighted())
@@ -172,10 +154,9 @@ def norm(values: Floats) -> float:
 @claim(
     "c5.right-side",
     "The right side of the mean-field equations is Lipschitz continuous on Z at bounded speed.",
-    source="proof of Theorem 5.12",
-    quote="(φ, y, y) ↦ h(φ, y, ẏ; μⁱⁿⁱᵗ) is Lipschitz continuous provided ‖v‖ ≤ M_v … depends on M_v and C_μ",
+    "proof of Theorem 5.12",
+    Verdict.PROVED,
     chosen="the letters of c5.right-side-letters",
-    recorded=Kind.PROVED,
 )
 def _right_side() -> Evidence:
     """The part of the flow at one point: n = |phi - phi'|_Y, e = |y - y'|, u = |v - v'|, k = L_Phi M_v, r = |x|."""

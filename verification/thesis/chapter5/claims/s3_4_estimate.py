@@ -7,12 +7,13 @@ from collections.abc import Callable
 
 import numpy as np
 
-from verification.claims import Correction, Effect, Evidence, FormalProof, Kind, at_least, at_most, claim, proved
+from verification.claims import Evidence, FormalProof, Verdict, at_least, at_most, proved
 from verification.formal.reals import implication
 from verification.thesis.chapter5.bounded import FlowState, force, mass
 from verification.thesis.chapter5.claims.s3_4_stability import gronwall
 from verification.thesis.chapter5.instant import Floats
 from verification.thesis.chapter5.wavy import runge_kutta, soft
+from verification.thesis.text.quoted import claim
 
 # What steps of a run leave.
 RUN_TOL = 1e-6
@@ -37,20 +38,8 @@ def amplified(force: Callable[[float], float], y: float, v: float) -> float:
 @claim(
     "c5.stability-constants",
     "The constants of the stability estimate are the same for all starts of one energy and moment.",
-    source="Theorem 5.16",
-    quote="for some constants L, C > 0 which do only depend on the initial total energy of both states and on … C_μ",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "for potentials that are bounded below; L then depends on the energy above their infimum. Otherwise C "
-        "and L depend on the largest speed up to the time t",
-        Effect.CONCLUSION,
-        "Theorem 5.16 and Corollary 5.19, as far as C and L are said to be independent of the start and of time",
-        why=(
-            "L contains the bound of the speed, which follows from the energy only if the potential energy "
-            "is bounded below"
-        ),
-        place=3854,
-    ),
+    "Theorem 5.16",
+    Verdict.CORRECTED,
     chosen="two point masses, g = sinh(X)e⁻ʸ, W₀ = −y, no other forces",
     tried_on="three starts in one potential ≥ 0",
 )
@@ -112,10 +101,9 @@ def estimate() -> tuple[FormalProof, ...]:
 @claim(
     "c5.same-estimate",
     "With nonlinear constraints the distance of solutions is at most a multiple of that of their starts.",
-    source="section 4",
-    quote="the same stability estimate as in the linear case also holds for nonlinear constraints",
+    "section 4",
+    Verdict.PROVED,
     chosen="potentials that are bounded below, and starts at rest",
-    recorded=Kind.PROVED,
 )
 def _estimate() -> Evidence:
     """a = |y1 - y2|, b = |v1 - v2|, c = int |X1 - X2| with an optimal coupling of the starts; k are the constants.
@@ -129,16 +117,8 @@ def _estimate() -> Evidence:
 @claim(
     "c5.future-interaction",
     "Forces between particles are an extension that is still to be made.",
-    source="section 4",
-    quote="Second, … one could drop the full-rank condition and add interaction forces between the particles",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "one could drop the full-rank condition: interaction forces are in the model already, by (5.4)",
-        Effect.MODEL,
-        "nothing in the theorems, which have these forces; see c5.non-interacting and c5.no-pairs",
-        why="(5.4) and (5.6a) have such forces, and Theorems 5.12 and 5.16 include them",
-        place=3970,
-    ),
+    "section 4",
+    Verdict.CORRECTED,
     chosen="the forces of (5.4), within the class of the chapter",
 )
 def _future() -> Evidence:

@@ -3,20 +3,20 @@
 
 from __future__ import annotations
 
-from verification.claims import Evidence, Kind, claim, proved
+from verification.claims import Evidence, Verdict, proved
 from verification.formal.algebra import identity
 from verification.thesis.chapter5.claims.s2_5_energy import conserved
 from verification.thesis.chapter5.claims.s3_4_estimate import estimate
 from verification.thesis.chapter5.general import eliminated, multiplier, particle
+from verification.thesis.text.quoted import claim
 
 
 @claim(
     "c5.same-motion",
     "Constrained and reduced equations have the same motions, and the multipliers can be recovered.",
-    source="before Proposition 5.1",
-    quote="Every solution of the DAE model (5.6a) to (5.6c) also solves the ODE model (5.11a) and (5.11b)",
+    "before Proposition 5.1",
+    Verdict.PROVED,
     chosen="the multipliers by (A.12) with K(X_k, X_i), see c5.derivation-multipliers",
-    recorded=Kind.PROVED,
 )
 def _same_motion() -> Evidence:
     """Both directions: elimination of lambda, and lambda of (A.12) put back."""
@@ -34,10 +34,9 @@ def _same_motion() -> Evidence:
 @claim(
     "c5.energy-in-time",
     "The energy is the same at all times of a motion.",
-    source="Lemma 5.5",
-    quote="the total energy … is a conserved quantity",
+    "Lemma 5.5",
+    Verdict.PROVED,
     chosen="an even 𝒱, as (A2a) needs it",
-    recorded=Kind.PROVED,
 )
 def _energy() -> Evidence:
     """E' = 0 at each time, see c5.energy, so E is constant where the motion exists."""
@@ -47,13 +46,9 @@ def _energy() -> Evidence:
 @claim(
     "c5.limit-in-time",
     "More and more particles that stand for a density move y as the mean-field equations do.",
-    source="section 3.4",
-    quote=(
-        "for N → ∞ the behaviour of the ODE model (5.11a) and (5.11b) is well-approximated by the mean-field "
-        "characteristic flow"
-    ),
+    "section 3.4",
+    Verdict.PROVED,
     chosen="an even 𝒱, as (A2a) needs it",
-    recorded=Kind.PROVED,
 )
 def _limit() -> Evidence:
     """The particles are the empirical measure (c5.consistency); its distance from the limit is estimated by (5.60)."""

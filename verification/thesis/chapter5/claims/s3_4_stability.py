@@ -10,12 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment, linprog
 
-from verification.claims import Correction, Effect, Evidence, FormalProof, Kind, at_most, claim, proved, put_right
+from verification.claims import Evidence, FormalProof, Verdict, at_most, proved, put_right
 from verification.formal.algebra import identity, library
 from verification.formal.enclosures import balls, not_negative
 from verification.formal.reals import implication
 from verification.thesis.chapter5.instant import Floats
 from verification.thesis.chapter5.wavy import M, soft
+from verification.thesis.text.quoted import claim
 
 SEED = 65
 LINE = np.linspace(-20.0, 20.0, 2001)
@@ -62,10 +63,9 @@ def slack(assigned: NDArray[np.intp]) -> Any:
 @claim(
     "c5.dual",
     "The distance of two measures is the largest difference of the means of a function.",
-    source="(5.59)",
-    quote="W₁(ν, μ) = sup |∫ϕ dν − ∫ϕ dμ| over ϕ ∈ C(ℝⁿˣ, ℝⁿˣ), Lip(ϕ) ≤ 1",
+    "(5.59)",
+    Verdict.PROVED_INSTANCE,
     chosen="ϕ with values in ℝ, see c5.dual-values, and as printed in ℝⁿˣ with a norm for |·|",
-    recorded=Kind.PROVED_INSTANCE,
     tried_on="two sets of six points in the plane",
 )
 def _dual() -> Evidence:
@@ -103,9 +103,8 @@ def means_apart() -> FormalProof:
 @claim(
     "c5.integrals",
     "Means of a function differ by no more than its Lipschitz constant times the distance.",
-    source="Lemma 5.15",
-    quote="|∫ϕ dμ₁ − ∫ϕ dμ₂| ≤ Lip(ϕ) W₁(μ₁, μ₂)",
-    recorded=Kind.PROVED,
+    "Lemma 5.15",
+    Verdict.PROVED,
 )
 def _integrals() -> Evidence:
     return proved(means_apart())
@@ -139,10 +138,9 @@ def gronwall() -> tuple[FormalProof, FormalProof, FormalProof]:
 @claim(
     "c5.fundamental",
     "How far solutions of two equations move apart.",
-    source="Lemma 5.17",
-    quote="‖z₁(t) − z₂(t)‖ ≤ ϱ e^{Lt} + ε/L (e^{Lt} − 1)",
+    "Lemma 5.17",
+    Verdict.PROVED,
     chosen="z, z′ ∈ A, see c5.fundamental-set",
-    recorded=Kind.PROVED,
 )
 def _fundamental() -> Evidence:
     return proved(*gronwall())
@@ -151,17 +149,8 @@ def _fundamental() -> Evidence:
 @claim(
     "c5.push-forward",
     "How much the right side changes with the initial measure.",
-    source="proof of Theorem 5.16",
-    quote="‖h(…; μ₁) − h(…; μ₂)‖ = ‖(m_eff(μ₁, y))⁻¹F_eff(μ₁, y, v) − …‖ … L_μ depends only on M_v and C_μ",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "h contains m_eff(φ#μ, y) and F_eff(φ#μ, y, v); the bound has the factor Lip(φ), which is at most "
-        "exp(L_Φ M_v t) for flows",
-        Effect.PROOF,
-        "Theorem 5.16 stands with larger C and L",
-        why=("h contains the image of μ under φ, and ∫k d(φ#μ) = ∫k∘φ dμ, where Lip(k∘φ) is at most Lip(k) Lip(φ)"),
-        place=3898,
-    ),
+    "proof of Theorem 5.16",
+    Verdict.CORRECTED,
     tried_on="two point masses, φ(x) = 100x",
 )
 def _push_forward() -> Evidence:
@@ -181,10 +170,9 @@ def _push_forward() -> Evidence:
 @claim(
     "c5.flow-estimate",
     "How far two solutions and their flows move apart.",
-    source="(5.64)",
-    quote="‖y₁ − y₂‖ + ‖ẏ₁ − ẏ₂‖ + ‖X₁ᵗ − X₂ᵗ‖_X ≤ ϱ e^{tL_{f1}} + L_μ W₁(μ₁ⁱⁿⁱᵗ, μ₂ⁱⁿⁱᵗ)/Lip(h₁) (e^{tLip(h₁)} − 1)",
+    "(5.64)",
+    Verdict.PROVED,
     chosen="the letters of c5.flow-norm and c5.flow-constant",
-    recorded=Kind.PROVED,
 )
 def _flow_estimate() -> Evidence:
     """(5.64) is Lemma 5.17 with eps = L_mu W1: the right sides of two measures are that far apart at one point."""
@@ -205,19 +193,8 @@ def _flow_estimate() -> Evidence:
 @claim(
     "c5.stability-step",
     "The distance of the measures by that of the flows and that at the start.",
-    source="(5.65)",
-    quote="W₁(μ₁ᵗ, μ₂ᵗ) ≤ C_μ‖X₁ᵗ − X₂ᵗ‖_X + W₁(μ₁ⁱⁿⁱᵗ, μ₂ⁱⁿⁱᵗ)",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "W₁(μ₁ᵗ, μ₂ᵗ) ≤ C_μ‖X₁ᵗ − X₂ᵗ‖ + Lip(X₂ᵗ) W₁(μ₁ⁱⁿⁱᵗ, μ₂ⁱⁿⁱᵗ)",
-        Effect.PROOF,
-        "Theorem 5.16 stands with larger C and L, since Lip(X₂ᵗ) ≤ exp(L_Φ M_v t); it is 1 if all are shifted",
-        why=(
-            "the function that is integrated over both initial measures is ϕ∘X₂ᵗ, with a Lipschitz constant "
-            "up to Lip(ϕ) Lip(X₂ᵗ), and flows stretch"
-        ),
-        place=3924,
-    ),
+    "(5.65)",
+    Verdict.CORRECTED,
 )
 def _stability_step() -> Evidence:
     """One piece of a transport plan from x to z, r = |x - z|: a = |X1(x) - X2(x)|, b = |X2(x) - X2(z)|, L = Lip(X2)."""

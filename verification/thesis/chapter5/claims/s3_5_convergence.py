@@ -8,10 +8,11 @@ from statistics import NormalDist
 
 import numpy as np
 
-from verification.claims import Evidence, Interval, Kind, at_least, claim, proved
+from verification.claims import Evidence, Interval, Verdict, at_least, proved
 from verification.formal.reals import implication, solver_library
 from verification.thesis.chapter5.claims.s3_4_estimate import estimate
 from verification.thesis.chapter5.instant import Floats
+from verification.thesis.text.quoted import claim
 
 SEED = 65
 DRAWS, TWO_SIDED = 40, NormalDist().inv_cdf(0.975)
@@ -20,9 +21,8 @@ DRAWS, TWO_SIDED = 40, NormalDist().inv_cdf(0.975)
 @claim(
     "c5.shifted",
     "With linear constraints the measure is only shifted.",
-    source="Remark 5.18",
-    quote="there is a vector w(t) such that μⁱⁿⁱᵗ(A) = μᵗ(A − w(t))",
-    recorded=Kind.PROVED,
+    "Remark 5.18",
+    Verdict.PROVED,
 )
 def _shifted() -> Evidence:
     """Any set A of the line (of each coordinate): x is in A just if x + d is in A - w, that is x + d + w in A."""
@@ -40,12 +40,9 @@ def _shifted() -> Evidence:
 @claim(
     "c5.linear-step",
     "For measures that are shifted the last step of the proof needs nothing else.",
-    source="Remark 5.18",
-    quote=(
-        "in the linear case the third step in the proof is easier, since the particle distribution will only be shifted"
-    ),
+    "Remark 5.18",
+    Verdict.PROVED,
     chosen="the step that leads from (5.64) to (5.65), the last one of the proof, which is about the distribution",
-    recorded=Kind.PROVED,
 )
 def _linear_step() -> Evidence:
     """One piece of a transport plan in one coordinate: x, z move by a and b; e >= |x - z|, f >= |a - b|, C_mu >= 1."""
@@ -79,9 +76,8 @@ def distance(one: Floats, fine: Floats) -> float:
 @claim(
     "c5.convergence",
     "Particles converge to the mean-field limit, at the rate of their distance at the start.",
-    source="Corollary 5.19",
-    quote="‖y − y_k‖ + ‖ẏ − ẏ_k‖ + W₁(μᵗ, μ_kᵗ) ≤ C e^{Lt} W₁(μⁱⁿⁱᵗ, μ_k^emp) → 0",
-    recorded=Kind.PROVED,
+    "Corollary 5.19",
+    Verdict.PROVED,
 )
 def _rate() -> Evidence:
     """(5.60) for the empirical measure of the start, d <= c w, and w -> 0, which (5.66) asks for."""
@@ -105,9 +101,8 @@ def draws() -> Floats:
 @claim(
     "c5.samples",
     "Random positions come close to the distribution that they are drawn from.",
-    source="section 3.5",
-    quote="the existence of suitable initial conditions such that (5.66) holds is shown in",
-    recorded=Kind.NOT_REFUTED,
+    "section 3.5",
+    Verdict.NOT_REFUTED,
     tried_on="a normal distribution on a line, N = 64 and 1024",
 )
 def _samples() -> Evidence:

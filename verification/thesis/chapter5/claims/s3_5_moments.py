@@ -5,17 +5,17 @@ from __future__ import annotations
 
 from typing import Any
 
-from verification.claims import Correction, Effect, Evidence, Kind, claim, proved, put_right
+from verification.claims import Evidence, Verdict, proved, put_right
 from verification.formal.algebra import identity, library, matrices
+from verification.thesis.text.quoted import claim
 
 
 @claim(
     "c5.closure",
     "The transport equation gives equations for the moments of the density.",
-    source="Remark 5.20",
-    quote="find equations for the first moments by inserting this ansatz into the (5.42a) and (5.42b)",
+    "Remark 5.20",
+    Verdict.PROVED_INSTANCE,
     chosen="Example 5.4 with y(t) given, where the equations close without an assumption on the density",
-    recorded=Kind.PROVED_INSTANCE,
     tried_on="Example 5.4, all points and weights",
 )
 def _closed() -> Evidence:
@@ -33,10 +33,9 @@ def _closed() -> Evidence:
 @claim(
     "c5.mass",
     "The transport equation keeps the number of particles.",
-    source="(5.68)",
-    quote="ṁ(t) = 0, conservation of mass",
+    "(5.68)",
+    Verdict.PROVED,
     chosen="m is that of (5.67), not the mass of a particle",
-    recorded=Kind.PROVED,
 )
 def _mass() -> Evidence:
     """In each coordinate: the rate of the mass between a and b is what flows through the ends."""
@@ -59,16 +58,8 @@ def _mass() -> Evidence:
 @claim(
     "c5.first-moment",
     "The rate of the first moment of the density.",
-    source="(5.69)",
-    quote="ρ̇(t) =",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "ρ̇(t) = ∫Φ(x, y)[ẏ] f(x, t) dx",
-        Effect.NOTATION,
-        "the method of moments, which the remark sets out; the equation for σ is left out too",
-        why="(5.42b), multiplied by x and integrated by parts; the right side is left blank",
-        place=3962,
-    ),
+    "(5.69)",
+    Verdict.CORRECTED,
 )
 def _first_moment() -> Evidence:
     """One coordinate: x times the right side of (5.42b), up to the derivative of x u f; u = Phi y'."""

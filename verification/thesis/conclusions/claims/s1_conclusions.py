@@ -8,9 +8,10 @@ import math
 import numpy as np
 
 import dincl
-from verification.claims import Evidence, Kind, at_least, at_most, claim, equal
+from verification.claims import Evidence, Verdict, at_least, at_most, equal
 from verification.thesis.chapter1.sets import Floats
 from verification.thesis.chapter2.discs import RADIUS, points_of_step
+from verification.thesis.text.quoted import claim
 
 SEED, SAMPLES = 61, 30
 TOL = 1e-10
@@ -33,13 +34,9 @@ def scheme() -> dincl.Scheme:
 @claim(
     "c6.feasible",
     "Of the two methods only PBD leaves overlaps, small ones.",
-    source="Ideas for proving convergence of PBD",
-    quote=(
-        "Moreau's catch-up scheme always stays within the feasible set S, whereas the PBD method can lead to slightly "
-        "infeasible states."
-    ),
+    "Ideas for proving convergence of PBD",
+    Verdict.NOT_REFUTED,
     chosen="the four discs of Figure 4 of chapter 2, their start and step; slightly: less with shorter steps",
-    recorded=Kind.NOT_REFUTED,
     tried_on="the four discs of Figure 4 of chapter 2",
 )
 def _feasible() -> Evidence:
@@ -69,10 +66,9 @@ def largest_overlaps(dt: float) -> tuple[float, float]:
 @claim(
     "c6.bounded",
     "The overlaps of PBD do not grow in time, and vanish with the step.",
-    source="Ideas for proving convergence of PBD",
-    quote="the distance to the feasible set remains bounded and converges to zero",
+    "Ideas for proving convergence of PBD",
+    Verdict.NOT_REFUTED,
     chosen="the ten discs of Figure 5 of chapter 2, their start and steps",
-    recorded=Kind.NOT_REFUTED,
     tried_on="ten discs in a corner, two steps, to t = 12",
 )
 def _bounded() -> Evidence:
@@ -103,10 +99,9 @@ def ratios(problem: dincl.Problem, x: Floats) -> tuple[float, float, int]:
 @claim(
     "c6.contraction",
     "Near S a sweep of projections comes nearer to the projection onto S by a factor below 1.",
-    source="Ideas for proving convergence of PBD",
-    quote="max_j dist(x, S_j) ≥ α dist(x, S) … c ∈ (0, 1): ‖P_S(x) − P_{S_M} ∘ … ∘ P_{S_1}(x)‖ ≤ c ‖P_S(x) − x‖",
+    "Ideas for proving convergence of PBD",
+    Verdict.NOT_REFUTED,
     chosen="rows, triangles and rhombi of discs, disturbed by a hundredth",
-    recorded=Kind.NOT_REFUTED,
     tried_on="3 or 4 discs in rows, triangles and rhombi, disturbed by a hundredth",
 )
 def _contraction() -> Evidence:

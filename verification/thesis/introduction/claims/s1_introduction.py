@@ -9,19 +9,7 @@ import numpy as np
 
 import dincl
 from tissue.statistics.comparisons import Difference, runs_needed
-from verification.claims import (
-    Comparison,
-    Correction,
-    Effect,
-    Evidence,
-    Kind,
-    Tables,
-    at_least,
-    at_most,
-    claim,
-    equal,
-    proved,
-)
+from verification.claims import Comparison, Evidence, Tables, Verdict, at_least, at_most, equal, proved
 from verification.thesis.chapter1.sets import Floats
 from verification.thesis.chapter4.claims.s4_6_conditional import by_kind
 from verification.thesis.chapter4.frequencies import (
@@ -38,6 +26,7 @@ from verification.thesis.chapter4.frequencies import (
 from verification.thesis.chapter4.ratio_claims import ALIKE, CLAIM_LEVEL
 from verification.thesis.chapter4.studies import PRESETS
 from verification.thesis.chapter5.claims.s1_introduction import mass_rates
+from verification.thesis.text.quoted import claim
 
 ROUNDING = 1e-12
 # Seconds of damped Arrow-Hurwicz and of PBD, as sections 3.2 and 3.4 of chapter 3 print them.
@@ -48,8 +37,7 @@ PROTRUSIONS, OTHERS = "[BP]", ("[A]", "[B]", "[S]")
 @claim(
     "c0.faster",
     "How much faster the new method simulates tissues, beside the runtimes of chapter 3.",
-    source="introduction, Part II",
-    quote="Thanks to that, we can simulate over 300 times faster",
+    "introduction, Part II",
     chosen="the runtimes are those that chapter 3 prints",
 )
 def _faster() -> Evidence:
@@ -71,9 +59,8 @@ def pbd_error(dt: float) -> float:
 @claim(
     "c0.converges",
     "Position based dynamics comes to the exact solution as the steps get shorter.",
-    source="introduction, Part I",
-    quote="the PBD method converges in numerical tests to the exact solutions.",
-    recorded=Kind.NOT_REFUTED,
+    "introduction, Part I",
+    Verdict.NOT_REFUTED,
     tried_on="two discs, one of which pushes the other and slides around it",
 )
 def _converges() -> Evidence:
@@ -106,9 +93,8 @@ def pbd_by_hand(x: Floats, h: float, steps: int) -> tuple[Floats, int]:
 @claim(
     "c0.simple",
     "What a step of position based dynamics takes.",
-    source="introduction, Part I",
-    quote="one simple operation per overlap, but neither Lagrangian multipliers nor artificial numerical parameters.",
-    recorded=Kind.NOT_REFUTED,
+    "introduction, Part I",
+    Verdict.NOT_REFUTED,
     tried_on="four discs, 200 steps",
 )
 def _simple() -> Evidence:
@@ -141,12 +127,9 @@ def scenarios() -> int:
 @claim(
     "c0.scenarios",
     "How many scenarios the four event times make.",
-    source="introduction, Part II",
-    quote="only four parameters … plus groups of cells … give thousands of possible EMT scenarios.",
-    chosen=(
-        "the parameters are the four times of chapter 4, section 2.2; scenarios differ by the order of events, "
-        "not by their times; groups of two cells"
-    ),
+    "introduction, Part II",
+    chosen="the parameters are the four times of chapter 4, section 2.2; scenarios differ by the order of events, "
+    "not by their times; groups of two cells",
 )
 def _scenarios() -> Evidence:
     one = scenarios()
@@ -161,11 +144,7 @@ def _scenarios() -> Evidence:
 @claim(
     "c0.protrusions",
     "Cells with protrusions leave basally more often; those without may leave apically.",
-    source="introduction, Part II",
-    quote=(
-        "cells showing protrusive activities … are much more efficient at exiting basally than cells relying on "
-        "passive forces"
-    ),
+    "introduction, Part II",
     needs=(RATIOS,),
     chosen="isolated cells with one event, with INM, by the model as printed, with corrected energies and as published",
 )
@@ -195,18 +174,9 @@ def _protrusions(tables: Tables) -> Evidence:
 @claim(
     "c0.timing",
     "Of no event the time matters for basal extrusion.",
-    source="introduction, Part II",
-    quote="we did not find any relevant correlation between the timing of EMT transition events and the … rates.",
+    "introduction, Part II",
+    Verdict.CORRECTED,
     needs=(CONDITIONAL,),
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "of the times of the events only that of [A] matters: early [A] extrudes more cells",
-        Effect.CONCLUSION,
-        "the third of the main features; chapter 4 has the exception in the caption of Figure 20, in 4.5.3 and in the "
-        "answer to (Q3)",
-        why="section 4.5.3 and the answer to (Q3) of chapter 4 find that early onset of [A] increases the extrusion",
-        place=113,
-    ),
     chosen=f"cells without [P] of the group '35 % [P]'; relevant: more than {ALIKE:.0%}; each limit below the least "
     "difference of the evidence decides alike",
 )
@@ -227,9 +197,8 @@ def _timing(tables: Tables) -> Evidence:
 @claim(
     "c0.mean-field-mass",
     "When the inertia that constrained particles add to the macroscopic component changes.",
-    source="introduction, Part III",
-    quote="The mean-field mass can even be non-constant if the constrained particles have to move at different speeds",
-    recorded=Kind.PROVED,
+    "introduction, Part III",
+    Verdict.PROVED,
 )
 def _mean_field_mass() -> Evidence:
     return proved(mass_rates())
