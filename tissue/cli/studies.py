@@ -79,7 +79,7 @@ def summarise(folder: Folder) -> None:
 
 def _said(results: Results) -> str:
     """Return all of one study."""
-    from tissue.study import answers
+    from tissue.study import answers, comparing
 
     study, stored = results.study, results.summary()
     plan = f"{study.replicates} runs of each of {len(study.scenarios)} scenarios, seed {study.seed}"
@@ -89,11 +89,16 @@ def _said(results: Results) -> str:
     said.append(_table("Scenarios", changes.columns, changes.itertuples(index=False)))
     if ratios.empty:
         return "\n".join([*said, "No EMT cells.\n"])
+    if study.compare is not None:
+        rows = (_answered(row) for row in comparing.planned_answers(results).to_dict("records"))
+        heads = ("question", "outcome", "effect [95 %]", "p", "answer", "runs needed")
+        said.append(_table(f"Answers: {comparing.correction_text(results, study.compare)}", heads, rows))
     found = (_found(row) for row in ratios.to_dict("records"))
     said.append(_table("EMT cells at the end", ("scenario", "outcome", "ratio [95 %]", "cells"), found))
-    against = (_compared(row) for row in answers.scenario_differences(ratios, study.replicates).to_dict("records"))
-    heads = ("outcome", "first - second", "points [95 %]", "p", "differ", "runs needed")
-    said.append(_table("Scenarios against each other; p of all these comparisons together (Holm)", heads, against))
+    if study.compare is None:
+        against = (_compared(row) for row in answers.scenario_differences(ratios, study.replicates).to_dict("records"))
+        heads = ("outcome", "first - second", "points [95 %]", "p", "differ", "runs needed")
+        said.append(_table("Scenarios against each other; p of all these comparisons together (Holm)", heads, against))
     shares = (_share(row) for row in answers.control_shares(results).to_dict("records"))
     sides = ("scenario", "side", "part [95 %]", "runs")
     said.append(_table("Control cells outside of the tissue at the end", sides, shares))
@@ -106,6 +111,16 @@ def _said(results: Results) -> str:
 STEEP = """Inside an arc the apical layer is steep near the ends, and y_AB = h(X) / h(A) takes the nearest point A:
 cells that the layer covers count as apical there. docs/explore.md has the numbers.
 """
+
+
+def _answered(row: dict[str, Any]) -> tuple[str, ...]:
+    import pandas as pd
+
+    from tissue.study.comparing import effect_text
+
+    p = "" if pd.isna(row["p"]) else f"{row['p']:.2g}"
+    needed = "" if pd.isna(row["needed"]) else str(row["needed"])
+    return row["question"], row["outcome"], effect_text(row), p, row["answer"], needed
 
 
 def _found(row: dict[str, Any]) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""Identity of a study: parameters, code and processor, on which its rows depend; and differences of two."""
+"""Identity of a study: parameters and code, on which its rows depend; and differences of two."""
 
 from __future__ import annotations
 
@@ -15,14 +15,16 @@ from tissue.runs.registration import own_code
 from tissue.study.plan import PART, TissueStudy, in_scenarios
 
 MOST_DIFFERENCES = 12
-IDENTITY = ("replicates", "seed", "trajectories", "part", "scenarios", "code")
-SETTINGS = {"replicates": "replicates", "seed": "seed", "trajectories": "trajectories", "part": "replicates of a part"}
+IDENTITY = ("seed", "trajectories", "part", "scenarios", "code")
+SETTINGS = {"seed": "seed", "trajectories": "trajectories", "part": "replicates of a part"}
 
 
 def identity(study: TissueStudy) -> dict[str, Any]:
-    """Return what the rows are a function of, on one kind of processor: equal for two studies with the same rows."""
+    """Return what the rows are a function of, on one kind of processor: equal for two studies with the same rows.
+
+    How many replicates there are is no part of it: the rows of the first ones are the same for any number.
+    """
     return {
-        "replicates": study.replicates,
         "seed": study.seed,
         "trajectories": list(study.trajectories),
         "part": PART,

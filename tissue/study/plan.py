@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from hashlib import sha256
@@ -21,6 +21,7 @@ from tissue.files.own_modules import placed
 from tissue.files.parameter_files import flat, merged, read
 from tissue.files.parameters import NoBase, Parameters, based_on
 from tissue.files.scenario import remarks
+from tissue.study.planned import PlannedComparisons, crossed, overlapping, planned
 from tissue.study.shape import checked
 
 FOLDER = Path(__file__).parent.parent / "studies"
@@ -51,6 +52,7 @@ class TissueStudy:
     trajectories: tuple[int, ...]  # the replicates whose saved states are all stored
     scenarios: Mapping[str, Parameters]
     text: str  # the file
+    compare: PlannedComparisons | None = None  # what it was made to compare
 
     @property
     def runs(self) -> int:
@@ -65,8 +67,7 @@ class TissueStudy:
     def pieces(self) -> Iterator[Piece]:
         """Give all pieces, one scenario after the other."""
         for name in self.scenarios:
-            for first in range(0, self.replicates, PART):
-                yield Piece(name, first, min(PART, self.replicates - first))
+            yield from around(name, [], self.replicates)
 
 
 def load_study(path: str | PathLike[str]) -> TissueStudy:
@@ -75,7 +76,8 @@ def load_study(path: str | PathLike[str]) -> TissueStudy:
     Its keys: ``title``; ``base``, a preset or the path of a parameter file, relative to this one; ``replicates`` of
     each scenario; ``seed``; on request ``trajectories``, a list of the replicates whose saved states are all stored,
     and ``[overrides.SECTION]``, parameters of all scenarios; ``[scenarios.NAME]``, at least one, with the parameters of
-    its own, sections as keys.
+    its own, sections as keys. Or ``[factors.NAME]``, tables of levels: each combination is a scenario, such as
+    "early, arc". On request ``[compare]``, what the study is made to compare: see ``tissue.study.planned``.
 
     Parameters
     ----------
@@ -93,19 +95,25 @@ def load_study(path: str | PathLike[str]) -> TissueStudy:
     good, lines = checked(tables)
     scenarios: dict[str, Parameters] = {}
     base = _base(good["base"], path.parent, lines) if "base" in good else None
-    if base is not None and "scenarios" in good:
+    compare = None
+    if base is not None and "scenarios" in good and "factors" in good:
         wrong: dict[str, list[str]] = {}
-        for name, table in good["scenarios"].items():
+        lines += overlapping(good["factors"])
+        tables = {**crossed(good["factors"]), **good["scenarios"]} if good["factors"] else good["scenarios"]
+        for name, table in tables.items():
             given = merged(good["overrides"], table)
             changed = _changed(base, placed(given, path.parent, base.own.modules))
             wrong[name] = changed if isinstance(changed, list) else []
             if isinstance(changed, Parameters):
                 scenarios[name] = changed
         lines += in_scenarios(wrong)
+        if good.get("compare") is not None:
+            compare, faults = planned(good["compare"], good["factors"], list(tables))
+            lines += faults
     if lines:
         raise refuse(str(path), lines)
     plain = {key: good[key] for key in ("title", "replicates", "seed", "trajectories")}
-    return TissueStudy(**plain, scenarios=scenarios, text=path.read_text("utf-8"))
+    return TissueStudy(**plain, scenarios=scenarios, text=path.read_text("utf-8"), compare=compare)
 
 
 def shipped() -> list[str]:
@@ -120,6 +128,33 @@ def run_seeds(study_seed: int, scenario: str, replicates: Iterable[int]) -> list
     """
     name = np.frombuffer(sha256(scenario.encode()).digest(), dtype="<u4")
     return [_seed([*name.tolist(), study_seed], replicate) for replicate in replicates]
+
+
+def around(scenario: str, stored: Sequence[Piece], replicates: int) -> Iterator[Piece]:
+    """Give the pieces that are stored, and between and behind them those that are missing, in order.
+
+    Missing ones end at multiples of PART, so that equal studies have equal files.
+
+    Parameters
+    ----------
+    scenario
+        Whose.
+    stored
+        In any order; of pieces that overlap the first one counts.
+    replicates
+        All of the scenario.
+    """
+    first = 0
+    for piece in (*sorted(stored, key=lambda one: one.first), Piece(scenario, replicates, 0)):
+        if piece.first < first:
+            continue
+        while first < piece.first:
+            last = min(piece.first, (first // PART + 1) * PART)
+            yield Piece(scenario, first, last - first)
+            first = last
+        if piece.runs and piece.first < replicates:
+            yield piece
+            first += piece.runs
 
 
 def in_scenarios(lines: Mapping[str, list[str]]) -> list[str]:

@@ -17,13 +17,14 @@ from dincl.errors import InvalidProblem
 from dincl.study.parts import StoredPart
 from tissue.files.parameter_files import flat
 from tissue.files.parameters import Parameters, preset
-from tissue.study.plan import Piece
-from tissue.study.store import COPY, about, note, part, stored_part, trajectory
+from tissue.study.planned import PlannedComparisons
+from tissue.study.store import COMPARE, COPY, about, note, part, pieces, planned_replicates, stored_part, trajectory
 
 if TYPE_CHECKING:
     import pandas as pd
 
     from tissue.pictures.sheet import Axes
+    from tissue.study.plan import Piece
 
 
 class About(NamedTuple):
@@ -34,6 +35,7 @@ class About(NamedTuple):
     seed: int
     trajectories: tuple[int, ...]  # replicates whose saved states are all stored
     scenarios: tuple[str, ...]
+    compare: PlannedComparisons | None  # what it was made to compare
 
 
 class Results:
@@ -62,13 +64,22 @@ class Results:
             raise InvalidProblem(f"{self.folder}: must be the folder of a study; its notes are missing")
         self._noted = noted
         title, trajectories = noted["title"], tuple(noted["trajectories"])
-        self.study = About(title, noted["replicates"], noted["seed"], trajectories, tuple(noted["scenarios"]))
+        compare = PlannedComparisons.of(noted[COMPARE]) if COMPARE in noted else None
+        self.study = About(title, noted["replicates"], noted["seed"], trajectories, tuple(noted["scenarios"]), compare)
 
     @property
     def complete(self) -> bool:
         """Whether all parts are there, as they were written."""
-        parts = -(-self.study.replicates // self._noted["part"])
-        return all(len(self._pieces(scenario)) == parts for scenario in self.study.scenarios) and not self.damaged
+        stored = (sum(piece.runs for piece in self._pieces(scenario)) for scenario in self.study.scenarios)
+        return all(runs >= self.study.replicates for runs in stored) and not self.damaged
+
+    @property
+    def as_planned(self) -> bool:
+        """Whether it is complete, and has the number of runs that was planned before the first of them was made.
+
+        Else intervals of a fixed number of runs do not cover as they say.
+        """
+        return self.complete and len(planned_replicates(self._noted)) == 1
 
     @property
     def damaged(self) -> list[Path]:
@@ -131,7 +142,8 @@ class Results:
         if not path.exists():
             stored = list(self.study.trajectories)
             raise InvalidProblem(f"replicate = {describe(replicate)}: must be stored, as may be {stored}")
-        return self._read({self._piece(scenario, replicate // self._noted["part"]): path})
+        (piece,) = (one for one in self._pieces(scenario) if replicate in one.replicates)
+        return self._read({piece: path})
 
     def summary(self) -> pd.DataFrame:
         """Return one row for each scenario: ``scenario``, and how many ``runs`` are stored, of which ``failed``."""
@@ -229,13 +241,8 @@ class Results:
 
     def _pieces(self, scenario: str) -> list[Piece]:
         """Return the pieces that are there, in the order of their replicates."""
-        pieces = -(-self.study.replicates // self._noted["part"])
-        found = (self._piece(scenario, number) for number in range(pieces))
+        found = pieces(self.folder, scenario, self.study.replicates)
         return [piece for piece in found if note(self.folder, piece).exists()]
-
-    def _piece(self, scenario: str, number: int) -> Piece:
-        runs = self._noted["part"]
-        return Piece(scenario, number * runs, min(runs, self.study.replicates - number * runs))
 
     def _check(self, scenario: str) -> None:
         text("scenario", scenario, self.study.scenarios)

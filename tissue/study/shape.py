@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import product
 from typing import Any, Protocol, TypeGuard
 from urllib.parse import quote
 
@@ -71,8 +72,37 @@ class Tables:
         return raw
 
 
+@dataclass(frozen=True)
+class Section:
+    """One table, whose keys are checked where the scenarios are known."""
+
+    allowed: str
+
+    def __call__(self, raw: Any) -> dict[str, Any]:
+        if not isinstance(raw, dict) or not raw:
+            raise ValueError(f"must be {self.allowed}")
+        return raw
+
+
 def _is_of_tables(raw: Any) -> TypeGuard[dict[str, dict[str, Any]]]:
     return isinstance(raw, dict) and all(isinstance(table, dict) for table in raw.values())
+
+
+@dataclass(frozen=True)
+class FactorTables:
+    """Factors: tables of levels, which are sections of parameters."""
+
+    allowed: str = 'tables of two levels or more, such as [factors.time], early = { emt.ac = "6 h" }'
+
+    def __call__(self, raw: Any) -> dict[str, dict[str, Any]]:
+        levels: list[dict[str, Any]] = list(raw.values()) if _is_of_tables(raw) else []
+        if not levels or not all(len(one) > 1 and _is_of_tables(one) for one in levels):
+            raise ValueError(f"must be {self.allowed}")
+        names = [", ".join(each) for each in product(*levels)]
+        if len(set(names)) < len(names):
+            raise ValueError(f"must be {self.allowed}, with names that make different scenarios")
+        Tables("levels whose names make those of scenarios")({name: {} for name in names})
+        return dict(raw)
 
 
 SHAPE: dict[str, Check] = {
@@ -83,8 +113,10 @@ SHAPE: dict[str, Check] = {
     "trajectories": ReplicateNumbers(),
     "overrides": Tables("sections of parameters, such as [overrides.numerics]"),
     "scenarios": Tables('at least one table, such as [scenarios."[A]"], of sections of parameters', least=1),
+    "factors": FactorTables(),
+    "compare": Section("a table: outcomes, and the factor effect, or contrasts"),
 }
-OPTIONAL: dict[str, Any] = {"trajectories": (), "overrides": {}}
+OPTIONAL: dict[str, Any] = {"trajectories": (), "overrides": {}, "factors": {}, "compare": None}
 
 
 def checked(tables: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
@@ -96,6 +128,8 @@ def checked(tables: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
                 good[key] = check(tables[key])
             except ValueError as error:
                 lines.append(f"{key} = {describe(tables[key])}: {error}")
+        elif key == "scenarios" and "factors" in tables:
+            good[key] = {}
         elif key not in OPTIONAL:
             lines.append(f"{key} is missing: must be {check.allowed}")
     replicates = good.get("replicates", MOST_REPLICATES)

@@ -27,7 +27,7 @@ from dincl.study.parts import (
     write_note,
 )
 from tissue.study.identity import IDENTITY, differences, identity, processor
-from tissue.study.plan import PART, Piece, TissueStudy
+from tissue.study.plan import PART, Piece, TissueStudy, around
 
 if TYPE_CHECKING:
     from tissue.study.outcomes import Outcomes
@@ -36,7 +36,10 @@ log = logging.getLogger("tissue.study")
 ABOUT, COPY, LOCK = "study.json", "study.toml", "study.lock"
 KINDS = ("runs", "cells")
 # What is noted of a study: more than its identity. Behind it stands the checksum of it all.
-NOTED = ("title", "fingerprint", "processors", *IDENTITY)
+NOTED = ("title", "fingerprint", "processors", "replicates", *IDENTITY)
+# What some notes have besides: the comparisons that are planned; and the replicates, as they were planned one after the
+# other, where more than once.
+COMPARE, PLANNED = "compare", "planned"
 
 
 def scenario_folder(folder: Path, kind: str, scenario: str) -> Path:
@@ -46,12 +49,30 @@ def scenario_folder(folder: Path, kind: str, scenario: str) -> Path:
 
 def part(folder: Path, kind: str, piece: Piece) -> Path:
     """Return the file of a piece: cells or runs."""
-    return scenario_folder(folder, kind, piece.scenario) / f"part-{piece.first // PART:05d}.parquet"
+    return scenario_folder(folder, kind, piece.scenario) / f"{_stem(piece.first)}.parquet"
 
 
 def note(folder: Path, piece: Piece) -> Path:
     """Return the note of a piece."""
-    return scenario_folder(folder, "parts", piece.scenario) / f"part-{piece.first // PART:05d}.json"
+    return scenario_folder(folder, "parts", piece.scenario) / f"{_stem(piece.first)}.json"
+
+
+def _stem(first: int) -> str:
+    """Return the name of the files of a piece; a study that grew has pieces that begin between multiples of PART."""
+    return f"part-{first // PART:05d}" + (f"-{first % PART:03d}" if first % PART else "")
+
+
+def pieces(folder: Path, scenario: str, replicates: int) -> list[Piece]:
+    """Return all pieces of a scenario: those that are noted, as they were stored, and those that are missing."""
+    found = []
+    for path in scenario_folder(folder, "parts", scenario).glob("part-*.json"):
+        number, _, rest = path.stem.removeprefix("part-").partition("-")
+        first = int(number) * PART + int(rest or 0)
+        noted = (read_note(path) or {}).get("piece")
+        whole = isinstance(noted, list) and len(noted) == 3 and noted[:2] == [scenario, first]
+        runs = noted[2] if noted and whole else min((first // PART + 1) * PART, replicates) - first
+        found.append(Piece(scenario, first, runs))
+    return list(around(scenario, found, replicates))
 
 
 def trajectory(folder: Path, scenario: str, replicate: int) -> Path:
@@ -88,7 +109,8 @@ class StudyStore:
 
     def missing(self) -> list[Piece]:
         """List the pieces without sound files; those that are damaged get another name."""
-        return [piece for piece in self.study.pieces() if not self._part(piece).is_sound()]
+        each = (pieces(self.folder, name, self.study.replicates) for name in self.study.scenarios)
+        return [piece for one in each for piece in one if not self._part(piece).is_sound()]
 
     def write(self, piece: Piece, outcomes: Outcomes) -> None:
         """Store a piece.
@@ -149,14 +171,20 @@ def about(folder: Path) -> dict[str, Any] | None:
     if noted is None or not set(NOTED) <= set(noted):
         raise InvalidProblem(f"{path}: must be the note of a study")
     mark = noted.pop(CHECKSUM, fingerprint(noted))  # older studies have none
-    if noted.keys() != set(NOTED) or noted["fingerprint"] != _mark_of(noted) or mark != fingerprint(noted):
+    if noted["fingerprint"] not in _marks_of(noted) or mark != fingerprint(noted):
         raise InvalidProblem(f"{path}: must be as it was written, but is damaged; run the study again: it is restored")
     return noted
 
 
-def _mark_of(noted: Mapping[str, Any]) -> str:
-    """Return the fingerprint of the identity that is noted."""
-    return fingerprint({key: noted[key] for key in IDENTITY})
+def planned_replicates(noted: Mapping[str, Any]) -> list[int]:
+    """Return the numbers of replicates with which a study was planned, one after the other."""
+    return list(noted.get(PLANNED, [noted["replicates"]]))
+
+
+def _marks_of(noted: Mapping[str, Any]) -> tuple[str, str]:
+    """Return the fingerprint of the identity that is noted; then that of older studies, with the first replicates."""
+    own = {key: noted[key] for key in IDENTITY}
+    return fingerprint(own), fingerprint({**own, "replicates": planned_replicates(noted)[0]})
 
 
 def _check_ours(folder: Path, mark: str) -> None:
@@ -188,14 +216,23 @@ def _noted(folder: Path, study: TissueStudy, new: dict[str, Any]) -> str:
     if path.exists() and not _is_note(folder):
         log.warning("%s is damaged (%s): it is written again", path, set_aside(path).name)
     mark, old = fingerprint(new), about(folder)
-    if old is not None and old["fingerprint"] != mark:
+    if old is not None and _marks_of(old)[0] != mark:
         lines = [f"{folder}: holds results of another study; give another folder. What differs:"]
         raise InvalidProblem("\n  ".join(lines + differences(old, new)))
+    if old is not None:
+        mark = old["fingerprint"]
+        if study.replicates < old["replicates"]:
+            allowed = f"at least {old['replicates']}, which this folder was planned with; give another folder for fewer"
+            raise InvalidProblem(f"{folder}: replicates = {study.replicates}: must be {allowed}")
     processors = [] if old is None else old["processors"]
     if processors and processor() not in processors:
         log.warning("%s: begun on %s, goes on with %s: last bits may differ", folder, processors[0], processor())
     known = list(dict.fromkeys([*processors, processor()]))
-    noted = {"title": study.title, "fingerprint": mark, "processors": known, **new}
+    compare = {} if study.compare is None else {COMPARE: study.compare.as_dict()}
+    planned = list(dict.fromkeys([*([] if old is None else planned_replicates(old)), study.replicates]))
+    grown = {PLANNED: planned} if len(planned) > 1 else {}
+    own = {"title": study.title, "fingerprint": mark, "processors": known, "replicates": study.replicates}
+    noted = {**own, **new, **compare, **grown}
     write_note(path, {**noted, CHECKSUM: fingerprint(noted)})
     write_text(folder / COPY, study.text)
     return mark

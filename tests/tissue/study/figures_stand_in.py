@@ -50,7 +50,9 @@ def outcomes(parameters, replicates, seeds, asked=()):
         table["extruded"] = np.select([ends < 0, ends > 1], ["basal", "apical"], "no")
         table["extruded_h"] = np.where(table["extruded"] == "no", np.nan, times[-1] - 1.0)
         rows.append(pd.DataFrame(table))
-        counts = {f"controls{side}_{t:g}h": n for t in times for side, n in (("", 50), ("_apical", seed % 7))}
+        counts = {
+            f"controls{side}_{t:g}h": n for t in times for side, n in (("", 50), ("_apical", seed % 7), ("_basal", 0))
+        }
         runs.append({"replicate": replicate, "seed": seed, "status": "SUCCESS", "detail": "", **counts})
     cells, done = pd.concat(rows, ignore_index=True), pd.DataFrame(runs)
     tables = {number: whole(m, number) for number in asked}

@@ -142,7 +142,7 @@ def test_a_worker_with_other_code_is_refused(monkeypatch):
 def test_results_are_the_tables_in_order():
     results = tissue.run_study("small.toml", "out")
     assert results.complete
-    assert results.study == ("small", 300, 7, (2, 129), ("[A]", "[A] no INM"))
+    assert results.study == ("small", 300, 7, (2, 129), ("[A]", "[A] no INM"), None)
     study = load_study("small.toml")
     for name, parameters in study.scenarios.items():
         assert results.parameters(name) == parameters

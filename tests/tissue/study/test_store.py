@@ -15,6 +15,7 @@ import tissue
 from dincl.errors import InvalidProblem
 from dincl.files import replacing
 from dincl.study import StudyStopped
+from dincl.study.parts import fingerprint
 from tests.tissue.study.stand_in import STUDY, outcomes, stored, study_file
 from tissue.study import identity, store
 from tissue.study.plan import Piece, load_study
@@ -93,7 +94,6 @@ def test_notes_that_are_none_are_refused(text):
 @pytest.mark.parametrize(
     ("old", "new", "difference"),
     [
-        ("replicates = 300", "replicates = 301", "replicates: 300 -> 301"),
         ("seed = 7", "seed = 8", "seed: 7 -> 8"),
         ("[2, 129]", "[2]", "trajectories: [2, 129] -> [2]"),
         ("inm = 0", "inm = 0.5", "scenario '[A] no INM': emt.inm: 0.0 -> 0.5"),
@@ -108,6 +108,65 @@ def test_results_of_another_study_are_refused_with_what_differs(old, new, differ
     assert refusal() == f"out: holds results of another study; give another folder. What differs:\n  {difference}"
     assert stored("out") == before
     assert len(computed) == made
+
+
+def test_more_replicates_go_on_with_the_rows_that_are_there(computed):
+    first = run()
+    assert first.as_planned
+    before, rows = stored("out"), first.runs("[A]")
+    computed.clear()
+    changed("replicates = 300", "replicates = 420")
+    grown = run()
+    assert computed == [(1, 300), (1, 384), (0, 300), (0, 384)]
+    assert before.items() <= stored("out").items()
+    pd.testing.assert_frame_equal(grown.runs("[A]").head(300), rows)
+    Path("whole.toml").write_text(STUDY.format(replicates=420), "utf-8")
+    at_once = tissue.run_study("whole.toml", "whole")
+    for scenario in grown.study.scenarios:
+        pd.testing.assert_frame_equal(grown.cells(scenario), at_once.cells(scenario))
+        pd.testing.assert_frame_equal(grown.runs(scenario), at_once.runs(scenario))
+    assert grown.trajectory("[A]", 129).equals(at_once.trajectory("[A]", 129))
+    assert grown.complete
+    assert not grown.as_planned
+    assert at_once.as_planned
+
+
+def test_fewer_replicates_than_planned_are_refused(computed):
+    run()
+    computed.clear()
+    changed("replicates = 300", "replicates = 200")
+    assert refusal().startswith("out: replicates = 200: must be at least 300, which this folder was planned with")
+    assert computed == []
+
+
+def test_a_damaged_part_of_a_study_that_grew_is_computed_again(computed):
+    run()
+    changed("replicates = 300", "replicates = 320")
+    run()
+    before = stored("out")
+    computed.clear()
+    note(Path("out"), Piece("[A]", 256, 44)).write_text("", "utf-8")
+    results = run()
+    assert computed == [(1, 256)]
+    assert results.complete
+    assert results.runs("[A]")["replicate"].tolist() == list(range(320))
+    assert stored("out").keys() == before.keys()
+
+
+def test_a_folder_whose_identity_has_the_replicates_goes_on(computed):
+    """As older versions wrote it."""
+    run()
+    noted = json.loads(Path("out/study.json").read_text("utf-8"))
+    mark = fingerprint({key: noted[key] for key in (*identity.IDENTITY, "replicates")})
+    old = json.dumps(noted).replace(noted["fingerprint"], mark)
+    own = {key: value for key, value in json.loads(old).items() if key != "sha256"}
+    Path("out/study.json").write_text(json.dumps({**own, "sha256": fingerprint(own)}), "utf-8")
+    for path in Path("out/parts").glob("*/*.json"):
+        path.write_text(path.read_text("utf-8").replace(noted["fingerprint"], mark), "utf-8")
+    computed.clear()
+    changed("replicates = 300", "replicates = 301")
+    assert run().complete
+    assert computed == [(1, 300), (0, 300)]
 
 
 def test_results_of_other_code_are_refused(monkeypatch):

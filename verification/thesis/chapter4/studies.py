@@ -99,8 +99,9 @@ def _changed(study: TissueStudy, changes: Mapping[str, Any] | None) -> TissueStu
 
 
 def place(name: str, study: TissueStudy, folder: Path) -> Path:
-    """Where the results of this version of the study and of the code are."""
-    return folder / f"{name}-{fingerprint(identity(study))[:12]}"
+    """Where the results of this version of the study and of the code are; those with fewer replicates elsewhere."""
+    made = {"replicates": study.replicates, **identity(study)}
+    return folder / f"{name}-{fingerprint(made)[:12]}"
 
 
 def completed(
