@@ -17,6 +17,8 @@ from dincl.errors import InvalidProblem
 from dincl.provenance.code import Closure, Start, closure, digest_of, read_source
 
 MAKES_NO_NUMBERS = True
+# The first line of a TOML file that holds words for readers.
+WORDS_ONLY = "# MAKES_NO_NUMBERS"
 # The parts of a record, and how a difference in each begins.
 WORDS = {"code": "module {}", "data": "file {}", "libraries": "{}", "settings": "setting {}"}
 VALUES_IN_WORDS = ("libraries", "settings")
@@ -100,12 +102,17 @@ _distributions = cache(packages_distributions)
 
 
 def _data(modules: Mapping[str, Path]) -> Iterator[tuple[str, Path]]:
-    """List the TOML files of the packages: beside their modules, and in folders that are no packages themselves."""
+    """List the TOML files of the packages: beside their modules, and in folders that are no packages themselves.
+
+    A file whose first line is ``# MAKES_NO_NUMBERS`` holds words for readers, and is left out.
+    """
     packages = {name: path.parent for name, path in modules.items() if path.stem == "__init__"}
     for name, folder in packages.items():
         inner = [path for path in folder.glob("*/") if path.is_dir() and not (path / "__init__.py").exists()]
         for place in (folder, *sorted(inner)):
             for path in sorted(place.glob("*.toml")):
+                if path.read_text("utf-8").startswith(WORDS_ONLY):
+                    continue
                 yield f"{name}/{path.relative_to(folder).as_posix()}", path
 
 

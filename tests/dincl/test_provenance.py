@@ -159,6 +159,8 @@ def test_data_beside_the_modules_counts(folder: Path) -> None:
     (folder / "chain" / "presets" / "one.toml").write_text("a = 2")
     assert differences(before, between) == ["file chain/presets/one.toml is new"]
     assert differences(between, provenance(function)) == ["file chain/presets/one.toml has changed"]
+    (folder / "chain" / "presets" / "words.toml").write_text("# MAKES_NO_NUMBERS\na = 'heading'")
+    assert differences(between, provenance(function)) == ["file chain/presets/one.toml has changed"]
 
 
 def test_version_of_a_library_counts(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -161,7 +161,7 @@ class Claim:
 
     def __reduce__(self) -> tuple[Callable[[str, str], Claim], tuple[str, str]]:
         """A claim travels to other processes by its name: there the name of its check stands for the claim."""
-        return _find, (self.check.__module__, self.id)
+        return find, (self.check.__module__, self.id)
 
     def missing(self, tables: Tables) -> list[str]:
         """The names of the tables that the check reads and that are not there."""
@@ -240,6 +240,6 @@ def stated_in(module: ModuleType) -> tuple[Claim, ...]:
     return tuple(found.values())
 
 
-def _find(module: str, name: str) -> Claim:
-    """The claim of a module by its id; no check can reach others this way, as ``import_module`` would have it."""
+def find(module: str, name: str) -> Claim:
+    """Return the claim of a module by its id; ``import_module`` would make each check depend on the whole package."""
     return next(each for each in stated_in(resolve_name(module)) if each.id == name)

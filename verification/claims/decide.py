@@ -1,12 +1,11 @@
-"""Deciding claims: in parallel, kept as they come; a solver that fails says nothing about a statement."""
+"""Deciding claims: in parallel, stored one by one; a solver that fails leaves a claim open."""
 
 from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from concurrent.futures import Executor
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -15,17 +14,17 @@ import pandas as pd
 from dincl.errors import InvalidProblem
 from dincl.provenance import provenance
 from dincl.study import Key, Row, Study, digest
-from verification.claims.claim import Claim, Tables
+from verification.claims.claim import Claim, Tables, find
 from verification.claims.evidence import Evidence
 
-# What a solver raises that does not come to an end: nothing is known of the statement then.
+# Errors of a solver that does not converge; the claim is then open.
 UNSOLVED = (RuntimeError, ArithmeticError, np.linalg.LinAlgError)
 
 
 def decide_all(
     claims: Sequence[Claim], tables: Tables, folder: Path, executor: Executor, reads: Sequence[Path] = ()
 ) -> pd.DataFrame:
-    """One row for each claim, in the order given: what it states, its verdict and the evidence.
+    """Return one row for each claim, in the order given: what it states, its verdict and the evidence.
 
     Claims without tables are decided by the executor and kept in ``folder`` as they come, so that an interrupted call
     is taken up again; those that read tables are quick, and are decided anew. A claim is decided again once the code
@@ -41,7 +40,7 @@ def decide_all(
     found = {}
     if alone:
         rows = _study(alone, reads).complete(folder, executor)
-        found = {str(row["id"]): row for row in rows.drop(columns="made_by").to_dict("records")}
+        found = {str(row["id"]): row for row in rows.drop(columns=["module", "made_by"]).to_dict("records")}
     for claim in claims:
         if claim.needs:
             found[claim.id] = evidence_row(claim, tables)
@@ -49,15 +48,18 @@ def decide_all(
 
 
 def _study(claims: Sequence[Claim], reads: Sequence[Path]) -> Study:
+    """Return the study of some claims; its table keeps the rows of other claims."""
     files = {path.name: digest(path.read_bytes()) for path in sorted(reads)}
-    runs = tuple({"id": claim.id, "made_by": digest(provenance(claim.check, files=files))} for claim in claims)
-    run = partial(_alone, {claim.id: claim for claim in claims})
+    runs = tuple(
+        {"id": claim.id, "module": claim.check.__module__, "made_by": digest(provenance(claim.check, files=files))}
+        for claim in claims
+    )
     unsolved = {"unsolved": [error.__name__ for error in UNSOLVED]}
-    return Study("claims_decided", "Claims", ("id", "made_by"), runs, run, settings=unsolved)
+    return Study("claims_decided", "Claims", ("id", "module", "made_by"), runs, _alone, settings=unsolved)
 
 
-def _alone(claims: Mapping[str, Claim], key: Key) -> list[Row]:
-    return [{**key, **evidence_row(claims[key["id"]], {})}]
+def _alone(key: Key) -> list[Row]:
+    return [{**key, **evidence_row(find(key["module"], key["id"]), {})}]
 
 
 def evidence_row(claim: Claim, tables: Tables) -> Row:

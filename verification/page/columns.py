@@ -1,7 +1,8 @@
 """Headings of tables: ``columns.toml`` of a chapter names the columns that a page shows, with units in brackets.
 
-One table of the file for each table on a page::
+One table of the file for each table on a page; its first line tells ``dincl.provenance`` that no number depends on it::
 
+    # MAKES_NO_NUMBERS
     [orders]
     t = "t"
     order = "Order [95 %]"

@@ -34,11 +34,11 @@ def unsolved() -> Evidence:
 
 
 ONE = Correction("one", Effect.NUMBER, "all that follows")
-CLAIMS = [
+CLAIMS = (
     Claim("c1.right", "Unity.", right, source="(1.1)", quote="1 = 1"),
     Claim("c1.wrong", "Duality.", wrong, source="(1.2)", quote="1 = 2", recorded=Verdict.CORRECTED, correction=ONE),
     Claim("c2.table", "The order.", from_table, source="(2.1)", needs=("orders",), cost=Cost.MINUTES),
-]
+)
 
 
 @pytest.fixture
@@ -83,6 +83,16 @@ def test_rows_say_what_was_found_and_are_not_computed_twice(tmp_path: Path) -> N
     assert table["runs_needed"].tolist() == ["", "", "40"]
     assert again["verdict"].tolist() == ["holds", "refuted, holds when corrected", "refuted"]
     assert decide.differing(again)["id"].tolist() == ["c2.table"]
+
+
+@pytest.mark.usefixtures("few")
+def test_a_call_about_some_claims_leaves_the_rows_of_the_others(tmp_path: Path) -> None:
+    with Here() as here:
+        decide.decide_all(CLAIMS[:2], {}, tmp_path, here)
+        decide.decide_all(CLAIMS[:1], {}, tmp_path, here)
+    again = decide.decide_all(CLAIMS[:2], {}, tmp_path, Nowhere())
+    assert again["id"].tolist() == ["c1.right", "c1.wrong"]
+    assert [path.name for path in tmp_path.glob("claims_decided*.parquet")] == ["claims_decided.parquet"]
 
 
 def test_a_solver_that_fails_decides_nothing() -> None:
