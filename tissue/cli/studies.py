@@ -89,16 +89,16 @@ def _said(results: Results) -> str:
     said.append(_table("Scenarios", changes.columns, changes.itertuples(index=False)))
     if ratios.empty:
         return "\n".join([*said, "No EMT cells.\n"])
-    if study.compare is not None:
+    if (compare := comparing.plan_of(results)) is not None:
         rows = (_answered(row) for row in comparing.planned_answers(results).to_dict("records"))
         heads = ("question", "outcome", "effect [95 %]", "p", "answer", "runs needed")
-        said.append(_table(f"Answers: {comparing.correction_text(results, study.compare)}", heads, rows))
-    found = (_found(row) for row in ratios.to_dict("records"))
-    said.append(_table("EMT cells at the end", ("scenario", "outcome", "ratio [95 %]", "cells"), found))
-    if study.compare is None:
+        said.append(_table(f"Answers: {comparing.correction_text(results, compare)}", heads, rows))
+    else:
         against = (_compared(row) for row in answers.scenario_differences(ratios, study.replicates).to_dict("records"))
         heads = ("outcome", "first - second", "points [95 %]", "p", "differ", "runs needed")
         said.append(_table("Scenarios against each other; p of all these comparisons together (Holm)", heads, against))
+    found = (_found(row) for row in ratios.to_dict("records"))
+    said.append(_table("EMT cells at the end", ("scenario", "outcome", "ratio [95 %]", "cells"), found))
     shares = (_share(row) for row in answers.control_shares(results).to_dict("records"))
     sides = ("scenario", "side", "part [95 %]", "runs")
     said.append(_table("Control cells outside of the tissue at the end", sides, shares))

@@ -48,6 +48,13 @@ def end_ratios(cells: pd.DataFrame, end: float) -> dict[What, Ratio]:
     return {what: ratio(outcome(cells, what, end), cells["replicate"]) for what in whats}
 
 
+def end_shares(cells: pd.DataFrame, end: float) -> dict[What, NDArray[np.float64]]:
+    """Return the same ratios of the cells of each run, in the order of the runs."""
+    whats: tuple[What, ...] = get_args(What) if len(cells) else ()
+    runs = cells["replicate"].to_numpy()
+    return {what: outcome(cells, what, end).groupby(runs).mean().to_numpy(np.float64) for what in whats}
+
+
 def scenario_differences(ratios: pd.DataFrame, replicates: int) -> pd.DataFrame:
     """Compare scenarios: all pairs of up to six, else each with the first one.
 
@@ -59,8 +66,7 @@ def scenario_differences(ratios: pd.DataFrame, replicates: int) -> pd.DataFrame:
     instance("ratios", ratios, pd.DataFrame, "the table of scenario_ratios")
     replicates = integer("replicates", replicates, least=1)
     found = ratios.set_index(["scenario", "outcome"])
-    names = list(dict.fromkeys(ratios["scenario"]))
-    pairs = list(combinations(names, 2)) if len(names) <= MOST_PAIRED else [(names[0], other) for other in names[1:]]
+    pairs = paired(list(dict.fromkeys(ratios["scenario"])))
     rows: list[dict[str, Any]] = []
     for what in get_args(What):
         for first, second in pairs:
@@ -73,6 +79,11 @@ def scenario_differences(ratios: pd.DataFrame, replicates: int) -> pd.DataFrame:
     table.insert(7, "differ", table["p"] < FOUND)
     table["needed"] = table["needed"].astype("Int64").mask(table["differ"])
     return table
+
+
+def paired(names: list[str]) -> list[tuple[str, str]]:
+    """Return the scenarios that are compared without a plan: all pairs of up to six, else each with the first one."""
+    return list(combinations(names, 2)) if len(names) <= MOST_PAIRED else [(names[0], other) for other in names[1:]]
 
 
 def control_shares(results: Results) -> pd.DataFrame:

@@ -15,13 +15,13 @@ from tissue.statistics.contrasts import Contrast, Family, MeanContrast, Proporti
 from tissue.statistics.proportions import LEVEL, POWER, quantile
 from tissue.statistics.ratios import Ratio, ratio
 from tissue.statistics.sequences import bounded, runs_to_decide, unbounded
-from tissue.study.answers import shares_of
-from tissue.study.planned import SHARES
+from tissue.study.answers import paired, scenario_ratios, shares_of
+from tissue.study.planned import SHARES, PlannedComparisons
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from tissue.study.planned import Measure, PlannedComparisons, Weights
+    from tissue.study.planned import Measure, Weights
     from tissue.study.read import Results
 
 Floats = NDArray[np.float64]
@@ -35,7 +35,8 @@ class RunValues:
 
     def __init__(self, results: Results) -> None:
         self._results = results
-        self._read: dict[tuple[str, str], pd.Series | Floats] = {}
+        summary = results.summary()
+        self._stored = set(summary.loc[summary["runs"] > 0, "scenario"])
 
     def runs(self, scenario: str) -> int:
         """Return how many runs did not fail."""
@@ -47,7 +48,9 @@ class RunValues:
         return ratio(hits, hits.index.to_series())
 
     def shares(self, scenario: str, what: str) -> Floats:
-        """Return the share of the cells of each run with an outcome; or a number of each run."""
+        """Return the share of the cells of each run with an outcome, or a number of each run; empty without runs."""
+        if scenario not in self._stored:
+            return np.empty(0)
         if what not in get_args(What):
             return self.numbers(scenario, what)
         found: Floats = self._hits(scenario, what).groupby(level=0).mean().to_numpy(np.float64)
@@ -79,8 +82,21 @@ class RunValues:
         return self._results.parameters(scenario).t_end
 
 
+def plan_of(results: Results) -> PlannedComparisons | None:
+    """Return what a study is to compare.
+
+    Without a plan it is nothing; as long as runs come in, all pairs: differences with intervals of a fixed number of
+    runs (``tissue.study.answers.scenario_differences``) would be looked at again and again.
+    """
+    if results.study.compare is not None or results.as_planned:
+        return results.study.compare
+    pairs = paired(list(dict.fromkeys(scenario_ratios(results)["scenario"])))
+    contrasts = {f"{first} - {second}": {first: 1.0, second: -1.0} for first, second in pairs}
+    return PlannedComparisons(get_args(What), ("difference",), "simultaneous", contrasts) if pairs else None
+
+
 def planned_answers(results: Results) -> pd.DataFrame:
-    """Answer the planned comparisons, corrected for each other.
+    """Answer the comparisons of ``plan_of``, corrected for each other.
 
     Columns: question, outcome, measure ("difference", "ratio"), value, low, high, p, answer, runs (of each scenario,
     the fewest), needed (runs of each that would probably show an effect of this size; missing where it is shown, or is
@@ -96,7 +112,7 @@ def planned_answers(results: Results) -> pd.DataFrame:
     InvalidProblem
         If nothing of a scenario that is compared is stored yet, or no run of it has what is compared.
     """
-    plan = results.study.compare
+    plan = plan_of(results)
     if plan is None:
         return pd.DataFrame(columns=COLUMNS)
     rows = _fixed(plan, RunValues(results)) if results.as_planned else _any_time(plan, RunValues(results))
@@ -106,6 +122,8 @@ def planned_answers(results: Results) -> pd.DataFrame:
 def effect_text(row: Mapping[str, Any]) -> str:
     """Return the effect in a row of ``planned_answers`` with its interval and unit."""
     value, low, high = (float(row[key]) for key in ("value", "low", "high"))
+    if row["runs"] == 0:
+        return "no run yet"
     if row["measure"] == "ratio":
         return f"x {value:.2f} [{low:.2f}, {high:.2f}]"
     if row["outcome"] in (*get_args(What), *SHARES):
@@ -121,7 +139,7 @@ def correction_text(results: Results, plan: PlannedComparisons) -> str:
         how = "simultaneous" if plan.correction == "simultaneous" else "Holm; intervals: Bonferroni"
         many = f"{plan.count} planned comparisons, 95 % for all together ({how})"
     else:
-        many = f"{plan.count} planned comparisons, 95 % for all together (Bonferroni)"
+        many = f"{plan.count} comparisons, 95 % for all together (Bonferroni)"
     return many if results.as_planned else f"{many}; runs still come in or were added: valid at any time"
 
 
@@ -192,7 +210,7 @@ def _ratio_so_far(weights: Weights, values: dict[str, Floats], what: str, level:
             ends = weight * np.log(bounded(values[name][:runs], level=each))
             low, high = low + float(ends.min()), high + float(ends.max())
             logarithm += weight * math.log((float(values[name][:runs].sum()) + 0.5) / (runs + 0.5))
-    value = math.exp(logarithm)
+    value = math.exp(logarithm) if runs else math.nan
     decided = low > 0 or high < 0
     return value, math.exp(low), math.exp(high), None, _state(value, 1.0, decided=decided), runs, None
 

@@ -181,6 +181,29 @@ def test_what_was_not_planned_is_valid_at_any_time():
     assert one["runs"] == 48
 
 
+def test_a_study_in_progress_is_answered_by_what_is_there(monkeypatch):
+    def all_but_the_last(parameters, *rest):
+        if parameters.emt.a.high.value < 10 and parameters.layer.shape == "circle":
+            raise KeyboardInterrupt
+        return outcomes(parameters, *rest)
+
+    monkeypatch.setattr("tissue.study.outcomes.outcomes", all_but_the_last)
+    for text in (COMPARE, ""):
+        with pytest.raises(KeyboardInterrupt):
+            tissue.run_study(write(HEAD + FACTORS + text), "out")
+        table = planned_answers(Results("out")).set_index(["question", "measure"])
+        assert (table["answer"] == "open").all()
+        if text:
+            assert set(table.loc["early - late, arc", "runs"]) == {0}
+            assert set(table.loc["early - late, line", "runs"]) == {40}
+        else:
+            assert len(table) == 9  # three pairs of scenarios, three outcomes
+        done = CliRunner().invoke(app, ["summary", "out"])
+        assert "valid at any time" in done.stdout
+        assert "differ" not in done.stdout
+        assert done.exit_code == 0
+
+
 def test_the_summary_has_the_answers_and_no_other_comparison():
     tissue.run_study(write(HEAD + FACTORS + COMPARE), "out")
     done = CliRunner().invoke(app, ["summary", "out"])

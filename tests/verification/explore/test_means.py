@@ -1,42 +1,42 @@
-"""Means and their differences are those of scipy.stats; so many runs as are said see a difference as often as said."""
+"""Numbers of the answer: intervals of means that are valid at any time, and differences run by run."""
 
 import numpy as np
 import pytest
 from scipy import stats
 
-from verification.explore.tissues.answer import difference, mean_of, means_of, runs_to_see
+from tissue.statistics.sequences import bounded, runs_to_decide, unbounded
+from verification.explore.tissues.answer import DECIDED, AnswerRow, Sample, _needed, difference, means_of
 
 RNG = np.random.default_rng(3)
-FIRST, SECOND = RNG.normal(1.0, 2.0, 12), RNG.normal(0.5, 0.7, 30)
+FIRST, SECOND = RNG.normal(1.0, 2.0, 40), RNG.normal(0.5, 0.7, 30)
 
 
-def test_a_mean_has_students_interval():
-    mean = mean_of(FIRST)
-    low, high = stats.t.interval(0.95, 11, FIRST.mean(), stats.sem(FIRST))
-    assert mean.interval() == pytest.approx((low, high), rel=1e-12)
-    assert mean.value == FIRST.mean()
+def test_bands_in_time_are_students():
+    low, high = stats.t.interval(0.95, 39, FIRST.mean(), stats.sem(FIRST))
     value, below, above = means_of(np.column_stack((FIRST, 2 * FIRST)))
-    assert value == pytest.approx([mean.value, 2 * mean.value])
+    assert value == pytest.approx([FIRST.mean(), 2 * FIRST.mean()])
     assert (below[1], above[1]) == pytest.approx((2 * low, 2 * high))
 
 
-def test_a_difference_has_welchs_interval():
-    value, low, high = difference(mean_of(FIRST), mean_of(SECOND))
-    known = stats.ttest_ind(FIRST, SECOND, equal_var=False).confidence_interval(0.95)
-    assert value == pytest.approx(FIRST.mean() - SECOND.mean())
-    assert (low, high) == pytest.approx((known.low, known.high), rel=1e-12)
+def test_a_mean_has_an_interval_of_all_times():
+    assert Sample(FIRST).interval() == unbounded(FIRST)
+    shares = RNG.random(20)
+    assert Sample(shares, (0.0, 1.0)).interval() == bounded(shares)
 
 
-def test_means_without_spread_have_none_between_them():
-    one, two = mean_of(np.ones(5)), mean_of(np.full(5, 3.0))
-    assert difference(one, two) == (-2.0, -2.0, -2.0)
-    assert runs_to_see(one, one) is None
-    assert runs_to_see(one, two) == 2
+def test_a_difference_is_that_of_as_many_runs_as_both_have():
+    gap = difference(Sample(FIRST), Sample(SECOND))
+    assert gap.value == pytest.approx((FIRST[:30] - SECOND).mean())
+    assert gap.bounds is None
+    shares = difference(Sample(1.0 * (FIRST > 1), (0.0, 1.0)), Sample(1.0 * (SECOND > 1), (0.0, 1.0)))
+    assert shares.bounds == (-1, 1)
+    assert shares.interval() == bounded(shares.values, -1, 1)
 
 
-def test_the_runs_needed_see_the_difference_in_four_cases_of_five():
-    n = runs_to_see(mean_of(FIRST), mean_of(SECOND))
-    gap, spreads = FIRST.mean() - SECOND.mean(), (FIRST.std(ddof=1), SECOND.std(ddof=1))
-    first, second = (RNG.normal(mean, spread, (2000, n)) for mean, spread in zip((gap, 0.0), spreads, strict=True))
-    seen = stats.ttest_ind(first, second, axis=1, equal_var=False).pvalue < 0.05
-    assert seen.mean() == pytest.approx(0.8, abs=0.03)
+def test_what_is_decided_is_said_by_these_intervals_alone():
+    assert _needed(difference(Sample(FIRST + 5), Sample(SECOND))) == DECIDED
+    assert _needed(difference(Sample(FIRST), Sample(FIRST))) == "equal so far"
+    close = difference(Sample(FIRST), Sample(SECOND + 0.4))
+    runs = int(_needed(close).split()[0].replace(" ", ""))
+    assert runs == max(runs_to_decide(abs(close.value), close.values.std()) - 30, 1)
+    assert AnswerRow._fields[-1] == "needed"

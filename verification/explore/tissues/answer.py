@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from scipy.special import stdtrit
 
 from tissue.pictures.charts import OUTCOMES, ratios_in_time
-from tissue.statistics.comparisons import Difference, runs_needed
-from tissue.statistics.proportions import LEVEL, sample_size
-from tissue.study.answers import end_ratios, mean_and_half, shares_of
+from tissue.statistics.sequences import Interval, bounded, runs_to_decide, unbounded
+from tissue.study.answers import end_ratios, end_shares, mean_and_half, shares_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -26,59 +24,47 @@ if TYPE_CHECKING:
 MAKES_NO_NUMBERS = True
 
 Floats = NDArray[np.float64]
+Text = Callable[[float, float, float], str]
 
 
 @dataclass(frozen=True)
-class Mean:
-    """Mean of one value of each run; ``spread``: the standard deviation, ``half``: half of the 95 % interval."""
+class Sample:
+    """One value of each run, in the order of the runs, with intervals that are valid at any time.
 
-    value: float
-    half: float
-    spread: float
-    runs: int
+    Attributes
+    ----------
+    values
+        Of each run.
+    bounds
+        Of the values, as 0 and 1 for shares; None: none are known.
+    """
 
-    def interval(self) -> tuple[float, float]:
-        """Return Student's interval."""
-        return self.value - self.half, self.value + self.half
+    values: Floats
+    bounds: Interval | None = None
+
+    @property
+    def value(self) -> float:
+        """The mean."""
+        return float(self.values.mean())
+
+    def interval(self) -> Interval:
+        """Return the 95 % confidence sequence of the mean."""
+        return unbounded(self.values) if self.bounds is None else bounded(self.values, *self.bounds)
 
 
-def mean_of(values: Floats) -> Mean:
-    """Return the mean of one value of each run, of two runs at least."""
-    value, half = mean_and_half(values)
-    return Mean(float(value), float(half), float(values.std(ddof=1)), len(values))
+def difference(first: Sample, second: Sample) -> Sample:
+    """Return first - second, run by run, of as many runs as both have: runs of two settings are independent."""
+    runs = min(len(first.values), len(second.values))
+    bounds = None
+    if first.bounds is not None and second.bounds is not None:
+        bounds = first.bounds[0] - second.bounds[1], first.bounds[1] - second.bounds[0]
+    return Sample(first.values[:runs] - second.values[:runs], bounds)
 
 
 def means_of(values: Any) -> tuple[Floats, Floats, Floats]:
-    """Compute the mean over the first axis, of length 2 at least, and the ends of its intervals."""
+    """Compute the mean over the first axis, of length 2 at least, and the ends of its intervals at each time alone."""
     mean, half = mean_and_half(values)
     return mean, mean - half, mean + half
-
-
-def difference(first: Mean, second: Mean) -> tuple[float, float, float]:
-    """Compute first - second with the ends of Welch's 95 % interval for independent runs.
-
-    Source
-    ------
-    B. L. Welch, The generalization of Student's problem, Biometrika 34 (1947).
-    """
-    a, b = first.spread**2 / first.runs, second.spread**2 / second.runs
-    value = first.value - second.value
-    if a + b == 0:
-        return value, value, value
-    freedom = (a + b) ** 2 / (a**2 / (first.runs - 1) + b**2 / (second.runs - 1))
-    half = float(stdtrit(freedom, 0.5 + LEVEL / 2)) * math.sqrt(a + b)
-    return value, value - half, value + half
-
-
-def runs_to_see(first: Mean, second: Mean) -> int | None:
-    """Return how many runs of each show a difference of this size, as ``runs_needed`` does of ratios; None: none do.
-
-    n = (z_level + z_power)^2 (s_1^2 + s_2^2)/(m_1 - m_2)^2.
-    """
-    if first.value == second.value:
-        return None
-    spread = math.hypot(first.spread, second.spread)
-    return max(2, math.ceil(sample_size(first.value - second.value, spread, spread, level=LEVEL)))
 
 
 POSITION, HEIGHT, APICAL, BASAL = "y_AB of EMT cells", "height [µm]", "control cells apical", "control cells basal"
@@ -102,8 +88,10 @@ class Answer(NamedTuple):
         Replicates, and those of them that did not succeed: they count in nothing else.
     ratios
         Of EMT cells at the end; empty where there are none.
+    shares
+        The same of the cells of each run.
     means
-        At the end, over runs: of y_AB, of the height, of shares of control cells; those that have two values.
+        At the end, of each run: y_AB, the height, shares of control cells; those that have two values.
     in_time
         The ratios at each output time, as ``tissue.statistics.ratios.over_time`` has them; no rows without EMT cells.
     time_series
@@ -113,7 +101,8 @@ class Answer(NamedTuple):
     runs: int
     failed: int
     ratios: dict[What, Ratio]
-    means: dict[str, Mean]
+    shares: dict[What, Sample]
+    means: dict[str, Sample]
     in_time: pd.DataFrame
     time_series: dict[str, TimeSeries]
 
@@ -132,7 +121,8 @@ def answer_of(grown: PartialResults) -> Answer:
         len(runs),
         len(runs) - len(sound),
         end_ratios(cells, end),
-        {name: mean_of(one) for name, one in values.items() if len(one) > 1},
+        {what: Sample(one, SHARE) for what, one in end_shares(cells, end).items()},
+        {name: Sample(one, SHARE if name in SHARES else None) for name, one in values.items() if len(one) > 1},
         ratios_in_time(cells) if len(cells) else pd.DataFrame(columns=["what", "time_h"]),
         {
             name: TimeSeries(times, *means_of(one))
@@ -153,7 +143,7 @@ def _by_run(cells: pd.DataFrame, times: list[float]) -> NDArray[np.float64]:
 
 
 DECIDED = "decided"
-SHARES = (APICAL, BASAL)
+SHARES, SHARE = (APICAL, BASAL), (0.0, 1.0)
 
 
 class AnswerRow(NamedTuple):
@@ -168,40 +158,40 @@ class AnswerRow(NamedTuple):
 
 def rows_of(now: Answer, held: Answer | None) -> list[AnswerRow]:
     """Return all numbers of an answer; beside one that is held, their differences, this one minus that one."""
-    ratios = [_of_ratios(OUTCOMES[what][2], what, now, held) for what in OUTCOMES if what in now.ratios]
-    names = [name for name in (POSITION, HEIGHT, APICAL, BASAL) if name in now.means]
-    return ratios + [_of_means(name, now.means[name], None if held is None else held.means.get(name)) for name in names]
+    ratios = [
+        _row(OUTCOMES[what][2], now.shares[what], None if held is None else held.shares.get(what), _percent, _points)
+        for what in OUTCOMES
+        if what in now.shares
+    ]
+    means = [
+        _row(name, now.means[name], None if held is None else held.means.get(name), *_texts(name))
+        for name in (POSITION, HEIGHT, APICAL, BASAL)
+        if name in now.means
+    ]
+    return ratios + means
 
 
-def _of_ratios(name: str, what: What, here: Answer, there: Answer | None) -> AnswerRow:
-    now = here.ratios[what]
-    if there is None or what not in there.ratios:
-        return AnswerRow(name, _percent(now.value, *now.interval()))
-    held = there.ratios[what]
-    gap = Difference(now, held)
-    runs = min(here.runs, there.runs)
-    needed = runs_needed(now.value, held.value, cells_per_run=min(now.size / here.runs, held.size / there.runs))
-    texts = _percent(now.value, *now.interval()), _percent(held.value, *held.interval())
-    return AnswerRow(name, *texts, _points(gap.value, *gap.interval()), _needed(gap.interval(), needed, runs))
+def _texts(name: str) -> tuple[Text, Text]:
+    return (_percent, _points) if name in SHARES else (_plain, _signed)
 
 
-def _of_means(name: str, now: Mean, held: Mean | None) -> AnswerRow:
-    text = _percent if name in SHARES else _plain
+def _row(name: str, now: Sample, held: Sample | None, text: Text, of_difference: Text) -> AnswerRow:
     if held is None:
         return AnswerRow(name, text(now.value, *now.interval()))
-    value, *ends = difference(now, held)
-    needed = _needed((ends[0], ends[1]), runs_to_see(now, held), min(now.runs, held.runs))
+    gap = difference(now, held)
     texts = text(now.value, *now.interval()), text(held.value, *held.interval())
-    return AnswerRow(name, *texts, (_points if name in SHARES else _signed)(value, *ends), needed)
+    return AnswerRow(name, *texts, of_difference(gap.value, *gap.interval()), _needed(gap))
 
 
-def _needed(interval: tuple[float, float], needed: int | None, runs: int) -> str:
-    """Return what is missing to see a difference as large as this one with a probability of 80 %."""
-    if interval[0] > 0 or interval[1] < 0:
+def _needed(gap: Sample) -> str:
+    """Return what is missing until a difference as large as this one is decided with a probability of 80 %."""
+    low, high = gap.interval()
+    if low > 0 or high < 0:
         return DECIDED
+    needed = runs_to_decide(abs(gap.value), float(gap.values.std()))
     if needed is None:
         return "equal so far"
-    return f"{max(needed - runs, 1):,} more runs".replace(",", " ")
+    return f"{max(needed - len(gap.values), 1):,} more runs".replace(",", " ")
 
 
 def _percent(value: float, low: float, high: float) -> str:
