@@ -1,11 +1,14 @@
 """The command that lists the keys of parameter files, and tells all of one."""
 
+import re
+
 import pytest
 from typer.testing import CliRunner
 
 from tissue.cli.app import app
 from tissue.files.keys import all_keys, sections
-from tissue.files.parameters import Parameters
+from tissue.files.parameters import PRESETS, Parameters
+from tissue.study.plan import shipped
 
 KEYS = all_keys(Parameters)
 
@@ -25,6 +28,12 @@ def test_all_keys_are_listed_with_meaning_unit_and_values():
     assert " um or R_soft " in rows["tissue.height"]
     assert rows["emt.a"].endswith(' "never" (default)')
     assert [line.split()[0] for line in lines if line.startswith("[")] == [f"[{name}]" for name in sections(Parameters)]
+
+
+def test_help_names_sections_presets_and_studies():
+    for command, names in (("parameters", sections(Parameters)), ("run", PRESETS), ("study", shipped())):
+        said = CliRunner().invoke(app, [command, "--help"], env={"COLUMNS": "400"}).stdout
+        assert all(re.search(rf"\b{name}\b", said) for name in names)
 
 
 def test_all_of_a_key():

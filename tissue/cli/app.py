@@ -8,6 +8,7 @@ from importlib.metadata import version
 from pathlib import Path
 from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Annotated
+from warnings import warn
 
 import typer
 
@@ -17,6 +18,7 @@ from dincl.study import progress
 from tissue.cli.messages import RUN_FAILED, messages
 from tissue.cli.parameters import list_parameters
 from tissue.cli.studies import figures, study, summarise
+from tissue.files.parameter_files import PRESETS
 
 if TYPE_CHECKING:
     from tissue.files.parameters import Parameters
@@ -33,7 +35,7 @@ app.command()(study)
 app.command()(figures)
 app.command("parameters")(list_parameters)
 app.command("summary")(summarise)
-File = Annotated[str, typer.Argument(metavar="FILE", help="A parameter file, or a preset: thesis, published.")]
+File = Annotated[str, typer.Argument(metavar="FILE", help=f"A parameter file, or a preset: {', '.join(PRESETS)}.")]
 Seed = Annotated[int, typer.Option(min=0, help="The run is a function of the parameters and this.")]
 
 
@@ -48,6 +50,7 @@ def run(
 ) -> None:
     """Simulate; write table.parquet, summary.csv, parameters.toml, picture.png and the last state, final.npz.
 
+    A parameter file names a base, such as base = "thesis", and what differs: `tissue parameters` lists all keys.
     The first run on a machine takes longer: the kernels are compiled.
     """
     from tissue.frames.frame import Frame
@@ -70,34 +73,41 @@ def movie(
     seed: Seed = 0,
     out: Annotated[Path, typer.Option(help="Where to write; .gif or .webp.")] = Path("movie.gif"),
     keep: Annotated[str | None, typer.Option(help="Time between two pictures.", show_default="as in FILE")] = None,
-    surface: Annotated[
-        bool, typer.Option("--surface", help="In three dimensions: nuclei and apical surface beside the section.")
-    ] = False,
+    flat: Annotated[bool, typer.Option("--section", help="In three dimensions: the section alone.")] = False,
 ) -> None:
-    """Simulate, and write an animation of the saved states."""
+    """Simulate, and write an animation of the saved states; in three dimensions of nuclei, apical surface and section.
+
+    The surface needs the extra "views"; without it the movie shows the section.
+    """
     from tissue.frames.observables import measurable
     from tissue.pictures import movie as film
-    from tissue.pictures.view import check_space, view
+    from tissue.pictures.scene import load_library
+    from tissue.pictures.view import view
 
     with messages():
         film.ending(out)
         parameters = _parameters(file)
         if keep is not None:
             parameters = parameters.changed({"numerics.keep": keep})
-        if surface:
-            check_space(parameters)
+        flat = flat or not parameters.in_space
+        try:
+            if not flat:
+                load_library()
+        except InvalidProblem as missing:
+            warn(f"{missing}; the movie shows the section", stacklevel=1)
+            flat = True
         out.parent.mkdir(parents=True, exist_ok=True)
         check_writable(out)
         grown = _simulated(parameters, seed)
         frames = measurable(grown.frames)
         with progress("drawing", len(frames), "pictures") as watch:
-            (view if surface else film.movie)(frames, parameters, out, watch)
+            (film.movie if flat else view)(frames, parameters, out, watch)
     print(f"{out}: {len(frames)} pictures, {out.stat().st_size / 1e6:.1f} MB")
     _stop_if_failed(grown)
 
 
 def _parameters(file: str) -> Parameters:
-    from tissue.files.parameters import BASES, PRESETS, load, preset
+    from tissue.files.parameters import BASES, load, preset
 
     if file in PRESETS:
         return preset(file)

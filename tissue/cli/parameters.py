@@ -18,7 +18,11 @@ MAKES_NO_NUMBERS = True
 # Of a list that goes to a file: no value is broken.
 WIDE = 320
 
-Name = Annotated[str | None, typer.Argument(metavar="KEY", help="A key such as numerics.mu, or a section.")]
+SECTIONS = ("own", "tissue", "cell", "numerics", "rules", "division", "start", "emt", "events", "forces", "daha")
+SECTIONS += ("layer", "space", "types")
+Name = Annotated[
+    str | None, typer.Argument(metavar="KEY", help=f"A key such as numerics.mu, or a section: {', '.join(SECTIONS)}.")
+]
 
 
 def list_parameters(name: Name = None) -> None:
@@ -26,8 +30,9 @@ def list_parameters(name: Name = None) -> None:
 
     A value is that of all presets, or of those in brackets.
     """
-    from tissue.files.keys import all_keys, general, heading, sections
+    from tissue.files.keys import all_keys, heading, sections
     from tissue.files.messages import no_key
+    from tissue.files.parameter_files import general
     from tissue.files.parameters import Parameters
     from tissue.files.reference import presets
 

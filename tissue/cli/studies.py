@@ -18,7 +18,10 @@ if TYPE_CHECKING:
 
 MAKES_NO_NUMBERS = True
 
-File = Annotated[str, typer.Argument(metavar="FILE", help="A study file, or a study that comes with the program.")]
+SHIPPED = ", ".join(sorted(file.stem for file in (Path(__file__).parents[1] / "studies").glob("*.toml")))
+File = Annotated[
+    str, typer.Argument(metavar="FILE", help=f"A study file, or one that comes with the program: {SHIPPED}.")
+]
 Out = Annotated[Path, typer.Option(help="Folder of the results: new, empty, or of this study to go on with it.")]
 Scheduler = Annotated[str | None, typer.Option(metavar="ADDRESS", help="Of a Dask cluster, such as tcp://host:8786.")]
 

@@ -16,7 +16,8 @@ from pydantic import ConfigDict, Field, PlainValidator, ValidationInfo, create_m
 from tissue.events.known import events
 from tissue.files.emt_sections import TYPESCRIPT, event_keys
 from tissue.files.fields import MOST_CELLS, Begin, Count, Flag, Number, Probability
-from tissue.files.keys import TYPE, KeyFacts, facts_of, key
+from tissue.files.keys import KeyFacts, facts_of, key
+from tissue.files.parameter_files import TYPE
 from tissue.files.scenario import CellGroup, Scenario
 from tissue.files.sections import CellSection, ParameterSection, TissueSection
 from tissue.files.timing import Timing

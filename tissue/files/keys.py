@@ -65,16 +65,6 @@ class KeyFacts:
         return bool(self.options)
 
 
-# What stands for the name of a type of cells in the names of its keys.
-TYPE = "NAME"
-
-
-def general(key: str) -> str:
-    """The name under which a key is known: "types.NAME.cells" for "types.soft.cells"."""
-    section, *rest = key.split(".")
-    return ".".join((section, TYPE, *rest[1:])) if section == "types" and rest else key
-
-
 def all_keys(shape: type[BaseModel]) -> dict[str, KeyFacts]:
     """The keys of all sections by name, in the order of a file."""
     found: dict[str, KeyFacts] = {}

@@ -10,7 +10,8 @@ from pydantic import BaseModel, ValidationError
 
 from dincl.checks import describe
 from dincl.errors import InvalidProblem
-from tissue.files.keys import TYPE, all_keys, general, sections
+from tissue.files.keys import all_keys, sections
+from tissue.files.parameter_files import TYPE, general
 
 # A key in the same section counts as this much nearer than one in another.
 SAME_SECTION = 0.25

@@ -10,9 +10,17 @@ from pathlib import Path
 from typing import Any
 
 from dincl.errors import InvalidProblem
-from tissue.files.keys import general
 
 FOLDER = Path(__file__).parent / "presets"
+PRESETS = ("thesis", "corrected", "published", "chick", "gastrulation", "cuboidal")
+# What stands for the name of a type of cells in the names of its keys.
+TYPE = "NAME"
+
+
+def general(key: str) -> str:
+    """Return the name under which a key is known: "types.NAME.cells" for "types.soft.cells"."""
+    section, *rest = key.split(".")
+    return ".".join((section, TYPE, *rest[1:])) if section == "types" and rest else key
 
 
 def read(path: str | PathLike[str]) -> dict[str, Any]:

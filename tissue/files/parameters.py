@@ -19,11 +19,11 @@ from tissue.files.cell_types import UNNAMED, TypesSection
 from tissue.files.combinations import broken
 from tissue.files.emt_sections import EmtSection, EventsSection
 from tissue.files.forces import ForcesSection
-from tissue.files.keys import all_keys, general, optional_sections
+from tissue.files.keys import all_keys, optional_sections
 from tissue.files.layer import curve_of
 from tissue.files.messages import known_keys, known_only, problems, refuse, unknown
 from tissue.files.own_modules import bring, imported, placed
-from tissue.files.parameter_files import FOLDER, merged, nested, read, written
+from tissue.files.parameter_files import FOLDER, PRESETS, general, merged, nested, read, written
 from tissue.files.plain_numbers import to_exchange, to_lattice, to_numbers, to_start_numbers
 from tissue.files.scenario import CellGroup, Scenario
 from tissue.files.sections import (
@@ -47,7 +47,6 @@ from tissue.state.basal_curve import LINE, BasalCurve
 from tissue.state.numbers import Daha, Numbers, StartNumbers
 from tissue.state.space import SPATIAL, Exchange
 
-PRESETS = ("thesis", "corrected", "published", "chick", "gastrulation", "cuboidal")
 BASES = ", ".join(f'"{name}"' for name in PRESETS[:-1]) + f' or "{PRESETS[-1]}"'
 
 

@@ -28,6 +28,7 @@ from tissue.pictures.sheet import (
     CROSS,
     DOT,
     DOT_SIZE,
+    LINE,
     SOFT,
     SPRING,
     TYPE_COLOURS,
@@ -41,6 +42,7 @@ from tissue.pictures.sheet import (
     control_entries,
     emt_entries,
     legend,
+    legend_lines,
     style,
     type_entries,
     write,
@@ -56,9 +58,9 @@ MAKES_NO_NUMBERS = True
 ENDINGS = (".png", ".svg", ".pdf")
 # Inches: a picture, its panels at most, one of many, and what stands around them.
 WIDTH, TALLEST, LEAST = 9.2, 7.0, 2.3
-LEFT, RIGHT, TOP, GAP, BOTTOM, LEGEND = 0.7, 0.12, 0.32, 0.3, 0.48, 0.34
+LEFT, RIGHT, TOP, GAP, BOTTOM = 0.7, 0.12, 0.32, 0.3, 0.48
 COLUMNS = 3
-ENTRIES = 7  # of a line of the legend of EMT cells
+TITLE = 3.2  # inches, of the title of a panel
 DPI = 200
 MOVIE_DPI = 100
 MARGIN = 2.0  # um around the discs
@@ -114,22 +116,22 @@ def drawing(
     room
         Inches that stay free below the legend.
     """
-    cuts, frames = [cut_of(frame) for frame in frames], [section(frame) for frame in frames]
+    states, frames = frames, [section(frame) for frame in frames]
     of = parameters if isinstance(parameters, Sequence) else [parameters] * max(1, len(frames))
     box, look = box or box_of(frames, of[0]), look_of(frames)
     with style():
         figure, panels = _sheet(len(frames), box, frames[0].curve, of[0], DPI, _second(frames, of[0], look), room)
-        for panel, frame, own, cut in zip(panels, frames, of, cuts, strict=False):
-            _draw(panel, frame, own, _decimals(frames), look, cut)
+        for panel, state, own in zip(panels, states, of, strict=False):
+            _draw(panel, state, own, _decimals(frames), look)
     return figure
 
 
-def draw_frame(panel: Axes, frame: Frame, parameters: Parameters) -> None:
-    """Draw one state into axes of your own, without a legend; arguments and errors are those of ``picture``."""
-    cut, frame = cut_of(frame), section(frame)
+def draw_frame(panel: Axes, frame: Frame, parameters: Parameters, box: Box | None = None) -> None:
+    """Draw one state into axes of your own, without a legend; arguments and errors are those of ``drawing``."""
+    shown = section(frame)
     with style():
-        _axes(panel, box_of([frame], parameters), frame.curve, parameters, lowest=True, leftmost=True)
-        _draw(panel, frame, parameters, _decimals([frame]), look_of([frame]), cut)
+        _axes(panel, box or box_of([shown], parameters), shown.curve, parameters, lowest=True, leftmost=True)
+        _draw(panel, frame, parameters, _decimals([frame]), look_of([shown]))
 
 
 def stills(frames: Sequence[Frame], parameters: Parameters) -> Iterator[NDArray[np.uint8]]:
@@ -137,17 +139,17 @@ def stills(frames: Sequence[Frame], parameters: Parameters) -> Iterator[NDArray[
 
     Arguments and errors are those of ``picture``.
     """
-    cuts, frames = [cut_of(frame) for frame in frames], [section(frame) for frame in frames]
+    states, frames = frames, [section(frame) for frame in frames]
     box, look = box_of(frames, parameters), look_of(frames)
     with style():
         figure, (panel,) = _sheet(1, box, frames[0].curve, parameters, MOVIE_DPI, _second(frames, parameters, look))
         canvas: Any = FigureCanvasAgg(figure)
         canvas.draw()
     background, decimals = canvas.copy_from_bbox(figure.bbox), _decimals(frames)
-    for frame, cut in zip(frames, cuts, strict=True):
+    for state in states:
         canvas.restore_region(background)
         with style():
-            for artist in _draw(panel, frame, parameters, decimals, look, cut):
+            for artist in _draw(panel, state, parameters, decimals, look):
                 panel.draw_artist(artist)
                 artist.remove()
         yield np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
@@ -186,29 +188,34 @@ def _sheet(
     second: dict[str, Any],
     room: float = 0.0,
 ) -> tuple[Figure, list[Axes]]:
-    """Make a figure with ``count`` panels of one scale, and the legend below, further entries above the usual ones."""
-    entries = list(second.items())
-    begins = range(0, len(entries), ENTRIES)
-    lines = [control_entries(), *(dict(entries[k : k + ENTRIES]) for k in reversed(begins))]
-    below = BOTTOM + LEGEND * len(lines) + room
+    """Make a figure with ``count`` panels of one scale, and the legend below, further entries above the usual ones.
+
+    It is no wider than its panels and their titles; with a caption in ``room`` it has the whole width.
+    """
     rows = -(-count // COLUMNS)
     columns = -(-count // rows)
-    slot = (WIDTH - LEFT - RIGHT - (columns - 1) * GAP) / columns
-    inches = min(slot / (box.right - box.left), max(LEAST, TALLEST / rows) / (box.high - box.low))
+    most = (WIDTH - LEFT - RIGHT - (columns - 1) * GAP) / columns
+    inches = min(most / (box.right - box.left), max(LEAST, TALLEST / rows) / (box.high - box.low))
     wide, tall = inches * (box.right - box.left), inches * (box.high - box.low)
-    total = rows * (tall + TOP) + (rows - 1) * GAP + below
-    total = math.ceil(total * MOVIE_DPI) / MOVIE_DPI  # whole pixels
-    figure = Figure(figsize=(WIDTH, total), dpi=dpi)
+    slot = most if room else min(most, max(wide, TITLE))
+    width = _whole_pixels(LEFT + RIGHT + columns * slot + (columns - 1) * GAP)
+    lines = legend_lines([control_entries(), second], width - LEFT)
+    below = BOTTOM + LINE * len(lines) + room
+    total = _whole_pixels(rows * (tall + TOP) + (rows - 1) * GAP + below)
+    figure = Figure(figsize=(width, total), dpi=dpi)
     panels = []
     for k in range(count):
         row, column = divmod(k, columns)
         left = LEFT + column * (slot + GAP)
         low = below + (rows - 1 - row) * (tall + TOP + GAP)
-        panels.append(figure.add_axes((left / WIDTH, low / total, wide / WIDTH, tall / total)))
+        panels.append(figure.add_axes((left / width, low / total, wide / width, tall / total)))
         _axes(panels[-1], box, curve, parameters, lowest=k + columns >= count, leftmost=column == 0)
-    for k, line in enumerate(lines):
-        legend(figure, line, LEFT / WIDTH, (k * LEGEND + room) / total)
+    legend(figure, lines, LEFT, room)
     return figure, panels
+
+
+def _whole_pixels(inches: float) -> float:
+    return math.ceil(inches * MOVIE_DPI) / MOVIE_DPI
 
 
 def _axes(panel: Axes, box: Box, curve: BasalCurve, parameters: Parameters, *, lowest: bool, leftmost: bool) -> None:
@@ -235,10 +242,9 @@ def _draw_basal_layer(panel: Axes, box: Box, curve: BasalCurve, um: float) -> No
         panel.fill(x, y, color="white" if inside else BELOW, linewidth=0, zorder=0.5)
 
 
-def _draw(
-    panel: Axes, frame: Frame, parameters: Parameters, decimals: int, look: EmtLook, cut: Floats | None
-) -> list[Artist]:
-    """Draw one state, from below to above; ``cut``: of the apical layer of a tissue in space."""
+def _draw(panel: Axes, state: Frame, parameters: Parameters, decimals: int, look: EmtLook) -> list[Artist]:
+    """Draw one state, from below to above; of a tissue in space its section, and the apical layer where it is cut."""
+    frame, cut = section(state), cut_of(state)
     um, cells = parameters.cell.soft_radius.value, frame.cells
     nuclei, apical, basal = (um * np.column_stack(xy) for xy in _points(frame))
     colours, edges = colours_of_cells(frame, parameters, look)
@@ -269,8 +275,10 @@ def _draw(
     lines += panel.plot(*basal[~free_basal].T, color=BASAL, linestyle="none", **dots)
     for points, colour in ((apical[free_apical], APICAL), (basal[free_basal], BASAL)):
         lines += panel.plot(*points.T, color=colour, zorder=6, **crosses) if len(points) else []
-    count = f"{len(cells.x)} cell{'s' * (len(cells.x) != 1)}"
-    title = f"t = {frame.t:.{decimals}f} h  ·  {count}  ·  height {um * height(frame):.3g} µm"
+    number = len(state.cells.x)
+    count = f"{'' if cut is None else f'{len(cells.x)} of '}{number} cell{'s' * (number != 1)}"
+    facts = f"t = {frame.t:.{decimals}f} h", count, f"height {um * height(state):.3g} µm"
+    title = ("  ·  " if cut is None else " · ").join(facts)
     return [*collections, *lines, panel.annotate(title, (0, 1), (0, 6), "axes fraction", "offset points", size=9.5)]
 
 

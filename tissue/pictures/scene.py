@@ -20,7 +20,7 @@ from tissue.pictures.emt import EmtLook
 from tissue.pictures.sheet import APICAL, BASAL, colours_of_cells, shades
 from tissue.state.cells import Flags, Floats, Integers
 from tissue.state.mesh import Mesh, Sheets
-from tissue.state.surface import PLANE, Surface
+from tissue.state.surface import CYLINDER, PLANE, Surface
 
 MAKES_NO_NUMBERS = True
 
@@ -64,9 +64,10 @@ def _around(twin: Integers, first: int) -> Iterator[int]:
 
 # Rendered by VTK itself, so that a picture has the same dots with and without a display.
 RENDERER = ("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
-SIZE = (800, 840)
+TALL, WIDEST = 840, 1100  # pixels of a picture, which is as wide as what it shows
 GLASS, EDGE, TUBE = 0.35, "#4a4a4a", 0.06  # opacity of the surface over nuclei; its edges; radius of the cut [R_soft]
 ROOM = 1.03  # around what is shown
+NUCLEUS = 1.0  # R_soft: no ball is larger
 UP = (0.0, 1.0, 0.0)
 Image = NDArray[np.uint8]
 
@@ -88,11 +89,12 @@ class TissueScene:
 
     def __init__(self, last: Frame, sheets: Sheets) -> None:
         self._pyvista = load_library()
-        self._plotter: Any = self._pyvista.Plotter(off_screen=True, window_size=list(SIZE), lighting="light kit")
+        self._plotter: Any = self._pyvista.Plotter(off_screen=True, window_size=[TALL, TALL], lighting="light kit")
         self._plotter.enable_anti_aliasing("ssaa")
         points = np.concatenate([in_one_period(sheets.surface, _points(last, letter)) for letter in ("", "a", "b")])
-        self._low, self._high = points.min(axis=0) - 0.5, points.max(axis=0) + 0.5
-        self._bent = sheets.surface.bends != PLANE
+        self._points = points
+        surface = sheets.surface
+        self._from_above = surface.bends == PLANE or (surface.bends == CYLINDER and surface.side > 0.0)
 
     def render(self, frame: Frame, sheets: Sheets, parameters: Parameters, look: EmtLook) -> tuple[Image, Image]:
         """Render the nuclei below the apical surface as if it were of glass, and the cells on it from above.
@@ -109,7 +111,7 @@ class TissueScene:
         self._plotter.clear_actors()
         self._add_surface(frame, sheets, colours, shown, 1.0)
         self._add_cut(frame, sheets)
-        return oblique, self._shot(*((0.0, 0.0, 1.0), UP) if self._bent else (UP, (0.0, 0.0, -1.0)))
+        return oblique, self._shot(*(UP, (0.0, 0.0, -1.0)) if self._from_above else ((0.0, 0.0, 1.0), UP))
 
     def close(self) -> None:
         """Free what the window holds."""
@@ -158,13 +160,16 @@ class TissueScene:
         """Render a picture from this side of the middle, at right angles to it."""
         away = np.array(direction) / np.linalg.norm(direction)
         right = np.cross(up, away) / np.linalg.norm(np.cross(up, away))
-        corners = np.stack(np.meshgrid(*zip(self._low, self._high, strict=True)), axis=-1).reshape(-1, 3)
-        wide, tall = (float(np.ptp(corners @ axis)) for axis in (right, np.cross(away, right)))
-        middle, size = corners.mean(axis=0), float(np.linalg.norm(self._high - self._low))
+        axes = np.stack((right, np.cross(away, right), away))
+        low, high = (self._points @ axes.T).min(axis=0) - NUCLEUS, (self._points @ axes.T).max(axis=0) + NUCLEUS
+        wide, tall, _ = (high - low).tolist()
+        middle, size = 0.5 * (low + high) @ axes, float(np.linalg.norm(high - low))
         camera = self._plotter.camera
         camera.position, camera.focal_point, camera.up = middle + 2.0 * size * away, middle, up
         camera.parallel_projection = True
-        camera.parallel_scale = 0.5 * ROOM * max(tall, wide * SIZE[1] / SIZE[0])
+        pixels = min(WIDEST, round(TALL * wide / tall))
+        self._plotter.window_size = [pixels, TALL]
+        camera.parallel_scale = 0.5 * ROOM * max(tall, wide * TALL / pixels)
         camera.clipping_range = (0.5 * size, 4.0 * size)
         self._plotter.render()
         shot: Image = self._plotter.screenshot(return_img=True)

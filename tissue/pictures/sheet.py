@@ -55,6 +55,10 @@ CROSS: dict[str, Any] = {"marker": "x", "markersize": 4.5, "markeredgewidth": 1.
 CHAIN: dict[str, Any] = {"linewidth": 1.0, "linestyle": (0, (3.0, 1.5))}
 
 
+# Inches of an entry and of a line of a legend.
+ENTRY, LINE = 1.1, 0.34
+
+
 @contextmanager
 def style(**more: Any) -> Iterator[None]:
     """Draw in the one style, and leave that of others alone."""
@@ -125,20 +129,31 @@ def type_entries(colours: Mapping[str, str]) -> dict[str, Any]:
     }
 
 
-def legend(figure: Figure, entries: dict[str, Any], left: float, low: float) -> None:
-    """Add a line of legend; ``left``, ``low``: its corner in parts of the figure."""
-    figure.legend(
-        list(entries.values()),
-        list(entries),
-        handler_map={tuple: HandlerTuple(ndivide=1)},
-        loc="lower left",
-        bbox_to_anchor=(left, low),
-        borderaxespad=0.5,
-        borderpad=0.2,
-        ncols=len(entries),
-        handletextpad=0.5,
-        columnspacing=1.6,
-    )
+def legend_lines(groups: Sequence[dict[str, Any]], width: float) -> list[dict[str, Any]]:
+    """Break the entries of a legend into lines that fit into a width [inches], from below to above."""
+    most, lines = max(1, int(width / ENTRY)), []
+    for group in groups:
+        entries = list(group.items())
+        lines += [dict(entries[k : k + most]) for k in reversed(range(0, len(entries), most))]
+    return lines
+
+
+def legend(figure: Figure, lines: Sequence[dict[str, Any]], left: float, low: float) -> None:
+    """Add the lines of a legend; ``left``, ``low``: the corner of the lowest one [inches]."""
+    wide, tall = figure.get_size_inches()
+    for k, entries in enumerate(lines):
+        figure.legend(
+            list(entries.values()),
+            list(entries),
+            handler_map={tuple: HandlerTuple(ndivide=1)},
+            loc="lower left",
+            bbox_to_anchor=(left / wide, (low + k * LINE) / tall),
+            borderaxespad=0.5,
+            borderpad=0.2,
+            ncols=len(entries),
+            handletextpad=0.5,
+            columnspacing=1.6,
+        )
 
 
 def colours_of_cells(frame: Frame, parameters: Parameters, look: EmtLook) -> tuple[NDArray[np.str_], NDArray[np.str_]]:

@@ -14,18 +14,29 @@ from dincl.errors import InvalidProblem
 from tissue.files.parameters import Parameters
 from tissue.frames.frame import Frame
 from tissue.frames.observables import is_measurable
+from tissue.frames.section import section
 from tissue.pictures.emt import look_of
 from tissue.pictures.movie import write_images
-from tissue.pictures.picture import draw_frame
-from tissue.pictures.scene import TissueScene, load_library
-from tissue.pictures.sheet import Figure, FigureCanvasAgg, control_entries, emt_entries, legend, style
+from tissue.pictures.picture import Box, box_of, draw_frame
+from tissue.pictures.scene import TissueScene
+from tissue.pictures.sheet import (
+    LINE,
+    Figure,
+    FigureCanvasAgg,
+    control_entries,
+    emt_entries,
+    legend,
+    legend_lines,
+    style,
+)
 from tissue.state.mesh import Sheets
 
 MAKES_NO_NUMBERS = True
 
 ENDINGS = (".png", ".gif", ".webp")
-WIDTH, HEIGHT, DPI = 12.0, 5.2, 100  # inches
-TITLES = ("nuclei below the apical surface; red: the section", "cells on the apical surface")
+TALL, FOOT, HEAD, GAP, AXES, DPI = 4.1, 0.45, 0.35, 0.25, 0.6, 100  # inches: panels, and what is around them
+TITLE = 1.9, 1.9, 3.2  # inches, of the titles of the panels
+TITLES = ("nuclei; red: the section", "apical surface")
 
 
 def view(
@@ -70,9 +81,11 @@ def pictures(
     """Give red, green, blue (h, w, 3) of the views of each frame, one after the other in one scale."""
     sheets = [_sheets_of(frame) for frame in frames]
     scene, look = TissueScene(frames[-1], sheets[-1]), look_of(frames)
+    box = box_of([section(frame) for frame in frames], parameters)
     try:
         for k, (frame, own) in enumerate(zip(frames, sheets, strict=True), 1):
-            yield _drawn(frame, parameters, scene.render(frame, own, parameters, look), emt_entries(look))
+            figure = _composed(frame, parameters, scene.render(frame, own, parameters, look), box, emt_entries(look))
+            yield _dots(figure)
             if watch is not None:
                 watch(k)
     finally:
@@ -84,16 +97,10 @@ def surface_figure(frame: Frame, parameters: Parameters) -> Figure:
     sheets, look = _sheets_of(frame), look_of([frame])
     scene = TissueScene(frame, sheets)
     try:
-        return _composed(frame, parameters, scene.render(frame, sheets, parameters, look), emt_entries(look))
+        box = box_of([section(frame)], parameters)
+        return _composed(frame, parameters, scene.render(frame, sheets, parameters, look), box, emt_entries(look))
     finally:
         scene.close()
-
-
-def check_space(parameters: Parameters) -> None:
-    """Refuse those of a slice, and a missing library, before a run is made; errors are those of ``view``."""
-    if not parameters.in_space:
-        raise InvalidProblem("tissue.dimension = 2: must be 3, for views of the surface")
-    load_library()
 
 
 def _sheets_of(frame: Frame) -> Sheets:
@@ -104,25 +111,33 @@ def _sheets_of(frame: Frame) -> Sheets:
     return frame.sheets
 
 
-def _drawn(frame: Frame, parameters: Parameters, rendered: Sequence[Any], emt: dict[str, Any]) -> Any:
-    """Draw both renderings beside the section; return red, green, blue."""
-    figure = _composed(frame, parameters, rendered, emt)
+def _dots(figure: Figure) -> Any:
+    """Draw a figure; return red, green, blue."""
     with style():
         canvas: Any = FigureCanvasAgg(figure)
         canvas.draw()
     return np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
 
 
-def _composed(frame: Frame, parameters: Parameters, rendered: Sequence[Any], emt: dict[str, Any]) -> Figure:
-    """Draw both renderings beside the section."""
+def _composed(frame: Frame, parameters: Parameters, rendered: Sequence[Any], box: Box, emt: dict[str, Any]) -> Figure:
+    """Draw both renderings beside the section, which shows ``box``; each is as wide as what it shows."""
+    shapes = [image.shape[1] / image.shape[0] for image in rendered]
+    wide = [TALL * shape for shape in (*shapes, (box.right - box.left) / (box.high - box.low))]
+    slots = [max(*both) for both in zip(TITLE, wide, strict=True)]
+    width = sum(slots) + 3 * GAP + AXES
+    lines = legend_lines([control_entries(), emt], width - GAP)
+    low = FOOT + LINE * len(lines)
+    tall = low + TALL + HEAD
     with style():
-        figure = Figure(figsize=(WIDTH, HEIGHT), dpi=DPI)
-        for left, image, title in zip((0.01, 0.33), rendered, TITLES, strict=True):
-            panel = figure.add_axes((left, 0.15, 0.32, 0.78))
-            panel.imshow(image)
+        figure = Figure(figsize=(round(width * DPI) / DPI, round(tall * DPI) / DPI), dpi=DPI)
+        left = GAP
+        for image, title, own, slot in zip(rendered, TITLES, wide, slots, strict=False):
+            panel = figure.add_axes((left / width, low / tall, own / width, TALL / tall))
+            panel.imshow(image, aspect="auto")
             panel.set_axis_off()
             panel.set_title(title, loc="left", fontsize=9.5)
-        draw_frame(figure.add_axes((0.69, 0.2, 0.3, 0.73)), frame, parameters)
-        for k, entries in enumerate(filter(None, (control_entries(), emt))):
-            legend(figure, entries, 0.02, 0.06 * k)
+            left += slot + GAP
+        section_panel = figure.add_axes(((left + AXES) / width, low / tall, wide[-1] / width, TALL / tall))
+        draw_frame(section_panel, frame, parameters, box)
+        legend(figure, lines, GAP, 0.0)
     return figure

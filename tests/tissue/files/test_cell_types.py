@@ -9,8 +9,8 @@ from typer.testing import CliRunner
 from dincl.errors import InvalidProblem
 from tissue.cli.app import app
 from tissue.files.cell_types import MOST_TYPES, OWN_KEYS, first_of
-from tissue.files.keys import all_keys, general
-from tissue.files.parameter_files import flat, nested
+from tissue.files.keys import all_keys
+from tissue.files.parameter_files import flat, general, nested
 from tissue.files.parameters import Parameters, load, preset
 from tissue.files.sections import CellSection
 from tissue.files.timing import Timing

@@ -9,12 +9,15 @@ from matplotlib.colors import to_rgb
 
 from dincl.errors import InvalidProblem
 from tests.contracts.test_imports import imported, sources
+from tests.tissue.space.in_space import of_surface
 from tests.tissue.states import layers
 from tests.tissue.stills import THESIS, UM, coloured, drawn, pair, trio, two_hours
-from tissue.frames.observables import PHASES
+from tissue.frames.observables import PHASES, height
+from tissue.frames.section import section
 from tissue.pictures import picture as drawing
 from tissue.pictures.picture import picture, stills
 from tissue.pictures.sheet import COLOURS
+from tissue.runs.simulate import simulate
 
 
 def luminance(colour):
@@ -99,6 +102,29 @@ def test_the_legend_names_what_is_drawn(figures, run):
     picture([run.final], run.parameters, "x.png")
     names = [text.get_text() for text in figures[0].legends[0].get_texts()]
     assert names == [*PHASES, "soft, hard disc", "springs", "apical layer", "basal layer"]
+
+
+def test_a_picture_is_no_wider_than_what_it_shows(figures):
+    """Panels and their titles; entries of the legend that have no place in a line go to the next one."""
+    frame = pair(distance=3.0)
+    frame.cells.ay[:] = 16.0
+    picture([frame], THESIS, "x.png")
+    (panel,), wide = figures[0].axes, figures[0].get_size_inches()[0]
+    assert wide == pytest.approx(0.7 + 3.2 + 0.12, abs=0.02)
+    figures[0].draw_without_rendering()
+    assert panel.texts[0].get_window_extent().x1 < wide * figures[0].dpi
+    assert len(figures[0].legends) == 3
+    assert all(one.get_window_extent().x1 < wide * figures[0].dpi for one in figures[0].legends)
+
+
+def test_the_title_of_a_section_counts_all_cells(figures):
+    run = simulate(of_surface("plane", numerics__t_end="0.1 h"), 1)
+    picture([run.final], run.parameters, "x.png")
+    title = figures[0].axes[0].texts[0].get_text()
+    n, shown = len(run.final.cells.x), len(section(run.final).cells.x)
+    assert 0 < shown < n
+    assert f" · {shown} of {n} cells · " in title
+    assert title.endswith(f"height {UM * height(run.final):.3g} µm")
 
 
 def test_labels_of_the_axes_are_within_the_picture(figures):

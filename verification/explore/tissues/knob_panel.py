@@ -7,8 +7,8 @@ from typing import Any
 
 from nicegui import ui
 
-from tissue.files.keys import KeyFacts, all_keys, general
-from tissue.files.parameter_files import flat
+from tissue.files.keys import KeyFacts, all_keys
+from tissue.files.parameter_files import flat, general
 from tissue.files.parameters import Parameters
 from tissue.files.timing import NEVER, Timing, timing
 from tissue.files.units import Measure
