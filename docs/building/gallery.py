@@ -13,7 +13,7 @@ import numpy as np
 import dincl
 import tissue
 from dincl.files import replacing, write_text
-from tissue.files.parameters import PRESETS
+from tissue.files.parameter_files import PRESETS
 
 mpl.use("Agg")
 # What a scene is given where it asks for something: a number of particles.

@@ -11,7 +11,7 @@ import pytest
 import dincl
 from docs.building import docstrings, gallery, notebooks, reference
 from tests.pages import ROOT
-from tissue.files.parameters import PRESETS
+from tissue.files.parameter_files import PRESETS
 
 DOCS = ROOT / "docs"
 MADE = {"made/gallery/gallery", *(f"made/reference/{package}" for package in reference.PACKAGES)}

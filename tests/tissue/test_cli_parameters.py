@@ -7,7 +7,8 @@ from typer.testing import CliRunner
 
 from tissue.cli.app import app
 from tissue.files.keys import all_keys, sections
-from tissue.files.parameters import PRESETS, Parameters
+from tissue.files.parameter_files import PRESETS
+from tissue.files.parameters import Parameters
 from tissue.study.plan import shipped
 
 KEYS = all_keys(Parameters)

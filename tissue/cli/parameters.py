@@ -18,10 +18,9 @@ MAKES_NO_NUMBERS = True
 # Of a list that goes to a file: no value is broken.
 WIDE = 320
 
-SECTIONS = ("own", "tissue", "cell", "numerics", "rules", "division", "start", "emt", "events", "forces", "daha")
-SECTIONS += ("layer", "space", "types")
+SECTIONS = "own, tissue, cell, numerics, rules, division, start, emt, events, forces, daha, layer, space, types"
 Name = Annotated[
-    str | None, typer.Argument(metavar="KEY", help=f"A key such as numerics.mu, or a section: {', '.join(SECTIONS)}.")
+    str | None, typer.Argument(metavar="KEY", help=f"A key such as numerics.mu, or a section: {SECTIONS}.")
 ]
 
 

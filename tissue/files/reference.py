@@ -12,8 +12,8 @@ from typing import Any
 
 from dincl.files import write_text
 from tissue.files.keys import KeyFacts, all_keys, heading, sections
-from tissue.files.parameter_files import FOLDER, flat, merged, read
-from tissue.files.parameters import PRESETS, Parameters
+from tissue.files.parameter_files import FOLDER, PRESETS, flat, merged, read
+from tissue.files.parameters import Parameters
 
 MAKES_NO_NUMBERS = True
 PAGE = Path(__file__).parents[2] / "docs" / "parameters.md"

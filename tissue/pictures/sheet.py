@@ -56,7 +56,7 @@ CHAIN: dict[str, Any] = {"linewidth": 1.0, "linestyle": (0, (3.0, 1.5))}
 
 
 # Inches of an entry and of a line of a legend.
-ENTRY, LINE = 1.1, 0.34
+ENTRY, LINE = 1.18, 0.34
 
 
 @contextmanager

@@ -37,7 +37,7 @@ def explore(
     Ctrl-C ends it. On a new machine it takes half a minute to begin: the kernels are compiled.
     """
     with messages():
-        from tissue.files.parameters import PRESETS
+        from tissue.files.parameter_files import PRESETS
         from verification.explore.common.folder import Folder
         from verification.explore.server import serve
 

@@ -10,7 +10,8 @@ from pydantic import ValidationError
 from tests.pages import ROOT
 from tissue.files.fields import Duration, Length
 from tissue.files.keys import all_keys, heading, key, sections
-from tissue.files.parameters import PRESETS, Parameters, load, preset
+from tissue.files.parameter_files import PRESETS
+from tissue.files.parameters import Parameters, load, preset
 from tissue.files.reference import PAGE, page, presets, spread
 from tissue.files.sections import ParameterSection
 from tissue.files.units import Measure

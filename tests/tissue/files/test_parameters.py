@@ -10,7 +10,8 @@ from pydantic import ValidationError
 
 from dincl.errors import InvalidProblem
 from tissue.files.messages import known_keys
-from tissue.files.parameters import PRESETS, Parameters, load, preset
+from tissue.files.parameter_files import PRESETS
+from tissue.files.parameters import Parameters, load, preset
 from tissue.files.timing import Timing
 from tissue.files.units import Measure
 

@@ -113,7 +113,7 @@ def test_a_picture_is_no_wider_than_what_it_shows(figures):
     assert wide == pytest.approx(0.7 + 3.2 + 0.12, abs=0.02)
     figures[0].draw_without_rendering()
     assert panel.texts[0].get_window_extent().x1 < wide * figures[0].dpi
-    assert len(figures[0].legends) == 3
+    assert len(figures[0].legends) == 4
     assert all(one.get_window_extent().x1 < wide * figures[0].dpi for one in figures[0].legends)
 
 

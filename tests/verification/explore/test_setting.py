@@ -4,8 +4,7 @@ import pytest
 
 import tissue
 from dincl.errors import InvalidProblem
-from tissue.files.parameter_files import flat
-from tissue.files.parameters import PRESETS
+from tissue.files.parameter_files import PRESETS, flat
 from verification.explore.tissues.knobs import CLOSED, groups, number_of, other_keys, scale_of
 from verification.explore.tissues.setting import Setting, faults_of, text_of, value_of
 

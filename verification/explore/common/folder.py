@@ -9,8 +9,8 @@ from typing import Any
 from dincl.checks import describe
 from dincl.errors import InvalidProblem
 from dincl.files import write_text
-from tissue.files.parameter_files import read
-from tissue.files.parameters import PRESETS, Parameters, load, preset
+from tissue.files.parameter_files import PRESETS, read
+from tissue.files.parameters import Parameters, load, preset
 from tissue.study.read import Results
 from tissue.study.store import ABOUT, about
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from dincl.checks import integer
 from dincl.errors import InvalidProblem
-from tissue.files.parameters import PRESETS
+from tissue.files.parameter_files import PRESETS
 from tissue.study.plan import run_seeds
 from verification.explore.common.folder import Folder
 from verification.explore.tissues.answer import Answer, answer_of
