@@ -17,7 +17,7 @@ from dincl.files import check_writable, replacing, write_text
 from dincl.study import progress
 from tissue.cli.messages import RUN_FAILED, messages
 from tissue.cli.parameters import list_parameters
-from tissue.cli.studies import figures, study, summarise
+from tissue.cli.studies import figures, page, study, summarise
 from tissue.files.parameter_files import PRESETS
 
 if TYPE_CHECKING:
@@ -33,6 +33,7 @@ app = typer.Typer(help="Grow a tissue, and look at it.", no_args_is_help=True)
 app.command()(resolve_name(PAGE))
 app.command()(study)
 app.command()(figures)
+app.command()(page)
 app.command("parameters")(list_parameters)
 app.command("summary")(summarise)
 File = Annotated[str, typer.Argument(metavar="FILE", help=f"A parameter file, or a preset: {', '.join(PRESETS)}.")]

@@ -1,4 +1,4 @@
-"""The commands ``tissue study``, ``tissue summary`` and ``tissue figures``."""
+"""The commands ``tissue study``, ``tissue summary``, ``tissue page`` and ``tissue figures``."""
 
 from __future__ import annotations
 
@@ -71,13 +71,33 @@ WIDE = 200
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Results of a study, or a folder with such folders in it.")]
 
 
-def summarise(folder: Folder) -> None:
-    """Say what studies found: ratios of EMT cells with 95 % intervals, scenarios against each other, control cells."""
+def summarise(
+    folder: Folder,
+    csv: Annotated[bool, typer.Option("--csv", help="Also write the tables into the folder csv of each.")] = False,
+) -> None:
+    """Say what studies found: answers to their comparisons, ratios of EMT cells with 95 % intervals, control cells."""
+    from tissue.study.export import write_csv
     from tissue.study.figures.catalogue import found
 
     with messages():
-        texts = [_said(results) for results in found(folder).values()]
-    print("\n".join(texts))
+        studies = found(folder)
+        texts = [_said(results) for results in studies.values()]
+        files = [str(file) for results in studies.values() for file in write_csv(results)] if csv else []
+    print("\n".join([*texts, *files]))
+
+
+def page(folder: Folder) -> None:
+    """Write one HTML page of each study, page.html in its folder, that opens offline and can be sent to others.
+
+    Answers come first, each with a picture and a small movie of a run of each group; then tables, parameters, origin.
+    """
+    from tissue.study.figures.catalogue import found
+    from tissue.study.figures.page import write_page
+
+    with messages():
+        for results in found(folder).values():
+            path = write_page(results)
+            print(f"{path}: {path.stat().st_size / 1e6:.1f} MB", flush=True)
 
 
 def _said(results: Results) -> str:

@@ -42,7 +42,7 @@ class RunValues:
         """Return how many runs did not fail."""
         return len(self.numbers(scenario, "replicate"))
 
-    def ratio(self, scenario: str, what: What) -> Ratio:
+    def ratio(self, scenario: str, what: Any) -> Ratio:
         """Return the share of cells with an outcome."""
         hits = self._hits(scenario, what)
         return ratio(hits, hits.index.to_series())

@@ -14,7 +14,7 @@ import pyarrow.dataset as ds
 from dincl.checks import describe, integer, items, text
 from dincl.checks import path as checked_path
 from dincl.errors import InvalidProblem
-from dincl.study.parts import StoredPart
+from dincl.study.parts import StoredPart, fingerprint
 from tissue.files.parameter_files import flat
 from tissue.files.parameters import Parameters, preset
 from tissue.study.planned import PlannedComparisons
@@ -86,6 +86,21 @@ class Results:
         """The files that are not as they were written; to run the study again computes their runs again."""
         stored = (piece for scenario in self.study.scenarios for piece in self._pieces(scenario))
         return [file for piece in stored for file in self._part(piece).damaged()]
+
+    @property
+    def origin(self) -> dict[str, str]:
+        """What made the rows: versions of libraries, one digest of all code, processors, numbers of runs."""
+        code: dict[str, str] = self._noted["code"]
+        modules = {name: digest for name, digest in code.items() if "." in name or name in ("tissue", "dincl")}
+        libraries = {name: version for name, version in code.items() if name not in modules}
+        planned = ", then ".join(map(str, planned_replicates(self._noted)))
+        return {
+            "runs of each scenario, as planned": planned,
+            "seed": str(self.study.seed),
+            "code": f"{fingerprint(modules)[:16]}, {len(modules)} modules",
+            **libraries,
+            "processors": "; ".join(self._noted["processors"]),
+        }
 
     def parameters(self, scenario: str) -> Parameters:
         """Return the parameters of a scenario."""

@@ -1,0 +1,105 @@
+"""A picture of an answer: the groups that are compared side by side, and the effect with its interval."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, get_args
+
+import numpy as np
+import pandas as pd
+
+from tissue.pictures.charts import CAP, CHART_STYLE, OUTCOMES, verbatim
+from tissue.pictures.sheet import Axes, Figure, style
+from tissue.statistics.categories import What
+from tissue.statistics.sequences import bounded, unbounded
+from tissue.study.answers import mean_and_half
+from tissue.study.comparing import RunValues
+from tissue.study.planned import SHARES
+
+if TYPE_CHECKING:
+    from tissue.study.planned import Weights
+    from tissue.study.read import Results
+
+MAKES_NO_NUMBERS = True
+
+WIDTH, LINE, AROUND = 9.2, 0.26, 0.75  # inches: of the figure, of a group, of title and axis
+PLUS, MINUS, PLAIN = "#2c6fbb", "#8a8a8a", "#222222"
+NAMES = {what: name for what, (_, _, name) in OUTCOMES.items()} | {
+    column: f"control cells outside, {side}" for column, side in SHARES.items()
+}
+
+
+def is_share(outcome: str) -> bool:
+    """Return whether an outcome is given in parts of all cells, not as a number with a unit."""
+    return outcome in (*get_args(What), *SHARES)
+
+
+def outcome_name(outcome: str) -> str:
+    """Return the name of an outcome on axes and pages."""
+    return NAMES.get(outcome, outcome)
+
+
+def groups(results: Results, outcome: str, weights: Weights) -> pd.DataFrame:
+    """Return ``value``, ``low``, ``high`` of each scenario that has runs, by its name.
+
+    95 % intervals of each alone: of a complete study Wilson's, or Student's of numbers; else valid at any time.
+    """
+    source, rows = RunValues(results), {}
+    for name in weights:
+        values = source.shares(name, outcome)
+        if not len(values):
+            continue
+        if not results.as_planned:
+            ends = bounded(values) if is_share(outcome) else unbounded(values)
+        elif outcome in get_args(What):
+            ends = source.ratio(name, outcome).interval()
+        else:
+            half = float(mean_and_half(values)[1]) if len(values) > 1 else np.inf
+            ends = float(values.mean()) - half, float(values.mean()) + half
+        rows[name] = (float(values.mean()), *ends)
+    return pd.DataFrame.from_dict(rows, orient="index", columns=["value", "low", "high"])
+
+
+def effect_figure(results: Results, row: Mapping[str, Any], weights: Weights) -> Figure:
+    """Draw an answer of ``tissue.study.comparing.planned_answers``.
+
+    Parameters
+    ----------
+    results
+        Of the study.
+    row
+        The answer; there are runs of all scenarios.
+    weights
+        Of its scenarios.
+    """
+    table, percent = groups(results, row["outcome"], weights), 100 if is_share(row["outcome"]) else 1
+    with style(**CHART_STYLE):
+        height = AROUND + LINE * max(2, len(table))
+        figure = Figure(figsize=(WIDTH, height), layout="constrained")
+        left, right = figure.subplots(1, 2, width_ratios=(3, 2))
+        colours = [PLUS if weights[str(name)] > 0 else MINUS for name in table.index]
+        _dots(left, percent * table, colours)
+        left.set_yticks(range(len(table)), [verbatim(str(name)) for name in table.index])
+        left.set_xlabel(outcome_name(row["outcome"]) + (" [%]" if percent == 100 else ""))
+        ratio = row["measure"] == "ratio"
+        scale = 1 if ratio else percent
+        effect = scale * pd.DataFrame([row])[["value", "low", "high"]].astype(float)
+        _dots(right, effect, [PLAIN])
+        right.axvline(1 if ratio else 0, color=MINUS, linewidth=0.9, linestyle="--", zorder=1)
+        right.set_yticks([])
+        if ratio:
+            right.set_xscale("log")
+        points = " [points]" if percent == 100 else ""
+        right.set_xlabel("ratio, 1: no effect" if ratio else f"difference{points}, 0: no effect")
+    return figure
+
+
+def _dots(panel: Axes, table: pd.DataFrame, colours: list[str]) -> None:
+    """Draw values with their intervals, from above to below; an end that is infinite is left open."""
+    values, low, high = (table[name].to_numpy(float) for name in ("value", "low", "high"))
+    for k, colour in enumerate(colours):
+        reach = np.array([[values[k] - low[k]], [high[k] - values[k]]])
+        reach[~np.isfinite(reach)] = 0.0
+        panel.errorbar(values[k], k, xerr=np.maximum(reach, 0), marker="o", color=colour, markersize=5, **CAP)
+    panel.set_ylim(len(colours) - 0.5, -0.5)
+    panel.grid(visible=False, axis="y")
