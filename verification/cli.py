@@ -15,22 +15,20 @@ from rich.text import Text
 from dincl.extras import need_all, needs
 from verification.claims import Cost, Verdict
 
-app = typer.Typer(
-    help="Measure the methods, check the statements of the thesis, write the report.", no_args_is_help=True
-)
+app = typer.Typer(help="Measure the methods, check the claims of the thesis, write the report.", no_args_is_help=True)
 Full = Annotated[
-    bool, typer.Option("--full", help="Make the complete studies anew, and say what differs from those that ship.")
+    bool, typer.Option("--full", help="Rerun the complete studies and report differences from the ones that ship.")
 ]
-Out = Annotated[Path, typer.Option(help="Folder of the page, its tables and figures.")]
+Out = Annotated[Path, typer.Option(help="Folder of the report, its tables and figures.")]
 COLOURS = dict.fromkeys((Verdict.PROVED, Verdict.PROVED_INSTANCE, Verdict.HOLDS, Verdict.NOT_REFUTED), "green")
 COLOURS |= {Verdict.CORRECTED: "yellow", Verdict.REFUTED: "red", Verdict.OPEN: "dim"}
 
 
 @app.command()
 def report(full: Full = False, out: Out = Path("report")) -> None:
-    """Write <out>/index.html from complete studies, and make parts of them again to see whether they agree.
+    """Write <out>/index.html from the complete studies that ship, and rerun parts of them to compare.
 
-    An interrupted call is taken up again.
+    An interrupted call resumes where it stopped.
     """
     need_all("verification report")
     from dincl.study import workers
@@ -47,15 +45,15 @@ def report(full: Full = False, out: Out = Path("report")) -> None:
 
 @app.command()
 def claims(
-    name: Annotated[list[str] | None, typer.Option("--id", help="Only these; * stands for anything.")] = None,
-    chapter: Annotated[list[int] | None, typer.Option(help="Only those of this chapter of the thesis.")] = None,
-    cost: Annotated[Cost | None, typer.Option(help="Only those that take no longer.")] = None,
+    name: Annotated[list[str] | None, typer.Option("--id", help="Only these claims; * stands for any text.")] = None,
+    chapter: Annotated[list[int] | None, typer.Option(help="Only claims of this chapter of the thesis.")] = None,
+    cost: Annotated[Cost | None, typer.Option(help="Only checks that take no longer.")] = None,
     full: Full = False,
     out: Out = Path("report"),
 ) -> None:
-    """Decide the statements of the thesis; the code of the exit is 1 if a verdict differs from the recorded one.
+    """Decide the claims of the thesis; the exit code is 1 if a verdict differs from the recorded one.
 
-    Verdicts and tables of studies that are in <out>/tables are not computed again: an interrupted call can be repeated.
+    Verdicts and studies that are in <out>/tables are not recomputed: an interrupted call can be repeated.
     """
     need_all("verification claims")
     from dincl.study import workers
@@ -80,18 +78,18 @@ def claims(
 
 
 def _list_claims(table: pd.DataFrame) -> None:
-    """Each claim with its verdict and what was measured; last come those with another verdict than the recorded one."""
+    """Print each claim with its place, quotation, verdict and measured numbers, then the verdicts not recorded."""
     from verification.claims.decide import differing
 
-    shown = Table(show_lines=True)
-    shown.add_column("claim", min_width=20)
-    shown.add_column("verdict", max_width=12)
-    shown.add_column("measured", ratio=1)
+    listed = Table(show_lines=True)
+    listed.add_column("claim and verdict", min_width=20, max_width=28)
+    listed.add_column("printed and measured", ratio=1)
     for row in table.itertuples():
-        verdict = Text(row.verdict, style=COLOURS[Verdict(row.verdict)])
-        shown.add_row(Text(f"{row.id}\n{row.source}"), verdict, Text(row.measured))
+        verdict = Text.assemble(f"{row.id}\n{row.source}\n", (row.verdict, COLOURS[Verdict(row.verdict)]))
+        corrected = f"\nCorrected: {row.correction}" if row.correction else ""
+        listed.add_row(verdict, Text(f"“{row.quote}”{corrected}\n{row.measured}"))
     console = Console(highlight=False)
-    console.print(shown)
+    console.print(listed)
     other = differing(table)
     console.print(f"{len(table)} claims, {len(other)} with another verdict than the recorded one")
     for row in other.itertuples():
@@ -100,7 +98,7 @@ def _list_claims(table: pd.DataFrame) -> None:
 
 @app.command()
 def errata(out: Out = Path("errata")) -> None:
-    """Write the corrections of the thesis as a document, <out>/errata.html and <out>/errata.tex."""
+    """Write the corrections of the thesis as a document: <out>/errata.html and <out>/errata.tex."""
     need_all("verification errata")
     from verification.thesis.errata_document import write_errata
 
@@ -108,10 +106,10 @@ def errata(out: Out = Path("errata")) -> None:
 
 
 @app.command()
-def check(file: Annotated[Path, typer.Argument(help="A certificate, as Proof.save writes it.")]) -> None:
-    """Recompute every inequality of a certificate in interval arithmetic, and say what it proves.
+def check(file: Annotated[Path, typer.Argument(help="A certificate written by Proof.save.")]) -> None:
+    """Recompute every inequality of a certificate in interval arithmetic, and print what it proves.
 
-    The code of the exit is 1 if it does not prove what it says.
+    The exit code is 1 if the certificate does not prove its bound.
     """
     with needs("verification check", "proofs"):
         from verification.proofs.certificate import BadCertificate, read
@@ -128,7 +126,7 @@ def check(file: Annotated[Path, typer.Argument(help="A certificate, as Proof.sav
 
 @app.command()
 def stability(full: Full = False, out: Out = Path("report")) -> None:
-    """Map where each method fails, print the failures that theory predicts, write tables and figures to <out>."""
+    """Map where each method fails, print the predicted failures, write tables and figures to <out>."""
     need_all("verification stability")
     from dincl.study import workers
     from verification.page.context import Context
@@ -172,7 +170,7 @@ def compare(
 
 @app.command()
 def bench(out: Out = Path("report")) -> None:
-    """Measure the time of PBD per disc and step, and of each projection; the tables are kept in <out>."""
+    """Measure the time of PBD per disc and step, and of each projection; write the tables to <out>."""
     need_all("verification bench")
     from verification.thesis import bench as timing
 

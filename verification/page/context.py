@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pickle
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import Executor, Future
 from dataclasses import dataclass, field
 from functools import partial
@@ -17,6 +17,8 @@ from verification.page.agreement import TIMES, Agreement, compare_studies
 
 MAKES_NO_NUMBERS = True
 Form = TypeVar("Form")
+# In the attributes of the rows of a study: the name of its file.
+FILE = "file"
 
 
 @dataclass
@@ -88,7 +90,13 @@ class Context:
             self.waiting.append(partial(self._repeat, study, rows if self.full else again, by, shipped))
         self.studies[study.name] = study
         write(rows, self.folder / f"{study.name}.parquet")
+        rows.attrs[FILE] = study.name
         return rows
+
+    def files_of(self, names: Iterable[str]) -> list[str]:
+        """Return the names of the files of some tables; without tables that were only read."""
+        files = (str(self.tables[name].attrs.get(FILE, name)) for name in names if name in self.tables)
+        return [file for file in files if (self.folder / f"{file}.csv").exists()]
 
     def _repeat(self, study: Study, again: Study | pd.DataFrame, by: Sequence[str], shipped: pd.DataFrame) -> None:
         """Make a part again, unless its rows are there, and lay it over what ships."""

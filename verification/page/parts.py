@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -12,6 +12,8 @@ import numpy as np
 import pandas as pd
 
 from verification.claims import Verdict
+from verification.page.claim_graph import ClaimGraph
+from verification.page.sources import link
 
 # Numbers smaller than this are written with an exponent.
 PLAIN = 1e-2
@@ -83,7 +85,7 @@ class Grid:
 
 @dataclass(frozen=True)
 class SearchField:
-    """A field that hides the statements below it that lack a word that is typed, or have another verdict."""
+    """Search field: hides the claims below it that lack a typed word or have another verdict."""
 
     kind: str = field(default="search", init=False)
     verdicts: tuple[str, ...] = tuple(VERDICTS)
@@ -91,15 +93,35 @@ class SearchField:
 
 @dataclass(frozen=True)
 class Statements:
-    """Claims, one below the other; the rows of ``verification.claims.decide.decide_all``, with their chapter."""
+    """Claims, one below the other; the rows of ``verification.claims.decide.decide_all``, with their chapter.
+
+    ``wrong`` names, for each claim, the claims wrong as printed that it rests on.
+    """
 
     table: pd.DataFrame
+    wrong: Mapping[str, Sequence[str]]
     kind: str = field(default="statements", init=False)
 
     @property
     def rows(self) -> list[dict[str, Any]]:
-        """One dictionary for each claim, with the CSS class of its verdict as ``look``."""
-        return [row | {"look": VERDICTS[row["verdict"]]} for row in self.table.to_dict("records")]
+        """One dictionary for each claim, with the CSS class of its verdict and the addresses of check and runs."""
+        return [
+            row
+            | {
+                "look": VERDICTS[row["verdict"]],
+                "code": link(row["check"]),
+                "runs": _names(row["runs"]),
+                "below": _names(row["rests_on"]),
+                "wrong": self.wrong[row["id"]],
+                # A sentence made of the comparisons says them all.
+                "compared": row["printed"] not in row["measured"],
+            }
+            for row in self.table.to_dict("records")
+        ]
+
+
+def _names(listed: str) -> list[str]:
+    return listed.split(", ") if listed else []
 
 
 @dataclass(frozen=True)
@@ -107,7 +129,7 @@ class Section:
     """A heading with its parts."""
 
     title: str
-    parts: Sequence[Text | Follows | Picture | Chart | Grid | SearchField | Statements]
+    parts: Sequence[Text | Follows | Picture | Chart | Grid | ClaimGraph | SearchField | Statements]
 
 
 def cell(value: object) -> tuple[str, str]:

@@ -1,4 +1,4 @@
-"""What holds: every statement of the thesis with its verdict and evidence, and the corrections that change results."""
+"""Page of all claims of the thesis: verdicts, evidence, corrections that change results."""
 
 from __future__ import annotations
 
@@ -10,11 +10,15 @@ import pandas as pd
 
 from verification.claims import Effect, Verdict
 from verification.claims.decide import decide_all, differing
+from verification.claims.graph import corrected_below
 from verification.page import kept
+from verification.page.claim_graph import ClaimGraph
+from verification.page.columns import headed, read_columns
 from verification.page.context import Context
-from verification.page.parts import Grid, SearchField, Section, Statements, Text
+from verification.page.parts import VERDICTS, Grid, SearchField, Section, Statements, Text
 from verification.page.prose import fill
 from verification.page.report import Chapter, Finding
+from verification.page.sources import write_source
 from verification.thesis.register import chapter_of, register
 from verification.thesis.text.errata import errata
 
@@ -28,43 +32,45 @@ TITLES = {
     5: "The mean-field limit of constrained particles (chapter 5 and appendix 2)",
     6: "Conclusions",
 }
-CORRECTIONS = {
-    "id": "Statement",
-    "source": "Source",
-    "quote": "As printed",
-    "correction": "To be read",
-    "effect": "Changes",
-    "depends": "What depends on it",
-}
-ERRATA = {"id": "Remark", "source": "Source", "printed": "As printed", "corrected": "To be read"}
-ERRATA |= {"depends": "What depends on it", "why": "Why"}
-COUNTS = "How the statements came out"
+COLUMNS = read_columns(Path(__file__).parent / "columns.toml")
+COUNTS = "How many claims hold"
 WRONG = (Verdict.CORRECTED.value, Verdict.REFUTED.value)  # as printed
 # The most serious first; what only concerns notation changes no result.
 SERIOUS = [effect.value for effect in Effect if effect is not Effect.NOTATION]
 
 
 def run(context: Context) -> None:
-    """Decide every claim, those about studies from the tables of the other chapters."""
+    """Decide every claim, those about studies from the tables of the other chapters; write the source of the checks."""
     claims = register()
     table = decide_all(claims, context.tables, context.folder, context.executor, kept.files())
     table.insert(1, "chapter", [chapter_of(claim) for claim in claims])
+    table["runs"] = [", ".join(context.files_of(claim.needs)) for claim in claims]
     context.keep("claims", table)
     context.keep("claims_errata", errata())
+    for module in dict.fromkeys(claim.check.__module__ for claim in claims):
+        write_source(module, context.out)
 
 
 def sections(context: Context) -> Sequence[Section]:
-    """Counts, the corrections that change results, and all statements in the order of the thesis, to be searched."""
+    """Return counts, the corrections that change results, and all claims in the order of the thesis, to be searched."""
     table = context.tables["claims"]
     slips = context.tables["claims_errata"]
     said = fill(PROSE / "statements.html", **_values(table), errata=len(slips))
     found = [_counts(table, said), _corrections(table, said), _errata(slips, said)]
-    found.append(Section("All statements, to be searched", [SearchField()]))
+    found.append(Section("All claims", [SearchField()]))
+    wrong = corrected_below(register())
     for number, title in TITLES.items():
         rows = table[table["chapter"] == number]
         if not rows.empty:
-            found.append(Section(title, [Statements(rows)]))
+            found.append(Section(title, [_graph(rows), Statements(rows, wrong)]))
     return found
+
+
+def _graph(rows: pd.DataFrame) -> ClaimGraph:
+    looks = dict(zip(rows["id"], rows["verdict"].map(VERDICTS), strict=True))
+    inside = {claim.id: [name for name in claim.rests_on if name in looks] for claim in register() if claim.id in looks}
+    edges = sum(map(len, inside.values()))
+    return ClaimGraph(looks, inside, f"Which claim rests on which: {edges} arrows, from left to right")
 
 
 def _values(table: pd.DataFrame) -> dict[str, Any]:
@@ -74,6 +80,7 @@ def _values(table: pd.DataFrame) -> dict[str, Any]:
         **{verdict.name.lower(): int(total.get(verdict.value, 0)) for verdict in Verdict},
         "other": list(differing(table)["id"]),
         "wrong": len(wrong),
+        "arithmetic": int(table["arithmetic"].sum()),
         "effects": [f"{count} {effect}" for effect, count in wrong["effect"].value_counts(sort=False).items()],
     }
 
@@ -88,7 +95,7 @@ def _counts(table: pd.DataFrame, said: Mapping[str, str]) -> Section:
 def _corrections(table: pd.DataFrame, said: Mapping[str, str]) -> Section:
     wrong = corrections(table)
     steps = wrong["effect"] == Effect.PROOF.value
-    shown = wrong[list(CORRECTIONS)].rename(columns=CORRECTIONS)
+    shown = headed(wrong, COLUMNS["corrections"])
     return Section(
         "Corrections that change results",
         [
@@ -100,19 +107,19 @@ def _corrections(table: pd.DataFrame, said: Mapping[str, str]) -> Section:
 
 
 def _errata(table: pd.DataFrame, said: Mapping[str, str]) -> Section:
-    shown = table[list(ERRATA)].rename(columns=ERRATA)
+    shown = headed(table, COLUMNS["errata"])
     return Section("Errata of notation", [Text(said["errata"]), Grid(shown, said["slips"], "claims_errata")])
 
 
 def corrections(table: pd.DataFrame) -> pd.DataFrame:
-    """The statements that do not hold as printed and whose correction changes a result, the most serious first."""
+    """Return the claims that are wrong as printed and whose correction changes a result, the most serious first."""
     wrong = table[table["verdict"].isin(WRONG) & table["effect"].isin(SERIOUS)]
     return wrong.sort_values("effect", key=lambda column: column.map(SERIOUS.index), kind="stable")
 
 
 # It reads the tables of all other chapters.
 def findings(context: Context) -> Sequence[Finding]:
-    """How many statements hold, and how many are wrong as printed."""
+    """Count the claims that hold and those that are wrong as printed."""
     table = context.tables["claims"]
     total, wrong = table["verdict"].value_counts(), table[table["verdict"].isin(WRONG)]
     said = fill(
@@ -131,10 +138,10 @@ def findings(context: Context) -> Sequence[Finding]:
 
 CHAPTER = Chapter(
     "statements",
-    "What holds",
-    "Which statements of the thesis hold, which do not, and what depends on them?",
+    "Claims of the thesis",
+    "Which claims of the thesis hold, which do not, and what depends on them?",
     run,
     sections,
     findings,
-    place=10,
+    place=12,
 )

@@ -156,6 +156,6 @@ CHAPTER = Chapter(
     run,
     sections,
     findings,
-    place=7,
+    place=9,
     tables=("curved_",),
 )

@@ -87,6 +87,6 @@ CHAPTER = Chapter(
     run,
     sections,
     findings,
-    place=3,
+    place=4,
     tables=("moving_",),
 )

@@ -109,6 +109,6 @@ CHAPTER = Chapter(
     run,
     sections,
     findings,
-    place=4,
+    place=6,
     tables=("proved_",),
 )

@@ -127,6 +127,6 @@ CHAPTER = Chapter(
     run,
     sections,
     findings,
-    place=4,
+    place=5,
     tables=("prox_", "consistency"),
 )

@@ -58,6 +58,6 @@ CHAPTER = Chapter(
     run,
     sections,
     findings,
-    place=6,
+    place=8,
     tables=("emt_",),
 )

@@ -240,6 +240,6 @@ CHAPTER = Chapter(
     run,
     sections,
     findings,
-    place=8,
+    place=10,
     tables=("space_",),
 )

@@ -64,7 +64,7 @@ CHAPTER = Chapter(
     run,
     sections,
     findings,
-    place=5,
+    place=7,
     prepare=compile_kernels,
     tables=("tissue_",),
 )

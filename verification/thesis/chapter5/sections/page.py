@@ -42,6 +42,6 @@ CHAPTER = Chapter(
     run,
     sections,
     findings,
-    place=9,
+    place=11,
     tables=("meanfield_",),
 )
