@@ -1,10 +1,11 @@
-"""Messages and exit codes of commands that cannot go on."""
+"""What commands print: tables, and messages with exit codes where they cannot go on."""
 
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from typing import Any
 
 import typer
 
@@ -15,6 +16,8 @@ MAKES_NO_NUMBERS = True
 
 # Exit codes: a run that failed; bad input; a study that stopped early, and one that was interrupted from the keyboard.
 RUN_FAILED, BAD_INPUT, STOPPED, INTERRUPTED = 1, 2, 3, 130
+# Of a list that goes to a file: no value is broken.
+WIDE = 200
 GOES_ON = "what was computed is kept, and the same command goes on from there"
 
 
@@ -38,3 +41,18 @@ def messages() -> Iterator[None]:
 def _end(message: str, code: int) -> typer.Exit:
     typer.echo(message, err=True)
     return typer.Exit(code)
+
+
+def table(title: str, columns: Iterable[str], rows: Iterable[Iterable[Any]]) -> str:
+    """Return a table with its title, if it has rows."""
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    made = Table(*columns, box=None, pad_edge=False)
+    for row in rows:
+        made.add_row(*(Text(str(value)) for value in row))
+    console = Console(highlight=False, width=None if Console().is_terminal else WIDE)
+    with console.capture() as text:
+        console.print(made)
+    return f"{title}\n{text.get()}" if made.row_count else ""

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable
 from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from dincl.errors import InvalidProblem
 from dincl.study import progress
-from tissue.cli.messages import GOES_ON, INTERRUPTED, messages
+from tissue.cli.forecast import forecast_text
+from tissue.cli.messages import GOES_ON, INTERRUPTED, messages, table
 
 if TYPE_CHECKING:
     from tissue.study.read import Results
@@ -22,11 +23,12 @@ SHIPPED = ", ".join(sorted(file.stem for file in (Path(__file__).parents[1] / "s
 File = Annotated[
     str, typer.Argument(metavar="FILE", help=f"A study file, or one that comes with the program: {SHIPPED}.")
 ]
-Out = Annotated[Path, typer.Option(help="Folder of the results: new, empty, or of this study to go on with it.")]
+Out = Annotated[Path | None, typer.Option(help="Folder of the results: new, empty, or of this study to go on with it.")]
+Forecast = Annotated[bool, typer.Option("--plan", help="Make no runs; say what the study can decide and its time.")]
 Scheduler = Annotated[str | None, typer.Option(metavar="ADDRESS", help="Of a Dask cluster, such as tcp://host:8786.")]
 
 
-def study(file: File, out: Out, scheduler: Scheduler = None) -> None:
+def study(file: File, out: Out = None, scheduler: Scheduler = None, forecast: Forecast = False) -> None:
     """Make all runs of a study that are not in its folder yet, on this machine's cores or a Dask cluster.
 
     After any interruption the same command goes on. Exit codes: 0 all runs are stored, failed ones with their status; 2
@@ -39,6 +41,11 @@ def study(file: File, out: Out, scheduler: Scheduler = None) -> None:
         plan = load_study(file)
         for remark in plan.remarks:
             print(remark)
+        if forecast:
+            print(forecast_text(plan))
+            return
+        if out is None:
+            raise InvalidProblem("--out is missing: must be the folder of the results, or --plan")
         start = time.monotonic()
         stored: list[int] = []
         try:
@@ -64,9 +71,6 @@ def _summary(results: Results, runs: int, seconds: float) -> str:
     now = f"{runs} of them now in {seconds:.1f} s, {runs / seconds:.3g} runs/s"
     return f"{stored['runs'].sum()} runs, {now}; {stored['failed'].sum()} failed; {results.folder}"
 
-
-# Of a list that goes to a file: no value is broken.
-WIDE = 200
 
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Results of a study, or a folder with such folders in it.")]
 
@@ -109,22 +113,22 @@ def _said(results: Results) -> str:
     there = "" if results.complete else f", {stored['runs'].sum()} of them are stored"
     said = [f"{study.title} ({results.folder})\n{plan}{there}; {stored['failed'].sum()} failed\n"]
     changes, ratios = answers.scenario_changes(results), answers.scenario_ratios(results)
-    said.append(_table("Scenarios", changes.columns, changes.itertuples(index=False)))
+    said.append(table("Scenarios", changes.columns, changes.itertuples(index=False)))
     if ratios.empty:
         return "\n".join([*said, "No EMT cells.\n"])
     if (compare := comparing.plan_of(results)) is not None:
         rows = (_answered(row) for row in comparing.planned_answers(results).to_dict("records"))
         heads = ("question", "outcome", "effect [95 %]", "p", "answer", "runs needed")
-        said.append(_table(f"Answers: {comparing.correction_text(results, compare)}", heads, rows))
+        said.append(table(f"Answers: {comparing.correction_text(results, compare)}", heads, rows))
     else:
         against = (_compared(row) for row in answers.scenario_differences(ratios, study.replicates).to_dict("records"))
         heads = ("outcome", "first - second", "points [95 %]", "p", "differ", "runs needed")
-        said.append(_table("Scenarios against each other; p of all these comparisons together (Holm)", heads, against))
+        said.append(table("Scenarios against each other; p of all these comparisons together (Holm)", heads, against))
     found = (_found(row) for row in ratios.to_dict("records"))
-    said.append(_table("EMT cells at the end", ("scenario", "outcome", "ratio [95 %]", "cells"), found))
+    said.append(table("EMT cells at the end", ("scenario", "outcome", "ratio [95 %]", "cells"), found))
     shares = (_share(row) for row in answers.control_shares(results).to_dict("records"))
     sides = ("scenario", "side", "part [95 %]", "runs")
-    said.append(_table("Control cells outside of the tissue at the end", sides, shares))
+    said.append(table("Control cells outside of the tissue at the end", sides, shares))
     if any(results.parameters(name).layer.shape != "line" for name in study.scenarios):
         said.append(STEEP)
     return "\n".join(filter(None, said))
@@ -166,21 +170,6 @@ def _compared(row: dict[str, Any]) -> tuple[str, ...]:
 
 def _part(value: float, low: float, high: float) -> str:
     return f"{100 * value:.1f} % [{100 * low:.1f}, {100 * high:.1f}]"
-
-
-def _table(title: str, columns: Iterable[str], rows: Iterable[Iterable[Any]]) -> str:
-    """Return a table with its title, if it has rows."""
-    from rich.console import Console
-    from rich.table import Table
-    from rich.text import Text
-
-    table = Table(*columns, box=None, pad_edge=False)
-    for row in rows:
-        table.add_row(*(Text(str(value)) for value in row))
-    console = Console(highlight=False, width=None if Console().is_terminal else WIDE)
-    with console.capture() as made:
-        console.print(table)
-    return f"{title}\n{made.get()}" if table.row_count else ""
 
 
 def figures(folder: Folder) -> None:
