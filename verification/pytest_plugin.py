@@ -35,7 +35,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Module | None:
-    """A file of claims that pytest would not look into."""
+    """Collect files of claims that pytest would not look into."""
     if not NAMES.fullmatch(file_path.name) or not IMPORTS.search(file_path.read_bytes()):
         return None
     patterns = parent.config.getini("python_files")
@@ -45,7 +45,7 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Mod
 
 
 def pytest_pycollect_makeitem(collector: pytest.Collector, name: str, obj: object) -> list[ClaimItem] | None:
-    """A test for each claim that the module states under a name."""
+    """Return a test for each claim that the module states under a name."""
     stating = sys.modules.get("verification.claims.claim")
     if stating is None or not isinstance(collector, pytest.Module):
         return None
@@ -88,19 +88,19 @@ class ClaimItem(pytest.Item):
         return {name: read_sealed(file) for name, file in files.items() if file.exists()}
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], *given: Any) -> Any:
-        """The evidence; of a check that raised something, where."""
+        """Return the evidence; of a check that raised an error, its place."""
         if isinstance(excinfo.value, OtherVerdictError):
             return str(excinfo.value)
         return super().repr_failure(excinfo, *given)
 
     def reportinfo(self) -> tuple[os.PathLike[str] | str, int | None, str]:
-        """File and line of the check."""
+        """Return file and line of the check."""
         check = inspect.unwrap(self.claim.check)
         return self.path, check.__code__.co_firstlineno - 1, f"claim {self.claim.id}"
 
 
 def described(claim: Claim, evidence: Evidence) -> Iterator[str]:
-    """What is stated, what was recorded and found, and every number beside what is wanted of it."""
+    """Yield the claim, its recorded and found verdicts, and every number beside its required range."""
     yield f"{claim.id}: {claim.statement}"
     if claim.source or claim.quote:
         yield f"  source:   {claim.source}{': ' if claim.source and claim.quote else ''}{claim.quote}"

@@ -148,7 +148,7 @@ class Claim:
         self._refuse_unless("check", arguments == bool(self.needs), allowed)
 
     def _check_recorded(self) -> None:
-        """The recorded verdict is one that the claim can have."""
+        """Refuse a recorded verdict that the claim cannot have."""
         true = tuple(map(self._restricted, (Verdict.PROVED, Verdict.HOLDS)))
         fitting = (Verdict.CORRECTED, Verdict.REFUTED) if self.correction else (*true, Verdict.REFUTED, Verdict.OPEN)
         given = (f"{'with' if self.correction else 'without'} a correction", "of examples" if self.tried_on else "")
@@ -160,15 +160,15 @@ class Claim:
             raise InvalidProblem(f"claim {self.id}: {name} = {describe(getattr(self, name))}: must be {allowed}")
 
     def __reduce__(self) -> tuple[Callable[[str, str], Claim], tuple[str, str]]:
-        """A claim travels to other processes by its name: there the name of its check stands for the claim."""
+        """Pickle a claim by the module of its check and its id."""
         return find, (self.check.__module__, self.id)
 
     def missing(self, tables: Tables) -> list[str]:
-        """The names of the tables that the check reads and that are not there."""
+        """Return the names of the tables that the check reads and that are missing."""
         return [name for name in self.needs if name not in tables]
 
     def decide(self, tables: Tables) -> Evidence:
-        """What the check finds; inconclusive where a table or a library that the check needs is missing."""
+        """Run the check; open where a table or a library that the check needs is missing."""
         missing = self.missing(tables)
         if missing:
             return Evidence(f"the table {', '.join(missing)} is not there", ())
@@ -178,11 +178,11 @@ class Claim:
             return Evidence(str(library), ())
 
     def verdict(self, evidence: Evidence) -> Verdict:
-        """What the evidence says of the statement: examples that agree do not show that a general one holds."""
+        """Return the verdict on the claim: examples that agree do not show that a general claim holds."""
         return self._restricted(evidence.verdict)
 
     def _restricted(self, kind: Verdict) -> Verdict:
-        """The verdict on the statement for a verdict on the cases of its check."""
+        """Return the verdict on the claim for a verdict on the cases of its check."""
         of_examples = {Verdict.HOLDS: Verdict.NOT_REFUTED, Verdict.PROVED: Verdict.PROVED_INSTANCE}
         return of_examples.get(kind, kind) if self.tried_on else kind
 
@@ -208,7 +208,7 @@ def claim(
     """
 
     def stated(check: Callable[..., Evidence]) -> Claim:
-        """The claim that the function decides."""
+        """Return the claim that the function decides."""
         return Claim(
             id,
             statement,
@@ -228,7 +228,7 @@ def claim(
 
 
 def stated_in(module: ModuleType) -> tuple[Claim, ...]:
-    """The claims of a module, in order of definition: its attributes that are claims, or tuples of them.
+    """Return the claims of a module in order of definition: its attributes that are claims, or tuples of claims.
 
     Claims that it imports from another module are that one's.
     """

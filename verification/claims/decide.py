@@ -63,7 +63,7 @@ def _alone(key: Key) -> list[Row]:
 
 
 def evidence_row(claim: Claim, tables: Tables) -> Row:
-    """Id, verdict, evidence and seconds of one claim."""
+    """Return id, verdict, evidence and seconds of one claim."""
     start = time.perf_counter()
     try:
         evidence = claim.decide(tables)
@@ -82,7 +82,7 @@ def evidence_row(claim: Claim, tables: Tables) -> Row:
 
 
 def _row(claim: Claim) -> Row:
-    """What is known of a claim before its check."""
+    """Return the columns of a claim that do not depend on its check."""
     correction = claim.correction
     return {
         "id": claim.id,
@@ -106,12 +106,12 @@ def _row(claim: Claim) -> Row:
 
 
 def refuse_one_id_for_two(claims: Iterable[Claim]) -> None:
-    """InvalidProblem if two claims have one id."""
+    """Raise InvalidProblem if two claims have one id."""
     twice = [name for name, count in Counter(claim.id for claim in claims).items() if count > 1]
     if twice:
         raise InvalidProblem(f"claim ids {', '.join(twice)} are given twice: each must be unique")
 
 
 def differing(table: pd.DataFrame) -> pd.DataFrame:
-    """The rows whose verdict is not the recorded one."""
+    """Return the rows whose verdict is not the recorded one."""
     return table[table["verdict"] != table["recorded"]]

@@ -55,7 +55,7 @@ class Comparison:
         return False if most < self.low or self.high < least else None
 
     def __str__(self) -> str:
-        """Return name, number, interval and range: ``order 0.98 [0.96, 1.01] (required 0.9 … 1.1)``."""
+        """Return claim, technique and tool, what was decided, certificate and rejected variant, in one line."""
         found = f"{self.what} {self.value:.4g}"
         if self.interval is not None:
             found += f" [{self.interval[0]:.4g}, {self.interval[1]:.4g}]"
@@ -75,21 +75,21 @@ class Comparison:
 def equal(
     what: str, value: float, expected: float, tolerance: float = 0.0, interval: Interval | None = None
 ) -> Comparison:
-    """|value - expected| <= tolerance."""
+    """Require |value - expected| <= tolerance."""
     return Comparison(what, float(value), expected - tolerance, expected + tolerance, interval)
 
 
 def at_most(
     what: str, value: float, bound: float, tolerance: float = 0.0, interval: Interval | None = None
 ) -> Comparison:
-    """Value <= bound + tolerance."""
+    """Require value <= bound + tolerance."""
     return Comparison(what, float(value), -math.inf, bound + tolerance, interval)
 
 
 def at_least(
     what: str, value: float, bound: float, tolerance: float = 0.0, interval: Interval | None = None
 ) -> Comparison:
-    """Value >= bound - tolerance."""
+    """Require value >= bound - tolerance."""
     return Comparison(what, float(value), bound - tolerance, math.inf, interval)
 
 
@@ -210,7 +210,7 @@ def put_right(*proofs: FormalProof) -> Evidence:
 
 
 def every(comparisons: Sequence[Comparison | FormalProof]) -> bool | None:
-    """Whether all are true; False if one is false, else None if one is open or there are none."""
+    """Return whether all are true; False if one is false, else None if one is open or there are none."""
     truths = [comparison.true for comparison in comparisons]
     if False in truths:
         return False

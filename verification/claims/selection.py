@@ -11,7 +11,7 @@ from verification.claims.claim import Claim, Cost
 
 
 def select(claims: Iterable[Claim], names: Sequence[str] = (), cost: Cost | None = None) -> tuple[Claim, ...]:
-    """Those whose id fits one of the patterns (none: all), and that cost no more.
+    """Select the claims whose id fits one of the patterns (none: all), and that cost no more.
 
     Raises
     ------

@@ -76,7 +76,7 @@ def sum_of_squares(
 
 
 def _entries(residual: Any) -> Iterator[Any]:
-    """Scalar residuals of expressions, matrices and sequences of them."""
+    """Yield scalar residuals of expressions, matrices and sequences of them."""
     sympy = library()
     if isinstance(residual, list | tuple):
         for part in residual:
@@ -88,7 +88,7 @@ def _entries(residual: Any) -> Iterator[Any]:
 
 
 def _vanishes(residual: Any) -> bool:
-    """Whether an expression simplifies to zero, by increasing cost."""
+    """Return whether an expression simplifies to zero, by increasing cost."""
     sympy = library()
     expanded = sympy.expand(residual.doit())
     if expanded == 0 or not expanded.is_commutative:
@@ -97,7 +97,7 @@ def _vanishes(residual: Any) -> bool:
 
 
 def _differs(residual: Any) -> bool:
-    """Whether an expression is not zero at a point; words of matrices are zero only if they cancel."""
+    """Return whether an expression is not zero at a point; words of matrices are zero only if they cancel."""
     sympy = library()
     expanded = sympy.expand(residual.doit())
     if not expanded.is_commutative:
@@ -106,7 +106,7 @@ def _differs(residual: Any) -> bool:
 
 
 def _at_a_point(expression: Any) -> Any:
-    """The value for one choice of its functions and symbols."""
+    """Return the value for one choice of its functions and symbols."""
     sympy = library()
     undefined = sympy.core.function.AppliedUndef
     outermost = sorted(expression.atoms(undefined), key=lambda each: (-len(each.atoms(undefined)), str(each)))
@@ -117,14 +117,14 @@ def _at_a_point(expression: Any) -> Any:
 
 
 def _some_function(k: int, *arguments: Any) -> Any:
-    """A smooth function without symmetries, another one for each k."""
+    """Return a smooth function without symmetries, another one for each k."""
     sympy = library()
     wave = sum(sympy.Rational(2 + k + i, 3) * each for i, each in enumerate(arguments))
     return sympy.sin(wave + k + 1) + arguments[0] ** 3
 
 
 def _negative_somewhere(polynomial: Any) -> bool:
-    """Whether a polynomial is negative at a point with small coordinates."""
+    """Return whether a polynomial is negative at a point with small coordinates."""
     symbols = sorted(polynomial.free_symbols, key=str)
     values = [[value for value in (-1, 0, 1, 2) if value > 0 or not symbol.is_positive] for symbol in symbols]
     return any(polynomial.subs(dict(zip(symbols, point, strict=True))) < 0 for point in product(*values))

@@ -71,18 +71,18 @@ def least_upper_bound(function: Callable[..., Any], box: Box, slack: float = 1e-
 
 
 def _above(ball: Any) -> float:
-    """A number above all of a ball; infinite where the ball is not finite."""
+    """Return an upper bound of a ball; infinite where the ball is not finite."""
     return nextafter(float(ball.upper()), inf) if ball.is_finite() else inf
 
 
 def _over(function: Callable[..., Any], sides: Sequence[tuple[float, float]]) -> Any:
-    """A ball that holds all values on a box."""
+    """Return a ball that holds all values on a box."""
     arb = balls().arb
     return function(*(arb(low).union(arb(high)) for low, high in sides))
 
 
 def _decided(function: Callable[..., Any], box: Box) -> tuple[bool | None, int]:
-    """Whether a function is at least 0 on a box: False at a negative midpoint; and the number of boxes."""
+    """Return whether a function is at least 0 on a box (False at a negative midpoint), and the number of boxes."""
     arb = balls().arb
     waiting, seen = [tuple(box)], 0
     while waiting and seen < LARGEST:
@@ -97,7 +97,7 @@ def _decided(function: Callable[..., Any], box: Box) -> tuple[bool | None, int]:
 
 
 def _cuts(sides: Sequence[tuple[float, float]]) -> Iterator[list[tuple[tuple[float, float], ...]]]:
-    """The two parts of a box that is cut at its middle, for each direction that is not a point."""
+    """Yield the two halves of a box, for each direction that is not a point."""
     for k, (low, high) in enumerate(sides):
         if low < high:
             middle = (low + high) / 2
@@ -105,7 +105,7 @@ def _cuts(sides: Sequence[tuple[float, float]]) -> Iterator[list[tuple[tuple[flo
 
 
 def _halves(sides: Sequence[tuple[float, float]], middle: Sequence[float]) -> list[tuple[tuple[float, float], ...]]:
-    """The parts of a box that is cut at its middle, in each direction that is not a point."""
+    """Yield the parts of a box that is halved in each direction that is not a point."""
     cut = [
         ((low, at), (at, high)) if low < high else ((low, high),) for (low, high), at in zip(sides, middle, strict=True)
     ]

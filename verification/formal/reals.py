@@ -54,24 +54,24 @@ def implication(statement: str, formula: Formula, wrong: str, factor: Any = -1) 
 
 
 def _applied(formula: Formula, factor: Any) -> tuple[Sequence[Any], Any]:
-    """Assumptions and conclusion for variables of z3."""
+    """Return assumptions and conclusion for variables of z3."""
     return formula(factor, *map(solver_library().Real, names(formula)))
 
 
 def _written(assumptions: Sequence[Any], conclusion: Any) -> str:
-    """Assumptions and conclusions in one line."""
+    """Return assumptions and conclusions in one line."""
     both = (assumptions, _listed(conclusion))
     left, right = (" and ".join(" ".join(str(part).split()) for part in parts) for parts in both)
     return re.sub(r"(?<![\w.*])1\*(?!\*)|(?<!\*)\*1(?![\w.])", "", f"{left} ⊢ {right}".strip())
 
 
 def _listed(conclusion: Any) -> list[Any]:
-    """Conclusions as a list."""
+    """Return conclusions as a list."""
     return conclusion if isinstance(conclusion, list) else [conclusion]
 
 
 def _solver(formula: Formula, factor: Any) -> Any:
-    """A solver that looks for a counterexample; UnsoundProof if the assumptions contradict each other or say it all."""
+    """Return a solver that looks for a counterexample; UnsoundProof if the assumptions are contradictory or trivial."""
     z3 = solver_library()
     assumptions, conclusion = _applied(formula, factor)
     if _limited(assumptions).check() == z3.unsat:
@@ -82,7 +82,7 @@ def _solver(formula: Formula, factor: Any) -> Any:
 
 
 def _limited(conditions: Sequence[Any]) -> Any:
-    """A solver with a limit of its steps."""
+    """Return a solver with a limit of its steps."""
     solver = solver_library().Solver()
     solver.set("rlimit", LIMIT)
     solver.add(*conditions)
@@ -90,14 +90,14 @@ def _limited(conditions: Sequence[Any]) -> Any:
 
 
 def _second() -> Any:
-    """cvc5."""
+    """Import cvc5."""
     with needs("a second decision procedure", "proofs"):
         import cvc5
     return cvc5
 
 
 def _also_unsatisfiable(text: str) -> bool:
-    """Whether cvc5 finds no solution of a problem in SMT-LIB; False if it does not decide within its steps."""
+    """Return whether cvc5 finds no solution of a problem in SMT-LIB; False if it does not decide in its steps."""
     cvc5 = _second()
     solver = cvc5.Solver()
     solver.setOption("rlimit-per", str(SECOND_LIMIT))

@@ -26,15 +26,15 @@ class Budget(ABC):
 
     @abstractmethod
     def limit(self) -> float:
-        """The largest value of ``column``, at which a run is stopped."""
+        """Return the largest value of ``column``, at which a run is stopped."""
 
     @abstractmethod
     def certain(self) -> float:
-        """Runs that cost no more are made on any day; those that cost more may be stopped on a busy one."""
+        """Return the cost up to which a run finishes for certain; a longer one may be stopped on a busy machine."""
 
     @abstractmethod
     def spent(self, began: float, evaluations: int) -> float:
-        """What a run has cost that began at the CPU time ``began`` and evaluated the drift so many times."""
+        """Return the cost of a run that began at the CPU time ``began`` and evaluated the drift so many times."""
 
 
 @dataclass(frozen=True)
@@ -52,15 +52,15 @@ class CpuSeconds(Budget):
         object.__setattr__(self, "seconds", number("seconds", self.seconds, positive=True))
 
     def limit(self) -> float:
-        """GRACE times the seconds."""
+        """Return GRACE times the seconds."""
         return GRACE * self.seconds
 
     def certain(self) -> float:
-        """The seconds over CERTAIN."""
+        """Return the seconds over CERTAIN."""
         return self.seconds / CERTAIN
 
     def spent(self, began: float, evaluations: int) -> float:
-        """CPU time since the run began [s]."""
+        """Return the CPU time since the run began [s]."""
         return time.process_time() - began
 
     def __str__(self) -> str:
@@ -78,15 +78,15 @@ class DriftEvaluations(Budget):
         object.__setattr__(self, "count", integer("count", self.count, least=1))
 
     def limit(self) -> float:
-        """The count."""
+        """Return the count."""
         return float(self.count)
 
     def certain(self) -> float:
-        """The count."""
+        """Return the count."""
         return float(self.count)
 
     def spent(self, began: float, evaluations: int) -> float:
-        """Evaluations made."""
+        """Return the evaluations made."""
         return float(evaluations)
 
     def __str__(self) -> str:

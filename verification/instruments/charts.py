@@ -48,7 +48,7 @@ RATES = {"w1": ("E W1", "o", "-"), "error_y": ("E |y_N - y|", "s", "--")}
 
 
 def styles(looks: Looks) -> dict[str, dict[str, Any]]:
-    """label -> keywords of a line: a colour for each family, a marker for each method."""
+    """Return label -> keywords of a line: a colour for each family, a marker for each method."""
     families = list(dict.fromkeys(look["family"] for look in looks.values()))
     colours = dict(zip(families, cycle(COLOURS), strict=False))
     found = {}
@@ -83,7 +83,7 @@ def draw_orders(
 
 
 def draw_work_precision(table: pd.DataFrame, looks: Looks, error: str, cost: str, ax: Axes | None) -> Axes:
-    """Error against cost, coarse settings left."""
+    """Draw error against cost, coarse settings left."""
     panel = own_axes(ax)
     for label, look in styles(looks).items():
         rows = table[table["method"] == label].sort_values("setting", ascending=False)
@@ -116,7 +116,7 @@ def draw_profiles(profile: pd.DataFrame, looks: Looks, ax: Axes | None) -> Axes:
 
 
 def _line(panel: Axes, rows: pd.DataFrame, x: str, y: pd.Series, look: dict[str, Any], label: str) -> bool:
-    """A curve, if there is anything of it; values of zero stand on the lower edge."""
+    """Draw a curve, if it has points; zeros stand on the lower edge."""
     done = ((rows["status"] == "SUCCESS") & (rows[x] > 0)).to_numpy()
     if not done.any():
         return False
@@ -137,20 +137,20 @@ def _failures(panel: Axes, rows: pd.DataFrame, x: str, look: dict[str, Any]) -> 
 
 
 def _front(panel: Axes, runs: pd.DataFrame, x: str) -> None:
-    """A quiet band behind the curves that joins the efficient runs."""
+    """Draw a pale band behind the curves that joins the efficient runs."""
     runs = runs[runs[x] > 0]
     panel.loglog(runs[x], runs["accuracy"].clip(lower=LOWEST), solid_capstyle="round", zorder=0.5, **FRONT)
 
 
 def _legend(panel: Axes) -> None:
-    """Beside the axes, where it hides no point; crosses are named if there are any."""
+    """Place the legend beside the axes, where it hides no point; crosses are named if there are any."""
     if any(line.get_gid() == FAILED for line in panel.lines):
         panel.plot([], [], color=GREY, label=FAILED, **CROSS)
     panel.legend(fontsize="small", frameon=False, loc="upper left", bbox_to_anchor=(1.01, 1.0))
 
 
 def _floor(panel: Axes, table: pd.DataFrame, error: str) -> None:
-    """Where the reference itself is no better."""
+    """Shade the errors below the error of the reference."""
     limit = RESOLVED * float(np.nan_to_num(reference_error(table, error)).max())
     low, high = panel.get_ylim()
     if not low < limit < high:
@@ -162,7 +162,7 @@ def _floor(panel: Axes, table: pd.DataFrame, error: str) -> None:
 
 
 def draw_stability(table: pd.DataFrame, across: str, up: str, ax: Axes | None) -> Axes:
-    """The outcome of every cell, a colour and a hatching for each word."""
+    """Draw the outcome of every cell, with a colour and a hatching for each outcome."""
     panel = own_axes(ax)
     x, y = (np.array(sorted(table[name].unique())) for name in (across, up))
     words = table.pivot(index=up, columns=across, values="outcome").loc[y, x].to_numpy()
@@ -177,7 +177,7 @@ def draw_stability(table: pd.DataFrame, across: str, up: str, ax: Axes | None) -
 
 
 def is_geometric(values: Floats) -> bool:
-    """Whether values > 0 are spaced by ratios rather than by differences."""
+    """Return whether values > 0 are spaced by ratios rather than by differences."""
     if len(values) < 3 or values[0] <= 0:
         return False
     ratios, steps = values[1:] / values[:-1], np.diff(values)
@@ -185,7 +185,7 @@ def is_geometric(values: Floats) -> bool:
 
 
 def edges(values: Floats, logarithmic: bool) -> Floats:
-    """The sides of cells around ``values``, halfway between them."""
+    """Return the sides of cells around ``values``, halfway between them."""
     places = np.log(values) if logarithmic else values
     if len(places) == 1:
         places = np.array([places[0] - 0.5, places[0] + 0.5])

@@ -45,18 +45,18 @@ class Price(NamedTuple):
 
 
 def accuracy(rows: pd.DataFrame, error: str) -> pd.Series:
-    """The error, or RESOLVED times the error of the reference if that is larger."""
+    """Return the error, or RESOLVED times the error of the reference if that is larger."""
     return rows[error].clip(lower=RESOLVED * reference_error(rows, error))
 
 
 def runs_of(rows: pd.DataFrame, error: str, cost: str) -> Runs:
-    """The runs of one method on one problem."""
+    """Return the runs of one method on one problem."""
     done = rows[(rows["status"] == "SUCCESS") & rows[cost].notna()].sort_values("setting", ascending=False)
     return Runs(accuracy(done, error).to_numpy(float), done[cost].to_numpy(float), _spreads(done, cost))
 
 
 def cost_of(runs: Runs, target: float) -> Price:
-    """What one method needs to reach ``target``.
+    """Return the cost of one method for an error of ``target``.
 
     After the last one that misses the target the next one has it, and so have all finer
     ones; the cost lies on the straight line between these two in (log error, log cost). Nothing is extrapolated: where
@@ -77,7 +77,7 @@ def cost_of(runs: Runs, target: float) -> Price:
 
 
 def _spreads(rows: pd.DataFrame, cost: str) -> NDArray[np.float64]:
-    """Counted work has no spread; times have that of their repeats, LEAST_SPREAD at least."""
+    """Return the spread of costs: 0 for counted work; of the repeats for times, at least LEAST_SPREAD."""
     if cost != "cpu_seconds":
         return np.ones(len(rows))
     spreads: NDArray[np.float64] = np.maximum(
@@ -87,7 +87,7 @@ def _spreads(rows: pd.DataFrame, cost: str) -> NDArray[np.float64]:
 
 
 def costs(table: pd.DataFrame, targets: Sequence[float], error: str, cost: str) -> pd.DataFrame:
-    """One row for each method and target: cost and spread; infinite where it is not reached.
+    """Return one row for each method and target: cost and spread; infinite where the target is not reached.
 
     ``resolved`` tells whether the reference is good enough to say so.
     """
@@ -102,7 +102,7 @@ def costs(table: pd.DataFrame, targets: Sequence[float], error: str, cost: str) 
 
 
 def rank(found: pd.DataFrame, certain: float) -> pd.DataFrame:
-    """One row for each target: who reaches it at the smallest cost, from the table of ``costs``.
+    """Return one row for each target, from the table of ``costs``: the cheapest method and ties.
 
     ``cheapest`` is the label of the method; "tie" where others cost no more than the spread more (``tied`` names all of
     them); "at the limit" where it rests on a run that costs more than ``certain``, so that on another day it could be
@@ -133,7 +133,7 @@ def _first(rows: pd.DataFrame, certain: float) -> dict[str, Any]:
 
 
 def front(table: pd.DataFrame, error: str, cost: str) -> pd.DataFrame:
-    """The efficient runs: no other run has both a smaller error and a smaller cost; from cheap to dear."""
+    """Return the efficient runs, by increasing cost: no other run has both a smaller error and a smaller cost."""
     done = table[(table["status"] == "SUCCESS") & table[cost].notna()]
     ordered = done.assign(accuracy=accuracy(done, error)).dropna(subset=["accuracy"]).sort_values([cost, "accuracy"])
     best = ordered["accuracy"].cummin()

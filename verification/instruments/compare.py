@@ -75,7 +75,7 @@ class ProblemPicture(Result):
         return self.problem.plot(self.t, ax)
 
     def summaries(self) -> dict[str, pd.DataFrame]:
-        """The sets, and whether they depend on time."""
+        """Return the sets, and whether they depend on time."""
         names = [type(one).__name__ for one in self.problem.constraints]
         moves = ["yes" if one.timed else "no" for one in self.problem.constraints]
         return {"Sets.": pd.DataFrame({"set": names, "depends on time": moves})}

@@ -29,13 +29,13 @@ class Computed(NamedTuple):
 
 
 def distance(x: Floats, y: Floats) -> Floats:
-    """max_i |X_i - Y_i| at each time, shape (K,), for x, y of shape (K, N, d) or (K, d) [length]."""
+    """Return max_i |X_i - Y_i| at each time, shape (K,), for x, y of shape (K, N, d) or (K, d) [length]."""
     far: Floats = np.sqrt(((x - y) ** 2).sum(axis=-1)).reshape(len(x), -1).max(axis=-1)
     return far
 
 
 def error_of(x: Floats, known: Known) -> Floats:
-    """max_i |X_i - exact| at each time, shape (K,), for x (K, N, d) [length]."""
+    """Return max_i |X_i - exact| at each time, shape (K,), for x (K, N, d) [length]."""
     off = known.off(x)
     return distance(off, np.zeros_like(off))
 
@@ -49,7 +49,7 @@ def _final(problem: Any, answer: Computed, known: Known) -> float:
 
 
 def _root_mean_square(problem: Any, answer: Computed, known: Known) -> float:
-    """The error is zero at t = 0 and linear between output times."""
+    """Return the root mean square over time; the error is zero at t = 0 and linear between output times."""
     t, e = np.append(0.0, known.t), np.append(0.0, error_of(answer.x, known))
     squares = np.diff(t) * (e[1:] ** 2 + e[1:] * e[:-1] + e[:-1] ** 2) / 3
     return float(np.sqrt(squares.sum() / t[-1])) if t[-1] > 0 else float(e[-1])

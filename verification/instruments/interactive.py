@@ -44,7 +44,7 @@ def script() -> str:
 
 
 def draw_work_precision(table: pd.DataFrame, looks: Looks, error: str, cost: str) -> str:
-    """Error against cost, as HTML: what is under the pointer is told, a click on a family in the legend hides it.
+    """Draw error against cost as HTML: a tooltip describes the point, a click in the legend hides a family.
 
     Parameters
     ----------
@@ -80,14 +80,14 @@ def draw_work_precision(table: pd.DataFrame, looks: Looks, error: str, cost: str
 
 
 def _points(rows: pd.DataFrame, error: str, cost: str) -> dict[str, Any]:
-    """What is drawn of a method, and told of each point: the runs that came to their end."""
+    """Return the runs of a method that finished, with the texts of their tooltips."""
     done = (rows["status"] == "SUCCESS") & (rows[cost] > 0)
     values = accuracy(rows, error)[done].clip(lower=LOWEST)
     return _told(rows[done], rows.loc[done, cost], values)
 
 
 def _failures(table: pd.DataFrame, error: str, cost: str) -> dict[str, Any]:
-    """Runs that failed, above all others; nothing if there are none."""
+    """Return runs that failed, above all others; nothing if there are none."""
     failed = table[~table["status"].isin(("SUCCESS", *NOT_TRIED)) & (table[cost] > 0)]
     done = table[table["status"] == "SUCCESS"]
     above = pd.Series(3.0 * done[error].max(), index=failed.index)

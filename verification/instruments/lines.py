@@ -28,7 +28,7 @@ class WeightedLine(NamedTuple):
 
 
 def slope(x: ArrayLike, y: ArrayLike) -> Slope:
-    """The slope of y (n,) against x (n,), n >= 3, with Student's interval from the residuals."""
+    """Return the slope of y (n,) against x (n,), n >= 3, with Student's interval from the residuals."""
     x, y = np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)
     centred = x - x.mean()
     spread = float(centred @ centred)
@@ -40,7 +40,7 @@ def slope(x: ArrayLike, y: ArrayLike) -> Slope:
 
 
 def weighted_line(x: ArrayLike, y: ArrayLike, error: ArrayLike) -> WeightedLine:
-    """The line through (x, y) (n,), n >= 3, weighted by the standard errors of y; all of them 0: equal weights.
+    """Fit a line through (x, y) (n,), n >= 3, weighted by the standard errors of y; all of them 0: equal weights.
 
     The interval of the slope is the larger one of two: from the errors, and by Student's t from the scatter of the
     points about the line.

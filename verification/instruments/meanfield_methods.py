@@ -113,7 +113,7 @@ def density_methods() -> dict[str, Method]:
 
 
 def prepared(name: str, problem: DensityProblem, setting: float, t: ArrayLike) -> Callable[[], Found]:
-    """The run of one method of ``density_methods``, with the start of particles made before: to be timed alone."""
+    """Return a run of one method of ``density_methods`` whose particles are made before, so that it is timed alone."""
     model, law, times = problem.model, problem.density, np.asarray(t, dtype=np.float64)
     start = problem.y0, problem.v0, times
     if name == "pde":

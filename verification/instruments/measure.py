@@ -129,7 +129,7 @@ def _left_out(problem: Any, method: Method) -> str:
 
 
 def _after(before: Attempt, budget: Budget | None) -> str:
-    """Why nothing finer is tried after this run; "" if it is."""
+    """Return why nothing finer is tried after this run; "" if it is."""
     if before.row["status"] == "LEFT_OUT":
         return str(before.row["detail"])
     if before.row["status"] in STOPS:
@@ -141,7 +141,7 @@ def _after(before: Attempt, budget: Budget | None) -> str:
 
 
 def _warm_up(problem: Any, method: Method, setting: float, t: Floats) -> None:
-    """Brief runs until one finds all its machine code there; one that is stopped may not have come to all of it."""
+    """Make brief runs until one compiles nothing; a run that is stopped may not have compiled everything."""
     for _ in range(MOST_AGAIN):
         with machine_code() as made, suppress(OutOfBudgetError, ModuleNotFoundError, *FAILURES):
             _run(problem, method, setting, t, CpuSeconds(BRIEF))
@@ -198,7 +198,7 @@ def _timed(problem: Any, method: Method, setting: float, t: Floats, budget: Budg
 def _clocked(
     problem: Any, method: Method, setting: float, t: Floats, budget: Budget | None
 ) -> tuple[_Outcome | None, float, float]:
-    """A run, its CPU time and wall time [s]; None if its budget ended it."""
+    """Return a run, its CPU time and wall time [s]; None if its budget ended it."""
     outcome = None
     wall, cpu = time.perf_counter(), time.process_time()
     with suppress(OutOfBudgetError):
@@ -256,7 +256,7 @@ def _states(method: Method, found: object, problem: Any, count: int) -> Floats:
 
 
 def reached(path: dincl.Trajectory, times: Floats) -> Floats:
-    """The states at ``times``, shape (K, N, d); NaN where the run did not arrive."""
+    """Return the states at ``times``, shape (K, N, d); NaN where the run did not arrive."""
     states = np.full((len(times), *path.problem.x0.shape), np.nan)
     for k, t in enumerate(times):
         for index in np.flatnonzero(path.t == t):

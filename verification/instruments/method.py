@@ -67,7 +67,7 @@ class Method:
 
 
 def as_methods(methods: Methods) -> tuple[Method, ...]:
-    """A list of methods from the forms in which they may be given: label -> (setting -> scheme), or Method objects.
+    """Return a list of methods from the allowed forms: label -> (setting -> scheme), or Method objects.
 
     Raises
     ------

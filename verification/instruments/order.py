@@ -172,7 +172,7 @@ def _checked(h: ArrayLike, error: ArrayLike) -> tuple[Floats, Floats]:
 
 
 def _reasons(errors: Floats, failed: Failures) -> list[str]:
-    """Why each run failed; empty for a success."""
+    """Return why each run failed; empty for a success."""
     entries = [False] * errors.size if failed is None else list(failed)
     if len(entries) != errors.size:
         raise ValueError(f"failed has {len(entries)} entries, but it must have one per error, {errors.size}")
@@ -191,14 +191,14 @@ def _reason(entry: bool | np.bool_ | Enum, error: float) -> str:
 
 
 def _resolution(h: Floats, error: Floats, floor: float, scale: float) -> float:
-    """Size of what covers the error: as stated, or the largest error that stopped falling close above it."""
+    """Return the size of what covers the error: as stated, or the largest error that stopped falling close above it."""
     reach = max(REFERENCE_REACH * floor, ROUNDING_REACH * EPS * scale)
     stalled = (error[1:] >= error[:-1] * (h[1:] / h[:-1]) ** STALLED_SLOPE) & (error[1:] <= reach)
     return float(np.max(error[1:][stalled], initial=max(floor, EPS * scale)))
 
 
 def _line(x: Floats, y: Floats) -> tuple[float, float, float]:
-    """Least squares line: slope, value at x = 0, sum of squared residuals."""
+    """Fit a least squares line: slope, value at x = 0, sum of squared residuals."""
     centred = x - x.mean()
     slope = float(centred @ y / (centred @ centred))
     residual = y - y.mean() - slope * centred
@@ -206,7 +206,7 @@ def _line(x: Floats, y: Floats) -> tuple[float, float, float]:
 
 
 def _reference_shift(x: Floats, y: Floats, resolution: float) -> float:
-    """sum_i |w_i| |log(1 - resolution / error_i)|: the largest change of the slope by errors of this size."""
+    """Return sum_i |w_i| |log(1 - resolution / error_i)|, the largest change of the slope by such errors."""
     if resolution == 0.0:
         return 0.0
     centred = x - x.mean()
@@ -214,12 +214,12 @@ def _reference_shift(x: Floats, y: Floats, resolution: float) -> float:
 
 
 def _refutes(narrow: float, wide: float, extra: int, freedom: int, level: float) -> bool:
-    """F test: do ``extra`` parameters that lower the sum of squares from narrow to wide do so by more than chance?"""
+    """Return whether ``extra`` parameters lower the sum of squares from narrow to wide by more than chance (F test)."""
     return (narrow - wide) * freedom > float(fdtri(extra, freedom, 1.0 - level)) * extra * wide
 
 
 def _drifts(x: Floats, y: Floats, resolution: float) -> bool:
-    """Whether a next term c h is significant and changes the slope p + c h noticeably along the range."""
+    """Return whether a next term c h is significant and changes the slope p + c h noticeably along the range."""
     h = np.exp(x - x[0])
     model = np.column_stack([np.ones_like(x), x - x[0], h])
     parameters, *_ = np.linalg.lstsq(model, y)
@@ -230,7 +230,7 @@ def _drifts(x: Floats, y: Floats, resolution: float) -> bool:
 
 
 def _coarse_part_off(x: Floats, y: Floats, resolution: float) -> bool:
-    """Whether the line through the finer points fails, for some cut, to predict the coarser ones."""
+    """Return whether the line through the finer points fails, for some cut, to predict the coarser ones."""
     slope, _, squares = _line(x, y)
     cuts = range(1, x.size - MIN_RANGE + 1)
     for cut in cuts:
@@ -242,7 +242,7 @@ def _coarse_part_off(x: Floats, y: Floats, resolution: float) -> bool:
 
 
 def _asymptotic_start(x: Floats, y: Floats, resolution: float) -> int:
-    """Index of the coarsest point of the longest fine end that is one straight line."""
+    """Return the index of the coarsest point of the longest fine end that is one straight line."""
     start = 0
     while x.size - start > MIN_RANGE:
         fine = x[start:], y[start:], resolution

@@ -58,7 +58,7 @@ class OrderStudy(Result):
     reference: str = ""
 
     def plot(self, ax: Axes | None = None, error: str = "") -> Axes:
-        """The error against the setting, in logarithms; rows that the fit left out are hollow, failed ones crosses."""
+        """Draw log error against log setting; rows that the fit left out are hollow, failed ones crosses."""
         from verification.instruments.charts import draw_orders
 
         panel = draw_orders(self.table, self.fits, self.looks, error or self.errors[0], self.setting, ax)
@@ -67,7 +67,7 @@ class OrderStudy(Result):
         return panel
 
     def summaries(self) -> dict[str, pd.DataFrame]:
-        """The fits."""
+        """Return the fits."""
         return {"Slopes with 95 % intervals.": self.fits[["method", "error", "order", "failed", "verdict"]]}
 
     def __repr__(self) -> str:
@@ -135,7 +135,7 @@ def order_study(
 
 
 def order_of(rows: pd.DataFrame, error: str) -> Order:
-    """The order of one method, from its rows (from coarse to fine); the reference's error is the floor.
+    """Estimate the order of one method from its rows (coarse to fine); the reference's error is the floor.
 
     The overlap has no reference; its floor is rounding.
     """
@@ -145,7 +145,7 @@ def order_of(rows: pd.DataFrame, error: str) -> Order:
 
 
 def checked_settings(settings: Sequence[float], least: int = 1) -> tuple[float, ...]:
-    """Different numbers > 0, from coarse to fine."""
+    """Return different numbers > 0, from coarse to fine."""
     try:
         ladder = tuple(sorted({float(setting) for setting in settings}, reverse=True))
     except (TypeError, ValueError):
@@ -156,7 +156,7 @@ def checked_settings(settings: Sequence[float], least: int = 1) -> tuple[float, 
 
 
 def _untried(why: str | None) -> dict[str, Any]:
-    """What stands in place of a fit where a method was left out."""
+    """Return the row in place of a fit where a method was left out."""
     return {} if why is None else {"order": "left out", "failed": 0, "verdict": why}
 
 

@@ -38,7 +38,7 @@ COLOURS: Mapping[str, str] = {
 def judge(
     status: dincl.Status, error: float | None, overlap: float, growth: float, accurate: float, feasible: float
 ) -> Outcome:
-    """The first of these that is true.
+    """Return the first outcome that applies.
 
     unstable: growth > ``FAR``, or the state left the finite numbers; did not terminate: an iteration reached its limit;
     refused: another failure, such as an empty set or coincident centres; infeasible: overlap > ``feasible``; bounded:

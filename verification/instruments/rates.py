@@ -67,7 +67,7 @@ class W1Rates(Result):
     name: str = "w1_rates"
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """The means with their intervals and the fitted lines, in logarithms; the error of y dashed."""
+        """Draw the means with their intervals and the fitted lines on logarithmic axes; the error of y dashed."""
         from verification.instruments.charts import draw_rates
 
         panel = draw_rates(self.means, self.fit, ax)
@@ -75,7 +75,7 @@ class W1Rates(Result):
         return panel
 
     def summaries(self) -> dict[str, pd.DataFrame]:
-        """The fits and the means."""
+        """Return the fits and the means."""
         return {"Powers of N with 95 % intervals.": self.fit, "Means with 95 % intervals.": self.means}
 
     def __repr__(self) -> str:
@@ -100,7 +100,7 @@ def w1_rates(
     quantiles: bool = False,
     gap: float = 1e-4,
 ) -> W1Rates:
-    """E W1 of N particles against N, and through the flow of a model E W1 and the error of y at times t.
+    """Measure E W1 of N particles against N, and through the flow of a model E W1 and the error of y at times t.
 
     Parameters
     ----------
@@ -150,13 +150,13 @@ def w1_rates(
 
 
 def draw(density: Density, start: str, n: int, rng: np.random.Generator) -> tuple[Floats, Floats | None]:
-    """N particles (n, nx), and for ``PAIR`` as many others that are independent of them."""
+    """Draw N particles (n, nx), and for ``PAIR`` as many others that are independent of them."""
     X = density.quantiles(n) if start == QUANTILES else density.sample(rng, n)
     return X, density.sample(rng, n) if start == PAIR else None
 
 
 def distance(density: Density | None, X: Floats, other: Floats | None, gap: float | None) -> tuple[float, float]:
-    """Bounds of W1 between particles and others, or the density (d = 1), that are ``gap`` apart at most, relatively.
+    """Bound W1 between particles and others, or the density (d = 1), within the relative width ``gap``.
 
     Without gap both are the exact value, as they are in one dimension.
     """
@@ -193,7 +193,7 @@ def mean_field_limit(
 
 
 def through_flow(limit: MeanFieldLimit, X: Floats, other: Floats | None, gap: float | None) -> list[dict[str, float]]:
-    """W1 and the error of y at each time of the limit, of particles that start at X, and others if there are any."""
+    """Return W1 and the error of y at each time of the limit, for particles that start at X, and others if any."""
     groups = [X] if other is None else [X, other]
     one, *rest = [solve_ode(limit.model, State(X=Z, y=limit.y0, v=limit.v0), limit.t, limit.tol) for Z in groups]
     rows = []
@@ -205,7 +205,7 @@ def through_flow(limit: MeanFieldLimit, X: Floats, other: Floats | None, gap: fl
 
 
 def summarised(table: pd.DataFrame, *, random: bool) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """The means and the fits of ``W1Rates`` from its table; what has zeros, as error_y at the start, is out."""
+    """Return the means and the fits of ``W1Rates`` from its table, without quantities that have zeros."""
     means, fits = [], []
     for quantity in QUANTITIES:
         for time, rows in table.groupby("t"):
@@ -220,7 +220,7 @@ def summarised(table: pd.DataFrame, *, random: bool) -> tuple[pd.DataFrame, pd.D
 
 
 def mean_of(values: pd.Series, *, random: bool) -> dict[str, Any]:
-    """Mean of one size over its repeats with its 95 % interval by Student's t, and the deviation of log(value).
+    """Return the mean of one size over its repeats, its 95 % interval by Student's t, the deviation of log(value).
 
     Values that are not random have no scatter: 0. One random value has no interval: NaN.
     """
@@ -231,7 +231,7 @@ def mean_of(values: pd.Series, *, random: bool) -> dict[str, Any]:
 
 
 def log_points(means: pd.DataFrame) -> tuple[Floats, Floats, Floats]:
-    """log N, log mean and the standard error of the latter."""
+    """Return log N, log mean and the standard error of log mean."""
     means = means.sort_values("N")
     deviation = means["deviation"].where(means["repeats"] >= ENOUGH).ffill().fillna(means["deviation"])
     error = (deviation / np.sqrt(means["repeats"])).to_numpy()
@@ -239,7 +239,7 @@ def log_points(means: pd.DataFrame) -> tuple[Floats, Floats, Floats]:
 
 
 def fitted_power(means: pd.DataFrame) -> dict[str, Any]:
-    """The power of N of some means, as a row of ``W1Rates.fit``; ``constant`` is the mean at N = 1."""
+    """Fit a power of N to means, as a row of ``W1Rates.fit``; ``constant`` is the mean at N = 1."""
     line = weighted_line(*log_points(means))
     row = {"sizes": len(means), "from": means["N"].min(), "to": means["N"].max(), "slope": line.slope.value}
     row |= {"low": line.slope.low, "high": line.slope.high}
@@ -258,7 +258,7 @@ def _checked_sizes(sizes: Sequence[int]) -> list[int]:
 
 
 def _checked_repeats(repeats: int | Sequence[int], sizes: int, quantiles: bool) -> list[int]:
-    """Repeats of each size."""
+    """Return the repeats of each size."""
     given = [repeats] * sizes if isinstance(repeats, int) else list(repeats)
     least, most = (1, 1) if quantiles else (2, None)
     many = [integer("repeats", k, least=least, most=most) for k in given]
@@ -275,7 +275,7 @@ def _checked_limit(
     t: ArrayLike | None,
     tol: float | None,
 ) -> MeanFieldLimit | None:
-    """The limit of a model, None without one."""
+    """Return the limit of a model, None without one."""
     names = [name for name, value in (("t", t), ("y0", y0), ("v0", v0), ("tol", tol)) if value is None]
     if model is None:
         if len(names) < 4:

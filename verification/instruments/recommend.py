@@ -60,7 +60,7 @@ class Recommendation(Result):
         return panel
 
     def summaries(self) -> dict[str, pd.DataFrame]:
-        """The forecasts."""
+        """Return the forecasts."""
         return {f"Forecasts for an error of {self.error:g}.": self.table}
 
     def __repr__(self) -> str:

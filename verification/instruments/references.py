@@ -52,7 +52,7 @@ class Known:
     proved: bool = field(default=False, kw_only=True)
 
     def at(self, times: Floats | Sequence[float]) -> tuple[Floats, Floats]:
-        """States (len(times), N, d), stated errors (len(times),) at some of the times t; ValueError for others."""
+        """Return states (len(times), N, d) and stated errors (len(times),) at times among t; ValueError for others."""
         index = self._places(times)
         return self.x[index], self.error[index]
 
@@ -92,7 +92,7 @@ class Reference:
     proved: bool = False
 
     def __call__(self, t: ArrayLike) -> Known:
-        """The solution at increasing times t, (K,)."""
+        """Return the solution at increasing times t, (K,)."""
         times = np.atleast_1d(array("t", t))
         if self.proved:
             return self._proof(times)
@@ -138,7 +138,7 @@ def reference(
     dt: float | None = None,
     proved: bool = False,
 ) -> Reference:
-    """A reference for a study: states with a stated error of at most ``tol``.
+    """Compute a reference for a study: states with a stated error of at most ``tol``.
 
     Exact where the problem is a scene with a formula; otherwise the event-driven scheme with its own estimate; with
     ``scheme``, dt -> Scheme, steps halved from ``dt`` on until two runs are tol/2 apart at every time (of a method

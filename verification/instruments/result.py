@@ -48,10 +48,10 @@ class Result(ABC):
 
     @abstractmethod
     def summaries(self) -> dict[str, pd.DataFrame]:
-        """Short tables to read, by their captions."""
+        """Return short tables to read, by their captions."""
 
     def png(self) -> bytes:
-        """The picture."""
+        """Return the picture."""
         file, figure = io.BytesIO(), cast("Figure", self.plot().get_figure(root=True))
         figure.savefig(file, format="png")
         return file.getvalue()

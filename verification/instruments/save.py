@@ -47,7 +47,7 @@ def save(results: Sequence[Result] | Result, folder: str | Path) -> Path:
 
 
 def _named(results: Sequence[Any]) -> list[Any]:
-    """The results with different names: the second one of a name gets the number 2."""
+    """Return the results with different names: the second one of a name gets the number 2."""
     seen: dict[str, int] = {}
     found = []
     for result in results:

@@ -122,13 +122,13 @@ def _one_each(argument: str, given: Any, names: list[str]) -> dict[str, Any]:
 def rows_of(
     problem: Any, method: Method, settings: Sequence[float], known: Known, errors: Errors, budget: Budget
 ) -> list[dict[str, Any]]:
-    """The rows of one method, as they are in the table of the chart."""
+    """Return the rows of one method in the table of the chart."""
     rows = measure(problem, method, settings, known, errors, budget, REPEATS)
     return [{"method": method.label, "family": method.family} | row for row in rows]
 
 
 def settings_of(method: Method, settings: Settings) -> tuple[float, ...]:
-    """The settings of one method, from coarse to fine."""
+    """Return the settings of one method, from coarse to fine."""
     if not isinstance(settings, Mapping):
         return checked_settings(settings)
     name = method.label if method.label in settings else method.setting

@@ -46,7 +46,7 @@ class StabilityMap(Result):
     name: str = "stability"
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """One colour for each outcome."""
+        """Draw one colour for each outcome."""
         from verification.instruments.charts import draw_stability
 
         panel = draw_stability(self.table, self.x, self.y, ax)
@@ -54,7 +54,7 @@ class StabilityMap(Result):
         return panel
 
     def summaries(self) -> dict[str, pd.DataFrame]:
-        """How many cells came out how."""
+        """Count the cells of each outcome."""
         counts = self.table["outcome"].value_counts().rename_axis("outcome").reset_index(name="cells")
         return {"Cells by outcome.": counts}
 
@@ -134,7 +134,7 @@ class _Cell:
                 raise dincl.InvalidProblem(f"{name!r}: must be an argument of the method or of the problem")
 
     def row(self, values: dict[str, float]) -> dict[str, Any]:
-        """What became of the run with these values."""
+        """Return the outcome of the run with these values."""
         given = {name: values[name] for name in self._of_method}
         try:
             made = {name: values[name] for name in self._of_problem}
@@ -182,6 +182,6 @@ def _takes_one(maker: Callable[..., Any]) -> bool:
 
 
 def reach_of(problem: dincl.Problem, end: float, true: NDArray[np.float64]) -> float:
-    """How far a coordinate may come: as far as the first drift carries, so that falling freely is no instability."""
+    """Return the distance by which the first drift carries a coordinate, so that falling freely is no instability."""
     carried = end * float(np.abs(problem.velocity(0.0, problem.x0)).max())
     return max(1.0, float(np.abs(problem.x0).max()) + carried, float(np.nan_to_num(np.abs(true)).max()))

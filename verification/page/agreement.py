@@ -57,7 +57,7 @@ class Agreement:
 
 
 def compare_studies(here: pd.DataFrame, complete: pd.DataFrame, study: Study, by: Sequence[str] = ()) -> Agreement:
-    """Lay the rows made here over those of the complete study.
+    """Compare rows of a rerun with the rows of the complete study.
 
     Parameters
     ----------
@@ -81,19 +81,19 @@ def compare_studies(here: pd.DataFrame, complete: pd.DataFrame, study: Study, by
 
 
 def _ended(table: pd.DataFrame) -> pd.DataFrame:
-    """Without runs that a budget cut off."""
+    """Return the rows without runs that a budget cut off."""
     return table[~table["status"].isin(CUT_OFF)] if "status" in table else table
 
 
 def _indexed(table: pd.DataFrame, names: list[str]) -> pd.DataFrame:
-    """By the names and the place among rows of the same names."""
+    """Index rows by the names and the place among rows of the same names."""
     table = table.assign(**{name: table[name].map(rounded) for name in names})
     place = table.groupby(names, sort=False, dropna=False).cumcount()
     return table.assign(place=place).set_index([*names, "place"])
 
 
 def _apart(mine: pd.DataFrame, other: pd.DataFrame) -> pd.DataFrame:
-    """True where a number or word differs; one column for each that is compared."""
+    """Return one column of booleans for each compared column, True where a number or word differs."""
     found = {}
     for column in mine.columns.intersection(other.columns).difference(sorted(OF_THE_MACHINE)):
         one, two = mine[column], other[column]
@@ -105,7 +105,7 @@ def _apart(mine: pd.DataFrame, other: pd.DataFrame) -> pd.DataFrame:
 
 
 def _relative(one: pd.Series, two: pd.Series) -> pd.Series:
-    """|a - b| over the larger of both; 0 for what is small, equal or missing in both, infinite if missing in one."""
+    """Return |a - b| over the larger of both; 0 for small, equal or missing numbers, infinite if one is missing."""
     a, b = one.to_numpy(dtype=np.float64), two.to_numpy(dtype=np.float64)
     size = np.maximum(np.abs(a), np.abs(b))
     same = (a == b) | (np.isnan(a) & np.isnan(b)) | (size <= SMALL)
@@ -115,7 +115,7 @@ def _relative(one: pd.Series, two: pd.Series) -> pd.Series:
 
 
 def _worst(mine: pd.DataFrame, other: pd.DataFrame, off: pd.DataFrame) -> str:
-    """The column and row that are farthest apart, with both values."""
+    """Return the column and row with the largest difference, with both values."""
     numeric = [column for column in off if off[column].any() and mine[column].dtype != bool and column not in WORDS]
     sizes = {column: _relative(mine[column], other[column]) for column in numeric}
     column = max(sizes, key=lambda name: sizes[name].max()) if sizes else next(name for name in off if off[name].any())
@@ -126,7 +126,7 @@ def _worst(mine: pd.DataFrame, other: pd.DataFrame, off: pd.DataFrame) -> str:
 
 
 def _pace(mine: pd.DataFrame, other: pd.DataFrame) -> float | None:
-    """The median ratio of the times, to the two digits that it has."""
+    """Return the median ratio of the times, to two digits."""
     column = next((name for name in TIMES if name in mine and name in other), None)
     if column is None:
         return None

@@ -58,7 +58,7 @@ class Context:
     _drawn: dict[str, str] = field(default_factory=dict)
 
     def form(self, usual: Form) -> Form:
-        """The form of a study: the one given for its class, or else the usual one."""
+        """Return the form of a study: the one given for its class, or else the usual one."""
         return next((form for form in self.forms if type(form) is type(usual)), usual)
 
     @property
@@ -72,7 +72,7 @@ class Context:
         return self.folder / "made"
 
     def rows_of(self, study: Study, again: Study, by: Sequence[str] = ()) -> pd.DataFrame:
-        """The rows of a complete study: those that ship, or made here, if none do or complete studies are made anew.
+        """Return the rows of a complete study: as it ships, or computed here if it does not ship or ``full`` is set.
 
         Parameters
         ----------
@@ -105,16 +105,16 @@ class Context:
         self.agreements[study.name] = compare_studies(made, shipped, study, by)
 
     def agreements_of(self, beginnings: tuple[str, ...]) -> dict[str, Agreement]:
-        """Those of the studies whose names begin so."""
+        """Return the agreements of the studies whose names begin so."""
         return {name: found for name, found in self.agreements.items() if name.startswith(beginnings)}
 
     def pace(self, name: str) -> float:
-        """The time that this machine takes over that of the complete study, once some of its runs were made again."""
+        """Return the times on this machine over the times of the complete study, once some runs were repeated."""
         known = self.agreements.get(name)
         return 1.0 if self.full or known is None or known.pace is None else known.pace
 
     def paced(self, name: str, table: pd.DataFrame) -> pd.DataFrame:
-        """A table of a study with its times as they are on this machine."""
+        """Return a table of a study with its times as they are on this machine."""
         return table.assign(**{column: self.pace(name) * table[column] for column in TIMES if column in table})
 
     def keep(self, name: str, table: pd.DataFrame) -> None:

@@ -12,14 +12,14 @@ from dincl.provenance import closure, libraries
 
 
 def machine(*makers: Callable[..., Any]) -> Iterator[tuple[str, str]]:
-    """The machine, and the versions of the libraries that the makers of the numbers import."""
+    """Yield the machine, and the versions of the libraries that the makers of the numbers import."""
     yield "Processor", f"{_processor()}, {os.cpu_count()} cores"
     yield "System", f"{platform.system()} {platform.release()}, Python {platform.python_version()}"
     yield "Versions", ", ".join(map(" ".join, libraries(closure(*makers)).items()))
 
 
 def _processor() -> str:
-    """The model, from the system where it tells."""
+    """Return the model of the processor, if the system tells it."""
     information = Path("/proc/cpuinfo")
     lines = information.read_text("utf-8").splitlines() if information.exists() else []
     models = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]

@@ -51,12 +51,12 @@ def changes(file: Path) -> list[str]:
 
 
 def files() -> list[Path]:
-    """The Parquet files."""
+    """Return the Parquet files."""
     return sorted(DATA.glob("*.parquet"))
 
 
 def all_changes() -> dict[str, list[str]]:
-    """``changes`` of each kept table, by its name."""
+    """Return ``changes`` of each kept table, by its name."""
     return {file.stem: changes(file) for file in files()}
 
 

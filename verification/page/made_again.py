@@ -23,7 +23,7 @@ CAPTION = "Agreement to three digits of runs made here with those of the complet
 
 
 def made_again(chapter: str, context: Context, found: Mapping[str, Agreement]) -> list[Section]:
-    """One section for the studies of a chapter, or none if nothing was made again."""
+    """Return one section for the studies of a chapter, or none if nothing was rerun."""
     if not found:
         return []
     rows = pd.DataFrame(

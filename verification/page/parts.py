@@ -133,7 +133,7 @@ class Section:
 
 
 def cell(value: object) -> tuple[str, str]:
-    """Text of a value in a table, and its CSS class."""
+    """Return the text of a value in a table, and its CSS class."""
     if isinstance(value, bool | np.bool_):
         return ("yes" if value else "no"), ""
     if isinstance(value, float | np.floating):
@@ -144,7 +144,7 @@ def cell(value: object) -> tuple[str, str]:
 
 
 def number(value: float) -> str:
-    """Three digits, with an exponent where it is small or large."""
+    """Format a number with three digits, with an exponent where it is small or large."""
     if np.isnan(value):
         return "—"
     if np.isinf(value):

@@ -12,7 +12,7 @@ from verification.page.parts import number
 
 
 def fill(template: Path, **values: Any) -> dict[str, str]:
-    """The blocks of a template by name, each with the values put in and its white space made single blanks.
+    """Return the blocks of a template by name, with the values filled in and white space made single blanks.
 
     Filters: ``number`` (three digits), ``percent`` (of a part), ``percents`` (of a part and its interval), ``interval``
     (two numbers), ``listed`` (a sequence).
@@ -37,22 +37,22 @@ def _environment(folder: Path) -> Environment:
 
 
 def percent(part: float, digits: int = 0) -> str:
-    """0.25 as ``25 %``."""
+    """Format 0.25 as ``25 %``."""
     return f"{100 * part:.{digits}f} %"
 
 
 def percents(parts: tuple[float, float, float], digits: int = 0, sign: str = "") -> str:
-    """A part with the ends of its interval, as ``25 % [20, 30]``; the sign "+" marks what is above 0."""
+    """Format a share with its interval as ``25 % [20, 30]``; the sign "+" marks shares above 0."""
     part, low, high = (f"{100 * one:{sign}z.{digits}f}" for one in parts)
     return f"{part} % [{low}, {high}]"
 
 
 def interval(ends: tuple[float, float]) -> str:
-    """Two numbers as ``[0.96, 1.01]``."""
+    """Format two numbers as ``[0.96, 1.01]``."""
     low, high = ends
     return f"[{number(low)}, {number(high)}]"
 
 
 def listed(values: Any) -> str:
-    """The values with commas between them; "none" if there are none."""
+    """Join the values with commas; "none" if there are none."""
     return ", ".join(map(str, values)) or "none"

@@ -131,7 +131,7 @@ class _Pages:
         return self.write_index(list(_facts(self._chapters, self._context)))
 
     def write_index(self, facts: Sequence[tuple[str, str]]) -> Path:
-        """The first page, as far as it is known; it loads itself again until ``facts`` end it."""
+        """Write the first page, as far as it is known; it reloads itself until ``facts`` complete it."""
         ready = [self._ready[chapter.name] for chapter in self._chapters if chapter.name in self._ready]
         findings = [found for written in ready for found in written.linked]
         known = {"ready": set(self._ready), "agreements": list(self._context.agreements.values()), "facts": facts}
@@ -149,7 +149,7 @@ class _Pages:
 
 
 def _facts(chapters: Sequence[Chapter], context: Context) -> Iterator[tuple[str, str]]:
-    """What a number depends on besides the code."""
+    """Yield what a number depends on besides the code."""
     made = "made here" if context.full else "those that ship; a part of each was made again here"
     yield "Complete studies", f"{made} (make report FULL=1 makes them anew)"
     yield from machine(*(chapter.run for chapter in chapters))

@@ -48,7 +48,7 @@ STYLE: Any = {  # the names are those of matplotlib
 
 @contextmanager
 def sheet(path: Path, height: float, **style: Any) -> Iterator[Figure]:
-    """A figure of the width of the page and ``height`` inches, written to ``path`` at the end of the block."""
+    """Yield a figure of the page's width and ``height`` inches; write it to ``path`` at the end of the block."""
     with mpl.rc_context(STYLE | style):
         figure = Figure(figsize=(WIDTH, height), layout="constrained", dpi=DPI)
         FigureCanvasAgg(figure)
@@ -68,7 +68,7 @@ def _keep_powers(panel: Axes) -> None:
 
 
 def own_axes(ax: Axes | None) -> Axes:
-    """The axes given, or those of a new figure in this style; no global state of matplotlib is touched."""
+    """Return the axes given, or axes of a new figure in this style; no global state of matplotlib is touched."""
     if ax is not None:
         return ax
     with mpl.rc_context(STYLE):
@@ -79,13 +79,13 @@ def own_axes(ax: Axes | None) -> Axes:
 
 
 def discs(panel: Axes, centres: Floats, radius: Floats, **look: Any) -> None:
-    """Discs to scale, centres (N, 2), radii (N,)."""
+    """Draw discs to scale, centres (N, 2), radii (N,)."""
     shapes = [Circle(tuple(centre), r) for centre, r in zip(centres, radius, strict=True)]
     panel.add_collection(PatchCollection(shapes, **look))
 
 
 def hatch_cells(panel: Axes, x: Floats, y: Floats, here: NDArray[np.bool_], **look: Any) -> None:
-    """The cells between the edges x (n + 1,) and y (m + 1,) for which ``here``, (m, n), is true, as one patch.
+    """Hatch the cells between the edges x (n + 1,) and y (m + 1,) for which ``here``, (m, n), is true, as one patch.
 
     To hatch a patch for each cell would take more than half of the time of a map.
     """
@@ -96,10 +96,10 @@ def hatch_cells(panel: Axes, x: Floats, y: Floats, here: NDArray[np.bool_], **lo
 
 
 def patch(**look: Any) -> Patch:
-    """A field of a legend."""
+    """Return a field of a legend."""
     return Patch(**look)
 
 
 def polygon(panel: Axes, corners: Floats, **look: Any) -> None:
-    """A filled polygon with corners (K, 2)."""
+    """Draw a filled polygon with corners (K, 2)."""
     panel.add_patch(Polygon(corners, **look))

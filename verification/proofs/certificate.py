@@ -129,7 +129,7 @@ def read(file: Path) -> Certificate:
 
 
 def _tuples(value: Any) -> Any:
-    """Lists as tuples, at any depth; dictionaries keep their keys."""
+    """Return lists as tuples, at any depth; dictionaries keep their keys."""
     if isinstance(value, dict):
         return {name: _tuples(part) for name, part in value.items()}
     return tuple([_tuples(part) for part in value]) if isinstance(value, list) else value

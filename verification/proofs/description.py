@@ -50,7 +50,7 @@ def rows_of(problem: dincl.Problem) -> tuple[tuple[ExactRow, ...], dict[tuple[in
 
 
 def _rows(constraint: Constraint, block: Any, count: int, d: int) -> list[ExactRow]:
-    """The rows of one constraint, in the order of its block; sums of two lengths are exact."""
+    """Return the rows of one constraint, in the order of its block; sums of two lengths are exact."""
     match constraint:
         case dincl.NonOverlap():
             exact = [dyadic(r) for r in constraint.radii(count)]

@@ -216,7 +216,7 @@ def _fraction(value: Dyadic) -> Fraction:
 
 
 def _above(square: Fraction, radius: Fraction) -> float:
-    """sqrt(square) + radius, rounded up."""
+    """Return sqrt(square) + radius, rounded up."""
     with ctx.workprec(128):
         exact = (arb(square.numerator) / square.denominator).sqrt() + arb(radius.numerator) / radius.denominator
         return math.nextafter(float(exact.upper()), math.inf)

@@ -50,7 +50,7 @@ PATIENCE = 1_000.0
 
 
 def pbd_table(sizes: tuple[int, ...] = SIZES) -> pd.DataFrame:
-    """One row per scene and size: ns per disc and step, and beside them candidate pairs and corrections."""
+    """Return one row per scene and size: ns per disc and step, candidate pairs and corrections."""
     rows = []
     for n in sizes:
         rows.append(_pbd_row("pile", pile(n), LANDED))
@@ -59,7 +59,7 @@ def pbd_table(sizes: tuple[int, ...] = SIZES) -> pd.DataFrame:
 
 
 def jostle(n: int) -> dincl.Problem:
-    """The discs of ``pile(n)``, each driven into its neighbours in a direction of its own: alike for all n.
+    """Return the discs of ``pile(n)``, each driven into its neighbours in a random direction, alike for all n.
 
     In a pile the pressure spreads by one layer a step, so that large piles have few contacts for a long time.
     """
@@ -70,7 +70,7 @@ def jostle(n: int) -> dincl.Problem:
 
 
 def growth(table: pd.DataFrame, scene: str) -> float:
-    """p of cost per step ~ n^p, the slope of a line through the logarithms of the best times."""
+    """Return p of cost per step ~ n^p, the slope of a line through the logarithms of the best times."""
     part = table[table["scene"] == scene]
     return float(np.polyfit(np.log(part["n"]), np.log(part["n"] * part["ns_best"]), 1)[0])
 
@@ -113,7 +113,7 @@ def _timed(action: Callable[[], Any]) -> float:
 
 
 def projection_table(counts: tuple[int, ...] = COUNTS) -> pd.DataFrame:
-    """One row per back end, set and size: milliseconds per projection, certified residual, iterations.
+    """Return one row per back end, set and size: milliseconds per projection, certified residual, iterations.
 
     The points to project are a landed pile after steps of the drift with dt = 0.008 ... 0.012; the sets are its inner
     convex approximation S~ (one quadratic program) and S itself.
@@ -130,7 +130,7 @@ def projection_table(counts: tuple[int, ...] = COUNTS) -> pd.DataFrame:
 
 
 def _landed(n: int) -> tuple[Scene, np.ndarray]:
-    """A pile of n discs after t = 2 by linearised catch-up, which leaves no overlap."""
+    """Return a pile of n discs at t = 2 by linearised catch-up, which leaves no overlap."""
     scene = pile(n)
     scheme = dincl.LinearisedCatchUp(0.02, dincl.Daqp(1e-10) if n <= 30 else dincl.Piqp(1e-9))
     return scene, dincl.solve(scene, scheme, t=[2.0]).final

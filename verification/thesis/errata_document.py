@@ -42,7 +42,7 @@ class Erratum:
 
 
 def listed_errata() -> list[Erratum]:
-    """All corrections of the register and all remarks on notation, in the order of the text."""
+    """Return all corrections of the register and all errata of notation, in the order of the text."""
     return sorted((*_corrections(), *_remarks()), key=lambda one: one.place)
 
 
@@ -92,7 +92,7 @@ def _html() -> Environment:
 
 
 def _tex() -> Environment:
-    """With signs that LaTeX does not use."""
+    """Replace signs that LaTeX does not use."""
     made = Environment(
         loader=PackageLoader("verification.thesis", "templates"),
         undefined=StrictUndefined,
@@ -111,21 +111,21 @@ def _tex() -> Environment:
 
 
 def as_html(text: str) -> Markup:
-    """A text with its subscripts and superscripts, as HTML."""
+    """Return a text with its subscripts and superscripts as HTML."""
     tags = {"_": "sub", "^": "sup", "": ""}
     parts = _marked(text, escape)
     return Markup("").join(Markup("<{0}>{1}</{0}>").format(tags[kind], part) if kind else part for kind, part in parts)
 
 
 def as_tex(text: str) -> str:
-    """A text with its subscripts and superscripts, as LaTeX."""
+    """Return a text with its subscripts and superscripts as LaTeX."""
     commands = {"_": r"\textsubscript", "^": r"\textsuperscript"}
     parts = _marked(text, lambda plain: plain.translate(TEX))
     return "".join(f"{commands[kind]}{{{part}}}" if kind else part for kind, part in parts)
 
 
 def _marked(text: str, safe: Callable[[str], str]) -> Iterator[tuple[str, str]]:
-    """The parts of a text with "_" for a subscript, "^" for a superscript and "" for the rest."""
+    """Split a text into parts marked "_" for a subscript, "^" for a superscript and "" for the rest."""
     end = 0
     for match in SCRIPT.finditer(text):
         yield "", safe(text[end : match.start()])

@@ -35,7 +35,7 @@ def register() -> tuple[Claim, ...]:
 
 
 def chapter_of(claim: Claim) -> int:
-    """The chapter that a claim belongs to, by its id.
+    """Return the chapter of a claim, by its id.
 
     c1 to c5; c0 is the introduction, c6 the conclusions. Appendix 1 goes with chapter 3, appendix 2 with chapter 5.
     """
@@ -43,18 +43,18 @@ def chapter_of(claim: Claim) -> int:
 
 
 def modules() -> Iterator[str]:
-    """The modules that state claims."""
+    """Yield the modules that state claims."""
     for part in filter(_has_claims, pkgutil.iter_modules(verification.thesis.__path__, "verification.thesis.")):
         folder = import_module(f"{part.name}.claims").__path__
         yield from (module.name for module in pkgutil.iter_modules(folder, f"{part.name}.claims."))
 
 
 def _has_claims(part: pkgutil.ModuleInfo) -> bool:
-    """Whether a folder is of a part of the thesis; what goes beyond it states no claim."""
+    """Return whether a folder has claims."""
     return part.ispkg and find_spec(f"{part.name}.claims") is not None
 
 
 def _place(module: str) -> tuple[bool, list[int], str]:
-    """Chapters before the appendix, then by section: ``s4_6_1_tools`` is section 4.6.1."""
+    """Return the sorting key of a module: chapters before the appendix, then by section (``s4_6_1_tools``: 4.6.1)."""
     name = module.rpartition(".")[2]
     return "appendix" in module, [int(number) for number in re.findall(r"\d+", name)], name

@@ -25,7 +25,7 @@ PROTRUDES, NO_INM = "[BP]", "[B] no INM"
 
 
 def page() -> str:
-    """The text of the page."""
+    """Return the text of the page."""
     environment = Environment(
         loader=PackageLoader("verification.thesis", "."),
         autoescape=False,
@@ -39,7 +39,7 @@ def page() -> str:
 
 
 def claims() -> dict[str, Any]:
-    """How many statements there are, by recorded verdict and by what their corrections change."""
+    """Count the claims by recorded verdict and by the effect of their corrections."""
     found = register()
     return {
         "all": len(found),
@@ -51,7 +51,7 @@ def claims() -> dict[str, Any]:
 
 
 def emt() -> dict[str, Any]:
-    """What the studies of chapter 4 found, from their kept tables."""
+    """Return the results of the studies of chapter 4, from their kept tables."""
     printed, ratios, controls = kept.read("printed"), kept.read("ratios"), kept.read("controls")
     alone = ratios[ratios["study"].str.startswith("figure10") & (ratios["what"] == "basal")]
     within = printed.groupby(["preset", "time_h"])["agrees"].agg(["sum", "count"])
@@ -70,13 +70,13 @@ def emt() -> dict[str, Any]:
 
 
 def chart() -> dict[str, Any]:
-    """Who is cheapest, by the complete chart of speed against accuracy."""
+    """Return the cheapest methods by the complete chart of speed against accuracy."""
     winners = cheapest.winners(read_sealed(STUDIES / "work_precision.parquet"), work_precision.FULL)
     return {"summary": cheapest.summary(winners), "wide": cheapest.wide(winners)}
 
 
 def w1() -> dict[str, Any]:
-    """How E W1 of random starts falls with N, from the kept distances."""
+    """Return the decay of E W1 of random starts with N, from the kept distances."""
     means = sampling.means(read_sealed(sampling.FILE))
     exponents, laws = sampling.exponents(means), sampling.laws(means)
     return {
@@ -88,17 +88,17 @@ def w1() -> dict[str, Any]:
 
 
 def percent(value: float, digits: int = 0) -> str:
-    """0.1 as 10 %."""
+    """Format 0.1 as 10 %."""
     return f"{100 * value:.{digits}f} %"
 
 
 def signed(value: float, digits: int = 3) -> str:
-    """A number with so many digits behind the point."""
+    """Format a number with so many digits behind the point."""
     return f"{value:.{digits}f}"
 
 
 def _only(table: pd.DataFrame, **wanted: object) -> pd.Series:
-    """The first row with these values; of ratios the preset is in the name of the study."""
+    """Return the first row with these values; ratios have the preset in the name of the study."""
     rows = table if "preset" in table else table.assign(preset=table["study"].map(preset_of))
     for name, value in wanted.items():
         rows = rows[rows[name] == value]
@@ -106,7 +106,7 @@ def _only(table: pd.DataFrame, **wanted: object) -> pd.Series:
 
 
 def _main_effects(effects: pd.DataFrame) -> dict[str, list[dict[str, Any]]]:
-    """Of each printed ratio the rows that change it, by the ends of their intervals; the largest effect first."""
+    """Return, for each printed ratio, the rows that change it, by their intervals; the largest effect first."""
     main = effects[(effects["with"] == "") & (effects["low"] * effects["high"] > 0)]
     main = main.sort_values("effect", key=abs, ascending=False)
     groups = main.groupby(["scenario", "what"])

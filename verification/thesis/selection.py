@@ -15,7 +15,7 @@ from verification.thesis.register import chapter_of
 def select_claims(
     claims: Iterable[Claim], chapters: Sequence[int] = (), names: Sequence[str] = (), cost: Cost | None = None
 ) -> tuple[Claim, ...]:
-    """Those of the chapters, whose id fits one of the patterns, and that cost no more; empty: all.
+    """Select the claims of the chapters whose id fits one of the patterns, and that cost no more; empty: all.
 
     Raises
     ------
@@ -31,7 +31,7 @@ def select_claims(
 
 
 def tables_for(claims: Iterable[Claim], context: Context) -> Tables:
-    """The tables that the claims read: kept ones, and those of the report's chapters, which are run for them."""
+    """Return the tables that the claims read; chapters of the report are run for tables that do not ship."""
     from verification.page.chapters import CHAPTERS
 
     needed = {name for claim in claims for name in claim.needs}
