@@ -124,7 +124,7 @@ def shrink_junctions(cells: Cells, layers: CellLayers, numbers: Any) -> Cells:
 
 
 def add_noise(cells: Cells, variance: float, noise: Generator) -> Cells:
-    """Twin of ``substeps.add_noise``: for each nucleus first x, then y."""
+    """Reference of ``tissue.model.noise.add_noise``: for each nucleus first x, then y."""
     kicks = math.sqrt(variance) * noise.standard_normal((len(cells.x), 2))
     return cells._replace(x=cells.x + kicks[:, 0], y=cells.y + kicks[:, 1])
 
