@@ -17,6 +17,8 @@ Floats = NDArray[np.float64]
 TINY = 1e-30
 # Half the step of a central difference of numbers that are right to rounding.
 STEP = 1e-5
+# Error of central differences of numbers that are right to rounding; far above it, the least effect of a wrong term.
+TOL, WRONG = 1e-8, 1e-4
 
 
 class System(NamedTuple):
@@ -170,3 +172,8 @@ def wavy_system(m: float) -> System:
         return 0.0 * x[..., 0]
 
     return System(m=m, g=lambda X, y: X + np.sin(X) / 2 - y, W0=nothing, W1=nothing, V=nothing)
+
+
+def with_springs(g: Callable[[Floats, Floats], Floats]) -> System:
+    """A constraint with linear forces F0 = 1 - y, F1 = -0.6 X and no interaction."""
+    return System(0.7, g, lambda y: ((y - 1.0) ** 2).sum() / 2, lambda X: 0.3 * (X**2).sum(-1), lambda r: 0 * r[..., 0])

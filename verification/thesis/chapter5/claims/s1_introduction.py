@@ -10,27 +10,13 @@ import numpy as np
 from verification.claims import Evidence, FormalProof, Verdict, at_least, at_most, equal, proved, put_right
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication
-from verification.thesis.chapter5.claims.s2_3_examples import shifted, with_springs
-from verification.thesis.chapter5.claims.s2_5_inverse import inverses
-from verification.thesis.chapter5.instant import (
-    effective_force,
-    force1,
-)
+from verification.thesis.chapter5.instant import TOL, WRONG, effective_force, force1, with_springs
+from verification.thesis.chapter5.lemmas import inverses
 from verification.thesis.chapter5.wavy import symbolic_soft
 from verification.thesis.text.quoted import claim
 
-# What central differences of numbers that are right to rounding leave.
-TOL = 1e-8
-# Far above it: what a wrong term makes here.
-WRONG = 1e-4
 
-
-@claim(
-    "c5.diffusive-scaling",
-    "The scaling of time and space under which diffusion looks the same.",
-    "section 1",
-    Verdict.CORRECTED,
-)
+@claim("c5.diffusive-scaling", "Diffusion looks the same under (t, x) ↦ (εt, ε²x).", "section 1", Verdict.CORRECTED)
 def _diffusive() -> Evidence:
     """The density of Brownian motion; a scaled one keeps its integral by the factor of x."""
     sp = library()
@@ -54,6 +40,7 @@ def _diffusive() -> Evidence:
     "Scaled positions need not fulfil the constraints that the positions fulfil.",
     "section 1",
     Verdict.PROVED,
+    rests_on=("c5.diffusive-scaling",),
     chosen="εx, too, which c5.diffusive-scaling puts in the place of ε²x",
 )
 def _scaled_positions() -> Evidence:
@@ -70,9 +57,10 @@ def _scaled_positions() -> Evidence:
 
 @claim(
     "c5.inverse-mass",
-    "The inverse mean-field mass changes by no more than a constant times the distance of two measures.",
+    "The inverse mean-field mass changes by at most a constant times the distance of two measures.",
     "section 1",
     Verdict.PROVED,
+    rests_on=("c5.inverse", "c5.elliptic", "c5.integrals"),
 )
 def _inverse_mass() -> Evidence:
     """a = |A^-1|, b = |B^-1| for the masses of two measures, r = |A - B| at most L W by Lemma 5.15."""
@@ -92,9 +80,10 @@ def _inverse_mass() -> Evidence:
 
 @claim(
     "c5.abstract-estimate",
-    "The main estimate: two solutions stay close to each other if they are so at first.",
+    "Two solutions that start close to each other stay close: W₁, ‖y₁ + y₂‖ and ‖ẏ₁ + ẏ₂‖ are bounded.",
     "section 1",
     Verdict.CORRECTED,
+    rests_on=("c5.same-estimate",),
 )
 def _estimate() -> Evidence:
     """Equal solutions, one coordinate."""
@@ -112,26 +101,23 @@ def _estimate() -> Evidence:
     "The results contain those for linear constraints and forces.",
     "section 1",
     Verdict.CORRECTED,
+    rests_on=("c5.effective",),
     tried_on="one spring, g = X − y",
 )
 def _generalises() -> Evidence:
     """Linear forces and g = X - y: the size of F1, and difference quotients of the force on y, near and far."""
-    system = with_springs(shifted().system.g)
-    sizes = [float(np.abs(force1(system, np.array([[x]]))).max()) for x in (1.0, 1e6)]
+    system = with_springs(lambda X, y: X - y)
+    near, far = (float(np.abs(force1(system, np.array([[x]]))).max()) for x in (1.0, 1e6))
 
-    def quotient(x: float) -> float:
-        X = (np.array([[x + s]]) for s in (0.5, -0.5))
-        there, back = (effective_force(system, one, np.ones(1), np.ones(1)).item() for one in X)
+    def slope(x: float) -> float:
+        there, back = (effective_force(system, np.array([[x + s]]), np.ones(1), np.ones(1)).item() for s in (0.5, -0.5))
         return abs(there - back)
 
-    near, far = quotient(1.0), quotient(1e6)
     return Evidence(
-        f"Linear forces are not bounded ({sizes[0]:.1f} at |X| = 1, {sizes[1]:.0e} at 10⁶), so (A1b), (A1d) leave the "
-        f"linear case out. With a constant Φ they need no bound: F_eff has the slope {near:.2f} near, {far:.2f} far.",
-        printed=(at_most("‖F₁‖ of a linear force at 10⁶ over that at 1", sizes[1] / sizes[0], 1.0, TOL),),
+        printed=(at_most("‖F₁‖ of a linear force at |X| = 10⁶ over ‖F₁‖ at |X| = 1", far / near, 1.0, TOL),),
         corrected=(
-            at_least("‖F₁‖ of a linear force at 10⁶", sizes[1], 1 / WRONG),
-            equal("slope of F_eff, far over near", far / near, 1.0, TOL),
+            at_least("‖F₁‖ of a linear force at |X| = 10⁶", far, 1 / WRONG),
+            equal("slope of F_eff at X = 10⁶ over the slope at X = 1, for a constant Φ", slope(1e6) / slope(1), 1, TOL),
         ),
     )
 
@@ -157,6 +143,7 @@ def mass_rates() -> FormalProof:
     "With nonlinear constraints the effective mass changes during the motion.",
     "section 1",
     Verdict.PROVED,
+    rests_on=("c5.effective",),
 )
 def _changing_mass() -> Evidence:
     return proved(mass_rates())

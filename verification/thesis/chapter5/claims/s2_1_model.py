@@ -8,21 +8,11 @@ from typing import Any
 import numpy as np
 
 from verification.claims import Evidence, Verdict, at_least, at_most, proved, put_right
-from verification.formal.algebra import identity, library
-from verification.thesis.chapter5.general import even, pair_force
-from verification.thesis.chapter5.instant import (
-    Floats,
-    System,
-    general_instant,
-    instant,
-    pulls,
-)
+from verification.formal.algebra import identity, library, matrices
+from verification.formal.reals import implication
+from verification.thesis.chapter5.general import even, pair_force, particle
+from verification.thesis.chapter5.instant import TOL, WRONG, Floats, System, general_instant, instant, pulls
 from verification.thesis.text.quoted import claim
-
-# What central differences of numbers that are right to rounding leave.
-TOL = 1e-8
-# Far above it: what a wrong term makes here.
-WRONG = 1e-4
 
 
 def odd(r: Floats) -> Floats:
@@ -35,6 +25,7 @@ def odd(r: Floats) -> Floats:
     "The particles exert no forces on each other.",
     "section 2.1",
     Verdict.CORRECTED,
+    rests_on=("c5.equations",),
 )
 def _non_interacting() -> Evidence:
     at = general_instant()
@@ -42,13 +33,11 @@ def _non_interacting() -> Evidence:
     change, same = float(np.abs(at.a - without.a).max()), float(np.abs(at.U - without.U).max())
     pull = float(np.abs(pulls(at.system, at.X)).max())
     return Evidence(
-        f"By (5.4) and (5.6a) they pull at each other, here with up to {pull:.2f}, which changes ÿ by {change:.2f} "
-        f"(the conclusion too asks to add such forces). Only (5.11b) is without: the velocities change by {same:g}.",
-        printed=(at_most("largest force between two particles", pull, 0.0, TOL),),
+        printed=(at_most("largest force K between two particles, (5.4)", pull, 0.0, TOL),),
         corrected=(
-            at_least("largest force between two particles", pull, WRONG),
-            at_least("change of ÿ by these forces", change, WRONG),
-            at_most("change of Ẋ_i by these forces", same, 0.0, TOL),
+            at_least("largest force K between two particles, (5.4)", pull, WRONG),
+            at_least("change of ÿ by these forces, (5.6a)", change, WRONG),
+            at_most("change of Ẋ_i by these forces, (5.11b)", same, 0.0, TOL),
         ),
     )
 
@@ -58,6 +47,7 @@ def _non_interacting() -> Evidence:
     "The force of a pair is the negative slope of its potential energy.",
     "(5.4)",
     Verdict.PROVED,
+    rests_on=("c5.even-potential",),
     chosen="the gradient of −V, as section 3.3 recalls it: −∇_{X_i} V(X_j − X_i); for the sign c5.pair-force-sign",
 )
 def _pair_force() -> Evidence:
@@ -71,39 +61,31 @@ def _pair_force() -> Evidence:
 
 @claim(
     "c5.even-potential",
-    "The symmetry of the potential energy of a pair.",
+    "The potential energy of a pair is odd: V(−X) = −V(X).",
     "after (5.4)",
     Verdict.CORRECTED,
     tried_on="one even potential",
 )
 def _even() -> Evidence:
+    """V(r) = sum of r^3 fulfils all that is printed, but K is not antisymmetric, against (A2a)."""
     at = general_instant()
 
     def lack(system: System) -> float:
         found = pulls(system, at.X)
         return float(np.abs(found + found.transpose(1, 0, 2)).max())
 
-    printed, right = lack(at.system._replace(V=odd)), lack(at.system)
     pairs = at.X[:, None] - at.X[None]
-    energy = float(abs(odd(pairs).sum()))
     even = float(abs(at.system.V(pairs) - at.system.V(-pairs)).max())
     return Evidence(
-        f"V(r) = Σr³ fulfils all three: then |K(X, X′) + K(X′, X)| is up to {printed:.1f} against (A2a), and the "
-        f"energy of all pairs is {energy:.0e} wherever they are. With V(−X) = V(X) the sum is {right:.0e}.",
-        printed=(at_most("|K(X, X′) + K(X′, X)| for an odd V", printed, 0.0, TOL),),
+        printed=(at_most("|K(X, X′) + K(X′, X)| for the odd V(r) = Σr³", lack(at.system._replace(V=odd)), 0.0, TOL),),
         corrected=(
-            at_most("|K(X, X′) + K(X′, X)| for an even V", right, 0.0, TOL),
-            at_most("|V(r) − V(−r)| of it", even, 0.0, TOL),
+            at_most("|K(X, X′) + K(X′, X)| for an even V", lack(at.system), 0.0, TOL),
+            at_most("|V(r) − V(−r)| of this V", even, 0.0, TOL),
         ),
     )
 
 
-@claim(
-    "c5.lagrangian",
-    "The Lagrangian whose multipliers enforce the constraints.",
-    "(5.8)",
-    Verdict.CORRECTED,
-)
+@claim("c5.lagrangian", "In the Lagrangian each multiplier is multiplied by g(X_j, y).", "(5.8)", Verdict.CORRECTED)
 def _lagrangian() -> Evidence:
     """The slope in lambda at the start, where g has some value."""
     return put_right(
@@ -122,6 +104,7 @@ def _lagrangian() -> Evidence:
     "The equations for the accelerations are those of the Lagrangian.",
     "(5.6a), (5.6b)",
     Verdict.PROVED,
+    rests_on=("c5.lagrangian", "c5.even-potential", "c5.pair-force"),
     chosen="an even 𝒱, as (A2a) needs it; for (5.6c) see c5.lagrangian",
 )
 def _equations() -> Evidence:
@@ -152,4 +135,57 @@ def _equations() -> Evidence:
             residuals,
             "−λ for λ",
         )
+    )
+
+
+@claim(
+    "c5.locally",
+    "With full rank, y fixes each particle as long as it is followed, not among all positions.",
+    "after (5.5)",
+    Verdict.PROVED_INSTANCE,
+    tried_on="g = exp(X) − y in the complex plane",
+)
+def _locally() -> Evidence:
+    """Full rank everywhere, and two positions of one level."""
+    sp = library()
+    a, b = sp.symbols("a b", real=True)
+    g = sp.Matrix([sp.exp(a) * sp.cos(b), sp.exp(a) * sp.sin(b)])
+    return proved(
+        identity(
+            "g = exp(X₁)(cos X₂, sin X₂) − y has det ∂_X g = exp(2X₁) > 0, so X follows y; X and X + (0, 2π) have "
+            "one level",
+            lambda s: [g.jacobian([a, b]).det() - sp.exp(2 * a), *(g.subs(b, b + (1 + s) * sp.pi) - g)],
+            "X and X + (0, 3π)",
+            2,
+        )
+    )
+
+
+@claim(
+    "c5.initial-multipliers",
+    "Positions and the velocity of the macroscopic component fix the multipliers at the start.",
+    "after (5.7)",
+    Verdict.PROVED,
+    rests_on=("c5.equations",),
+)
+def _initial_multipliers() -> Evidence:
+    """The homogeneous equations of accelerations and multipliers, tested with their own solution."""
+    p, (A, AT, aT, level) = particle(), matrices("A AT aT lambda")
+
+    def tested(s: Any) -> Any:
+        first, second = p.m * A + p.GT * level, p.a + s * p.BT * level
+        return AT * first + aT * second - (p.m * AT * A + aT * p.a) - (AT * p.GT + aT * p.BT) * level
+
+    return proved(
+        identity(
+            "of a solution of the homogeneous equations for Ẍ_i, ÿ, λ_i the sum m|Ẍ_i|² + |ÿ|² is −λ_i·(∂_X g Ẍ_i "
+            "+ ∂_y g ÿ)",
+            tested,
+            "−λ_i in the equation of y",
+        ),
+        implication(
+            "as that is 0, Ẍ_i = 0, ÿ = 0 and, ∂_X g having full rank, λ_i = 0: there is one solution",
+            lambda s, m, A2, a2: ([m > 0, A2 >= 0, a2 >= 0, m * A2 + s * a2 == 0], [A2 == 0, a2 == 0]),
+            "m|Ẍ_i|² − |ÿ|² = 0",
+        ),
     )

@@ -5,10 +5,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from verification.claims import Evidence, FormalProof, Verdict, at_least, at_most, proved
+from verification.claims import Evidence, Verdict, at_least, at_most, proved
 from verification.formal.algebra import identity
 from verification.formal.reals import implication
 from verification.thesis.chapter5.instant import Floats
+from verification.thesis.chapter5.lemmas import inverses
 from verification.thesis.text.quoted import claim
 
 ROUNDING = 1e-12
@@ -25,21 +26,12 @@ def elliptic_pairs(rng: np.random.Generator, least: float) -> tuple[Floats, Floa
     return first, second
 
 
-def inverses() -> FormalProof:
-    """Prove the formula for the difference of two inverses, for matrices of any size."""
-    return identity(
-        "A⁻¹ − B⁻¹ = A⁻¹(B − A)B⁻¹",
-        lambda s, A, B: A**-1 - B**-1 - s * A**-1 * (B - A) * B**-1,
-        "A⁻¹(A − B)B⁻¹",
-        words=True,
-    )
-
-
 @claim(
     "c5.inverse",
     "The inverse of a uniformly elliptic matrix is Lipschitz continuous.",
     "Lemma 5.7",
     Verdict.PROVED,
+    rests_on=("c5.inverse-bounded", "c5.inverse-slope", "c5.inverse-proof"),
     chosen="the letters of c5.ellipticity and c5.inverse-values",
 )
 def _inverse() -> Evidence:
@@ -66,7 +58,7 @@ def _inverse() -> Evidence:
 
 @claim(
     "c5.inverse-bounded",
-    "What follows from the least eigenvalue being at least a positive constant.",
+    "If the least eigenvalue of m is at least δ_m, ‖m⁻¹‖ ≤ 1/δ_m and m is bounded.",
     "proof of Lemma 5.7",
     Verdict.CORRECTED,
     tried_on="200 matrices of 3 × 3",
@@ -83,19 +75,25 @@ def _inverse_bounded() -> Evidence:
     inverted = np.asarray(np.linalg.inv(wide), dtype=np.float64)
     grown, inverse = largest(wide) / largest(m), largest(inverted) * LEAST
     return Evidence(
-        f"{SAMPLES} matrices whose eigenvalues are stretched from the least one on: all stay ≥ δ_m = {LEAST}, but ‖m‖ "
-        f"is {grown:.0e} times as large. ‖m⁻¹‖ is {inverse:.2f} of δ_m⁻¹. m is bounded by assumption, not by δ_m.",
-        printed=(at_most("‖m‖ of elliptic matrices, stretched over not", grown, 1.0, ROUNDING),),
-        corrected=(at_most("‖m⁻¹‖ over δ_m⁻¹", inverse, 1.0, DIFFERENCE),),
+        printed=(
+            at_most(
+                "‖m‖ of matrices with eigenvalues ≥ δ_m = 0.3, stretched by 10⁶ over not stretched",
+                grown,
+                1.0,
+                ROUNDING,
+            ),
+        ),
+        corrected=(at_most("‖m⁻¹‖ of the stretched ones over δ_m⁻¹", inverse, 1.0, DIFFERENCE),),
         seed=SEED,
     )
 
 
 @claim(
     "c5.inverse-slope",
-    "The derivative of the inverse and its norm.",
+    "The derivative of the inverse at m in the direction w is −m⁻¹wm⁻¹, of norm at most δ_m⁻².",
     "proof of Lemma 5.7",
     Verdict.PROVED,
+    rests_on=("c5.inverse-bounded",),
     chosen="‖DInv(m(z))‖, see c5.inverse-norm",
 )
 def _slope() -> Evidence:
@@ -118,7 +116,7 @@ def _slope() -> Evidence:
 
 @claim(
     "c5.inverse-proof",
-    "Why the segment between two of the matrices contains no singular one.",
+    "Matrices with positive eigenvalues lie in one connected component, so the mean-value theorem applies.",
     "proof of Lemma 5.7",
     Verdict.CORRECTED,
     tried_on="200 pairs of 3 × 3 matrices",
@@ -130,10 +128,11 @@ def _inverse_proof() -> Evidence:
     left = np.array([[1.0, 4.0], [0.0, 1.0]])
     lowest = min(float(np.linalg.det((1 - s) * left + s * left.T)) for s in np.linspace(0, 1, 21))
     return Evidence(
-        f"Between {SAMPLES} pairs of symmetric matrices with eigenvalues ≥ δ_m = {LEAST} no matrix has one below "
-        f"{symmetric:.3f}. One component is not enough: ((1, 4), (0, 1)) and its transpose have the eigenvalues 1, 1, "
-        f"so both are of the one of det > 0, but det falls to {lowest:.1f} between them.",
-        printed=(at_least("least det between two matrices of one component", lowest, 0.0),),
-        corrected=(at_least("least eigenvalue on segments of symmetric ones", symmetric, LEAST, ROUNDING),),
+        printed=(at_least("least det between ((1, 4), (0, 1)) and its transpose, of eigenvalues 1, 1", lowest, 0.0),),
+        corrected=(
+            at_least(
+                "least eigenvalue between symmetric matrices with eigenvalues ≥ δ_m = 0.3", symmetric, LEAST, ROUNDING
+            ),
+        ),
         seed=SEED,
     )

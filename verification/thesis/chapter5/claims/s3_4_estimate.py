@@ -1,4 +1,4 @@
-"""Chapter 5, sections 3.4 and 4: the stability estimate (5.60) and its constants."""
+"""Chapter 5, sections 2.2, 3.4 and 4: motions, the stability estimate (5.60) and its constants."""
 # ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
@@ -7,18 +7,17 @@ from collections.abc import Callable
 
 import numpy as np
 
-from verification.claims import Evidence, FormalProof, Verdict, at_least, at_most, proved
-from verification.formal.reals import implication
+from verification.claims import Evidence, Verdict, at_least, at_most, proved
+from verification.formal.algebra import identity
 from verification.thesis.chapter5.bounded import FlowState, force, mass
-from verification.thesis.chapter5.claims.s3_4_stability import gronwall
-from verification.thesis.chapter5.instant import Floats
+from verification.thesis.chapter5.general import multiplier, particle
+from verification.thesis.chapter5.instant import WRONG, Floats
+from verification.thesis.chapter5.lemmas import estimate, reduced
 from verification.thesis.chapter5.wavy import runge_kutta, soft
 from verification.thesis.text.quoted import claim
 
 # What steps of a run leave.
 RUN_TOL = 1e-6
-# Far above it: what a force makes here.
-FELT = 1e-4
 # The mass of the particles beside that of the macroscopic component, and how far they are apart at first.
 M, APART = 0.01, 1e-15
 
@@ -40,6 +39,7 @@ def amplified(force: Callable[[float], float], y: float, v: float) -> float:
     "The constants of the stability estimate are the same for all starts of one energy and moment.",
     "Theorem 5.16",
     Verdict.CORRECTED,
+    rests_on=("c5.flow-estimate", "c5.stability-step", "c5.speed-constant-limit"),
     chosen="two point masses, g = sinh(X)e⁻ʸ, W₀ = −y, no other forces",
     tried_on="three starts in one potential ≥ 0",
 )
@@ -53,11 +53,19 @@ def _constants() -> Evidence:
         held.append(amplified(lambda y: float(1 - y / np.sqrt(1 + y**2)), y, v))
     bound = float(np.sqrt(2 * energy))
     return Evidence(
-        f"g = sinh(X)e⁻ʸ, W₀ = −y fulfil (A1) to (A5). Starts (y, ẏ) = (v²/2, v) have E = 0, C_μ = 1, but W₁ = 10⁻¹⁵ "
-        f"grows in a time 1 by e^{falling[0]:.1f} for v = 1, e^{falling[1]:.1f} for v = 10: no C, L fit all. With a "
-        f"potential ≥ 0 it grows by at most e^{max(held):.2f} for E = {energy:g}, below e^√(2E).",
-        printed=(at_most("log of the growth of W₁, v = 10 over v = 1", falling[1] / falling[0], 1.0, RUN_TOL),),
-        corrected=(at_most("log of the growth of W₁, potential ≥ 0", max(held), bound, RUN_TOL),),
+        printed=(
+            at_most(
+                "log(W₁(1)/W₁(0)) for v = 10 over the same for v = 1, W₀ = −y, E = 0, C_μ = 1",
+                falling[1] / falling[0],
+                1.0,
+                RUN_TOL,
+            ),
+        ),
+        corrected=(
+            at_most(
+                "log(W₁(1)/W₁(0)) for W₀ = √(1 + y²) − y, E = 2, three starts, bound √(2E)", max(held), bound, RUN_TOL
+            ),
+        ),
     )
 
 
@@ -72,45 +80,15 @@ def moved(X: Floats, y: float, v: float) -> Floats:
     return np.asarray(runge_kutta(rate, np.concatenate([[y, v], X]), 2.0, 40)[-1])
 
 
-def estimate() -> tuple[FormalProof, ...]:
-    """Prove (5.60) by the rates of its parts, see ``_estimate``, and Lemma 5.17."""
-    return (
-        implication(
-            "the sum of ‖y₁ − y₂‖, ‖ẏ₁ − ẏ₂‖ and ∫‖X₁ − X₂‖ grows at most at the rate L times itself",
-            lambda s, a, b, c, da, db, dc, kx, ky, kv, px, py, pv, L: (
-                [
-                    a >= 0,
-                    b >= 0,
-                    c >= 0,
-                    da <= b,
-                    db <= kx * c + ky * a + kv * b,
-                    dc <= px * c + py * a + pv * b,
-                    kx + px <= L,
-                    ky + py <= L,
-                    s + kv + pv <= L,
-                ],
-                da + db + dc <= L * (a + b + c),
-            ),
-            "L without the 1 of ‖ẏ₁ − ẏ₂‖",
-            0,
-        ),
-        *gronwall(),
-    )
-
-
 @claim(
     "c5.same-estimate",
     "With nonlinear constraints the distance of solutions is at most a multiple of that of their starts.",
     "section 4",
     Verdict.PROVED,
+    rests_on=("c5.flow-estimate", "c5.stability-step", "c5.speed-all-times"),
     chosen="potentials that are bounded below, and starts at rest",
 )
 def _estimate() -> Evidence:
-    """a = |y1 - y2|, b = |v1 - v2|, c = int |X1 - X2| with an optimal coupling of the starts; k are the constants.
-
-    By c5.product and c5.acceleration-lipschitz b' <= kx c + ky a + kv b and c' <= px c + py a + pv b at bounded speed.
-    W1 is at most c, and equal to it at the start.
-    """
     return proved(*estimate())
 
 
@@ -119,6 +97,7 @@ def _estimate() -> Evidence:
     "Forces between particles are an extension that is still to be made.",
     "section 4",
     Verdict.CORRECTED,
+    rests_on=("c5.effective",),
     chosen="the forces of (5.4), within the class of the chapter",
 )
 def _future() -> Evidence:
@@ -129,9 +108,40 @@ def _future() -> Evidence:
     alone = float(np.mean([force(FlowState(X[k : k + 1], np.ones(1), 0.3, v)) for k in range(X.size)]))
     part = abs(together - alone)
     return Evidence(
-        f"(5.4), (5.6a), (5.14) and (5.41b) have forces K between particles: on g = X + sin(X)/2 − y, 𝒱(r) = √(1 + "
-        f"r²), which fulfil (A1) to (A5), F_eff of {X.size} particles is {together:.3f}, of each alone {alone:.3f} in "
-        "the mean. The theorems hold with these forces.",
-        printed=(at_most("part of F_eff by forces between particles", part, 0.0, RUN_TOL),),
-        corrected=(at_least("part of F_eff by forces between particles", part, FELT),),
+        printed=(at_most("part of F_eff of 8 particles by forces between them, (5.41b)", part, 0.0, RUN_TOL),),
+        corrected=(at_least("part of F_eff of 8 particles by forces between them, (5.41b)", part, WRONG),),
     )
+
+
+@claim(
+    "c5.same-motion",
+    "Constrained and reduced equations have the same motions, and the multipliers can be recovered.",
+    "before Proposition 5.1",
+    Verdict.PROVED,
+    rests_on=("c5.effective", "c5.derivation-multipliers"),
+    chosen="the multipliers by (A.12) with K(X_k, X_i), see c5.derivation-multipliers",
+)
+def _same_motion() -> Evidence:
+    """Both directions: elimination of lambda, and lambda of (A.12) put back."""
+    p = particle()
+    return proved(
+        reduced(),
+        identity(
+            "along (5.11a), (5.11b) λ_i of (A.12) fulfils (5.6a)",
+            lambda s: p.m * (p.phi * p.a + s * p.curved) - p.f + p.GT * multiplier(p),
+            "−Ω in Ẍ_i",
+        ),
+    )
+
+
+@claim(
+    "c5.limit-in-time",
+    "More and more particles that stand for a density move y as the mean-field equations do.",
+    "section 3.4",
+    Verdict.PROVED,
+    rests_on=("c5.consistency", "c5.same-estimate"),
+    chosen="an even 𝒱, as (A2a) needs it",
+)
+def _limit() -> Evidence:
+    """The particles are the empirical measure (c5.consistency); its distance from the limit is estimated by (5.60)."""
+    return proved(*estimate())

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment, linprog
 
-from verification.claims import Evidence, FormalProof, Verdict, at_most, proved, put_right
-from verification.formal.algebra import identity, library
+from verification.claims import Evidence, Verdict, at_most, proved, put_right
 from verification.formal.enclosures import balls, not_negative
 from verification.formal.reals import implication
 from verification.thesis.chapter5.instant import Floats
+from verification.thesis.chapter5.lemmas import gronwall, means_apart
 from verification.thesis.chapter5.wavy import M, soft
 from verification.thesis.text.quoted import claim
 
@@ -76,27 +76,11 @@ def _dual() -> Evidence:
         means_apart(),
         not_negative(
             "the best assignment has potentials, so a function ϕ with Lip(ϕ) ≤ 1 whose means differ by its cost "
-            "W₁; maps "
-            "into ℝⁿˣ have no more, e·ϕ being such a function",
+            "W₁; maps into ℝⁿˣ have no more, e·ϕ being such a function",
             lambda s: slack(best if s == 1 else np.arange(len(first))),
             [],
             "another assignment has potentials",
         ),
-    )
-
-
-def means_apart() -> FormalProof:
-    """Prove Lemma 5.15 for one more piece of a plan: w over r = |x - x'|, d = phi(x) - phi(x'), S of cost C."""
-    return implication(
-        "each piece w(ϕ(x) − ϕ(x′)) ≤ Lip(ϕ) w‖x − x′‖ of any transport plan, so |∫ϕ dμ₁ − ∫ϕ dμ₂| ≤ Lip(ϕ) "
-        "times its "
-        "cost, and times the least cost W₁",
-        lambda s, w, r, d, L, S, C: (
-            [w > 0, r > 0, L >= 0, d <= s * L * r, S <= L * C],
-            S + w * d <= L * (C + w * r),
-        ),
-        "ϕ with the constant 2 Lip(ϕ)",
-        2,
     )
 
 
@@ -105,39 +89,15 @@ def means_apart() -> FormalProof:
     "Means of a function differ by no more than its Lipschitz constant times the distance.",
     "Lemma 5.15",
     Verdict.PROVED,
+    rests_on=("c5.dual",),
 )
 def _integrals() -> Evidence:
     return proved(means_apart())
 
 
-def gronwall() -> tuple[FormalProof, FormalProof, FormalProof]:
-    """Prove that a size u with u' <= L u + eps stays below b, b' = L b + eps: (u - b) exp(-L t) falls."""
-    sp = library()
-    t, L, eps, rho = sp.symbols("t L epsilon rho", positive=True)
-    u, b = sp.Function("u")(t), rho * sp.exp(L * t) + eps / L * (sp.exp(L * t) - 1)
-    return (
-        identity(
-            "b = ϱe^{Lt} + ε/L (e^{Lt} − 1) solves ḃ = Lb + ε, b(0) = ϱ",
-            lambda s: [b.diff(t) - L * b - s * eps, b.subs(t, 0) - rho],
-            "−ε",
-        ),
-        identity(
-            "d/dt((u − b)e^{−Lt}) = (u̇ − ḃ − L(u − b))e^{−Lt}",
-            lambda s: ((u - b) * sp.exp(-L * t)).diff(t) - ((u - b).diff(t) - s * L * (u - b)) * sp.exp(-L * t),
-            "+L",
-        ),
-        implication(
-            "which is ≤ 0 if u̇ ≤ Lu + ε: u stays below b",
-            lambda s, du, u, b, L, e: ([L > 0, e >= 0, du <= L * u + e], du - (L * b + s * e) - L * (u - b) <= 0),
-            "ḃ = Lb",
-            0,
-        ),
-    )
-
-
 @claim(
     "c5.fundamental",
-    "How far solutions of two equations move apart.",
+    "Solutions of two equations move apart by at most ϱe^{Lt} + ε/L (e^{Lt} − 1).",
     "Lemma 5.17",
     Verdict.PROVED,
     chosen="z, z′ ∈ A, see c5.fundamental-set",
@@ -148,9 +108,10 @@ def _fundamental() -> Evidence:
 
 @claim(
     "c5.push-forward",
-    "How much the right side changes with the initial measure.",
+    "The right side is Lipschitz continuous in the initial measure with a constant of M_v and C_μ.",
     "proof of Theorem 5.16",
     Verdict.CORRECTED,
+    rests_on=("c5.any-number", "c5.integrals"),
     tried_on="two point masses, φ(x) = 100x",
 )
 def _push_forward() -> Evidence:
@@ -159,19 +120,17 @@ def _push_forward() -> Evidence:
     change = float(M * (soft(np.array(k * apart)) ** 2 - soft(np.zeros(())) ** 2))
     bound = float(np.abs(np.diff(M * soft(LINE) ** 2)).max() / (LINE[1] - LINE[0])) * apart
     return Evidence(
-        f"h contains m_eff(φ#μ, y), not m_eff(μ, y). With φ(x) = {k:g}x ∈ Y two point masses {apart:.3f} apart change "
-        f"it by {change:.4f}, the printed bound is {bound:.4f}: the factor Lip(φ) is missing. Condition (2) of "
-        "Lemma 5.17 holds only for φ of bounded Lip, as flows have it: Lip(Xᵗ) ≤ exp(L_Φ M_v t).",
-        printed=(at_most("change of m_eff(φ#μ, y), bound Lip W₁", change, bound),),
-        corrected=(at_most("change of m_eff(φ#μ, y), bound Lip(φ) Lip W₁", change, k * bound),),
+        printed=(at_most("change of m_eff(φ#μ, y) for φ(x) = 100x, bound Lip(m_eff) W₁", change, bound),),
+        corrected=(at_most("change of m_eff(φ#μ, y) for φ(x) = 100x, bound Lip(φ) Lip(m_eff) W₁", change, k * bound),),
     )
 
 
 @claim(
     "c5.flow-estimate",
-    "How far two solutions and their flows move apart.",
+    "Two solutions and their flows move apart by at most the bound of Lemma 5.17.",
     "(5.64)",
     Verdict.PROVED,
+    rests_on=("c5.fundamental", "c5.right-side", "c5.push-forward"),
     chosen="the letters of c5.flow-norm and c5.flow-constant",
 )
 def _flow_estimate() -> Evidence:
@@ -192,9 +151,10 @@ def _flow_estimate() -> Evidence:
 
 @claim(
     "c5.stability-step",
-    "The distance of the measures by that of the flows and that at the start.",
+    "Two measures are at most C_μ‖X₁ᵗ − X₂ᵗ‖ farther apart than at the start.",
     "(5.65)",
     Verdict.CORRECTED,
+    rests_on=("c5.lipschitz-constants", "c5.integrals"),
 )
 def _stability_step() -> Evidence:
     """One piece of a transport plan from x to z, r = |x - z|: a = |X1(x) - X2(x)|, b = |X2(x) - X2(z)|, L = Lip(X2)."""
