@@ -27,7 +27,7 @@ SUMMED = 0.01
 )
 def _beta() -> Evidence:
     def root(r: Floats) -> Floats:
-        return np.sqrt(1 + (r**2).sum(axis=-1))
+        return np.asarray(np.sqrt(1 + (r**2).sum(axis=-1)))
 
     system, here = general_instant().system._replace(W1=root, V=root), np.array([[2.0]])
     own = force1(system, here).item()
