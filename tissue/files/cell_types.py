@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import ConfigDict, Field, PlainValidator, ValidationInfo, create_model, model_serializer, model_validator
+from pydantic import ConfigDict, Field, ValidationInfo, create_model, model_serializer, model_validator
 
 from tissue.events.known import events
 from tissue.files.emt_sections import TYPESCRIPT, event_keys
-from tissue.files.fields import MOST_CELLS, Begin, Count, Flag, Number, Probability
+from tissue.files.fields import MOST_CELLS, UNIT_INTERVAL, Begin, Check, Flag, Probability, count
 from tissue.files.keys import KeyFacts, facts_of, key
 from tissue.files.parameter_files import TYPE
 from tissue.files.scenario import CellGroup, Scenario
@@ -40,20 +40,11 @@ OWN_KEYS = {
 PAIR_KEYS = ("soft_radius", "alpha_xx", "max_basal_distance")
 
 
-@dataclass(frozen=True)
-class Place:
-    """Where along the tissue a group is."""
-
-    allowed: str = f'a number from 0 to 1, without unit, "{APART}" or "{SCATTERED}"'
-    unit: str = f'0 to 1, "{APART}" or "{SCATTERED}"'
-
-    def __call__(self, raw: Any) -> float | str:
-        if isinstance(raw, str) and raw in (APART, SCATTERED):
-            return raw
-        try:
-            return Number(zero=True, most=1.0)(raw)
-        except ValueError as error:
-            raise ValueError(f"must be {self.allowed}") from error
+PLACE = Check(
+    f'a number from 0 to 1, without unit, "{APART}" or "{SCATTERED}"',
+    f'0 to 1, "{APART}" or "{SCATTERED}"',
+    lambda raw: raw if isinstance(raw, str) and raw in (APART, SCATTERED) else UNIT_INTERVAL.read(raw),
+)
 
 
 def first_of(cells: int, group: int, place: float) -> int:
@@ -73,10 +64,8 @@ class TypeKeys(ParameterSection):
     model_config = ConfigDict(frozen=True, extra="allow", validate_default=True)
     __pydantic_extra__: dict[str, Begin]
 
-    cells: Annotated[int, PlainValidator(Count(MOST_CELLS, least=0))] = key(
-        "cells of this type at the start", "", TYPESCRIPT
-    )
-    place: Annotated[float | str, PlainValidator(Place())] = key(
+    cells: Annotated[int, count(MOST_CELLS, least=0)] = key("cells of this type at the start", "", TYPESCRIPT)
+    place: Annotated[float | str, PLACE] = key(
         f"middle of the group, from left to right; {APART}: evenly over the tissue; {SCATTERED}: at random",
         "",
         TYPESCRIPT,

@@ -5,21 +5,21 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Annotated, Any
 
-from pydantic import ConfigDict, PlainValidator, ValidationInfo, model_validator
+from pydantic import ConfigDict, ValidationInfo, model_validator
 
 from tissue.events.known import built_in, events
 from tissue.files.fields import (
+    EVENT_TIME,
     MOST_CELLS,
     Begin,
-    Count,
     DurationOrZero,
     Events,
-    EventTime,
     Length,
     NonNegative,
-    OneOf,
     Probability,
     Speed,
+    count,
+    one_of,
 )
 from tissue.files.keys import KeyFacts, key
 from tissue.files.sections import ParameterSection
@@ -31,11 +31,8 @@ TYPESCRIPT = "the public TypeScript program"
 
 def event_keys(section: str, of: Iterable[EmtEvent]) -> tuple[KeyFacts, ...]:
     """What is known of the times of events as keys of a section."""
-    time = EventTime()
-    return tuple(
-        KeyFacts(f"{section}.{event.name}", event.meaning, "", event.source, time.unit, time.allowed, NEVER)
-        for event in of
-    )
+    time = EVENT_TIME.unit, EVENT_TIME.allowed
+    return tuple(KeyFacts(f"{section}.{one.name}", one.meaning, "", one.source, *time, NEVER) for one in of)
 
 
 class EmtSection(ParameterSection):
@@ -50,7 +47,7 @@ class EmtSection(ParameterSection):
     model_config = ConfigDict(frozen=True, extra="allow", validate_default=True)
     __pydantic_extra__: dict[str, Begin]
 
-    cells: Annotated[int, PlainValidator(Count(MOST_CELLS, least=0))] = key(
+    cells: Annotated[int, count(MOST_CELLS, least=0)] = key(
         "EMT cells, in the middle of the tissue", "N^EMT", "section 2.2 of chapter 4"
     )
     inm: Probability = key(
@@ -93,7 +90,7 @@ class EventsSection(ParameterSection):
         "",
         'row "[A], [B]: stiffness of the freed spring"',
     )
-    bridge: Annotated[str, PlainValidator(OneOf(("sum", "distance")))] = key(
+    bridge: Annotated[str, one_of("sum", "distance")] = key(
         "rest length of the junction that bridges a cell after [A]: that of the two removed, or the distance",
         "",
         "section 2.2.1 of chapter 4",
@@ -103,7 +100,7 @@ class EventsSection(ParameterSection):
     )
     run_speed: Speed = key("speed of the basal point in [P]", "v^run", "(4.1)")
     run_depth: Length = key("depth below the basal layer at which its run ends", "", "(4.1)")
-    spring_above: Annotated[str, PlainValidator(OneOf(("no force", "gives way")))] = key(
+    spring_above: Annotated[str, one_of("no force", "gives way")] = key(
         "basal-nuclei spring in [P] while the basal point is above the layer", "", "section 2.2.4 of chapter 4"
     )
     contraction: DurationOrZero = key(
@@ -114,6 +111,4 @@ class EventsSection(ParameterSection):
     together: Events = key(
         "events that begin in all cells of a type at the time of the first of them", "", TYPESCRIPT, []
     )
-    at_depth: Annotated[str, PlainValidator(OneOf(("stays", "forces")))] = key(
-        "what the basal point does at run_depth", "", "(4.1)"
-    )
+    at_depth: Annotated[str, one_of("stays", "forces")] = key("what the basal point does at run_depth", "", "(4.1)")

@@ -1,21 +1,19 @@
-"""What the values of a parameter file may be: calling one of these checks a value and returns it, or says why not.
-
-Each says what is ``allowed``, for messages, and in which ``unit`` values are kept or of what kind they are, for lists.
-"""
+"""What the values of a parameter file may be: a ``Check`` reads a value, or says what is allowed."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 from numbers import Integral, Real
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import PlainSerializer, PlainValidator
+from pydantic_core import CoreSchema, core_schema
 
 from tissue.events.division import division_rules
 from tissue.events.known import events
-from tissue.files.own_modules import ModuleFiles
+from tissue.files.own_modules import MODULES, read_modules
 from tissue.files.timing import ALLOWED, Timing, timing
 from tissue.files.units import (
     DIFFUSION,
@@ -38,261 +36,211 @@ PURE = 'without unit, such as 0.2 or "1/5"'
 
 
 @dataclass(frozen=True)
-class Number:
-    """A pure number from 0, or > 0, to ``most``, or a fraction as text."""
+class Check:
+    """One kind of values, as metadata of a field of pydantic.
 
-    zero: bool
-    most: float = LARGEST
+    Attributes
+    ----------
+    says
+        What is allowed, for messages; a function where this depends on what is registered.
+    unit
+        In which values are kept, or of what kind they are, for lists.
+    read
+        Returns the value that a file gives, or raises ValueError, whose text is the reason or empty.
+    write
+        The value as a file has it; None: as it is.
+    options
+        All values, where these are a few.
+    """
 
-    @property
-    def unit(self) -> str:
-        return "number" if self.most == LARGEST else f"0 to {self.most:g}"
-
-    @property
-    def allowed(self) -> str:
-        if self.most < LARGEST:
-            return f"a number from 0 to {self.most:g}, {PURE}"
-        return f"a number {'>= 0' if self.zero else '> 0'}, {PURE}"
-
-    def __call__(self, raw: Any) -> float:
-        raw = number(raw)
-        if not _is(Real, raw) or not _signed(raw, self.zero):
-            raise ValueError(f"must be {self.allowed}")
-        if self.most < LARGEST and raw > self.most:
-            raise ValueError(f"must be {self.allowed}")
-        _check_size(raw, self.allowed, "")
-        return abs(float(raw))  # one way to write zero
-
-
-@dataclass(frozen=True)
-class Quantity:
-    """A quantity >= 0, or > 0, given as text with its unit."""
-
-    dimension: Dimension
-    zero: bool
-
-    @property
-    def unit(self) -> str:
-        return " or ".join(self.dimension.units)
+    says: str | Callable[[], str]
+    unit: str
+    read: Callable[[Any], Any]
+    write: Callable[[Any], Any] | None = None
+    options: tuple[Any, ...] = ()
 
     @property
     def allowed(self) -> str:
-        bound = ">= 0" if self.zero else "> 0"
-        return f"a {self.dimension.name} {bound} with its unit, such as {self.dimension.examples}"
-
-    def __call__(self, raw: Any) -> Measure:
-        try:
-            measure = parse(raw, self.dimension)
-        except ValueError as error:
-            raise ValueError(f"must be {self.allowed}; {error}") from error
-        if not _signed(measure.value, self.zero):
-            raise ValueError(f"must be {self.allowed}")
-        _check_size(measure.value, self.allowed, f" {measure.unit}")
-        return Measure(abs(measure.value), measure.unit)
-
-
-@dataclass(frozen=True)
-class Cap:
-    """A length > 0, or none."""
-
-    allowed: str = f'"{NONE}", or {Quantity(LENGTH, zero=False).allowed}'
-    unit: str = Quantity(LENGTH, zero=False).unit
-
-    def __call__(self, raw: Any) -> Measure | None:
-        if raw == NONE:
-            return None
-        try:
-            return Quantity(LENGTH, zero=False)(raw)
-        except ValueError as error:
-            _, _, reason = str(error).partition("; ")
-            raise ValueError(f"must be {self.allowed}{'; ' + reason if reason else ''}") from error
-
-
-@dataclass(frozen=True)
-class Count:
-    """A whole number from ``least`` to ``most``."""
-
-    most: int
-    least: int = 1
-
-    @property
-    def unit(self) -> str:
-        return "whole number"
-
-    @property
-    def allowed(self) -> str:
-        return f"a whole number from {self.least} to {self.most}"
-
-    def __call__(self, raw: Any) -> int:
-        if not _is(Integral, raw) or not self.least <= raw <= self.most:
-            raise ValueError(f"must be {self.allowed}")
-        return int(raw)
-
-
-@dataclass(frozen=True)
-class EventTime:
-    """When an event begins, see ``tissue.files.timing``."""
-
-    allowed: str = ALLOWED
-    unit: str = "h, %"
-
-    def __call__(self, raw: Any) -> Timing:
-        try:
-            found = timing(raw)
-        except ValueError as error:
-            raise ValueError(f"must be {self.allowed}; {error}") from error
-        if found.low is not None and found.high is not None:
-            for time in (found.low, found.high):
-                _check_size(time.value, self.allowed, f" {time.unit}")
-        return found
-
-
-@dataclass(frozen=True)
-class OneOf:
-    """One of a few values."""
-
-    options: tuple[str | int | bool, ...]
-
-    @property
-    def unit(self) -> str:
-        return self.allowed
-
-    @property
-    def allowed(self) -> str:
-        return " or ".join(f'"{option}"' if isinstance(option, str) else f"{option}".lower() for option in self.options)
+        """The values that are allowed, in words."""
+        return self.says if isinstance(self.says, str) else self.says()
 
     def __call__(self, raw: Any) -> Any:
-        if not any(type(raw) is type(option) and raw == option for option in self.options):
-            raise ValueError(f"must be {self.allowed}")
-        return raw
+        """Return the value; raises ValueError with what is allowed."""
+        try:
+            return self.read(raw)
+        except ValueError as error:
+            reason = f"; {error}" if str(error) else ""
+            raise ValueError(f"must be {self.allowed}{reason}") from error
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
+        """Tell pydantic to read and write values by this check alone."""
+        written = core_schema.plain_serializer_function_ser_schema(self.write) if self.write else None
+        return core_schema.no_info_plain_validator_function(self, serialization=written)
 
 
-@dataclass(frozen=True)
-class DivisionName:
-    """The name of a rule of divisions."""
+def pure_number(*, zero: bool, most: float = LARGEST) -> Check:
+    """Return the check of a pure number from 0, or > 0, to ``most``, or a fraction as text."""
 
-    unit: str = "a name"
+    def read(raw: Any) -> float:
+        raw = number(raw)
+        if not _is(Real, raw) or not _signed(raw, zero) or (most < LARGEST and raw > most):
+            raise ValueError
+        return abs(float(_sized(raw)))  # one way to write zero
 
-    @property
-    def allowed(self) -> str:
-        return OneOf(tuple(division_rules())).allowed
-
-    def __call__(self, raw: Any) -> str:
-        return str(OneOf(tuple(division_rules()))(raw))
-
-
-@dataclass(frozen=True)
-class ListedEvents:
-    """Names of events."""
-
-    unit: str = "names of events"
-
-    @property
-    def allowed(self) -> str:
-        return f'a list of names of events, {", ".join(event.name for event in events())}, such as ["a"]'
-
-    def __call__(self, raw: Any) -> tuple[str, ...]:
-        names = {event.name for event in events()}
-        if not isinstance(raw, (list, tuple)) or not all(isinstance(one, str) and one in names for one in raw):
-            raise ValueError(f"must be {self.allowed}")
-        return tuple(dict.fromkeys(raw))
+    bound = f"from 0 to {most:g}" if most < LARGEST else ">= 0" if zero else "> 0"
+    return Check(f"a number {bound}, {PURE}", f"0 to {most:g}" if most < LARGEST else "number", read)
 
 
-@dataclass(frozen=True)
-class Span:
+def quantity(dimension: Dimension, *, zero: bool) -> Check:
+    """Return the check of a quantity >= 0, or > 0, given as text with its unit."""
+
+    def read(raw: Any) -> Measure:
+        measure = parse(raw, dimension)
+        if not _signed(measure.value, zero):
+            raise ValueError
+        return Measure(abs(_sized(measure.value, f" {measure.unit}")), measure.unit)
+
+    says = f"a {dimension.name} {'>= 0' if zero else '> 0'} with its unit, such as {dimension.examples}"
+    return Check(says, " or ".join(dimension.units), read, str)
+
+
+def count(most: int, least: int = 1) -> Check:
+    """Return the check of a whole number from ``least`` to ``most``."""
+
+    def read(raw: Any) -> int:
+        if not _is(Integral, raw) or not least <= raw <= most:
+            raise ValueError
+        return int(raw)
+
+    return Check(f"a whole number from {least} to {most}", "whole number", read)
+
+
+def one_of(*options: str | int | bool) -> Check:
+    """Return the check of one of a few values."""
+    return Check(_choice(options), _choice(options), lambda raw: _chosen(raw, options), options=options)
+
+
+def _choice(options: tuple[Any, ...]) -> str:
+    return " or ".join(f'"{option}"' if isinstance(option, str) else f"{option}".lower() for option in options)
+
+
+def _chosen(raw: Any, options: tuple[Any, ...]) -> Any:
+    if not any(type(raw) is type(option) and raw == option for option in options):
+        raise ValueError
+    return raw
+
+
+def _read_cap(raw: Any) -> Measure | None:
+    return None if raw == NONE else _LENGTH.read(raw)
+
+
+def _read_time(raw: Any) -> Timing:
+    found = timing(raw)
+    for time in (found.low, found.high):
+        if time is not None:
+            _sized(time.value, f" {time.unit}")
+    return found
+
+
+def _event_names() -> str:
+    return f'a list of names of events, {", ".join(event.name for event in events())}, such as ["a"]'
+
+
+def _read_events(raw: Any) -> tuple[str, ...]:
+    names = {event.name for event in events()}
+    if not isinstance(raw, (list, tuple)) or not all(isinstance(one, str) and one in names for one in raw):
+        raise ValueError
+    return tuple(dict.fromkeys(raw))
+
+
+def _read_span(raw: Any) -> tuple[float, float]:
     """Parts of the height; a nucleus on a layer might have no direction to its basal or apical point."""
-
-    allowed: str = 'a list of two fractions 0 <= low <= high <= 1, not both 0 and not both 1, such as [0, "1/3"]'
-    unit: str = "two fractions"
-
-    def __call__(self, raw: Any) -> tuple[float, float]:
-        pair = tuple(map(number, raw)) if isinstance(raw, (list, tuple)) else ()
-        if len(pair) != 2 or not all(_is(Real, part) for part in pair):
-            raise ValueError(f"must be {self.allowed}")
-        low, high = pair
-        if not 0 <= low <= high <= 1 or high == 0 or low == 1:
-            raise ValueError(f"must be {self.allowed}")
-        return abs(float(low)), float(high)
+    pair = tuple(map(number, raw)) if isinstance(raw, (list, tuple)) else ()
+    if len(pair) != 2 or not all(_is(Real, part) for part in pair):
+        raise ValueError
+    low, high = pair
+    if not 0 <= low <= high <= 1 or high == 0 or low == 1:
+        raise ValueError
+    return abs(float(low)), float(high)
 
 
-@dataclass(frozen=True)
-class KeptTimes:
-    """The time between kept states, or the kept times themselves."""
-
-    allowed: str = (
-        'a duration > 0 with its unit, such as "1 h", or a list of rising times > 0, such as ["10 h", "24 h"]'
-    )
-    unit: str = "h"
-
-    def __call__(self, raw: Any) -> Measure | tuple[Measure, ...]:
-        several = isinstance(raw, (list, tuple))
-        try:
-            times = tuple(map(Quantity(DURATION, zero=False), raw if several else [raw]))
-        except ValueError as error:
-            _, _, reason = str(error).partition("; ")
-            raise ValueError(f"must be {self.allowed}{'; ' + reason if reason else ''}") from error
-        if not times or any(late.value <= early.value for early, late in pairwise(times)):
-            raise ValueError(f"must be {self.allowed}")
-        return times if several else times[0]
+def _read_output_times(raw: Any) -> Measure | tuple[Measure, ...]:
+    several = isinstance(raw, (list, tuple))
+    times = tuple(map(_DURATION.read, raw if several else [raw]))
+    if not times or any(late.value <= early.value for early, late in pairwise(times)):
+        raise ValueError
+    return times if several else times[0]
 
 
-@dataclass(frozen=True)
-class Places:
-    """Points of the plane."""
-
-    allowed: str = 'a list of points, each of two lengths with unit, such as [["0 um", "0 um"], ["50 um", "-10 um"]]'
-    unit: str = "points of two lengths"
-
-    def __call__(self, raw: Any) -> tuple[tuple[Measure, Measure], ...]:
-        if not isinstance(raw, (list, tuple)) or not all(isinstance(p, (list, tuple)) and len(p) == 2 for p in raw):
-            raise ValueError(f"must be {self.allowed}")
-        try:
-            points = tuple((parse(x, LENGTH), parse(y, LENGTH)) for x, y in raw)
-        except ValueError as error:
-            raise ValueError(f"must be {self.allowed}; {error}") from error
-        for measure in (part for point in points for part in point):
-            _check_size(abs(measure.value), self.allowed, f" {measure.unit}")
-        return points
+def _read_points(raw: Any) -> tuple[tuple[Measure, Measure], ...]:
+    if not isinstance(raw, (list, tuple)) or not all(isinstance(p, (list, tuple)) and len(p) == 2 for p in raw):
+        raise ValueError
+    points = tuple((parse(x, LENGTH), parse(y, LENGTH)) for x, y in raw)
+    for measure in (part for point in points for part in point):
+        _sized(abs(measure.value), f" {measure.unit}")
+    return points
 
 
 def _is(kind: type, raw: Any) -> bool:
-    """Whether this is a number of the kind; true and false are none."""
+    """Return whether this is a number of the kind; true and false are none."""
     return isinstance(raw, kind) and not isinstance(raw, (bool, np.timedelta64))  # that is one for Python
 
 
 def _signed(value: Any, zero: bool) -> bool:
-    """Whether a number, which may be NaN, has the sign that is allowed."""
+    """Return whether a number, which may be NaN, has the sign that is allowed."""
     return bool(value >= 0 if zero else value > 0)
 
 
-def _check_size(value: Any, allowed: str, unit: str) -> None:
+def _sized(value: Any, unit: str = "") -> Any:
+    """Return a number; raises ValueError for a size that cannot be computed with."""
     if value != 0 and not SMALLEST <= value <= LARGEST:
-        raise ValueError(f"must be {allowed}; only sizes from {SMALLEST:g} to {LARGEST:g}{unit} can be computed with")
+        raise ValueError(f"only sizes from {SMALLEST:g} to {LARGEST:g}{unit} can be computed with")
+    return value
 
 
-_TEXT = PlainSerializer(str)
-_TEXTS = PlainSerializer(lambda kept: str(kept) if isinstance(kept, Measure) else [str(time) for time in kept])
-MetricLength = Annotated[Measure, PlainValidator(Quantity(METRIC_LENGTH, zero=False)), _TEXT]
-Length = Annotated[Measure, PlainValidator(Quantity(LENGTH, zero=False)), _TEXT]
-LengthOrZero = Annotated[Measure, PlainValidator(Quantity(LENGTH, zero=True)), _TEXT]
-LengthOrNone = Annotated[Measure | None, PlainValidator(Cap()), PlainSerializer(lambda cap: str(cap or NONE))]
-Duration = Annotated[Measure, PlainValidator(Quantity(DURATION, zero=False)), _TEXT]
-DurationOrZero = Annotated[Measure, PlainValidator(Quantity(DURATION, zero=True)), _TEXT]
-Speed = Annotated[Measure, PlainValidator(Quantity(SPEED, zero=False)), _TEXT]
-RateOrZero = Annotated[Measure, PlainValidator(Quantity(RATE, zero=True)), _TEXT]
-DiffusionOrZero = Annotated[Measure, PlainValidator(Quantity(DIFFUSION, zero=True)), _TEXT]
-Kept = Annotated[Measure | tuple[Measure, ...], PlainValidator(KeptTimes()), _TEXTS]
-Begin = Annotated[Timing, PlainValidator(EventTime()), _TEXT]
-Positive = Annotated[float, PlainValidator(Number(zero=False))]
-NonNegative = Annotated[float, PlainValidator(Number(zero=True))]
-Probability = Annotated[float, PlainValidator(Number(zero=True, most=1.0))]
-Flag = Annotated[bool, PlainValidator(OneOf((True, False)))]
-Points = Annotated[
-    tuple[tuple[Measure, Measure], ...],
-    PlainValidator(Places()),
-    PlainSerializer(lambda points: [[str(x), str(y)] for x, y in points]),
-]
-DivisionRuleName = Annotated[str, PlainValidator(DivisionName())]
-Modules = Annotated[tuple[str, ...], PlainValidator(ModuleFiles()), PlainSerializer(list)]
-Fractions = Annotated[tuple[float, float], PlainValidator(Span()), PlainSerializer(list)]
-Events = Annotated[tuple[str, ...], PlainValidator(ListedEvents()), PlainSerializer(list)]
+_LENGTH, _DURATION = quantity(LENGTH, zero=False), quantity(DURATION, zero=False)
+EVENT_TIME = Check(ALLOWED, "h, %", _read_time, str)
+NUMBER_OR_ZERO = pure_number(zero=True)
+UNIT_INTERVAL = pure_number(zero=True, most=1.0)
+_CAP = Check(f'"{NONE}", or {_LENGTH.allowed}', _LENGTH.unit, _read_cap, lambda cap: str(cap or NONE))
+_OUTPUT_TIMES = Check(
+    'a duration > 0 with its unit, such as "1 h", or a list of rising times > 0, such as ["10 h", "24 h"]',
+    "h",
+    _read_output_times,
+    lambda times: str(times) if isinstance(times, Measure) else [str(time) for time in times],
+)
+_POINTS = Check(
+    'a list of points, each of two lengths with unit, such as [["0 um", "0 um"], ["50 um", "-10 um"]]',
+    "points of two lengths",
+    _read_points,
+    lambda points: [[str(x), str(y)] for x, y in points],
+)
+_SPAN = Check(
+    'a list of two fractions 0 <= low <= high <= 1, not both 0 and not both 1, such as [0, "1/3"]',
+    "two fractions",
+    _read_span,
+    list,
+)
+_RULE = Check(
+    lambda: _choice(tuple(division_rules())), "a name", lambda raw: str(_chosen(raw, tuple(division_rules())))
+)
+MetricLength = Annotated[Measure, quantity(METRIC_LENGTH, zero=False)]
+Length = Annotated[Measure, _LENGTH]
+LengthOrZero = Annotated[Measure, quantity(LENGTH, zero=True)]
+LengthOrNone = Annotated[Measure | None, _CAP]
+Duration = Annotated[Measure, _DURATION]
+DurationOrZero = Annotated[Measure, quantity(DURATION, zero=True)]
+Speed = Annotated[Measure, quantity(SPEED, zero=False)]
+RateOrZero = Annotated[Measure, quantity(RATE, zero=True)]
+DiffusionOrZero = Annotated[Measure, quantity(DIFFUSION, zero=True)]
+OutputTimes = Annotated[Measure | tuple[Measure, ...], _OUTPUT_TIMES]
+Begin = Annotated[Timing, EVENT_TIME]
+Positive = Annotated[float, pure_number(zero=False)]
+NonNegative = Annotated[float, NUMBER_OR_ZERO]
+Probability = Annotated[float, UNIT_INTERVAL]
+Flag = Annotated[bool, one_of(True, False)]
+Points = Annotated[tuple[tuple[Measure, Measure], ...], _POINTS]
+DivisionRuleName = Annotated[str, _RULE]
+Modules = Annotated[tuple[str, ...], Check(MODULES, "files", read_modules, list)]
+Fractions = Annotated[tuple[float, float], _SPAN]
+Events = Annotated[tuple[str, ...], Check(_event_names, "names of events", _read_events, list)]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pydantic import ConfigDict
 
-from tissue.files.fields import NonNegative, Number
+from tissue.files.fields import NUMBER_OR_ZERO, NonNegative
 from tissue.files.keys import KeyFacts
 from tissue.files.sections import ParameterSection
 from tissue.plugins import Force, registered
@@ -22,10 +22,9 @@ class ForcesSection(ParameterSection):
     @classmethod
     def further_keys(cls) -> tuple[KeyFacts, ...]:
         """All forces that are registered."""
-        plain = Number(zero=True)
+        plain = NUMBER_OR_ZERO.unit, NUMBER_OR_ZERO.allowed
         return tuple(
-            KeyFacts(f"forces.{force.name}", force.meaning, "", force.source, plain.unit, plain.allowed, 0)
-            for force in registered(Force)
+            KeyFacts(f"forces.{one.name}", one.meaning, "", one.source, *plain, 0) for one in registered(Force)
         )
 
     def acting(self) -> tuple[tuple[Force, float], ...]:

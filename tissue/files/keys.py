@@ -94,7 +94,7 @@ def heading(fields: type[BaseModel]) -> str:
 
 def facts_of(name: str, field: Any) -> KeyFacts:
     """What the field of a section says of its key."""
-    check = field.metadata[0].func
+    check = field.metadata[0]
     default = NOTHING if field.is_required() else field.default
     return KeyFacts(
         name,
@@ -103,5 +103,5 @@ def facts_of(name: str, field: Any) -> KeyFacts:
         unit=check.unit,
         allowed=check.allowed,
         default=default,
-        options=getattr(check, "options", ()),
+        options=check.options,
     )

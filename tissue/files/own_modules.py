@@ -5,41 +5,33 @@ from __future__ import annotations
 import sys
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from importlib.util import find_spec, module_from_spec, spec_from_file_location
 from pathlib import Path
 from typing import Any
 
 from dincl.errors import InvalidProblem
 
+MODULES = 'a list of files of Python, such as ["my_module.py"]'
 
-@dataclass(frozen=True)
-class ModuleFiles:
-    """Files of Python, which are imported: what they register may be named by the other values."""
 
-    allowed: str = 'a list of files of Python, such as ["my_module.py"]'
-    unit: str = "files"
-
-    def __call__(self, raw: Any) -> tuple[str, ...]:
-        if not isinstance(raw, (list, tuple)) or not all(isinstance(file, str) for file in raw):
-            raise ValueError(f"must be {self.allowed}")
-        files = [Path(file).resolve() for file in raw]
-        for file in files:
-            try:
-                imported(file)
-            except InvalidProblem as error:
-                raise ValueError(f"must be {self.allowed}; {error}") from error
-        return tuple(map(str, files))
+def read_modules(raw: Any) -> tuple[str, ...]:
+    """Import files of Python: the other values may name what they register; raises ValueError for none."""
+    if not isinstance(raw, (list, tuple)) or not all(isinstance(file, str) for file in raw):
+        raise ValueError
+    files = [Path(file).resolve() for file in raw]
+    for file in files:
+        imported(file)
+    return tuple(map(str, files))
 
 
 def bring(modules: Any) -> None:
-    """Import modules, so that their names are known; what is wrong with them is said where their key is checked."""
+    """Import modules, so that their names are known; errors are raised where their key is checked."""
     with suppress(ValueError):
-        ModuleFiles()(modules or [])
+        read_modules(modules or [])
 
 
 def placed(tables: Mapping[str, Any], folder: Path, before: Sequence[str] = ()) -> dict[str, Any]:
-    """The tables of a file, with the files in ``own.modules`` relative to its folder, behind those of its base."""
+    """Return the tables of a file, its ``own.modules`` relative to its folder and behind those of its base."""
     own = tables.get("own")
     if not isinstance(own, Mapping) or not isinstance(own.get("modules"), (list, tuple)):
         return dict(tables)

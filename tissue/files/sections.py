@@ -9,30 +9,30 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, PlainValidator, ValidationInfo, field_validator
+from pydantic import BaseModel, ConfigDict, ValidationInfo, field_validator
 
 from tissue.events.division import BESIDE
 from tissue.files.fields import (
     MOST_CELLS,
-    Count,
     DiffusionOrZero,
     DivisionRuleName,
     Duration,
     DurationOrZero,
     Flag,
     Fractions,
-    Kept,
     Length,
     LengthOrNone,
     LengthOrZero,
     MetricLength,
     Modules,
     NonNegative,
-    OneOf,
+    OutputTimes,
     Points,
     Positive,
     Probability,
     RateOrZero,
+    count,
+    one_of,
 )
 from tissue.files.keys import KeyFacts, key
 
@@ -83,7 +83,7 @@ class OwnSection(ParameterSection):
 class TissueSection(ParameterSection):
     """[tissue]: the layer of cells at the start, and its noise."""
 
-    cells: Annotated[int, PlainValidator(Count(MOST_CELLS))] = key("cells at the start", "N^init", TABLE_1)
+    cells: Annotated[int, count(MOST_CELLS)] = key("cells at the start", "N^init", TABLE_1)
     height: Length = key("height of the tissue at the start", "h^init", TABLE_1)
     width: Length = key("width of the box of the nuclei at the start", "w^init", TABLE_1)
     apical_spacing: Length = key("distance between apical points at the start", "d^init-apical", TABLE_1)
@@ -99,7 +99,7 @@ class TissueSection(ParameterSection):
         "Table 1 and section 2.2.5 of chapter 3",
     )
     diffusion: DiffusionOrZero = key("diffusion coefficient of the noise of nuclei", "D", f"{TABLE_1}, (3.17)")
-    dimension: Annotated[int, PlainValidator(OneOf((2, 3)))] = key(
+    dimension: Annotated[int, one_of(2, 3)] = key(
         "dimension: a slice of the tissue, or the tissue in space, as [space] tells", "", SPATIAL, 2
     )
 
@@ -144,19 +144,17 @@ class NumericsSection(ParameterSection):
     """[numerics]: the steps, and what is kept of a run."""
 
     dt: Duration = key("time between updates of rules and events", "Delta t", TABLE_3)
-    substeps: Annotated[int, PlainValidator(Count(MOST_CELLS))] = key(
-        "PBD steps in one dt", "n^sub-steps", f"{TABLE_5}, (3.34)"
-    )
+    substeps: Annotated[int, count(MOST_CELLS)] = key("PBD steps in one dt", "n^sub-steps", f"{TABLE_5}, (3.34)")
     mu: Duration = key("damping coefficient", "mu", f"{TABLE_5}, (3.33)")
-    noise: Annotated[str, PlainValidator(OneOf(("step", "substep")))] = key("how often noise is added", "", "(3.35)")
+    noise: Annotated[str, one_of("step", "substep")] = key("how often noise is added", "", "(3.35)")
     t_end: Duration = key("end of the run", "t^end", 'row "end of runs"')
-    keep: Kept = key("time between kept states, or the kept times; start and end are kept in any case")
+    keep: OutputTimes = key("time between kept states, or the kept times; start and end are kept in any case")
 
 
 class RulesSection(ParameterSection):
     """[rules]: where the variants of the model differ in more than a number."""
 
-    spring_power: Annotated[int, PlainValidator(OneOf((1, 2)))] = key(
+    spring_power: Annotated[int, one_of(1, 2)] = key(
         "power of l in the energy alpha (d - l)^2/l^p of a cytoskeleton spring", "", "(3.9), (3.10)"
     )
     junction_factor: NonNegative = key("stiffness of a junction over the mean alpha_aa of its two cells", "", "(3.11)")
@@ -164,7 +162,7 @@ class RulesSection(ParameterSection):
     floor_rest_length: Flag = key(
         "whether the desired rest length is max(0, d - R_soft) in place of d - R_soft", "", "section 2.2.2 of chapter 3"
     )
-    enlarge_from: Annotated[str, PlainValidator(OneOf(("mitosis", "G2")))] = key(
+    enlarge_from: Annotated[str, one_of("mitosis", "G2")] = key(
         "phase in which the enlarged radius begins", "", "(3.4)"
     )
     g2_stiffening: NonNegative = key(
@@ -180,12 +178,12 @@ class RulesSection(ParameterSection):
 class LayerSection(ParameterSection):
     """[layer]: the basal layer, a line in the thesis."""
 
-    shape: Annotated[str, PlainValidator(OneOf(("line", "circle", "ellipse", "points", "sphere")))] = key(
+    shape: Annotated[str, one_of("line", "circle", "ellipse", "points", "sphere")] = key(
         "shape of the basal layer; in space a line is a plane, a circle a cylinder", "", CURVED, "line"
     )
     perimeter: Length = key("perimeter of the circle, ellipse or sphere", "", CURVED, "300 um")
     aspect: Positive = key("vertical half axis of the ellipse over the horizontal one", "", CURVED, 1)
-    side: Annotated[str, PlainValidator(OneOf(("inside", "outside")))] = key(
+    side: Annotated[str, one_of("inside", "outside")] = key(
         "side of a closed curve on which the tissue is", "", CURVED, "inside"
     )
     closed: Flag = key("whether the tissue is a closed tube; else it is an arc, or an open curve", "", CURVED, False)
@@ -206,13 +204,13 @@ class SpaceSection(ParameterSection):
     emt.ac                "never": chains of cells are of a slice alone
     """
 
-    rows: Annotated[int, PlainValidator(Count(MOST_CELLS, least=0))] = key(
+    rows: Annotated[int, count(MOST_CELLS, least=0)] = key(
         "rows of cells across the sheet or along the cylinder, an even number; 0: a sheet that is about square",
         "",
         SPATIAL,
         0,
     )
-    boundary: Annotated[str, PlainValidator(OneOf(("periodic", "open")))] = key(
+    boundary: Annotated[str, one_of("periodic", "open")] = key(
         "what is beyond the ends of a plane or of a cylinder: the tissue again, or nothing", "", SPATIAL, "periodic"
     )
     flip_margin: Probability = key(
@@ -221,7 +219,7 @@ class SpaceSection(ParameterSection):
         SPATIAL,
         0.1,
     )
-    new_rest: Annotated[str, PlainValidator(OneOf(("mean", "distance")))] = key(
+    new_rest: Annotated[str, one_of("mean", "distance")] = key(
         "rest length of the junction of new neighbours: the mean of the four around, or their distance",
         "",
         SPATIAL,
@@ -249,7 +247,7 @@ class DivisionSection(ParameterSection):
 class StartSection(ParameterSection):
     """[start]: where the nuclei are."""
 
-    nuclei: Annotated[str, PlainValidator(OneOf(("box", "even", "own_basal")))] = key(
+    nuclei: Annotated[str, one_of("box", "even", "own_basal")] = key(
         "rule of the horizontal places of nuclei", "", 'row "nuclei at start"'
     )
     nuclei_height: Fractions = key("parts of the height between which nuclei begin", "", 'row "nuclei at start"')
@@ -264,4 +262,4 @@ class DahaSection(ParameterSection):
     c: Positive = key("damping", "c", f"{TABLE_4}, (3.25)")
     dtau: Positive = key("step", "Delta tau", f"{TABLE_4}, (3.25)")
     eps: Positive = key("relative move at which the iteration ends", "epsilon", f"{TABLE_4}, (3.24)")
-    most_iterations: Annotated[int, PlainValidator(Count(1_000_000_000))] = key("iterations after which it gives up")
+    most_iterations: Annotated[int, count(1_000_000_000)] = key("iterations after which it gives up")

@@ -9,7 +9,7 @@ from typing import Any, Protocol, TypeGuard
 from urllib.parse import quote
 
 from dincl.checks import describe
-from tissue.files.fields import Count
+from tissue.files.fields import count
 from tissue.files.messages import unknown
 
 MOST_REPLICATES = 10_000_000
@@ -46,7 +46,7 @@ class ReplicateNumbers:
     allowed: str = "a list of different replicates, which count from 0"
 
     def __call__(self, raw: Any) -> tuple[int, ...]:
-        one = Count(MOST_REPLICATES - 1, least=0)
+        one = count(MOST_REPLICATES - 1, least=0)
         try:
             numbers = tuple(one(item) for item in raw) if isinstance(raw, list) else None
         except ValueError:
@@ -108,8 +108,8 @@ class FactorTables:
 SHAPE: dict[str, Check] = {
     "title": OneLine(),
     "base": OneLine("a preset or the path of a parameter file, relative to this one"),
-    "replicates": Count(MOST_REPLICATES),
-    "seed": Count(2**63 - 1, least=0),
+    "replicates": count(MOST_REPLICATES),
+    "seed": count(2**63 - 1, least=0),
     "trajectories": ReplicateNumbers(),
     "overrides": Tables("sections of parameters, such as [overrides.numerics]"),
     "scenarios": Tables('at least one table, such as [scenarios."[A]"], of sections of parameters', least=1),
