@@ -34,7 +34,7 @@ def registry(kind: type) -> dict[str, Any]:
 
 
 def registered(kind: type[Thing]) -> tuple[Thing, ...]:
-    """Return the same in the order of the names: that in which modules are imported may be another one in another
+    """Return what was registered of a kind in the order of the names: the order of imports may differ in another
     process.
     """
     return tuple(thing for _, thing in sorted(registry(kind).items()))

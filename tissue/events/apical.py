@@ -12,7 +12,7 @@ from tissue.state.space import PRESENT, SUM
 
 
 def begin(state: TissueState, i: int, bit: int, numbers: Numbers) -> None:
-    """The apical point of cell i leaves the layer, and new junctions join its neighbours.
+    """Take the apical point of cell i out of the layer, and join its neighbours by new junctions.
 
     It rests at the sum of the two it stands for, or at the present distance; the thesis does not say.
     """
@@ -22,7 +22,7 @@ def begin(state: TissueState, i: int, bit: int, numbers: Numbers) -> None:
 
 
 def last(state: TissueState, i: int, rest_ax: float, rest_bx: float, numbers: Numbers) -> None:
-    """The spring relaxes from its length before towards 0, and (3.2) holds no more."""
+    """Relax the rest length of the apical spring towards 0, in place of (3.2)."""
     state.cells.rest_ax[i] = rest_ax * math.exp(-numbers.rate_ax * numbers.dt)
 
 

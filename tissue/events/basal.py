@@ -12,7 +12,7 @@ from tissue.state.space import PRESENT, SUM
 
 
 def begin(state: TissueState, i: int, bit: int, numbers: Numbers) -> None:
-    """The basal point of cell i leaves the layer and moves freely: (C2) to (C4) hold for its neighbours without it."""
+    """Take the basal point of cell i out of the layer: (C2) to (C4) hold for its neighbours without it."""
     bridge = PRESENT if numbers.bridge_present else SUM
     if call_leave(state.space.rules.leave_basal, state, i, bridge):
         state.motion.held[i] = 0.0
@@ -20,7 +20,7 @@ def begin(state: TissueState, i: int, bit: int, numbers: Numbers) -> None:
 
 
 def last(state: TissueState, i: int, rest_ax: float, rest_bx: float, numbers: Numbers) -> None:
-    """The spring relaxes from its length before towards 0, and (3.3) holds no more."""
+    """Relax the rest length of the basal spring towards 0, in place of (3.3)."""
     state.cells.rest_bx[i] = rest_bx * math.exp(-numbers.rate_bx * numbers.dt)
 
 

@@ -11,7 +11,7 @@ from tissue.state.space import PRESENT
 
 
 def begin(state: TissueState, i: int, bit: int, numbers: Numbers) -> None:
-    """The apical point of cell i leaves the layer, together with those beside it that constrict in the same step.
+    """Take the apical point of cell i out of the layer, with those beside it that constrict in the same step.
 
     The junctions between them stay, so they are a chain apart; those to other cells are cut. The cells on both sides of
     the gap are joined, and the new junction rests at their present distance. At an end of the layer nothing is joined,

@@ -9,12 +9,12 @@ from tissue.state.running import TissueState
 
 
 def splits(state: TissueState, i: int, number: float, numbers: Numbers) -> bool:
-    """With the probability p^div."""
+    """Return whether a cell splits, with the probability p^div."""
     return number < numbers.two_daughters
 
 
 def place(state: TissueState, i: int, numbers: Numbers) -> None:
-    """All three points apart by the offset, along the tissue  (3.7)."""
+    """Move all three points of both daughters apart by the offset, along the tissue  (3.7)."""
     cells, curve, along_x, along_y = state.cells, state.curve, 1.0, 0.0
     if curve.bent:
         _, _, along_x, along_y = evaluate(curve, cells.along[i])

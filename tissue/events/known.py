@@ -57,7 +57,7 @@ def bit(name: str) -> int:
 
 
 def mark_of(name: str) -> str:
-    """Return how an event is written; that of a table may not be registered here."""
+    """Return how tables and pages write an event, which may not be registered in this process."""
     return next((event.mark for event in events() if event.name == name), name.capitalize())
 
 
@@ -77,7 +77,7 @@ EVENTS = EventNames()
 
 
 def settled(times: Mapping[str, Floats]) -> Floats:
-    """When the events of m cells begin [h], (events, m), from the times that were drawn for some; others never do.
+    """Compute when the events of m cells begin [h], (events, m), from the times that were drawn; others never do.
 
     An event that waits for another one begins at the later time of both: [P] at max(T^P, T^B).
 

@@ -15,7 +15,7 @@ ON_LAYER = 1e-9
 
 
 def last(state: TissueState, i: int, rest_ax: float, rest_bx: float, numbers: Numbers) -> None:
-    """How the basal point of cell i moves, and what its spring does, by where the point is now.
+    """Set how the basal point of cell i moves, and what its spring does, by where the point is now.
 
     Above the depth at which the run ends it moves by itself (4.1), below it rests, or follows the forces. There is
     nothing to hold on to above the basal line: the spring has no force, or gives way as fast as the point runs. Below

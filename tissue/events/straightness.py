@@ -8,7 +8,7 @@ from tissue.state.running import TissueState
 
 
 def begin(state: TissueState, i: int, bit: int, numbers: Numbers) -> None:
-    """The bending spring of cell i weakens, to 0 in the thesis."""
+    """Weaken the bending spring of cell i, to 0 in the thesis."""
     state.cells.stiff_axb[i] = numbers.bent_stiffness
 
 

@@ -48,7 +48,7 @@ PLACE = Check(
 
 
 def first_of(cells: int, group: int, place: float) -> int:
-    """The first cell of a group: its middle is nearest to this part of the tissue, and no cell of it outside.
+    """Find the first cell of a group whose middle is nearest to this part of the tissue, with all cells inside.
 
     So groups at the places p and 1 - p mirror each other. Of two cells as near it is the outer one; for a group that
     cannot be in the very middle, the one on the left.
@@ -82,11 +82,11 @@ class TypeKeys(ParameterSection):
     )
 
     def own(self) -> dict[str, Any]:
-        """What it has of its own, by keys of OWN_KEYS."""
+        """Return the values that the type gives itself, by keys of OWN_KEYS."""
         return {name: getattr(self, name) for name in OWN_KEYS if name in self.model_fields_set}
 
     def own_tables(self) -> dict[str, dict[str, Any]]:
-        """The same by sections, but for the soft radius: the unit of length stays."""
+        """Return these values by sections, without the soft radius: the unit of length stays."""
         tables: dict[str, dict[str, Any]] = {}
         for name, value in self.own().items():
             if name != "soft_radius":
@@ -99,7 +99,7 @@ class TypeKeys(ParameterSection):
         return found.value / unit.value
 
     def times(self) -> dict[str, Timing]:
-        """When the events begin, by name."""
+        """Return when the events begin, by name."""
         return {name: value for name, value in self if isinstance(value, Timing)}
 
     @property
@@ -108,19 +108,19 @@ class TypeKeys(ParameterSection):
         return any(timing.ever for timing in self.times().values())
 
     def group(self, name: str, rest_length: float, together: tuple[str, ...]) -> CellGroup:
-        """The cells at the start; ``rest_length``: of their springs [R_soft]; ``together``: as of ``Scenario``."""
+        """Return its cells at the start; ``rest_length``: of springs [R_soft]; ``together``: as of ``Scenario``."""
         scenario = Scenario(self.cells, self.inm, self.times(), together)
         return CellGroup(name, scenario, self.place, self.divides, self.has_events, rest_length)
 
     @model_serializer(mode="wrap")
     def _as_given(self, write: Any) -> dict[str, Any]:
-        """What is not its own is left to the section that has it."""
+        """Write the values that the type gives itself; the sections have the others."""
         own = self.own()
         return {name: value for name, value in write(self).items() if name not in OWN_KEYS or name in own}
 
 
 def _field(name: str) -> Any:
-    """The key of a section as one that may be missing."""
+    """Make the key of a section one that may be missing."""
     section = CellSection if OWN_KEYS[name] == "cell" else TissueSection
     field = section.model_fields[name]
     facts: Any = field.json_schema_extra
@@ -150,12 +150,12 @@ class TypesSection(ParameterSection):
     __pydantic_extra__: dict[str, TypeSection]
 
     def named(self) -> Mapping[str, TypeKeys]:
-        """The types by name, in the order of the file."""
+        """Return the types by name, in the order of the file."""
         return self.__pydantic_extra__
 
     @classmethod
     def further_keys(cls) -> tuple[KeyFacts, ...]:
-        """Those of any type."""
+        """Return the keys of any type."""
         section = f"types.{TYPE}"
         facts = (facts_of(f"{section}.{name}", field) for name, field in TypeSection.model_fields.items())
         shown = (

@@ -28,17 +28,17 @@ MOST_STEPS = 1e9
 
 
 def broken(values: Mapping[str, Any]) -> list[str]:
-    """One line for each rule that the values break; ``values`` by keys such as "tissue.cells"."""
+    """Return a line for each rule that the values break; ``values`` by keys such as "tissue.cells"."""
     return broken_of((*RULES, *SPACE_RULES, *waiting()), values)
 
 
 def waiting() -> list[Rule]:
-    """The rules of events that wait for others."""
+    """Return the rules of events that wait for others."""
     return [_waits(event) for event in events() if event.after]
 
 
 def broken_of(rules: Iterable[Rule], values: Mapping[str, Any]) -> list[str]:
-    """One line for each of these rules that the values break."""
+    """Return a line for each of these rules that the values break."""
     lines = []
     if "cell.soft_radius" in values and UNIT not in values:
         values = {**values, UNIT: values["cell.soft_radius"]}
@@ -56,7 +56,7 @@ def _above(value: float, limit: float) -> bool:
 
 
 def _within(what: str, least: str = "") -> Callable[[Measure, Measure, Measure], str | None]:
-    """The rule value <= limit for two lengths; ``what`` names the limit."""
+    """Make the rule value <= limit for two lengths; ``what`` names the limit."""
 
     def allowed(value: Measure, limit: Measure, soft_radius: Measure) -> str | None:
         ok = not _above(reduced(value, soft_radius), reduced(limit, soft_radius))
@@ -98,7 +98,7 @@ def _before_the_end(keep: Measure | tuple[Measure, ...], end: Measure) -> str | 
 def _fit(
     cells: int, dimension: int, shape: str, nuclei: str, part: tuple[float, float], *lengths: Measure
 ) -> str | None:
-    """Points of mutual distance d in a rectangle w x h: at most 1 + h/d + w (2 h/(sqrt(3) d^2) + 1/d)  (Oler, 1961).
+    """Check the number of discs: at most 1 + h/d + w (2 h/(sqrt(3) d^2) + 1/d) in a rectangle w x h  (Oler, 1961).
 
     The rectangle is the box of the nuclei at the start; its width is (cells - 1) spacing where each nucleus begins
     above its own basal point. Fewer may fit, and cells that start in mitosis need more room; but above this number no
@@ -140,7 +140,7 @@ def _bends(height: Measure, *layer: Any) -> str | None:
 
 
 def _spread(cells: int, dimension: int, largest: Measure, *layer: Any) -> str | None:
-    """Of a ring the basal points are spread over its whole length."""
+    """Check that the basal points of a ring go around it within (C2)."""
     if dimension != FLAT:
         return None
     curve, most = _curve_or_line(*layer), reduced(largest, layer[-1])
@@ -151,7 +151,7 @@ def _spread(cells: int, dimension: int, largest: Measure, *layer: Any) -> str | 
 
 
 def _curve_or_line(*layer: Any) -> BasalCurve:
-    """The curve, or the line in place of one that is none, which ``_curve`` tells."""
+    """Return the curve, or the line where ``_curve`` refuses the values."""
     try:
         return curve_of(*layer)
     except ValueError:
@@ -159,13 +159,13 @@ def _curve_or_line(*layer: Any) -> BasalCurve:
 
 
 def _in_the_middle(group: int, cells: int) -> str | None:
-    """Of n cells at most n - 2 are surrounded by others; without control cells no layer would be left to measure in."""
+    """Check that EMT cells have neighbours: without control cells no layer would be left to measure in."""
     most = max(0, cells - 2)
     return None if group <= most else f"at most {most}: EMT cells have control cells on both sides"
 
 
 def _waits(event: EmtEvent) -> Rule:
-    """An event that waits for another one never begins without it."""
+    """Make the rule of an event that waits for another one: it never begins without that one."""
     keys = (f"emt.{event.name}", f"emt.{event.after}")
 
     def allowed(waiting: Timing, first: Timing) -> str | None:

@@ -30,7 +30,7 @@ TYPESCRIPT = "the public TypeScript program"
 
 
 def event_keys(section: str, of: Iterable[EmtEvent]) -> tuple[KeyFacts, ...]:
-    """What is known of the times of events as keys of a section."""
+    """Describe the times of events as keys of a section."""
     time = EVENT_TIME.unit, EVENT_TIME.allowed
     return tuple(KeyFacts(f"{section}.{one.name}", one.meaning, "", one.source, *time, NEVER) for one in of)
 
@@ -61,24 +61,24 @@ class EmtSection(ParameterSection):
     @model_validator(mode="before")
     @classmethod
     def _with_events(cls, given: Any) -> Any:
-        """The events of this package never begin if nothing is said of them."""
+        """Add the built-in events that are not given: they never begin."""
         return {**{event.name: NEVER for event in built_in()}, **given} if isinstance(given, Mapping) else given
 
     @classmethod
     def further_keys(cls) -> tuple[KeyFacts, ...]:
-        """All events but those of the thesis."""
+        """Return the keys of all events but those of the thesis."""
         return event_keys("emt", (event for event in events() if event.name not in cls.model_fields))
 
     @model_validator(mode="after")
     def _note_events(self, info: ValidationInfo) -> EmtSection:
-        """Note the others as well."""
+        """Note the times of the other events, too."""
         if info.context is not None:
             for event in events():
                 info.context[EmtSection, event.name] = getattr(self, event.name, Timing())
         return self
 
     def times(self) -> dict[str, Timing]:
-        """When the events begin, by name."""
+        """Return when the events begin, by name."""
         return {name: value for name, value in self if isinstance(value, Timing)}
 
 

@@ -21,13 +21,13 @@ class ForcesSection(ParameterSection):
 
     @classmethod
     def further_keys(cls) -> tuple[KeyFacts, ...]:
-        """All forces that are registered."""
+        """Return the keys of all registered forces."""
         plain = NUMBER_OR_ZERO.unit, NUMBER_OR_ZERO.allowed
         return tuple(
             KeyFacts(f"forces.{one.name}", one.meaning, "", one.source, *plain, 0) for one in registered(Force)
         )
 
     def acting(self) -> tuple[tuple[Force, float], ...]:
-        """The forces whose strength is not 0, with it, in the order of their names."""
+        """Return the forces whose strength is not 0, with the strength, in the order of their names."""
         known = {force.name: force for force in registered(Force)}
         return tuple((known[name], strength) for name, strength in sorted(self) if strength > 0)

@@ -12,7 +12,7 @@ NOTHING: Any = ...
 
 
 def key(meaning: str, symbol: str = "", source: str = "", default: Any = NOTHING) -> Any:
-    """The field of a section for one key.
+    """Make the field of a section for one key.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ class KeyFacts:
 
 
 def all_keys(shape: type[BaseModel]) -> dict[str, KeyFacts]:
-    """The keys of all sections by name, in the order of a file."""
+    """Return the keys of all sections by name, in the order of a file."""
     found: dict[str, KeyFacts] = {}
     for section, fields in sections(shape).items():
         found |= {
@@ -77,23 +77,23 @@ def all_keys(shape: type[BaseModel]) -> dict[str, KeyFacts]:
 
 
 def sections(shape: type[BaseModel]) -> dict[str, Any]:
-    """The model of each section, by its name."""
+    """Return the model of each section, by its name."""
     return {name: field.annotation for name, field in shape.model_fields.items()}
 
 
 def optional_sections(shape: type[BaseModel]) -> dict[str, dict[str, Any]]:
-    """An empty table for each section that a file may leave out."""
+    """Return an empty table for each section that a file may leave out."""
     found = sections(shape)
     return {name: {} for name in found if not any(one.is_required() for one in found[name].model_fields.values())}
 
 
 def heading(fields: type[BaseModel]) -> str:
-    """What a section is about, as its docstring begins."""
+    """Return the heading of a section, the first line of its docstring."""
     return (fields.__doc__ or "").partition("]: ")[2].partition("\n")[0]
 
 
 def facts_of(name: str, field: Any) -> KeyFacts:
-    """What the field of a section says of its key."""
+    """Read from the field of a section what is known of its key."""
     check = field.metadata[0]
     default = NOTHING if field.is_required() else field.default
     return KeyFacts(

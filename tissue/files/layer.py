@@ -17,7 +17,7 @@ Points = tuple[tuple[Measure, Measure], ...]
 def curve_of(
     shape: str, perimeter: Measure, aspect: float, points: Points, side: str, closed: bool, soft_radius: Measure
 ) -> BasalCurve:
-    """The curve of these values of [layer]; the same one for equal values.
+    """Make the curve of these values of [layer]; the same one for equal values.
 
     Raises
     ------
@@ -41,7 +41,7 @@ def curve_of(
 
 
 def _turned(points: Floats, inside: bool) -> Floats:
-    """The closed polygon, counterclockwise for a tissue inside, which is on the left of the curve."""
+    """Turn a closed polygon so that the tissue is on its left: counterclockwise for a tissue inside."""
     (x, y), (next_x, next_y) = points[:-1].T, points[1:].T
     counterclockwise = (x * next_y - y * next_x).sum() > 0
     return points if counterclockwise == inside else points[::-1]

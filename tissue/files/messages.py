@@ -18,23 +18,23 @@ SAME_SECTION = 0.25
 
 
 def known_keys(shape: type[BaseModel]) -> list[str]:
-    """All keys, such as "tissue.cells"."""
+    """List all keys, such as "tissue.cells"."""
     return [f"{section}.{name}" for section, fields in sections(shape).items() for name in fields.all_keys()]
 
 
 def problems(error: ValidationError, shape: type[BaseModel], *, missing: bool) -> list[str]:
-    """One line for each bad, unknown and, on request, missing key; none for what concerns the whole model."""
+    """Return a line for each bad, unknown and, on request, missing key; none for what concerns the whole model."""
     items = (item for item in error.errors(include_url=False) if item["loc"])
     return [_line(item, shape) for item in items if missing or item["type"] != "missing"]
 
 
 def unknown(key: str, value: Any, known: Iterable[str]) -> str:
-    """The line for a key that is unknown."""
+    """Return the line for a key that is unknown."""
     return f"{key} = {describe(value)}: {no_key(key, known)}"
 
 
 def no_key(key: str, known: Iterable[str]) -> str:
-    """What is wrong with a name that is no key."""
+    """Say what is wrong with a name that is no key."""
     keys = list(known)
     if key.startswith("forces.") and not any(name.startswith("forces.") for name in keys):
         return "unknown key; no force is registered, as files in own.modules do"
@@ -45,7 +45,7 @@ def no_key(key: str, known: Iterable[str]) -> str:
 
 
 def known_only(tables: Mapping[str, Any], shape: type[BaseModel]) -> tuple[dict[str, Any], list[str]]:
-    """The tables without keys that are none, of sections where a key may name any event or force; a line for each."""
+    """Take unknown keys out of sections whose keys may name any event or force; also return a line for each."""
     keys, result = known_keys(shape), dict(tables)
     lines: list[str] = []
 
@@ -67,7 +67,7 @@ def known_only(tables: Mapping[str, Any], shape: type[BaseModel]) -> tuple[dict[
 
 
 def refuse(source: str, lines: Iterable[str]) -> InvalidProblem:
-    """The error that lists the lines; one alone stands behind the name of the source."""
+    """Make the error that lists the lines; a single line stands behind the name of the source."""
     found = list(lines)
     if len(found) == 1:
         return InvalidProblem(f"{source}: {found[0]}")
@@ -100,13 +100,13 @@ def _allowed(key: str, shape: type[BaseModel]) -> str:
 
 
 def _choice(key: str, shape: type[BaseModel]) -> str:
-    """What is chosen between a few values; for numbers and times the name of the key says enough."""
+    """Return the meaning of a key with a few values; for numbers and times the name of the key says enough."""
     facts = all_keys(shape).get(general(key))
     return f" ({facts.meaning})" if facts is not None and facts.is_choice else ""
 
 
 def _nearest(key: str, known: Iterable[str]) -> str:
-    """The known key that looks most like this one: by its name, and rather in the section given."""
+    """Find the known key that looks most like this one: by its name, and rather in the section given."""
     section, _, name = key.rpartition(".")
 
     def likeness(candidate: str) -> float:

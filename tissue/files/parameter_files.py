@@ -24,7 +24,7 @@ def general(key: str) -> str:
 
 
 def read(path: str | PathLike[str]) -> dict[str, Any]:
-    """The tables of a TOML file.
+    """Read the tables of a TOML file.
 
     Raises
     ------
@@ -38,7 +38,7 @@ def read(path: str | PathLike[str]) -> dict[str, Any]:
 
 
 def merged(base: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    """The tables of a base with the keys of the changes in place of its own; what is no table replaces as a whole."""
+    """Replace the values of a base by those of changes; tables are merged, other values replaced as a whole."""
     result = dict(base)
     for name, change in changes.items():
         ours = result.get(name)
@@ -47,7 +47,7 @@ def merged(base: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any
 
 
 def flat(tables: Mapping[str, Any], section: str = "") -> dict[str, Any]:
-    """Values by keys such as "emt.cells" or "types.soft.cells", as ``Parameters.changed`` takes them."""
+    """Return values by keys such as "emt.cells" or "types.soft.cells", as ``Parameters.changed`` takes them."""
     values: dict[str, Any] = {}
     for name, value in tables.items():
         values |= flat(value, f"{section}{name}.") if isinstance(value, Mapping) else {f"{section}{name}": value}
@@ -55,7 +55,7 @@ def flat(tables: Mapping[str, Any], section: str = "") -> dict[str, Any]:
 
 
 def nested(values: Mapping[str, Any]) -> dict[str, Any]:
-    """The tables of a file that have these values by their keys."""
+    """Return the tables of a file that have these values by their keys."""
     tables: dict[str, Any] = {}
     for key, value in values.items():
         *sections, name = key.split(".")
@@ -67,7 +67,7 @@ def nested(values: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def written(tables: Mapping[str, Mapping[str, Any]], comments: Mapping[str, str]) -> str:
-    """TOML text of tables of texts, numbers, flags and lists: TOML writes these as JSON does.
+    """Write tables of texts, numbers, flags and lists as TOML, which writes these as JSON does.
 
     ``comments``: what stands behind a value, by keys such as "tissue.cells".
     """
@@ -83,7 +83,7 @@ def written(tables: Mapping[str, Mapping[str, Any]], comments: Mapping[str, str]
 
 
 def _leaves(tables: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Mapping[str, Any]]]:
-    """The tables that have values, under their whole names."""
+    """Give the tables that have values, under their whole names."""
     for name, table in tables.items():
         if any(isinstance(value, Mapping) for value in table.values()):
             yield from _leaves(table, f"{above}{name}.")

@@ -77,7 +77,7 @@ class Parameters(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _with_defaults(cls, tables: Any) -> Any:
-        """A section may be left out as a whole if all of its keys have a default."""
+        """Add the sections that are left out as a whole, if all of their keys have a default."""
         return {**optional_sections(cls), **tables} if isinstance(tables, Mapping) else tables
 
     @model_validator(mode="after")
@@ -90,11 +90,11 @@ class Parameters(BaseModel):
 
     @model_serializer(mode="wrap")
     def _as_file(self, write: Any) -> dict[str, Any]:
-        """Without the sections in which nothing is."""
+        """Write the sections that are not empty."""
         return {section: table for section, table in write(self).items() if table}
 
     def changed(self, changes: Mapping[str, Any]) -> Parameters:
-        """These parameters with other values for some keys, checked anew as a whole.
+        """Return these parameters with other values for some keys, checked anew as a whole.
 
         A slice of which {"tissue.dimension": 3} makes a tissue in space gets as many cells as it needs there, unless
         "tissue.cells" is changed, too.
@@ -115,26 +115,27 @@ class Parameters(BaseModel):
         bring(changes.get("own.modules"))
         keys = known_keys(Parameters)
         known = {key: value for key, value in changes.items() if isinstance(key, str) and general(key) in keys}
-        lines = [unknown(_said(key), value, keys) for key, value in changes.items() if key not in known]
+        wrong = ((key, value) for key, value in changes.items() if key not in known)
+        lines = [unknown(key if isinstance(key, str) else describe(key), value, keys) for key, value in wrong]
         base, new = self.as_dict(), nested(known)
         return _checked(merged(base, new), "changed parameters", lines, widen=becomes_space(base, new))
 
     def __setstate__(self, state: dict[Any, Any]) -> None:
-        """Another process imports the modules again."""
+        """Restore the parameters in another process, which imports the modules of users again."""
         super().__setstate__(state)
         for file in self.own.modules:
             imported(Path(file))
 
     def division_rule(self) -> DivisionRule:
-        """What becomes of a cell at the end of its cycle."""
+        """Return the rule of what becomes of a cell at the end of its cycle."""
         return division_rules()[self.division.rule]
 
     def as_dict(self) -> dict[str, Any]:
-        """All sections as in a file, quantities as text in um, R_soft and h: the same dict for equal parameters."""
+        """Return all sections as in a file, with quantities as text in um, R_soft and h; equal for equal parameters."""
         return self.model_dump(mode="json")
 
     def as_toml(self) -> str:
-        """The text of a file without base that ``load`` makes equal parameters of; behind each value what it means."""
+        """Write a file without base that ``load`` makes equal parameters of; comments say what each value means."""
         return written(self.as_dict(), {name: facts.comment for name, facts in all_keys(type(self)).items()})
 
     @property
@@ -143,11 +144,11 @@ class Parameters(BaseModel):
         return self.numerics.t_end.value
 
     def numbers(self) -> Numbers:
-        """What the kernels compute with: lengths over R_soft, times in h, 2 D as the variance of the noise per hour."""
-        return to_numbers(self.tissue, self.cell, self.numerics, self.rules, self.division, self.events)
+        """Return what kernels compute with: lengths over R_soft, times in h, the variance 2 D of the noise per hour."""
+        return to_numbers(self)
 
     def named_numbers(self) -> tuple[Numbers, ...]:
-        """The same for the cells of each named type, in the order of [types]."""
+        """Return the numbers of the cells of each named type, in the order of [types]."""
         named, unit = self.types.named().values(), self.cell.soft_radius
         pairs = zip(self._of_types(), named, strict=True)
         return tuple(of.numbers()._replace(soft_radius=one.soft_radius_over(unit)) for of, one in pairs)
@@ -158,7 +159,7 @@ class Parameters(BaseModel):
         return (*UNNAMED, *self.types.named())
 
     def curve(self) -> BasalCurve:
-        """The basal layer; in space it is a surface, and this the line."""
+        """Return the basal layer; in space it is a surface, and this the line."""
         layer = self.layer
         if self.in_space:
             return LINE
@@ -171,24 +172,24 @@ class Parameters(BaseModel):
         return self.tissue.dimension == SPATIAL
 
     def lattice(self) -> Lattice:
-        """Where the basal points of a tissue in space are at the start, and the surface that holds them."""
-        return to_lattice(self.tissue, self.layer, self.space, self.cell.soft_radius)
+        """Return where the basal points of a tissue in space are at the start, and the surface that holds them."""
+        return to_lattice(self)
 
     def exchange(self) -> Exchange:
-        """How cells in space exchange neighbours."""
-        return to_exchange(self.tissue, self.space, self.events, self.cell.soft_radius)
+        """Return how cells in space exchange neighbours."""
+        return to_exchange(self)
 
     def start_numbers(self) -> StartNumbers:
-        """What the first state is made from: lengths over R_soft. A ring of cells is spread evenly over its layer."""
-        return to_start_numbers(self.tissue, self.cell, self.division, self.start, self.curve())
+        """Return what the first state is made from, lengths over R_soft. A ring is spread evenly over its layer."""
+        return to_start_numbers(self, self.curve())
 
     def scenario(self) -> Scenario:
-        """What the EMT cells are drawn from: times in h."""
+        """Return what the EMT cells are drawn from, times in h."""
         emt = self.emt
         return Scenario(emt.cells, emt.inm, emt.times(), self.events.together)
 
     def groups(self) -> tuple[CellGroup, ...]:
-        """The cells that are no control cells: those of [emt], then those of each named type."""
+        """Return the groups that are no control cells: that of [emt], then each named type."""
         rest, named = self.start_numbers().rest_length, self.types.named().items()
         emt = CellGroup(UNNAMED[-1], self.scenario(), 0.5, divides=False, may_leave=True, rest_length=rest)
         rests = (one.start_numbers().rest_length for one in self._of_types())
@@ -196,23 +197,18 @@ class Parameters(BaseModel):
         return emt, *(one.group(name, rest, together) for (name, one), rest in zip(named, rests, strict=True))
 
     def _of_types(self) -> Iterator[Parameters]:
-        """Parameters that hold for the cells of a type, for each, but for its soft radius: the unit stays."""
+        """Give the parameters of the cells of each type, with the soft radius of [cell]: the unit stays."""
         for one in self.types.named().values():
             tables = one.own_tables().items()
             yield self.model_copy(update={name: getattr(self, name).model_copy(update=table) for name, table in tables})
 
     def daha_numbers(self) -> Daha:
-        """The parameters of the quasi-steady model's solver."""
+        """Return the parameters of the solver of the quasi-steady model."""
         return Daha(**dict(self.daha))
 
 
-def _said(key: Any) -> str:
-    """A key that is unknown, in a message."""
-    return key if isinstance(key, str) else describe(key)
-
-
 def load(path: str | PathLike[str]) -> Parameters:
-    """The parameters in a TOML file.
+    """Load the parameters in a TOML file.
 
     Parameters
     ----------
@@ -230,13 +226,13 @@ def load(path: str | PathLike[str]) -> Parameters:
 
 
 def _loaded(path: Path, above: tuple[Path, ...]) -> Parameters:
-    """The parameters in a file; ``above``: the files that have it as their base."""
+    """Load the parameters in a file; ``above``: the files that have it as their base."""
     tables = read(path)
     base = tables.pop("base", None)
     if base is None:
         return _checked(placed(tables, path.parent), str(path))
     try:
-        changed = _base(base, path.parent, (*above, path.resolve()))
+        changed = based_on(base, path.parent, (*above, path.resolve()))
     except NoBase as error:
         return _checked(tables, str(path), [str(error)], missing=False)
     own = placed(tables, path.parent, changed.own.modules)
@@ -248,20 +244,11 @@ class NoBase(ValueError):
     """What a file names as its base cannot be used; the message is a line for the errors of the file."""
 
 
-def based_on(base: Any, folder: Path) -> Parameters:
-    """The preset or the file that a file in ``folder`` names as its base.
+def based_on(base: Any, folder: Path, above: tuple[Path, ...] = ()) -> Parameters:
+    """Load the preset or the file that a file in ``folder`` names as its base; ``above``: those that are based on it.
 
-    Raises
-    ------
-    NoBase
-        If there is no such preset or file.
-    InvalidProblem
-        If the file is not in order.
+    Raises NoBase if there is no such preset or file, InvalidProblem if the file is not in order.
     """
-    return _base(base, folder, ())
-
-
-def _base(base: Any, folder: Path, above: tuple[Path, ...]) -> Parameters:
     if base in PRESETS:
         return preset(base)
     path = folder / base if isinstance(base, str) else folder
@@ -274,7 +261,7 @@ def _base(base: Any, folder: Path, above: tuple[Path, ...]) -> Parameters:
 
 
 def preset(name: str) -> Parameters:
-    """The parameters of a preset.
+    """Return the parameters of a preset.
 
     "thesis" is as printed with misprints corrected, but for the energies; "corrected" is "thesis" with the energies
     without dimension, and nothing else; "published" is as in the published runs; "chick", "gastrulation" and "cuboidal"
@@ -298,7 +285,7 @@ def _preset(name: str) -> Parameters:
 def _checked(
     tables: Mapping[str, Any], source: str, lines: Iterable[str] = (), *, missing: bool = True, widen: bool = False
 ) -> Parameters:
-    """The parameters in these tables, or one error with ``lines`` and all that is wrong with the tables.
+    """Return the parameters in these tables, or raise one error with ``lines`` and all that is wrong with them.
 
     ``widen``: a slice becomes a tissue in space, and gets the cells that it needs there.
     """

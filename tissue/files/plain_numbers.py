@@ -3,18 +3,8 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
-from tissue.files.emt_sections import EventsSection
-from tissue.files.sections import (
-    CellSection,
-    DivisionSection,
-    LayerSection,
-    NumericsSection,
-    RulesSection,
-    SpaceSection,
-    StartSection,
-    TissueSection,
-)
 from tissue.files.units import Measure, reduced
 from tissue.kernels.workspace import SOFT
 from tissue.model.lattice import Lattice, ball_lattice, flat_lattice, round_lattice, rows_of
@@ -22,16 +12,14 @@ from tissue.state.basal_curve import BasalCurve
 from tissue.state.numbers import Numbers, StartNumbers
 from tissue.state.space import MEAN, PRESENT, Exchange
 
+if TYPE_CHECKING:
+    from tissue.files.parameters import Parameters
 
-def to_numbers(
-    tissue: TissueSection,
-    cell: CellSection,
-    numerics: NumericsSection,
-    rules: RulesSection,
-    division: DivisionSection,
-    events: EventsSection,
-) -> Numbers:
-    """What kernels compute with: lengths over R_soft, times in h, 2 D as the variance of the noise per hour."""
+
+def to_numbers(parameters: Parameters) -> Numbers:
+    """Compute what kernels take: lengths over R_soft, times in h, 2 D as the variance of the noise per hour."""
+    tissue, cell, numerics = parameters.tissue, parameters.cell, parameters.numerics
+    rules, division, events = parameters.rules, parameters.division, parameters.events
     longest = cell.max_cytoskeleton
     return Numbers(
         dt=numerics.dt.value,
@@ -76,10 +64,9 @@ def to_numbers(
     )
 
 
-def to_start_numbers(
-    tissue: TissueSection, cell: CellSection, division: DivisionSection, start: StartSection, curve: BasalCurve
-) -> StartNumbers:
-    """What the first state is made from: lengths over R_soft. A ring of cells is spread evenly over its layer."""
+def to_start_numbers(parameters: Parameters, curve: BasalCurve) -> StartNumbers:
+    """Compute what the first state is made from: lengths over R_soft. A ring is spread evenly over its layer."""
+    tissue, cell, start = parameters.tissue, parameters.cell, parameters.start
     soft_radius = cell.soft_radius
     even = Measure(curve.length / tissue.cells, "R_soft") if curve.ring else None
     height = reduced(tissue.height, soft_radius)
@@ -94,7 +81,7 @@ def to_start_numbers(
         nuclei_low=low * height,
         nuclei_high=high * height,
         rest_length=reduced(cell.initial_rest_length, soft_radius),
-        junction=reduced(division.new_junction, soft_radius),
+        junction=reduced(parameters.division.new_junction, soft_radius),
     )
 
 
@@ -103,14 +90,10 @@ def to_start_numbers(
 LEAST_REACH, REACH = SOFT, 2.0
 
 
-def to_lattice(tissue: TissueSection, layer: LayerSection, space: SpaceSection, soft_radius: Measure) -> Lattice:
-    """The basal points at the start.
-
-    Raises
-    ------
-    InvalidProblem
-        If the cells do not fill their rows.
-    """
+def to_lattice(parameters: Parameters) -> Lattice:
+    """Place the basal points at the start; raises InvalidProblem if the cells do not fill their rows."""
+    tissue, layer, space = parameters.tissue, parameters.layer, parameters.space
+    soft_radius = parameters.cell.soft_radius
     cells, inside, periodic = tissue.cells, layer.side == "inside", space.boundary == "periodic"
     around = reduced(layer.perimeter, soft_radius)
     if layer.shape == "sphere":
@@ -121,10 +104,11 @@ def to_lattice(tissue: TissueSection, layer: LayerSection, space: SpaceSection, 
     return flat_lattice(cells, rows, reduced(tissue.basal_spacing, soft_radius), periodic=periodic)
 
 
-def to_exchange(tissue: TissueSection, space: SpaceSection, events: EventsSection, soft_radius: Measure) -> Exchange:
-    """How cells exchange neighbours."""
+def to_exchange(parameters: Parameters) -> Exchange:
+    """Compute how cells exchange neighbours."""
+    largest, space = parameters.tissue.max_basal_distance, parameters.space
     return Exchange(
         margin=space.flip_margin,
-        reach=max(LEAST_REACH, REACH * reduced(tissue.max_basal_distance, soft_radius)),
+        reach=max(LEAST_REACH, REACH * reduced(largest, parameters.cell.soft_radius)),
         new_rest=MEAN if space.new_rest == "mean" else PRESENT,
     )

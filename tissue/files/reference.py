@@ -29,12 +29,12 @@ place in the thesis, or a row of the table of model variants. `python -m tissue.
 
 
 def presets() -> dict[str, dict[str, Any]]:
-    """The values of each preset as its file gives them, by key; without those that it leaves to their default."""
+    """Return the values of each preset as its file gives them, by key, without those left to their default."""
     return {preset: flat(_tables(preset)) for preset in PRESETS}
 
 
 def spread(facts: KeyFacts, values: Mapping[str, Mapping[str, Any]]) -> str:
-    """The values of a key in the presets: one if all have it, else each with those that have it."""
+    """Write the values of a key in the presets: one if all have it, else each with its presets."""
     groups: dict[str, list[str]] = {}
     for preset, theirs in values.items():
         if facts.has_default or facts.name in theirs:  # no preset has a type of cells
@@ -48,7 +48,7 @@ def spread(facts: KeyFacts, values: Mapping[str, Mapping[str, Any]]) -> str:
 
 
 def page() -> str:
-    """The page, in Markdown."""
+    """Write the page, in Markdown."""
     values, keys = presets(), all_keys(Parameters).values()
     parts = [TOP]
     for section, fields in sections(Parameters).items():

@@ -19,7 +19,7 @@ class Rule:
 
 
 def show(value: Any) -> str:
-    """A checked value as a file would give it."""
+    """Write a checked value as a file would give it."""
     if isinstance(value, tuple):
         return f"[{', '.join(map(show, value))}]"
     return f'"{value}"' if isinstance(value, (str, Measure, Timing)) else str(value)

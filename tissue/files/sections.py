@@ -52,12 +52,12 @@ class ParameterSection(BaseModel):
 
     @classmethod
     def all_keys(cls) -> list[str]:
-        """All keys that it may have."""
+        """List all keys that it may have."""
         return [*cls.model_fields, *(facts.name.partition(".")[2] for facts in cls.further_keys())]
 
     @classmethod
     def further_keys(cls) -> tuple[KeyFacts, ...]:
-        """Those that are no attributes, with what is known of them."""
+        """Return the keys that are no attributes."""
         return ()
 
     @field_validator("*")

@@ -23,7 +23,7 @@ MOST_TRIED = 20_000
 
 
 def _shape(shape: str, dimension: int) -> str | None:
-    """An ellipse and a curve are layers of a slice; a sphere is none."""
+    """Check the shape: an ellipse and a curve are layers of a slice, a sphere of three dimensions."""
     allowed = ("line", "circle", "ellipse", "points") if dimension == FLAT else ("line", "circle", "sphere")
     if shape in allowed:
         return None
@@ -33,7 +33,7 @@ def _shape(shape: str, dimension: int) -> str | None:
 def _below_the_middle(
     height: Measure, dimension: int, shape: str, side: str, around: Measure, soft: Measure
 ) -> str | None:
-    """The apical points of a tissue inside a sphere have not come to its middle; see ``_bends`` for a cylinder."""
+    """Check that apical points inside a sphere do not come to its middle; see ``_bends`` for a cylinder."""
     radius = reduced(around, soft) / (2.0 * math.pi)
     if dimension == FLAT or shape != "sphere" or side == "outside" or reduced(height, soft) < radius:
         return None
@@ -51,17 +51,17 @@ def _rows(rows: int, cells: int, dimension: int, shape: str, boundary: str) -> s
 
 
 def _may_be_strip(shape: str, boundary: str) -> bool:
-    """One row of cells is around a cylinder, with nothing beside it."""
+    """Return whether one row of cells may stand alone: around an open cylinder."""
     return shape == "circle" and boundary == "open"
 
 
 def _calm(noise: Measure, dimension: int, rows: int) -> str | None:
-    """Noise takes the nuclei of a strip out of its plane, and its row tears."""
+    """Refuse noise in a strip: it takes nuclei out of the plane, and the row tears."""
     return None if dimension == FLAT or rows != 1 or noise.value == 0.0 else '"0 um^2/h" with space.rows = 1'
 
 
 def _wide(cells: int, dimension: int, shape: str, boundary: str, rows: int, *lengths: Measure) -> str | None:
-    """In a period nuclei meet one image of each other; see ``tissue.kernels.surface_workspace.period``."""
+    """Check that nuclei meet one image of each other; see ``tissue.kernels.surface_workspace.period``."""
     if dimension == FLAT or shape == "sphere" or boundary == "open":
         return None
     around, spacing = (reduced(length, lengths[-1]) for length in lengths[:-1])
@@ -83,7 +83,7 @@ def _wide(cells: int, dimension: int, shape: str, boundary: str, rows: int, *len
 def _dense(
     cells: int, dimension: int, shape: str, boundary: str, rows: int, around: Measure, largest: Measure, soft: Measure
 ) -> str | None:
-    """The basal points go around a cylinder or a sphere within (C2)."""
+    """Check that the basal points go around a cylinder or a sphere within (C2)."""
     if dimension == FLAT or shape == "line":
         return None
     length, most = reduced(around, soft), reduced(largest, soft)
@@ -101,7 +101,7 @@ def _dense(
 def _same_spacing(
     apical: Measure, dimension: int, basal: Measure, shape: str, boundary: str, soft: Measure
 ) -> str | None:
-    """A periodic sheet has one period."""
+    """Check that a periodic sheet has one period."""
     if dimension == FLAT or shape != "line" or boundary == "open":
         return None
     one, other = reduced(apical, soft), reduced(basal, soft)
@@ -109,7 +109,7 @@ def _same_spacing(
 
 
 def _beside(rule: str, dimension: int) -> str | None:
-    """The places of daughters in space are chosen by a rule of its own."""
+    """Refuse rules of divisions in space, where daughters have a rule of their own."""
     return None if dimension == FLAT or rule == BESIDE.name else f"{show(BESIDE.name)} {IN_SPACE}"
 
 

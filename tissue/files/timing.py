@@ -50,7 +50,7 @@ class Timing:
         return when if self.percent == 100 else f"{when}, {np.format_float_positional(self.percent, trim='-')} %"
 
     def times(self, whether: Floats, when: Floats) -> Floats:
-        """The times [h] for numbers drawn uniformly from [0, 1): inf for never."""
+        """Compute the times [h] from numbers drawn uniformly from [0, 1); inf for never."""
         if self.low is None or self.high is None:
             return np.full(len(when), math.inf)
         low, high = self.low.value, self.high.value
@@ -58,7 +58,7 @@ class Timing:
 
 
 def timing(text: Any) -> Timing:
-    """The timing that a text stands for; raises ValueError, which says what is wrong with it."""
+    """Read a timing; raises ValueError, which says what is wrong with the text."""
     if not isinstance(text, str):
         raise ValueError("it must be a text")  # noqa: TRY004 - input errors are of one class
     if text.strip() == NEVER:

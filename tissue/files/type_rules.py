@@ -20,7 +20,7 @@ _CELL_RULES = tuple(rule for rule in RULES if all(key.startswith("cell.") or key
 
 
 def wrong_names(types: Any) -> list[str]:
-    """A line for each name that a type must not have, and one if there are too many."""
+    """Return a line for each name that a type must not have, and one if there are too many types."""
     names = list(types) if isinstance(types, Mapping) else []
     lines = [
         f"types.{name}: must have another name, of letters, digits and _, and neither {' nor '.join(UNNAMED)}"
@@ -32,12 +32,12 @@ def wrong_names(types: Any) -> list[str]:
 
 
 def _may_be(name: str) -> bool:
-    """Whether a type may have this name."""
+    """Return whether a type may have this name."""
     return _NAME.fullmatch(name) is not None and name not in UNNAMED
 
 
 def broken_types(values: Mapping[str, Any]) -> list[str]:
-    """One line for each rule that the types among the values break; ``values`` by keys, types as "types.soft"."""
+    """Return a line for each rule that the types among the values break; ``values`` by keys, such as "types.soft"."""
     types = {name.partition(".")[2]: one for name, one in values.items() if name.startswith("types.")}
     types = {name: one for name, one in types.items() if _may_be(name)}
     lines = [line for name, one in types.items() for line in _own(name, one, values)]
@@ -47,12 +47,12 @@ def broken_types(values: Mapping[str, Any]) -> list[str]:
 
 
 def broken_groups(types: Mapping[str, TypeKeys], cells: int, emt: int) -> list[str]:
-    """One line for each group that has no room among so many cells, of which ``emt`` are in the middle."""
+    """Return a line for each group that has no room among so many cells, of which ``emt`` are in the middle."""
     return [*_numbers(types, cells, emt)] or [*_overlaps(types, cells, emt)]
 
 
 def _own(name: str, one: TypeKeys, values: Mapping[str, Any]) -> list[str]:
-    """The rules of [cell] and of events, for what holds for a type."""
+    """Apply the rules of [cell] and of events to the values of a type."""
     own = {f"{OWN_KEYS[key]}.{key}": value for key, value in one.own().items()}
     times: dict[str, Any] = {f"emt.{event.name}": Timing() for event in events()}
     times |= {f"emt.{key}": value for key, value in one.times().items()}
@@ -66,7 +66,7 @@ def _own(name: str, one: TypeKeys, values: Mapping[str, Any]) -> list[str]:
 
 
 def _in_space(name: str, one: TypeKeys, values: Mapping[str, Any]) -> Iterator[str]:
-    """The steps in three dimensions have one number for all pairs of cells."""
+    """Refuse numbers of pairs in three dimensions, where all pairs have the same."""
     for key in PAIR_KEYS:
         if key in one.own() and values.get("tissue.dimension", FLAT) != FLAT:
             all_cells = f"{OWN_KEYS[key]}.{key}"
@@ -74,7 +74,7 @@ def _in_space(name: str, one: TypeKeys, values: Mapping[str, Any]) -> Iterator[s
 
 
 def _numbers(types: Mapping[str, TypeKeys], cells: int, emt: int) -> Iterator[str]:
-    """All groups together have no more cells than there are, and some are left to measure EMT cells by."""
+    """Check that there are cells for all groups, and some left to measure EMT cells by."""
     before, leaving = emt, emt
     for name, one in types.items():
         most, what = cells - before, f"other groups have {before} of {cells} cells"
@@ -86,7 +86,7 @@ def _numbers(types: Mapping[str, TypeKeys], cells: int, emt: int) -> Iterator[st
 
 
 def _overlaps(types: Mapping[str, TypeKeys], cells: int, emt: int) -> Iterator[str]:
-    """Groups that stand at a place have no cell in common."""
+    """Check that groups at a place have no cell in common."""
     first = (cells - emt) // 2
     taken = [("emt", range(first, first + emt))]
     for name, one in types.items():

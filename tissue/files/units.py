@@ -97,7 +97,7 @@ def reduced(measure: Measure, soft_radius: Measure) -> float:
 
 @lru_cache(maxsize=1024)
 def _factor(unit: str, dimension: Dimension) -> tuple[float, str]:
-    """Return how much of which unit of the dimension one ``unit`` is."""
+    """Convert one ``unit``: how many of which unit of the dimension it is."""
     factor, powers = _powers(unit, dimension)
     for own in dimension.units:
         if powers == _powers(own, dimension)[1]:

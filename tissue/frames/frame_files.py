@@ -79,7 +79,7 @@ def _check_sheets(name: str, sheets: Any) -> None:
 
 
 def _arrays(parts: Parts) -> Arrays:
-    """Return what is in the file."""
+    """Read the arrays of a file."""
     t, cells, layers, curve, past, sheets = parts
     arrays: Arrays = {"format": FORMAT, "t": float(t), "seed": f"{past.seed:x}", "next_id": past.next_id}
     arrays |= {"events": _events(), "types": " ".join(past.types)}
@@ -163,7 +163,7 @@ def _shapes(arrays: Mapping[str, Any]) -> dict[str, tuple[Any, tuple[int, ...]]]
 
 
 def _shapes_in_space(arrays: Mapping[str, Any], n: int) -> dict[str, tuple[Any, tuple[int, ...]]]:
-    """Of the networks; how many triangles there are, is free."""
+    """Return the shapes of the networks; the number of triangles is free."""
     expected: dict[str, tuple[Any, tuple[int, ...]]] = {"sheets.surface": (np.float64, (len(Surface._fields),))}
     for sheet in ("apical", "basal"):
         half_edges = arrays[f"sheets.{sheet}.corner"].size if f"sheets.{sheet}.corner" in arrays else 0

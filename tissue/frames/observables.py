@@ -153,7 +153,7 @@ def areas(frame: Frame) -> Areas:
 
 
 def phases(frame: Frame, numbers: Numbers, named: Sequence[Numbers] = ()) -> Integers:
-    """Index into PHASES for each cell, shape (n,), from its age t - t_birth (section 2.2.1 of chapter 3).
+    """Compute the index into PHASES for each cell, (n,), from its age t - t_birth (section 2.2.1 of chapter 3).
 
     G2 stands for its active part: t_age >= t_cycle - T_G2 - T_mitosis; mitosis begins at t_cycle - T_mitosis.
     ``named``: the numbers of the named types of cells.
@@ -198,7 +198,7 @@ def ab_positions(frame: Frame) -> Floats:
 
 
 def extruded(positions: Floats) -> Extruded:
-    """Return how many of the positions y_AB (n,) are above 1 and below 0  (4.3)."""
+    """Count the positions y_AB (n,) above 1 and below 0  (4.3)."""
     return Extruded(int((positions > 1).sum()), int((positions < 0).sum()))
 
 

@@ -61,7 +61,7 @@ def how_many(at: Floats, n: int, length: float, reach: float) -> int:
 
 @inner
 def _add_axis(bins: Integers, at: Floats, n: int, many: int, width: float) -> None:
-    """The next digit of the number of a bin; what is no number is in the first."""
+    """Add the next digit of the number of a bin; coordinates that are no numbers are in the first bin."""
     inverse, whole, share = 1.0 / width, float(many), 1.0 / many
     for i in range(n):
         digit = floored(at[i] * inverse)

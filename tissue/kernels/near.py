@@ -36,7 +36,7 @@ def find_near(work: Workspace, n: int, share: float, extra: float) -> bool:
 
 @inner
 def list_before(work: Workspace, i: int) -> int:
-    """With boxes: how many ranges begin[k] to end[k] have the cells before cell i that may be near it, and others.
+    """Find the cells before cell i near it, with boxes: how many ranges begin[k] to end[k] hold them and others.
 
     To be asked for in the order of the cells.
     """
@@ -69,13 +69,13 @@ def find_near_rows(work: Workspace, n: int, share: float, extra: float) -> bool:
 
 @inner
 def list_around(work: Workspace, row: int) -> int:
-    """With boxes: how many ranges have the cells that may be near one of the eight cells of a row."""
+    """Find the cells near one of the eight cells of a row, with boxes: the number of their ranges."""
     return _list(work, row, work.last[row], WIDTH)
 
 
 @inner
 def window_around(work: Workspace, row: int, n: int, end: int) -> tuple[int, int]:
-    """Without boxes: the one range of the cells that may be near one of the eight cells of a row.
+    """Find the cells near one of the eight cells of a row, without boxes: their one range.
 
     ``end`` is the end of the range of the row before, 0 for the first one.
     """
@@ -163,7 +163,7 @@ def find_boxes(work: Workspace, n: int, size: int, share: float, extra: float) -
 
 @inner
 def _surround(work: Workspace, p: int, begin: int, end: int, share: float, extra: float) -> None:
-    """The box of block p: its ends to the right and above, and those to the left and below with the other sign."""
+    """Set the box of block p: its right and upper ends, and its left and lower ends with the other sign."""
     right, left = spread(work.x, -1e300), spread(work.x, -1e300)
     top, bottom = right, right
     for i in range(begin, end):

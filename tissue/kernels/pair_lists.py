@@ -35,7 +35,7 @@ def begin_hard(work: SurfaceWorkspace, n: int) -> None:
 
 @inner
 def add_hard(work: SurfaceWorkspace, i: int, j: int) -> None:
-    """Cells i and j are found, if there is room."""
+    """Add the pair of cells i and j to those found, if there is room."""
     number = work.state[FOUND]
     if number == len(work.found):
         work.state[ALL] = 1

@@ -46,7 +46,7 @@ class Period(NamedTuple):
 class SurfaceWorkspace(NamedTuple):
     """The cells of one tissue, (n,), or in rows of eight, (n / WIDTH, WIDTH), and what substeps know beside them.
 
-    Coefficients are those of ``tissue.kernels.workspace.Board``: a spring moves X by -k (1 - l / d) (X - A),
+    Coefficients are those of ``tissue.kernels.workspace.Workspace``: a spring moves X by -k (1 - l / d) (X - A),
     k = 2 alpha (h / mu) / l^p; a junction has k = (h / mu) junction_factor (alpha_i + alpha_j) / 2.
     """
 

@@ -160,7 +160,7 @@ class Workspaces:
 
 
 def _common(capacity: int, width: int, kinds: Sequence[Numbers], scale: float) -> dict[str, Any]:
-    """Return what is the same in both forms; ``kinds``: the numbers of control cells, then those of the named types."""
+    """Make what both forms share; ``kinds``: the numbers of control cells, then those of the named types."""
     numbers, mixed = kinds[0], len({(one.soft_radius, one.repulsion) for one in kinds}) > 1
     lengths = {
         "first": capacity,
@@ -184,7 +184,7 @@ def _common(capacity: int, width: int, kinds: Sequence[Numbers], scale: float) -
 
 
 def aligned(lines: int, length: int) -> NDArray[np.float64]:
-    """Zeros, lines of this length and eight more, which none uses: so no two lines share a place in the cache.
+    """Make lines of zeros of this length and eight more, which none uses: no two lines share a place in the cache.
 
     Eight numbers lie in one line of the cache.
     """

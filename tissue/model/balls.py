@@ -53,7 +53,7 @@ def separate_balls(work: SurfaceWorkspace, n: int, wide: SurfaceWorkspace, rows:
 
 @inner
 def _begin_again(work: SurfaceWorkspace, n: int) -> None:
-    """All nuclei are where they were before the sweep; those that went far meet all others."""
+    """Put all nuclei where they were before the sweep; those that went far meet all others from now on."""
     displaced = 0
     for i in range(n):
         work.x[i], work.y[i], work.z[i] = work.before_x[i], work.before_y[i], work.before_z[i]

@@ -15,7 +15,7 @@ LEAST_GAP = 1e-6
 
 @inner
 def keep_order(work: SurfaceWorkspace) -> None:
-    """Around a cylinder B_i comes before B_j (C4), neighbours of a row, one after the other: each by half of the gap.
+    """Put neighbours B_i, B_j of a row around a cylinder in order (C4), each moved by half of the gap.
 
     Forward is the direction side (-y, x). Sheets have no order.
     """

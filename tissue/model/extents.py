@@ -55,7 +55,7 @@ def _cross(cells: Cells, i: int, next_i: int, j: int, next_j: int) -> bool:
 
 @inner
 def _side(cells: Cells, i: int, j: int, k: int) -> float:
-    """On which side of the line from A_i to A_j is A_k: the sign."""
+    """Compute on which side of the line from A_i to A_j the point A_k is: a number with this sign."""
     along_x, along_y = cells.ax[j] - cells.ax[i], cells.ay[j] - cells.ay[i]
     side: float = along_x * (cells.ay[k] - cells.ay[i]) - along_y * (cells.ax[k] - cells.ax[i])
     return side

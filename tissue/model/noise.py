@@ -77,7 +77,7 @@ def add_noise(state: TissueState, variance: float, noise: Generator) -> None:
 
 @inner
 def draw_key(noise: Generator, key: Integers) -> None:
-    """The two words of the key of the noise in substeps."""
+    """Draw the two words of the key of the noise in substeps."""
     key[0], key[1] = int(WORDS * noise.random()), int(WORDS * noise.random())
 
 

@@ -80,7 +80,7 @@ def push_in_rows(work: Workspace, n: int, wide: Workspace, rows: int) -> None:
 def _push_long_row(
     work: Workspace, wide: Workspace, row: int, n: int, begin: int, end: int, push: Plane
 ) -> tuple[Plane, int]:
-    """Do the same, and leave out cells that are too far to the left or to the right; also return how many are not."""
+    """Push a row, without cells too far to the left or right; also return how many were met."""
     low, high, near = math.inf, -math.inf, 0
     for i in range(WIDTH * row, min(WIDTH * row + WIDTH, n)):
         low, high = min(low, work.x[i]), max(high, work.x[i])
@@ -114,7 +114,7 @@ def _push_row(work: Workspace, wide: Workspace, row: int, begin: int, end: int, 
 
 @inner
 def push_in_pairs(work: Workspace, n: int) -> None:
-    """The same in eight tissues, where each pair is looked at once. The sums are added up in the same order."""
+    """Push in eight tissues, where each pair is looked at once; sums are added up in the same order."""
     none, pairs, first, ahead = spread(work.x, 0.0), 0, 0, spread(work.x, -1e300)
     boxes = work.bent > 0
     if boxes and work.repulsion != 0.0:
@@ -142,7 +142,7 @@ def push_in_pairs(work: Workspace, n: int) -> None:
 
 @inner
 def _push_long_pairs(work: Workspace, i: int, first: int, push: Plane) -> tuple[Plane, int]:
-    """Do the same for the cells from ``first`` to i that are near it along x in some tissue; also return how many."""
+    """Push the cells from ``first`` to i that are near it along x in some tissue; also return how many."""
     x_i, near = load(work.x, i), 0
     for j in range(first, i):
         away = load(work.x, j) - x_i

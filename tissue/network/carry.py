@@ -82,7 +82,7 @@ def _turn_at(surface: Surface, network: Network, h: int) -> float:
 
 @inner
 def _crossed(surface: Surface, network: Network, h: int) -> int:
-    """Of a triangle whose vertices are on a line, the edge that one of them has come to; -1 if it cannot be flipped."""
+    """Find the edge that a vertex of a flat triangle has come to; -1 if it cannot be flipped."""
     best, most = -1, 0.0
     for edge in (following(h), h, preceding(h)):
         left = left_after_flip(surface, network, edge)

@@ -116,7 +116,7 @@ def _cross(surface: Surface, network: Network, i: int, j: int, k: int) -> float:
 
 @inner
 def _cross_ghost(surface: Surface, network: Network, i: int, j: int, ghost: int) -> float:
-    """Return the same with the direction to a ghost for c - a."""
+    """Compute the cross product with the direction to a ghost for c - a."""
     eu, ev = between(surface, network, i, j)
     fu, fv = between(surface, network, i, ghost)
     # Of a patch, -f is the way to the middle, and the triangle with that must not go around either.
@@ -127,7 +127,7 @@ def _cross_ghost(surface: Surface, network: Network, i: int, j: int, ghost: int)
 
 @inner
 def between(surface: Surface, network: Network, i: int, j: int) -> tuple[float, float]:
-    """On a chart of two coordinates: the way from vertex i to j, to the nearest image, or the direction to a ghost."""
+    """Compute the way from vertex i to the nearest image of j on a plane chart, or the direction to a ghost."""
     if j < 0 and network.w[j] == 0.0:  # the end of a band
         return network.u[j], network.v[j]
     du = nearest_image(network.u[j] - network.u[i], period_u(surface))

@@ -181,6 +181,6 @@ def measure_turns(surface: Surface, network: Network, turns: Floats) -> None:
 
 @kernel
 def measure_lengths(surface: Surface, network: Network, px: Floats, py: Floats, pz: Floats, lengths: Floats) -> None:
-    """The distance in space of the ends of each half-edge, (3 triangles,); 0 at ghosts."""
+    """Measure the distance in space of the ends of each half-edge, (3 triangles,); 0 at ghosts."""
     for h in range(3 * network.triangles[0]):
         lengths[h] = distance_along(surface, network, px, py, pz, h)

@@ -107,7 +107,7 @@ def _aim(surface: Surface, network: Network, px: Floats, py: Floats, pz: Floats)
 
 @inner
 def _come_near(surface: Surface, network: Network) -> None:
-    """Where all vertices come from: where they are, shifted by periods to be near to where they go."""
+    """Set where all vertices come from: where they are, shifted by periods to be near to where they go."""
     for i in range(-GHOSTS, network.out.size - GHOSTS):
         if network.out[i] >= 0:
             put(network, i, _nearest(surface, place_of(network, i), _goal(network, i, 1.0)))
@@ -136,7 +136,7 @@ def _set_out(network: Network) -> None:
 
 @inner
 def _put_back(network: Network) -> None:
-    """All to where they come from."""
+    """Put all vertices back to where they come from."""
     for i in range(network.out.size):
         put(network, i, _origin(network, i))
 
@@ -243,7 +243,7 @@ def _try(
 
 @inner
 def _aside(surface: Surface, begin: Place, end: Place, attempt: int) -> Place:
-    """Half of a way that is not free: straight on, or to the left or right of it, by turns."""
+    """Compute half of a way that is not free: straight on, or to the left or right of it, by turns."""
     a, b, c = begin
     du, dv, dw = 0.5 * (end[0] - a), 0.5 * (end[1] - b), 0.5 * (end[2] - c)
     left = (-dv, du, 0.0)

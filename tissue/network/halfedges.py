@@ -43,7 +43,7 @@ def begins_edge(network: Network, h: int) -> bool:
 
 @inner
 def degree(network: Network, i: int) -> int:
-    """Return how many neighbours vertex i has, ghosts among them."""
+    """Count the neighbours of vertex i, ghosts among them."""
     h, count = network.out[i], 1
     while around(network, h) != network.out[i]:
         h, count = around(network, h), count + 1
@@ -118,7 +118,7 @@ def _pair(network: Network, h: int, g: int) -> None:
 
 @inner
 def set_rest(network: Network, h: int, length: float) -> None:
-    """Of both half-edges; 0 for an edge to a ghost."""
+    """Set the rest length of both half-edges; 0 for an edge to a ghost."""
     g = network.twin[h]
     value = 0.0 if min(network.corner[h], network.corner[g]) < 0 else length
     network.rest[h], network.rest[g] = value, value
@@ -181,7 +181,7 @@ LEFT = -1  # the ghost on the left of a row
 
 @inner
 def is_row(network: Network) -> bool:
-    """Return whether it is one."""
+    """Return whether the network is a single row of cells."""
     if network.out[-2] < 0:
         return False
     for t in range(network.triangles[0]):

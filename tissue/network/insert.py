@@ -102,7 +102,7 @@ def _across(surface: Surface, network: Network, i: int, direction: Place) -> tup
 
 @inner
 def _sine(surface: Surface, network: Network, i: int, j: int, direction: Place) -> float:
-    """Of the angle from a direction to the way from vertex i to j on the chart; times the length of the direction."""
+    """Compute the sine of the angle from a direction to the way from i to j, times the length of the direction."""
     du, dv, dw = direction
     if surface.bends != SPHERE:
         eu, ev = between(surface, network, i, j)
@@ -162,7 +162,7 @@ def _split(network: Network, mother: int, daughter: int, ahead: int, behind: int
 
 @inner
 def _write(network: Network, h: int, i: int, j: int, k: int) -> None:
-    """A triangle that begins with half-edge h."""
+    """Write a triangle that begins with half-edge h."""
     network.corner[h], network.corner[h + 1], network.corner[h + 2] = i, j, k
 
 

@@ -147,7 +147,7 @@ def _take_over(network: Network, h: int, g: int) -> None:
 
 @inner
 def _erase(network: Network, t: int) -> None:
-    """Give the place of a triangle to the last one."""
+    """Move the last triangle to the place of one that is erased."""
     network.triangles[0] -= 1
     last = network.triangles[0]
     if t == last:

@@ -173,7 +173,7 @@ def _delaunay(flat: Floats) -> Triangles:
 
 
 def _torus(flat: Floats, periods: tuple[float, float]) -> Triangles:
-    """Of the images of all triangles in three times three periods, that whose smallest index is in the middle one."""
+    """Choose one image of each triangle in three times three periods: its smallest index is in the middle period."""
     n, period = flat.shape[1], np.array(periods)[:, None]
     inside = flat - period * np.floor(flat / period)
     shifts = np.array([(0, 0)] + [(a, b) for a in (-1, 0, 1) for b in (-1, 0, 1) if a or b])
@@ -201,7 +201,7 @@ def _patch(network: Network, chart: Floats, surface: Surface) -> Triangles:
 
 
 def _peeled(flat: Floats, triangles: Triangles) -> Triangles:
-    """Without flat triangles at the boundary, as long as there are some.
+    """Take away flat triangles at the boundary, as long as there are some.
 
     Points of a straight boundary are nudged out of line: flat triangles lie on it, one upon another. No point is lost
     with them: one that only a flat triangle has would be inside of the circle around the triangle below.
@@ -234,7 +234,7 @@ def _boundary(triangles: Triangles) -> tuple[Integers, Integers]:
 
 
 def _closed(triangles: Triangles, ghost: int) -> Triangles:
-    """With a triangle from each edge of the boundary to a ghost."""
+    """Close a patch: add a triangle from each edge of the boundary to a ghost."""
     edges, _ = _boundary(triangles)
     return np.vstack((triangles, np.column_stack((edges[:, ::-1], np.full(len(edges), ghost)))))
 

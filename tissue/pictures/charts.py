@@ -95,7 +95,7 @@ def percent_axis(panel: Axes, text: str) -> None:
 
 
 def counted(numbers: Iterable[int], what: str) -> str:
-    """Return how many there were: "n = 400 runs", or "n = 398 to 400 runs"."""
+    """Write how many there were: "n = 400 runs", or "n = 398 to 400 runs"."""
     found = sorted(set(numbers))
     span = f"{found[0]}" if len(found) == 1 else f"{found[0]} to {found[-1]}"
     return f"n = {span} {what}"

@@ -296,7 +296,7 @@ def _inches(panel: Axes) -> float:
 
 
 def _decimals(frames: Sequence[Frame]) -> int:
-    """Return how many decimals the times need, at most two."""
+    """Count the decimals that the times need, at most two."""
     times = np.array([frame.t for frame in frames])
     return next((k for k in (0, 1) if np.allclose(times, np.round(times, k), rtol=0, atol=1e-6)), 2)
 

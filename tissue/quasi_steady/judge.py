@@ -286,7 +286,7 @@ def _pair_energy(cells: Cells, layers: CellLayers, numbers: Numbers, x: Any, a: 
 
 
 def _arrows(points: Any, ends: Ends) -> Any:
-    """From the first ends to the second ones, one column each."""
+    """Return the arrows from the first ends to the second ones, one column each."""
     return points[:, ends[1].tolist()] - points[:, ends[0].tolist()]
 
 

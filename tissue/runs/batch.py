@@ -116,7 +116,7 @@ class Batch:
         return Frame(time, *contents(held), self.parameters.curve(), checkpoint, sheets)
 
     def status(self, k: int) -> Status:
-        """Return how run k ended, or goes on."""
+        """Return how run k ended, or that it goes on."""
         if self.goes_on(k):
             return Status.SUCCESS if self.fault is None else self.fault.status
         if find_lost(self.state(k)) >= 0:
@@ -124,7 +124,7 @@ class Batch:
         return Status.NETWORK_TORN if self.state(k).space.torn[0] else Status.LUMEN_CLOSED
 
     def failure(self, k: int) -> str:
-        """When and where run k failed, "" if it did not."""
+        """Say when and where run k failed, "" if it did not."""
         if self.goes_on(k):
             return "" if self.fault is None else self.fault.detail
         held = self.state(k)
@@ -170,7 +170,7 @@ class Batch:
                     RULES.refuse(what)
 
     def _stopped(self, k: int) -> float:
-        """When run k failed [h]."""
+        """Return when run k failed [h]."""
         group, lane = self._at(k)
         return float(group.ended[lane] * self.parameters.numerics.dt.value)
 

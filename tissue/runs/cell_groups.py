@@ -40,12 +40,12 @@ class Crowd(NamedTuple):
         return emt_cells(self.times[:, self.may_leave])
 
     def numbers(self) -> Integers:
-        """Of each cell its number among the EMT cells, -1 for none."""
+        """Number the EMT cells: of each cell its number among them, -1 for none."""
         return np.where(self.may_leave, np.cumsum(self.may_leave) - 1, -1)
 
 
 def drawn_for(groups: Sequence[CellGroup], random: Streams) -> list[Draws]:
-    """Return what each group is drawn; that of a named type is a function of the seed, of its name and of its scenario.
+    """Draw the events of each group; those of a named type are a function of the seed, its name and its scenario.
 
     So runs of one seed have the same whatever other types there are.
     """

@@ -69,7 +69,7 @@ def force_error(force: Force, run: Run, strength: float = 1.0) -> float:
 def _compare(
     addresses: tuple[int, int], state: TissueState, strength: float, numbers: Numbers, slopes: Floats, forces: Floats
 ) -> None:
-    """The forces on the points of n cells, and the slopes of the energy there, each (6, n)."""
+    """Compute the forces on the points of n cells, and the slopes of the energy there, each (6, n)."""
     push, energy = addresses
     cells, on = state.cells, state.on
     clear(state)

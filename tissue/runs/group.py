@@ -97,7 +97,7 @@ class Group:
 
     @property
     def pairs(self) -> int:
-        """How many pairs of cells were looked at for the repulsion; of tissues side by side those of all at once."""
+        """Count the pairs of cells looked at for the repulsion; of tissues side by side those of all at once."""
         return int(self._workspaces.pairs[0])
 
     def _place(self) -> None:

@@ -86,7 +86,7 @@ def _files(thing: Any) -> set[str]:
 
 
 def own_code() -> dict[str, str]:
-    """Of each module that what is registered can reach, a digest of its text."""
+    """Return a digest of the text of each module that registered functions can reach."""
     functions = list(_every_function())
     code: dict[str, str] = json.loads(provenance(*functions)["code"]) if functions else {}
     return code

@@ -78,7 +78,7 @@ def _refuse_layer(parameters: Parameters, start: Frame) -> None:
 
 
 def checkpoint_of(start: Frame) -> TissueCheckpoint:
-    """Return what a run is besides its cells; raises InvalidProblem if it is not there."""
+    """Return the checkpoint of a frame; raises InvalidProblem if there is none."""
     if not isinstance(start, Frame):
         raise InvalidProblem(f"start = {describe(start)}: must be {A_START}")
     checked("start", (*start[:4], start.past, start.sheets))
@@ -86,7 +86,7 @@ def checkpoint_of(start: Frame) -> TissueCheckpoint:
 
 
 def steps_made(parameters: Parameters, start: Frame) -> int:
-    """Return how many steps dt have led to ``start``; raises InvalidProblem if it is no whole number, or too many."""
+    """Count the steps dt to ``start``; raises InvalidProblem if it is no whole number, or too many."""
     checkpoint_of(start)
     dt, end = parameters.numerics.dt, parameters.numerics.t_end
     made, last = start.t / dt.value, round(end.value / dt.value)
@@ -195,7 +195,7 @@ def _first_ones(cells: Cells, mine: Integers, count: int) -> Integers:
 
 
 def _descent(cells: Cells, mine: Integers, first: Integers) -> list[int]:
-    """Of each cell of a type the place of the one among the ``first`` that it descends from."""
+    """Find for each cell of a type the one among the ``first`` from which it descends."""
     place = {name: k for k, name in enumerate(cells.id[first])}
     mother = dict(zip(cells.id, cells.mother, strict=True))
 

@@ -76,7 +76,7 @@ class Run:
         return summary_table(self.frames, self.parameters)
 
     def to_frame(self) -> pd.DataFrame:
-        """Return the same as ``table``."""
+        """Return ``table()``."""
         return self.table()
 
     def plot(self, ax: Axes | None = None, *, t: float | None = None) -> Axes:
@@ -143,7 +143,7 @@ class Run:
         raise InvalidProblem(f"t = {t:g} h: must be a kept time: {times}")
 
     def _repr_html_(self) -> str:
-        """Return how the run ended, its last state and its summary."""
+        """Write how the run ended, its last state and its summary, for notebooks."""
         from tissue.pictures.picture import drawing
         from tissue.pictures.sheet import png
 

@@ -46,12 +46,12 @@ class Mesh(NamedTuple):
 
     @property
     def _ends(self) -> Integers:
-        """From which cell to which each half-edge goes, (3 T, 2)."""
+        """Return from which cell to which each half-edge goes, (3 T, 2)."""
         return np.column_stack((self.corner, self.corner.reshape(-1, 3)[:, [1, 2, 0]].ravel()))
 
     @property
     def _once(self) -> NDArray[np.bool_]:
-        """Of each half-edge whether it is the first of its edge, and joins two cells, (3 T,)."""
+        """Mark the half-edges that are the first of their edge and join two cells, (3 T,)."""
         first: NDArray[np.bool_] = (np.arange(len(self.corner)) < self.twin) & (self._ends.min(axis=1) >= 0)
         return first
 
@@ -65,7 +65,7 @@ class Sheets(NamedTuple):
 
 
 def kept(space: Space, n: int) -> Sheets:
-    """Copies of the networks of n cells as they are now."""
+    """Copy the networks of n cells as they are now."""
     return Sheets(space.surface, _mesh(space.apical, n), _mesh(space.basal, n))
 
 

@@ -128,7 +128,7 @@ def _emt_with_room(emt: Emt, capacity: int) -> Emt:
 
 
 def _room(capacity: int, emt: Emt, curve: CurveNumbers, space: Space) -> StateArrays:
-    """Empty arrays."""
+    """Make empty arrays."""
     kinds: list[Any] = [KINDS.get(name, np.float64) for name in Cells._fields]
     made = {kind: np.zeros((kinds.count(kind), capacity), kind) for kind in (np.float64, np.bool_, np.int64)}
     lines = {kind: iter(block) for kind, block in made.items()}
@@ -168,6 +168,6 @@ def grown(held: TissueState) -> TissueState:
 
 
 def contents(held: TissueState) -> tuple[Cells, CellLayers]:
-    """Copies of the cells and layers in use."""
+    """Copy the cells and layers in use."""
     n, apical, basal = held.sizes[CELLS], held.sizes[APICAL], held.sizes[BASAL]
     return first(held.cells, n), CellLayers(held.layers.apical[:apical].copy(), held.layers.basal[:basal].copy())

@@ -53,12 +53,12 @@ class Space(NamedTuple):
 
 
 def no_space(rules: TissueRules = TissueRules()) -> Space:  # noqa: B008  # a tuple of numbers
-    """Return that of a slice with these rules."""
+    """Return the space of a slice with these rules."""
     return Space(FLAT, FLAT_SURFACE, no_network(0), no_network(0), Exchange(), rules, np.zeros(1, np.int64))
 
 
 def with_room(space: Space, capacity: int) -> Space:
-    """Return the same networks with room for so many cells; that of the plane as it is."""
+    """Return the same networks with room for so many cells; a slice has none."""
     if space.dimension == FLAT:
         return space
     return space._replace(apical=grown(space.apical, capacity), basal=grown(space.basal, capacity))

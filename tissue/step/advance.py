@@ -148,7 +148,7 @@ def is_full(state: TissueState, t: float) -> bool:
 def apply_rules(
     state: TissueState, t: float, numbers: Numbers, rules: Rules, draws: Generator, noise: Generator
 ) -> None:
-    """What happens once per dt before the cells move: divisions, EMT events, phases, rest lengths, noise or its key."""
+    """Apply what happens once per dt before cells move: divisions, events, phases, rest lengths, noise or its key."""
     divide(state, t, numbers, rules, draws)
     begin_events(state, t, numbers, rules)
     set_phases(state, t, numbers)

@@ -97,7 +97,7 @@ def _copy_links(state: TissueState, k: int, width: int, work: Workspace, scale: 
 
 @inner
 def _fill(work: Workspace, i: int, place: int) -> None:
-    """An empty place: a cell that stands upright, far from everything and from its like, without forces."""
+    """Fill an empty place with a cell that stands upright, far from everything, without forces."""
     work.x[place] = work.ax[place] = work.bx[place] = FAR * (1 + i)
     work.y[place], work.ay[place], work.by[place] = 0.0, 1.0, -1.0
     work.radius[place] = work.k_ax[place] = work.k_bx[place] = work.k_axb[place] = 0.0
@@ -154,7 +154,7 @@ def copy_to_workspace(state: TissueState, work: SurfaceWorkspace, numbers: Numbe
 
 @inner
 def _list_junctions(state: TissueState, work: SurfaceWorkspace, scale: float) -> None:
-    """The junctions of the apical network, each once, with k = scale (alpha_i + alpha_j) / 2."""
+    """List the junctions of the apical network, each once, with k = scale (alpha_i + alpha_j) / 2."""
     network, alpha, count = state.space.apical, state.cells.stiff_aa, 0
     for h in range(3 * network.triangles[0]):
         if begins_edge(network, h):
@@ -168,7 +168,7 @@ def _list_junctions(state: TissueState, work: SurfaceWorkspace, scale: float) ->
 
 @inner
 def _list_neighbours(network: Network, work: SurfaceWorkspace) -> None:
-    """The edges of the basal network, each once; those of a row of cells forward, with its left side on the left."""
+    """List the edges of the basal network, each once; of a row of cells forward, with its left side on the left."""
     count, ordered = 0, is_row(network)
     for h in range(3 * network.triangles[0]):
         if begins_edge(network, h):

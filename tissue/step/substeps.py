@@ -88,7 +88,7 @@ def _alone(flat: int, wide: int, n: int) -> int:
 
 
 def _abreast(flat: int, wide: int, n: int) -> int:
-    """Do the same for eight slices of up to n cells."""
+    """Make all substeps of one dt for eight slices of up to n cells; return 0."""
     work = wide_workspace_at(wide)
     for number in range(work.substeps):
         add_substep_noise(work, n, number)
@@ -98,7 +98,7 @@ def _abreast(flat: int, wide: int, n: int) -> int:
 
 
 def _on_surface(flat: int, wide: int, n: int) -> int:
-    """Do the same for a sheet or a closed surface.
+    """Make all substeps of one dt for a sheet or a closed surface; return 0.
 
     The lists are made anew: what a step does is a function of what is in the workspace.
     """

@@ -44,7 +44,7 @@ call_push, call_energy, call_part = call(PUSH), call(ENERGY), call(PART)
 
 @inner
 def clear(state: TissueState) -> None:
-    """No force on any point."""
+    """Set the forces on all points to 0."""
     on = state.on
     for forces in (on.x, on.y, on.ax, on.ay, on.bx, on.by):
         for i in range(state.sizes[CELLS]):
