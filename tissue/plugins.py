@@ -149,7 +149,7 @@ class Force:
 
 @dataclass(frozen=True)
 class Observable:
-    """A column of ``Run.summary``; one that was registered is also kept of each run of a study, at the kept times.
+    """A column of ``Run.summary``; one that was registered is also kept of each run of a study, at the output times.
 
     Attributes
     ----------

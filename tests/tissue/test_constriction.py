@@ -5,10 +5,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from dincl.compiled.lanes import WIDTH
 from dincl.errors import InvalidProblem
 from tests.tissue import kernel_calls as kernels
-from tests.tissue.kernel_calls import STILL, aged, both, compared, together, upright, with_emt
+from tests.tissue.kernel_calls import STILL, aged, both, compared, upright, with_emt
 from tissue.events.known import bit, row, settled
 from tissue.files.parameters import load, preset
 from tissue.frames.frame import Frame
@@ -170,17 +169,6 @@ def test_a_crowd_by_kernels_and_by_twins(name):
     end = compared(constricting(30, 3), given, 12)
     assert max(map(len, chains(end))) > 1
     assert len(chains(end)) > 1
-
-
-def test_side_by_side():
-    given = preset("published").numbers()._replace(two_daughters=0.7)
-    states = [constricting(n, n) for n in (30, 9, 24, 20, 17, 40, 12, 28)]
-    made, ended = together(states, 12, given, range(WIDTH))
-    assert not ended.any()
-    for k, state in enumerate(states):
-        alone = kernels.steps(state, 0, 12, given, *kernels.generators(k))
-        for mine, other in zip((*made[k].cells, *made[k].emt), (*alone.cells, *alone.emt), strict=True):
-            assert mine.tobytes() == other.tobytes()
 
 
 def test_a_group_constricts(tmp_path):

@@ -17,7 +17,7 @@ from tissue.model.scale import measure
 from tissue.quasi_steady.run import simulate_quasi_steady
 from tissue.rules.slice import in_plane
 from tissue.runs.group import Group
-from tissue.runs.simulate import simulate, simulate_many
+from tissue.runs.simulate import simulate
 from tissue.state.basal_curve import curve_numbers, ellipse
 from tissue.state.running import contents, new_state
 from tissue.study.outcomes import EXTENTS
@@ -86,20 +86,6 @@ def test_substeps_on_a_circle(closed, seed):
     group = Group([held], numbers)
     assert group.make_substeps()
     assert distance(contents(group.states[0])[0], expected) < 1e-10
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("changes", [{}, {"layer.side": "outside"}, {"layer.closed": False, "tissue.cells": 100}])
-def test_alone_and_in_company_same_bits(changes):
-    """With divisions, and two EMT cells that lose both adhesions and run."""
-    emt = {"emt.cells": 2, "emt.a": "2 h", "emt.b": "2 h to 4 h", "emt.p": "3 h"}
-    parameters = published(**RING | emt | {"layer.perimeter": "100 R_soft", "tissue.cells": 300} | changes)
-    company = simulate_many(parameters, range(3))
-    for seed in range(3):
-        alone = simulate(parameters, seed)
-        assert alone.stats == company[seed].stats
-        for a, b in zip(alone.frames, company[seed].frames, strict=True):
-            assert all(np.array_equal(one, other) for one, other in zip(a.cells, b.cells, strict=True))
 
 
 def test_a_large_circle_is_nearly_a_line():

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from tests.tissue import kernel_calls as kernels
+from tests.tissue.bits import same
 from tests.tissue.kernel_calls import aged, compared, with_emt
 from tests.tissue.states import numbers
-from tests.tissue.test_resume import same
 from tissue.files.parameters import preset
 from tissue.quasi_steady.minimiser import Judge
 from tissue.quasi_steady.run import simulate_quasi_steady
-from tissue.runs.simulate import simulate, simulate_many
+from tissue.runs.simulate import simulate
 
 SHORT = {"numerics.t_end": "6 h"}
 CAP = {"cell.max_cytoskeleton": "4 R_soft"}
@@ -20,13 +20,6 @@ CAP = {"cell.max_cytoskeleton": "4 R_soft"}
 def test_a_cap_that_nothing_reaches_changes_no_bit(name):
     runs = [simulate(preset(name).changed({**SHORT, "cell.max_cytoskeleton": cap})) for cap in ("none", "100 R_soft")]
     assert all(map(same, *(run.frames for run in runs)))
-
-
-@pytest.mark.parametrize("name", ["thesis", "published"])
-def test_alone_and_abreast_the_same_bits(name):
-    parameters = preset(name).changed({**SHORT, **CAP, "emt.cells": 5, "emt.a": "2 h", "emt.b": "3 h", "emt.p": "4 h"})
-    for seed, run in enumerate(simulate_many(parameters, range(3))):
-        assert all(map(same, run.frames, simulate(parameters, seed).frames))
 
 
 @pytest.mark.parametrize("largest", [2.0, 5.0])

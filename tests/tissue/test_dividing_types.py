@@ -3,16 +3,11 @@
 import numpy as np
 import pytest
 
-from dincl.compiled.lanes import WIDTH
-from tests.tissue import kernel_calls as kernels
-from tests.tissue.kernel_calls import aged, both, compared, freed, generators, together, upright, with_emt
-from tests.tissue.kernels.test_many import same_bits, same_cells
+from tests.tissue.kernel_calls import aged, both, compared, freed, generators, upright, with_emt
 from tests.tissue.space.in_space import of_surface
 from tests.tissue.states import layers, numbers
-from tests.tissue.test_resume import same
 from tissue.events.known import bit
 from tissue.files.parameters import preset
-from tissue.frames.frame import Frame
 from tissue.runs.simulate import simulate, simulate_many
 from tissue.study.outcomes import outcomes
 
@@ -76,18 +71,9 @@ def test_daughters_have_what_their_mother_has(model):
     assert end.emt.onset_ab[2] > 0
 
 
-def test_side_by_side():
-    states = [dividing(n, n, freed if n % 2 else layers) for n in (16, 40, 19, 20, 24, 33, 18, 27)]
-    made, ended = together(states, 8, GIVEN, range(WIDTH))
-    assert not ended.any()
-    for seed, (state, one) in enumerate(zip(states, made, strict=True)):
-        assert same_cells(one, kernels.steps(state, 0, 8, GIVEN, *generators(seed)))
-
-
 def test_runs_from_a_file():
     """Each daughter of the types is one EMT cell more; those of [emt] do not divide."""
     for run in simulate_many(DIVIDING, range(3)):
-        assert same_bits(run, simulate(DIVIDING, run.seed))
         table = run.table().query("emt >= 0")
         count = table.groupby(["type", "time_h"]).size()
         assert count["emt"].eq(2).all()
@@ -98,14 +84,6 @@ def test_runs_from_a_file():
         families = table.query("time_h == 6").set_index("id")
         for name, cell in families[families["mother"].isin(families.index)].iterrows():
             assert cell["events"] == families.loc[cell["mother"], "events"], name
-
-
-@pytest.mark.parametrize("t", [1, 3])
-def test_a_run_goes_on_with_the_same_bits(t, tmp_path):
-    whole = simulate(DIVIDING, 5)
-    whole.frames[t].save(tmp_path / "kept.npz")
-    again = simulate(DIVIDING, 5, Frame.load(tmp_path / "kept.npz"))
-    assert same(again.final, whole.final)
 
 
 def test_a_run_goes_on_with_other_times():

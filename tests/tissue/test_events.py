@@ -5,9 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from dincl.compiled.lanes import WIDTH
 from tests.tissue import kernel_calls as kernels
-from tests.tissue.kernel_calls import STILL, aged, both, compared, together, upright, with_emt
+from tests.tissue.kernel_calls import STILL, aged, both, compared, upright, with_emt
 from tests.tissue.states import layers
 from tests.twins.tissue import steps as twins
 from tissue.events.known import bit, row, settled
@@ -244,18 +243,6 @@ def test_all_events_in_a_crowd(name):
     made = kernels.steps(state, 0, 12, given, *kernels.generators(0))
     for found, expected in zip(made.emt, end.emt, strict=True):
         np.testing.assert_allclose(found, expected, atol=ROUNDING)
-
-
-@pytest.mark.parametrize("name", ["thesis", "published"])
-def test_side_by_side(name):
-    given = preset(name).numbers()
-    states = [eventful(n, n) for n in (30, 9, 24, 20, 17, 40, 12, 28)]
-    made, ended = together(states, 12, given, range(WIDTH))
-    assert not ended.any()
-    for k, state in enumerate(states):
-        alone = kernels.steps(state, 0, 12, given, *kernels.generators(k))
-        for mine, other in zip((*made[k].cells, *made[k].emt), (*alone.cells, *alone.emt), strict=True):
-            assert mine.tobytes() == other.tobytes()
 
 
 def eventful(n, seed):

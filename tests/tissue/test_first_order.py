@@ -1,13 +1,12 @@
 """A run is a function of (parameters, seed) alone, says how it ended, and does no more work than it needs."""
 
-from concurrent.futures import ThreadPoolExecutor
-
 import numpy as np
 import pytest
 
 import dincl
 from dincl.status import Status
 from tests.tissue import kernel_calls as kernels
+from tests.tissue.bits import same_cells
 from tests.tissue.states import cells, layers
 from tests.twins.tissue.state import Tissue
 from tissue.files.parameters import preset
@@ -31,12 +30,6 @@ EVENTS = ("birth", "cycle", "id", "mother", "radius", "stiff_aa")
 each_preset = pytest.mark.parametrize("name", SHORT)
 
 
-def same_bits(a, b):
-    """Whether two frames agree in every bit."""
-    arrays = zip((*a.cells, *a.layers), (*b.cells, *b.layers), strict=True)
-    return a.t == b.t and all(p.tobytes() == q.tobytes() for p, q in arrays)
-
-
 def same_events(a, b):
     """Whether the same cells were born at the same times."""
     return all(np.array_equal(getattr(a.cells, name), getattr(b.cells, name)) for name in EVENTS)
@@ -48,34 +41,6 @@ def finite(frame):
 
 
 # A function of (parameters, seed)
-
-
-@each_preset
-def test_same_seed_same_bits(name):
-    parameters = SHORT[name].changed(LIVELY)
-    a, b, c = (simulate(parameters, seed) for seed in (3, 3, 4))
-    assert all(map(same_bits, a.frames, b.frames))
-    assert a.stats == b.stats
-    assert a.separation == b.separation
-    assert not np.array_equal(a.final.cells.cycle[:40], c.final.cells.cycle[:40])
-
-
-@each_preset
-def test_what_is_kept_changes_nothing(name):
-    kept = {every: simulate(SHORT[name].changed({**LIVELY, "numerics.keep": f"{every} h"})) for every in (0.5, 1, 6)}
-    assert [len(run.frames) for run in kept.values()] == [13, 7, 2]
-    assert all(map(same_bits, kept[0.5].frames[::2], kept[1].frames))
-    assert same_bits(kept[6].final, kept[1].final)
-
-
-def test_two_threads_at_once():
-    jobs = [(SHORT[name].changed(LIVELY), seed) for seed in range(3) for name in SHORT]
-    one_by_one = [simulate(*job) for job in jobs]
-    with ThreadPoolExecutor(2) as threads:
-        at_once = list(threads.map(lambda job: simulate(*job), jobs))
-    for a, b in zip(one_by_one, at_once, strict=True):
-        assert all(map(same_bits, a.frames, b.frames))
-        assert a.stats == b.stats
 
 
 @pytest.mark.parametrize("seed", [-1, 1.5, "1", None, True])
@@ -112,7 +77,7 @@ def test_listed_times_are_kept_besides_start_and_end():
     listed, every = (simulate(preset("thesis").changed(changes | more)) for more in ({}, {"numerics.keep": "0.5 h"}))
     assert [frame.t for frame in listed.frames] == pytest.approx([0.0, 0.5, 2.0, 3.0])
     for frame, k in zip(listed.frames, (0, 1, 4, 6), strict=True):
-        assert same_bits(frame, every.frames[k])
+        assert same_cells(frame, every.frames[k])
     ends = simulate(preset("thesis").changed(changes | {"numerics.keep": ["3 h"]}))
     assert [frame.t for frame in ends.frames] == [0.0, listed.final.t]
 
@@ -185,7 +150,7 @@ def failing(name, mu):
 @each_preset
 @pytest.mark.parametrize("mu", [1e-3, 1e-5, 1e-8, 1e-12])
 def test_a_run_that_leaves_all_bounds(name, mu):
-    """Every kept state before the last is sound; the words name the time and the first cell that is lost."""
+    """Every saved state before the last is sound; the words name the time and the first cell that is lost."""
     run = failing(name, mu)
     assert run.status is Status.NON_FINITE
     assert run.final.t == (len(run.frames) - 1) * SHORT[name].numerics.dt.value
@@ -203,7 +168,7 @@ def test_a_failed_run_raises_with_all_frames_so_far():
         simulate(quiet.parameters)
     run = caught.value.run
     assert len(run.frames) == len(quiet.frames) > 2
-    assert all(map(same_bits, run.frames, quiet.frames))
+    assert all(map(same_cells, run.frames, quiet.frames))
     np.testing.assert_allclose([frame.t for frame in run.frames], 0.1 * np.arange(len(run.frames)), rtol=1e-12)
 
 

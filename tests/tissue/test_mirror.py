@@ -11,7 +11,6 @@ from itertools import product
 import numpy as np
 import pytest
 
-from dincl.compiled.lanes import WIDTH
 from tests.tissue import kernel_calls as kernels
 from tests.tissue import states
 from tests.tissue.kernel_calls import both, generators
@@ -80,15 +79,6 @@ def run(model, state, given=GIVEN):
 def test_twice_in_the_mirror_is_the_tissue_itself():
     state = run(kernels, tissue_of(20, 1))
     compare(mirrored(mirrored(state)), state, rounding=0.0)
-
-
-def test_side_by_side():
-    """Eight tissues at once, which have the bits of each alone."""
-    states_of = [tissue_of(n, n) for n in (22, 9, 17, 28, 30, 8, 25, 14)]
-    made, _ = kernels.together(states_of, STEPS, GIVEN, range(WIDTH), NAMED_NUMBERS)
-    others, _ = kernels.together([mirrored(one) for one in states_of], STEPS, GIVEN, range(WIDTH), NAMED_NUMBERS)
-    for one, other in zip(made, others, strict=True):
-        compare(other, mirrored(one))
 
 
 @both

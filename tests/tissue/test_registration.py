@@ -82,14 +82,6 @@ def test_an_event_of_ones_own_is_one_file(own):
     assert set(table.loc[(table["emt"] >= 0) & (table["time_h"] >= 2), "events"]) == {"ASqueeze"}
 
 
-def test_the_same_bits_alone_and_in_company(own):
-    parameters = tissue.load(own)
-    alone = [tissue.simulate(parameters, seed) for seed in range(3)]
-    for one, other in zip(alone, tissue.simulate_many(parameters, range(3)), strict=True):
-        for mine, theirs in zip(one.final.cells, other.final.cells, strict=True):
-            assert mine.tobytes() == theirs.tobytes()
-
-
 def test_what_others_draw_is_not_changed(own):
     """Neither the tissue, nor the times of the events of the thesis, nor those of one's own if another is asked for."""
     times = {"emt.a": "1 h to 4 h, 50 %", "emt.squeeze": "1 h to 4 h, 50 %"}

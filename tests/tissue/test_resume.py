@@ -1,12 +1,11 @@
-"""A run goes on from each kept state with the bits that it has without a stop, or with other parameters from there."""
-
-import pickle
+"""A run goes on from each saved state with the bits that it has without a stop, or with other parameters from there."""
 
 import numpy as np
 import pytest
 
 import tissue
 from dincl.errors import InvalidProblem
+from tests.tissue.bits import same, same_end
 from tissue.events.known import bit, row
 from tissue.files.parameters import preset
 from tissue.frames.frame import Frame
@@ -15,7 +14,7 @@ from tissue.runs.simulate import simulate, simulate_many
 # A run that goes on later may end before an event.
 pytestmark = pytest.mark.filterwarnings("ignore:.* never begins")
 
-# Every cell divides in these hours; one event after the other begins, some before and some after each kept state.
+# Every cell divides in these hours; one event after the other begins, some before and some after each saved state.
 LIVELY = {"cell.min_cycle": "1 h", "cell.max_cycle": "3 h", "cell.g2": "0.4 h", "cell.mitosis": "0.4 h"}
 EVENTS = {
     "emt.cells": 5,
@@ -41,42 +40,7 @@ def parameters_of(setting):
     return preset(name).changed({**LENGTHS, **LIVELY, **changes})
 
 
-def arrays(frame):
-    past = frame.checkpoint
-    return (*frame.cells, *frame.layers, *past.emt, past.counts, past.generators)
-
-
-def same(a, b):
-    """Whether two kept states agree in every bit of all that a run is."""
-    rest = [(frame.t, frame.checkpoint.seed, frame.checkpoint.next_id, frame.checkpoint.separation) for frame in (a, b)]
-    return rest[0] == rest[1] and all(p.tobytes() == q.tobytes() for p, q in zip(arrays(a), arrays(b), strict=True))
-
-
-def same_runs(a, b):
-    """Whether the run b is the end of the run a."""
-    tail = a.frames[-len(b.frames) :]
-    return a.stats == b.stats and a.separation == b.separation and all(map(same, tail, b.frames))
-
-
 # The same bits
-
-
-@each_setting
-def test_from_each_kept_state_on_the_same_bits(setting, tmp_path):
-    """Handed over, from disk, and through pickle in turn."""
-    parameters = parameters_of(setting)
-    run = simulate(parameters, 3)
-    assert len(run.frames) == 9
-    for number, frame in enumerate(run.frames):
-        start = frame
-        if number % 3 == 1:
-            frame.save(tmp_path / "state.npz")
-            start = Frame.load(tmp_path / "state.npz")
-        elif number % 3 == 2:
-            start = pickle.loads(pickle.dumps(frame))
-        rest = simulate(parameters, 3, start)
-        assert len(rest.frames) == 9 - number
-        assert same_runs(run, rest)
 
 
 @each_setting
@@ -86,16 +50,8 @@ def test_abreast_the_same_bits(setting):
     whole = simulate_many(parameters, range(3))
     short = simulate_many(parameters.changed({"numerics.t_end": "1.5 h"}), range(3))
     rest = simulate_many(parameters, range(3), [run.final for run in short])
-    assert all(map(same_runs, whole, rest))
-    assert same_runs(whole[1], simulate(parameters, 1, short[1].final))
-
-
-def test_a_start_is_not_changed_by_the_run():
-    parameters = parameters_of("published, EMT")
-    start = simulate(parameters, 3).frames[2]
-    before = pickle.loads(pickle.dumps(start))
-    simulate(parameters, 3, start)
-    assert same(start, before)
+    assert all(map(same_end, whole, rest))
+    assert same_end(whole[1], simulate(parameters, 1, short[1].final))
 
 
 def test_stopping_twice_and_ending_at_once():
@@ -115,12 +71,12 @@ def test_one_state_and_many_seeds():
     parameters = parameters_of("published")
     run = simulate(parameters, 3)
     branches = simulate_many(parameters, [3, 4, 5], run.frames[4])
-    assert same_runs(run, branches[0])
+    assert same_end(run, branches[0])
     finals = [branch.final.cells.y[:30] for branch in branches]
     assert not np.array_equal(finals[0], finals[1])
     assert not np.array_equal(finals[1], finals[2])
     assert all(np.array_equal(branch.frames[0].cells.x, run.frames[4].cells.x) for branch in branches)
-    assert same_runs(branches[1], simulate(parameters, 4, branches[1].frames[2]))
+    assert same_end(branches[1], simulate(parameters, 4, branches[1].frames[2]))
 
 
 def test_a_control_tissue_gets_its_emt_cells_in_the_middle_when_it_branches():
@@ -212,7 +168,7 @@ def test_only_states_of_runs_are_starts(tmp_path):
         (run, "start = Run"),
         (run.final.cells, "start = Cells"),
     ):
-        with pytest.raises(InvalidProblem, match=rf"^{what}.*must be a kept state of a run"):
+        with pytest.raises(InvalidProblem, match=rf"^{what}.*must be a saved state of a run"):
             simulate(parameters, start=start)
     with pytest.raises(InvalidProblem, match="no run has made"):
         bare.save(tmp_path / "bare.npz")

@@ -57,7 +57,7 @@ def test_lines_are_thinner_in_a_small_figure(run):
 
 
 def test_a_time_that_is_not_kept_is_refused_with_those_that_are(run):
-    with pytest.raises(InvalidProblem, match=r"t = 0\.7 h: must be a kept time: 0, 0\.5, 1, 1\.5, 2"):
+    with pytest.raises(InvalidProblem, match=r"t = 0\.7 h: must be an output time: 0, 0\.5, 1, 1\.5, 2"):
         run.plot(t=0.7)
 
 

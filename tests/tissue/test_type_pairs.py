@@ -3,12 +3,11 @@
 import numpy as np
 import pytest
 
-from dincl.compiled.lanes import WIDTH
 from dincl.errors import InvalidProblem
 from tests.tissue import kernel_calls as kernels
 from tests.tissue import states
-from tests.tissue.kernel_calls import aged, generators, together
-from tests.tissue.kernels.test_many import same_bits, same_cells
+from tests.tissue.bits import same_cells
+from tests.tissue.kernel_calls import aged, generators
 from tests.tissue.mirrored import compare, mirrored
 from tests.tissue.space.in_space import of_surface
 from tissue.files.parameters import preset
@@ -68,17 +67,6 @@ def test_pairs_of_different_soft_discs(power, bent):
             expected = moved_by_pairs(one.cells, given, named)
             np.testing.assert_allclose((cells.x, cells.y), expected, atol=1e-11)
             assert np.abs(expected - (one.cells.x, one.cells.y)).max() > 0.1 or len(cells.x) == 1
-
-
-def test_the_same_bits_alone_and_side_by_side():
-    given, named = kinds(2)
-    given = given._replace(substeps=20, hard_radius=0.3, max_basal=0.4)
-    named = [one._replace(substeps=20, max_basal=size) for one, size in zip(named, (0.2, 0.9), strict=True)]
-    states_of = [aged(n, n, kind=np.arange(n) % 3 + (np.arange(n) % 3 > 0)) for n in (16, 40, 19, 20, 24, 33, 18, 27)]
-    made, ended = together(states_of, 4, given, range(WIDTH), named)
-    assert not ended.any()
-    for seed, (state, one) in enumerate(zip(states_of, made, strict=True)):
-        assert same_cells(one, kernels.steps(state, 0, 4, given, *generators(seed), named))
 
 
 @pytest.mark.parametrize("closed", [False, True])
@@ -155,7 +143,6 @@ def test_each_key_has_its_effect_in_a_run(key):
     runs = simulate_many(given, range(4))
     for run in runs:
         assert run.status
-        assert same_bits(run, simulate(given, run.seed))
 
     def width(of):
         """Of the nuclei, or of the basal points of the type, in the mean."""

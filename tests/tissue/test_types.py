@@ -5,19 +5,16 @@ import math
 import numpy as np
 import pytest
 
-from dincl.compiled.lanes import WIDTH
 from dincl.errors import InvalidProblem
-from tests.tissue import kernel_calls as kernels
-from tests.tissue.kernel_calls import aged, compared, freed, generators, together, with_emt
-from tests.tissue.kernels.test_many import same_bits, same_cells
+from tests.tissue.bits import same, same_cells
+from tests.tissue.kernel_calls import aged, compared, freed, with_emt
 from tests.tissue.states import layers, numbers
-from tests.tissue.test_resume import same
 from tissue.events.known import row
 from tissue.files.cell_types import OWN_KEYS
 from tissue.files.parameters import preset
 from tissue.frames.observables import PHASES, phases
 from tissue.quasi_steady.run import simulate_quasi_steady
-from tissue.runs.simulate import simulate, simulate_many
+from tissue.runs.simulate import simulate
 from tissue.runs.start import started
 from tissue.state.cells import EMT, NAMED
 from tissue.state.checkpoint import streams
@@ -80,23 +77,7 @@ def test_each_cell_has_the_numbers_of_its_type(network, seed):
     assert (end.cells.events[end.cells.emt >= 0] > 0).all()
 
 
-def test_a_tissue_of_types_alone_and_in_company():
-    states = [mixed(n, n, freed if n % 2 else layers) for n in (1, 40, 9, 20, 2, 33, 8, 27)]
-    made, ended = together(states, 10, GIVEN, range(WIDTH), OWN)
-    assert not ended.any()
-    for seed, (state, one) in enumerate(zip(states, made, strict=True)):
-        assert same_cells(one, kernels.steps(state, 0, 10, GIVEN, *generators(seed), OWN))
-
-
 # Runs
-
-
-def test_runs_alone_and_abreast():
-    for run in simulate_many(MIXED, range(3)):
-        assert same_bits(run, simulate(MIXED, run.seed))
-        kinds = np.bincount(run.final.cells.kind)
-        assert kinds[1:].tolist() == [0, *kinds[2:]]
-        assert kinds[2:].min() > 0
 
 
 def test_a_type_like_control_cells_changes_no_bit():

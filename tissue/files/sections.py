@@ -148,7 +148,7 @@ class NumericsSection(ParameterSection):
     mu: Duration = key("damping coefficient", "mu", f"{TABLE_5}, (3.33)")
     noise: Annotated[str, one_of("step", "substep")] = key("how often noise is added", "", "(3.35)")
     t_end: Duration = key("end of the run", "t^end", 'row "end of runs"')
-    keep: OutputTimes = key("time between kept states, or the kept times; start and end are kept in any case")
+    keep: OutputTimes = key("time between saved states, or the output times; start and end are among them")
 
 
 class RulesSection(ParameterSection):

@@ -16,13 +16,13 @@ from tissue.state.mesh import Sheets
 from tissue.state.surface import heights
 
 # What a run can be started from, in messages.
-A_START = "a kept state of a run, such as run.final or Frame.load(path)"
+A_START = "a saved state of a run, such as run.final or Frame.load(path)"
 
 
 class Frame(NamedTuple):
     """The tissue at one time; lengths in R_soft, times in hours.
 
-    A run can be started from a kept state: ``tissue.simulate(parameters, seed, start=run.final)``. ``checkpoint`` is
+    A run can be started from a saved state: ``tissue.simulate(parameters, seed, start=run.final)``. ``checkpoint`` is
     what this takes besides cells and layers; None for a tissue that no run has made.
     """
 

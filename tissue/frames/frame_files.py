@@ -56,7 +56,7 @@ def checked(name: str, parts: Parts) -> Arrays:
     number(f"{name}.t", parts[0], non_negative=True)
     kinds = (cells, Cells), (layers, CellLayers), (curve, BasalCurve), (past, TissueCheckpoint)
     for value, kind in kinds:
-        instance(name, value, kind, f"a kept state of a run, with its {kind.__name__}")
+        instance(name, value, kind, f"a saved state of a run, with its {kind.__name__}")
     for group, fields in (("cells", cells), ("layers", layers)):
         for field, array in fields._asdict().items():
             instance(f"{name}.{group}.{field}", array, np.ndarray, "an array of numpy")
@@ -64,13 +64,13 @@ def checked(name: str, parts: Parts) -> Arrays:
         _check_sheets(f"{name}.sheets", sheets)
     arrays = {key: np.asarray(array) for key, array in _arrays(parts).items()}
     for wrong in _wrong(arrays):
-        raise InvalidProblem(f"{name}: must be a kept state of a run: {wrong}")
+        raise InvalidProblem(f"{name}: must be a saved state of a run: {wrong}")
     return arrays
 
 
 def _check_sheets(name: str, sheets: Any) -> None:
     """Refuse what are no networks of arrays."""
-    instance(name, sheets, Sheets, "those of a kept state of a run in three dimensions")
+    instance(name, sheets, Sheets, "those of a saved state of a run in three dimensions")
     instance(f"{name}.surface", sheets.surface, Surface, "a basal surface")
     for sheet in ("apical", "basal"):
         mesh = instance(f"{name}.{sheet}", getattr(sheets, sheet), Mesh, "a network of cells")

@@ -97,9 +97,9 @@ class TissueArrowHurwicz:
         size = float(np.square(particles(cells)).sum())
         if not size < TOO_FAR:
             raise InvalidProblem(f"|z|^2 = {size:g}: must be below {TOO_FAR:g} R_soft^2, z all coordinates")
-        held = new_state(cells, layers, capacity=len(cells.x), space=in_plane())
-        workspaces = workspaces_for(len(held.cells.x), numbers, self.numbers)
-        place, running = np.array([held.address]), np.zeros(1, np.int64)
+        state = new_state(cells, layers, capacity=len(cells.x), space=in_plane())
+        workspaces = workspaces_for(len(state.cells.x), numbers, self.numbers)
+        place, running = np.array([state.address]), np.zeros(1, np.int64)
         made, end = iterate(
             place,
             running,
@@ -109,7 +109,7 @@ class TissueArrowHurwicz:
             self.numbers,
             memory_for(workspaces),
         )
-        found = contents(held)[0]
+        found = contents(state)[0]
         reached = math.inf, math.inf
         if end != NON_FINITE:
             reached = energy(found, layers, numbers), violation(sets, found)

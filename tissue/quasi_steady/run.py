@@ -15,7 +15,7 @@ from tissue.files.parameters import Parameters
 from tissue.frames.frame import Frame
 from tissue.quasi_steady.daha import TissueArrowHurwicz
 from tissue.quasi_steady.minimiser import TissueMinimiser
-from tissue.runs.batch import WATCH, checkpoint_at, kept_steps
+from tissue.runs.batch import WATCH, checkpoint_at, output_steps
 from tissue.runs.compiled_rules import answered, rules_pointer
 from tissue.runs.run import Run, RunFailed
 from tissue.runs.start import started
@@ -122,9 +122,9 @@ class _Steps:
         self._found: list[tuple[int, bool, float, float]] = []
 
     def run(self, watch: Callable[[float], None] | None) -> QuasiSteadyRun:
-        """Return all steps, and the states at the kept times."""
+        """Return all steps, and the states at the output times."""
         frames, made, detail, status = [self._frame(0.0)], 0, "", Status.SUCCESS
-        for wanted in kept_steps(self._parameters):
+        for wanted in output_steps(self._parameters):
             while status and made < wanted:
                 made += 1
                 t = made * self._parameters.numerics.dt.value
@@ -160,7 +160,7 @@ class _Steps:
         return found.status, "" if found.status else f"t = {t:g} h: {found.detail}"
 
 
-def _place(held: TissueState, cells: Cells) -> None:
+def _place(state: TissueState, cells: Cells) -> None:
     """Take over the positions."""
     for name in COORDINATES:
-        getattr(held.cells, name)[: len(cells.x)] = getattr(cells, name)
+        getattr(state.cells, name)[: len(cells.x)] = getattr(cells, name)

@@ -1,4 +1,4 @@
-"""Up to eight runs of the first-order model side by side, from their starts to the kept times."""
+"""Up to eight runs of the first-order model side by side, from their starts to the output times."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ LASTING = tuple(name for name in Cells._fields if name not in (*COORDINATES, *DE
 
 
 class Batch:
-    """Runs of the same parameters and of up to WIDTH seeds, from t = 0 or from kept states of one time."""
+    """Runs of the same parameters and of up to WIDTH seeds, from t = 0 or from saved states of one time."""
 
     def __init__(self, parameters: Parameters, seeds: Sequence[int], starts: Sequence[Frame] = ()) -> None:
         instance("parameters", parameters, Parameters, "tissue.Parameters, made by load, preset or changed")
@@ -42,25 +42,25 @@ class Batch:
         self.fault: FunctionFailed | None = None
         self._begin = steps_made(parameters, starts[0]) if starts else 0
         if starts:
-            held, random = zip(*map(resumed, repeat(parameters), starts, seeds), strict=True)
+            states, random = zip(*map(resumed, repeat(parameters), starts, seeds), strict=True)
             self._separation: Sequence[Separation] = [checkpoint_of(start).separation for start in starts]
         else:
             random = tuple(streams(seed) for seed in seeds)
-            held, self._separation = zip(*map(started, repeat(parameters), random), strict=True)
+            states, self._separation = zip(*map(started, repeat(parameters), random), strict=True)
         self._random = random
         rule, forces, named = parameters.division_rule(), parameters.forces.acting(), parameters.named_numbers()
-        size = 1 if parameters.in_space else len(held)  # in space they are not side by side
-        parts = [slice(k, k + size) for k in range(0, len(held), size)]
-        self._groups = [Group(held[k], parameters.numbers(), random[k], rule, forces, named) for k in parts]
+        size = 1 if parameters.in_space else len(states)  # in space they are not side by side
+        parts = [slice(k, k + size) for k in range(0, len(states), size)]
+        self._groups = [Group(states[k], parameters.numbers(), random[k], rule, forces, named) for k in parts]
 
     def times(self, ask: Callable[[], None] | None = None) -> Iterator[float]:
-        """Yield the kept times [h], the first that of the start; when one is given, the runs are there.
+        """Yield the output times [h], the first that of the start; when one is given, the runs are there.
 
-        ``ask`` is called before and every now and then, however far kept times are apart; what it raises ends the work.
+        ``ask`` is called before and every now and then, however far these are apart; what it raises ends the work.
         """
         made, dt = self._begin, self.parameters.numerics.dt.value
         yield made * dt
-        for step in kept_steps(self.parameters):
+        for step in output_steps(self.parameters):
             while made < step:
                 end = step
                 if ask is not None:
@@ -109,11 +109,11 @@ class Batch:
 
     def frame(self, k: int, t: float) -> Frame:
         """Return a copy of run k at the present time t, or of the state that failed, at its time."""
-        held, random = self.state(k), self._random[k]
-        checkpoint = checkpoint_at(held, self.seeds[k], random, self._separation[k], self.parameters)
+        state, random = self.state(k), self._random[k]
+        checkpoint = checkpoint_at(state, self.seeds[k], random, self._separation[k], self.parameters)
         time = t if self.goes_on(k) else self._stopped(k)
-        sheets = kept(held.space, int(held.sizes[CELLS])) if self.parameters.in_space else None
-        return Frame(time, *contents(held), self.parameters.curve(), checkpoint, sheets)
+        sheets = kept(state.space, int(state.sizes[CELLS])) if self.parameters.in_space else None
+        return Frame(time, *contents(state), self.parameters.curve(), checkpoint, sheets)
 
     def status(self, k: int) -> Status:
         """Return how run k ended, or that it goes on."""
@@ -127,12 +127,12 @@ class Batch:
         """Say when and where run k failed, "" if it did not."""
         if self.goes_on(k):
             return "" if self.fault is None else self.fault.detail
-        held = self.state(k)
+        state = self.state(k)
         if self.status(k) is Status.LUMEN_CLOSED:
             return f"t = {self._stopped(k):g} h: opposite parts of the apical layer cross."
         if self.status(k) is Status.NETWORK_TORN:
             return f"t = {self._stopped(k):g} h: points of a layer coincide, or have no way past each other."
-        lost = f"cell {held.cells.id[find_lost(held)]} has a coordinate that is not finite, or beyond {LOST:g} R_soft"
+        lost = f"cell {state.cells.id[find_lost(state)]} has a coordinate that is not finite, or beyond {LOST:g} R_soft"
         return f"t = {self._stopped(k):g} h: {lost}."
 
     def run(self, k: int, frames: Sequence[Frame]) -> Run:
@@ -162,10 +162,10 @@ class Batch:
         if not any(map(registered, (EmtEvent, DivisionRule, Force))):
             return
         for k in range(len(self.seeds)):
-            held = self.state(k)
-            n = held.sizes[CELLS]
+            state = self.state(k)
+            n = state.sizes[CELLS]
             for name in LASTING if self.goes_on(k) else ():
-                if not np.isfinite(getattr(held.cells, name)[:n]).all():
+                if not np.isfinite(getattr(state.cells, name)[:n]).all():
                     what = f"made a number of cells.{name} that is not finite, until t = {t:g} h"
                     RULES.refuse(what)
 
@@ -181,17 +181,17 @@ class Batch:
 
 
 def checkpoint_at(
-    held: TissueState, seed: int, random: Streams, separation: Separation, parameters: Parameters
+    state: TissueState, seed: int, random: Streams, separation: Separation, parameters: Parameters
 ) -> TissueCheckpoint:
     """Return a copy of what a run is besides its cells, at the present time."""
     states, types = generator_states(random), tuple(parameters.types.named())
     return TissueCheckpoint(
-        seed, int(held.sizes[NEXT_ID]), copied(held.emt), held.counts.copy(), states, separation, types
+        seed, int(state.sizes[NEXT_ID]), copied(state.emt), state.counts.copy(), states, separation, types
     )
 
 
-def kept_steps(parameters: Parameters) -> Iterator[int]:
-    """Yield the numbers of steps after which a state is kept: every so often or at the times listed, and at the end."""
+def output_steps(parameters: Parameters) -> Iterator[int]:
+    """Yield the numbers of steps to the output times: every so often or at the times listed, and at the end."""
     dt, keep = parameters.numerics.dt.value, parameters.numerics.keep
     last = round(parameters.t_end / dt)
     times = (time.value for time in keep) if isinstance(keep, tuple) else (keep.value * k for k in count(1))

@@ -49,7 +49,7 @@ def rules_pointer(states: Iterable[TissueState], division: DivisionRule = BESIDE
     """Return the rules of tissues that are stepped together, as a struct; of the events those that begin in one of
     them.
     """
-    emt = [held.emt for held in states]
+    emt = [state.emt for state in states]
     wanted = [any(np.isfinite(one.at[k : k + 1]).any() for one in emt) for k in range(len(events()))]
     used = [event if want else None for event, want in zip(events(), wanted, strict=True)]
     (splits,), (place,) = _addresses(_SPLITS, [division]), _addresses(_PLACE, [division])

@@ -52,11 +52,11 @@ def force_error(force: Force, run: Run, strength: float = 1.0) -> float:
     frame = measurable(run.frames)[-1]
     past = frame.past
     curve, n = curve_numbers(frame.curve), len(frame.cells.x)
-    held = new_state(frame.cells, frame.layers, past.next_id, past.emt, capacity=n, curve=curve, space=in_plane())
+    state = new_state(frame.cells, frame.layers, past.next_id, past.emt, capacity=n, curve=curve, space=in_plane())
     slopes, forces = np.zeros((2, 6, len(frame.cells.x)))
     code, numbers = push_and_energy(force), numbers_pointer(run.parameters.numbers())
     with answered():
-        _compare(code, held, strength, numbers, slopes, forces)
+        _compare(code, state, strength, numbers, slopes, forces)
     if not np.isfinite([slopes, forces]).all():
         raise InvalidProblem(f"Force {force.name} at t = {frame.t:g} h: must give finite forces and energies")
     largest = np.abs([slopes, forces]).max()

@@ -77,7 +77,7 @@ class Group:
         while end == FULL:
             made, end = self.call(made, steps)
             if end == FULL:
-                self.states = [grown(held) for held in self.states]
+                self.states = [grown(state) for state in self.states]
                 self._place()
 
     def call(self, made: int, steps: int) -> tuple[int, int]:
@@ -103,7 +103,7 @@ class Group:
     def _place(self) -> None:
         """Make room for the substeps, and tell the kernel where everything is."""
         width = len(self.ended)
-        addresses = [held.address for held in self.states]
+        addresses = [state.address for state in self.states]
         states = np.array(addresses + addresses[-1:] * (width - len(addresses)))
         in_plane = self.states[0].space.dimension == FLAT
         self._workspaces = self._of_slices(states, width) if in_plane else self._of_surface()
@@ -124,7 +124,7 @@ class Group:
 
     def _of_slices(self, states: Integers, width: int) -> Any:
         """Return the workspace of slices side by side."""
-        numbers, forces, capacity = self._numbers, 0, max(len(held.cells.x) for held in self.states)
+        numbers, forces, capacity = self._numbers, 0, max(len(state.cells.x) for state in self.states)
         if self.forces:
             self._own = forces_pointer(self.forces, states, self._numbers_pointer.address, numbers.scale)
             forces = self._own.address
@@ -132,7 +132,7 @@ class Group:
 
     def _of_surface(self) -> Any:
         """Return the workspace of a sheet or a closed surface."""
-        (held,), numbers = self.states, self._numbers
+        (state,), numbers = self.states, self._numbers
         strength, deviation = numbers.scale * numbers.repulsion, math.sqrt(numbers.substep_variance)
         mine = SurfaceNumbers(numbers.substeps, strength, numbers.max_basal, deviation)
-        return SurfaceWorkspaces(len(held.cells.x), EDGES * len(held.cells.x), mine, held.space.surface)
+        return SurfaceWorkspaces(len(state.cells.x), EDGES * len(state.cells.x), mine, state.space.surface)

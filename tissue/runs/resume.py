@@ -1,4 +1,4 @@
-"""A run that goes on from a kept state: as if it had not stopped, or with other parameters from there on."""
+"""A run that goes on from a saved state: as if it had not stopped, or with other parameters from there on."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ from tissue.frames.frame import A_START, Frame
 from tissue.frames.frame_files import checked
 from tissue.kernels.workspace import LOST
 from tissue.model.lattice import Lattice
+from tissue.plugins import EmtEvent, registered
 from tissue.rules.slice import in_plane
 from tissue.runs.cell_groups import Crowd, Draws, control_cells, crowd_of, drawn_for, give
 from tissue.runs.start import of_kinds, space_of
@@ -51,19 +52,22 @@ def resumed(parameters: Parameters, start: Frame, seed: int) -> tuple[TissueStat
     cells = Cells._make(array.copy() for array in start.cells)
     emt = typed(parameters, start, cells, random)
     _stiffen(parameters, cells)
+    changed = start.cells.events & sum(bit(event.name) for event in registered(EmtEvent)) > 0
+    for name in ("stiff_ax", "stiff_bx", "stiff_axb", "moves", "divides"):  # as events of users have left them
+        getattr(cells, name)[changed] = getattr(start.cells, name)[changed]
     _refuse_layer(parameters, start)
     curve = curve_numbers(parameters.curve())
     capacity = 2 * len(cells.x)
     space = in_plane() if start.sheets is None else space_of(start.sheets, parameters.exchange(), capacity)
-    held = new_state(cells, start.layers, past.next_id, emt, capacity=capacity, curve=curve, space=space)
-    held.counts[:] = past.counts
-    lost = find_lost(held)
+    state = new_state(cells, start.layers, past.next_id, emt, capacity=capacity, curve=curve, space=space)
+    state.counts[:] = past.counts
+    lost = find_lost(state)
     if lost >= 0:
         raise InvalidProblem(
             f"start at t = {start.t:g} h: cell {cells.id[lost]} has a coordinate that is not finite, or beyond "
             f"{LOST:g} R_soft: must be a state before the run failed"
         )
-    return held, random
+    return state, random
 
 
 def _refuse_layer(parameters: Parameters, start: Frame) -> None:

@@ -1,4 +1,4 @@
-"""What a simulation returns: the kept states, how it ended, and the counted work."""
+"""What a simulation returns: the saved states, how it ended, and the counted work."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ MOST_ROWS = 10
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Run:
-    """The tissue at the kept times.
+    """The tissue at the output times.
 
     Attributes
     ----------
     parameters, seed
         What the run is a function of; and of the state that it was started from, the first one of ``frames``.
     frames
-        The kept states in the order of time, the first at t = 0, or the state that the run was started from; after a
+        The saved states in the order of time, the first at t = 0, or the state that the run was started from; after a
         failure those before it and last the state that failed.
     status, detail
         How the run ended, and the particulars in words ("" on success).
@@ -60,7 +60,7 @@ class Run:
         return self.frames[-1]
 
     def table(self) -> pd.DataFrame:
-        """Return one row for each kept time and cell: phase, age, positions in um; the columns of
+        """Return one row for each output time and cell: phase, age, positions in um; the columns of
         ``tissue.runs.tables``.
         """
         from tissue.runs.tables import cell_table
@@ -68,7 +68,7 @@ class Run:
         return cell_table(self.frames, self.parameters)
 
     def summary(self) -> pd.DataFrame:
-        """Return one row for each kept time: cells, height, widths, extrusions; the columns of
+        """Return one row for each output time: cells, height, widths, extrusions; the columns of
         ``tissue.runs.tables``.
         """
         from tissue.runs.tables import summary_table
@@ -80,14 +80,14 @@ class Run:
         return self.table()
 
     def plot(self, ax: Axes | None = None, *, t: float | None = None) -> Axes:
-        """Draw one kept state to scale, in um.
+        """Draw one saved state to scale, in um.
 
         Parameters
         ----------
         ax
             Where to draw; None: in a figure of its own with a legend, as ``run.plot().figure.savefig("tissue.png")``.
         t
-            A kept time [h]; None: the last one with finite coordinates.
+            An output time [h]; None: the last one with finite coordinates.
 
         Raises
         ------
@@ -105,7 +105,7 @@ class Run:
         return ax
 
     def animate(self, file: str | PathLike[str]) -> None:
-        """Write a movie of the kept states; ``file`` ends in .gif or .webp, InvalidProblem is raised for another."""
+        """Write a movie of the saved states; ``file`` ends in .gif or .webp, InvalidProblem is raised for another."""
         from tissue.pictures.movie import movie
 
         movie(measurable(self.frames), self.parameters, file)
@@ -116,9 +116,9 @@ class Run:
         Parameters
         ----------
         file
-            Where to write: .png for one kept state, .gif or .webp for a movie of those until then.
+            Where to write: .png for one saved state, .gif or .webp for a movie of those until then.
         t
-            A kept time [h]; None: the last one with finite coordinates.
+            An output time [h]; None: the last one with finite coordinates.
 
         Raises
         ------
@@ -140,7 +140,7 @@ class Run:
             if np.isclose(frame.t, t, rtol=1e-9, atol=1e-9):
                 return frame
         times = ", ".join(f"{frame.t:g}" for frame in self.frames)
-        raise InvalidProblem(f"t = {t:g} h: must be a kept time: {times}")
+        raise InvalidProblem(f"t = {t:g} h: must be an output time: {times}")
 
     def _repr_html_(self) -> str:
         """Write how the run ended, its last state and its summary, for notebooks."""

@@ -27,7 +27,7 @@ def simulate(
     throw: bool = True,
     watch: Callable[[float], None] | None = None,
 ) -> Run:
-    """Grow a tissue from t = 0, or from a kept state, to ``parameters.t_end``.
+    """Grow a tissue from t = 0, or from a saved state, to ``parameters.t_end``.
 
     mu dZ/dt in -grad W(Z) - N(S, Z) + noise, with the rules of the cell cycle applied every dt (Method 3.7).
 
@@ -38,7 +38,7 @@ def simulate(
     seed
         An integer >= 0. The run is a function of (parameters, seed, start): on one kind of processor the same bits.
     start
-        A kept state of a run, ``run.final``, one of ``run.frames`` or ``Frame.load(path)``; None: drawn at t = 0. With
+        A saved state of a run, ``run.final``, one of ``run.frames`` or ``Frame.load(path)``; None: drawn at t = 0. With
         the parameters and the seed of that run it goes on with the bits that it has without a stop; with another seed
         it goes on with the random numbers of this one. Parameters may differ: they hold from here on, and those of the
         state at t = 0 have no effect. What has begun of the EMT stays; what has not, and INM of its cells, is drawn by
@@ -89,7 +89,7 @@ def simulate_many(
     seeds
         A list of integers >= 0. A last lot of two to seven takes as long as eight.
     start
-        As of ``simulate``: one kept state for all seeds, or one for each, all of the same time.
+        As of ``simulate``: one saved state for all seeds, or one for each, all of the same time.
     throw
         Whether a run that fails raises, and the others are lost; otherwise its Status says so.
 

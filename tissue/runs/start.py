@@ -203,18 +203,18 @@ def _separated(
     cells: Cells, start: StartNumbers, numbers: Numbers, types: Types, curve: CurveNumbers, space: Space
 ) -> tuple[TissueState, Separation]:
     """Store the cells and sweep over their pairs until no nuclei overlap."""
-    held = new_state(cells, emt=types.crowd.emt(), capacity=2 * start.cells, curve=curve, space=space)
-    set_phases(held, 0.0, numbers_pointer(numbers, types.numbers))
+    state = new_state(cells, emt=types.crowd.emt(), capacity=2 * start.cells, curve=curve, space=space)
+    set_phases(state, 0.0, numbers_pointer(numbers, types.numbers))
     n, in_plane = start.cells, space.dimension == FLAT
     sweep, axes = (separate_all, "xy") if in_plane else (separate_all_balls, "xyz")
     workspaces: Any = Workspaces(n, 1, numbers, 0.0, curve)
     if not in_plane:
         workspaces = SurfaceWorkspaces(n, 1, IDLE, space.surface)
     work = workspaces.flat.value
-    before = np.stack([getattr(held.cells, axis)[:n] for axis in axes])
+    before = np.stack([getattr(state.cells, axis)[:n] for axis in axes])
     for axis, line in zip(axes, before, strict=True):
         getattr(work, axis)[:n] = line
-    work.radius[:n] = held.cells.radius[:n]
+    work.radius[:n] = state.cells.radius[:n]
     sweeps = sweep(workspaces.flat.address, workspaces.wide.address, n, TOUCHING, MOST_SWEEPS)
     if sweeps < 0:
         raise InvalidProblem(
@@ -223,5 +223,5 @@ def _separated(
         )
     after = np.stack([getattr(work, axis)[:n] for axis in axes])
     for axis, line in zip(axes, after, strict=True):
-        getattr(held.cells, axis)[:n] = line
-    return held, Separation(sweeps, float(reduce(np.hypot, after - before).max()))
+        getattr(state.cells, axis)[:n] = line
+    return state, Separation(sweeps, float(reduce(np.hypot, after - before).max()))

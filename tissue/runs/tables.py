@@ -90,7 +90,7 @@ DEPTH_LENGTHS = {"nucleus_z_um": "z", "apical_z_um": "az", "basal_z_um": "bz"}
 
 
 def cell_table(frames: Iterable[Frame], parameters: Parameters) -> pd.DataFrame:
-    """Return one row for each kept time and cell, by time, then along the tissue.
+    """Return one row for each output time and cell, by time, then along the tissue.
 
     A state that is not finite, the last one of a run that left the finite numbers, has no rows.
 
@@ -119,7 +119,7 @@ def cell_table(frames: Iterable[Frame], parameters: Parameters) -> pd.DataFrame:
 
 
 def summary_table(frames: Iterable[Frame], parameters: Parameters) -> pd.DataFrame:
-    """Return one row for each kept time; the observables of ``tissue.runs.tables``.
+    """Return one row for each output time; the observables of ``tissue.runs.tables``.
 
     A state that is not finite has no row. Observables that were registered have columns of their own, behind these.
 

@@ -153,21 +153,21 @@ def copied(emt: Emt) -> Emt:
     return Emt._make(array.copy() for array in emt) if len(emt.side) else emt
 
 
-def grown(held: TissueState) -> TissueState:
+def grown(state: TissueState) -> TissueState:
     """Return the same cells and counters with twice the room."""
     larger = new_state(
-        *contents(held),
-        int(held.sizes[NEXT_ID]),
-        held.emt,
-        capacity=2 * len(held.cells.x),
-        curve=held.curve,
-        space=held.space,
+        *contents(state),
+        int(state.sizes[NEXT_ID]),
+        state.emt,
+        capacity=2 * len(state.cells.x),
+        curve=state.curve,
+        space=state.space,
     )
-    larger.counts[:] = held.counts
+    larger.counts[:] = state.counts
     return larger
 
 
-def contents(held: TissueState) -> tuple[Cells, CellLayers]:
+def contents(state: TissueState) -> tuple[Cells, CellLayers]:
     """Copy the cells and layers in use."""
-    n, apical, basal = held.sizes[CELLS], held.sizes[APICAL], held.sizes[BASAL]
-    return first(held.cells, n), CellLayers(held.layers.apical[:apical].copy(), held.layers.basal[:basal].copy())
+    n, apical, basal = state.sizes[CELLS], state.sizes[APICAL], state.sizes[BASAL]
+    return first(state.cells, n), CellLayers(state.layers.apical[:apical].copy(), state.layers.basal[:basal].copy())

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from dincl.errors import InvalidProblem
-from tests.tissue.test_resume import arrays, same
+from tests.tissue.bits import arrays, same
 from tissue.files.parameters import preset
 from tissue.frames.frame import Frame
 from tissue.runs.simulate import simulate

@@ -102,12 +102,12 @@ BAD = {
     ),
     "a fifth too long": ({"numerics.keep": "0.12 h"}, 'keep = "0.12 h": must be a whole number of steps'),
     "shorter than a step": ({"numerics.keep": "0.01 h"}, 'keep = "0.01 h": must be a whole number of steps'),
-    "kept times that fall": (
+    "output times that fall": (
         {"numerics.keep": ["2 h", "1 h"]},
         r"keep = \['2 h', '1 h'\]: must be .* list of rising times",
     ),
     "kept twice": ({"numerics.keep": ["1 h", "60 min"]}, "must be a duration .* or a list of rising times > 0"),
-    "no kept times": ({"numerics.keep": []}, r"numerics.keep = \[\]: must be a duration > 0 .* or a list"),
+    "no output times": ({"numerics.keep": []}, r"numerics.keep = \[\]: must be a duration > 0 .* or a list"),
     "kept numbers": (
         {"numerics.keep": [1.0]},
         r"keep = \[1.0\]: must be a duration > 0 .*; it must be a text of number",

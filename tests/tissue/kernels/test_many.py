@@ -7,8 +7,9 @@ import dincl
 from dincl.compiled.lanes import WIDTH
 from dincl.status import Status
 from tests.tissue import kernel_calls as kernels
-from tests.tissue.kernel_calls import aged, distance, freed, together
-from tests.tissue.states import layers, numbers
+from tests.tissue.bits import same_end
+from tests.tissue.kernel_calls import aged, distance, together
+from tests.tissue.states import numbers
 from tissue.files.parameters import preset
 from tissue.runs.group import Group
 from tissue.runs.run import RunFailed
@@ -21,61 +22,20 @@ SHORT = {name: preset(name).changed({"numerics.t_end": "6 h"} | LIVELY) for name
 each_preset = pytest.mark.parametrize("name", SHORT)
 
 
-def same_bits(a, b):
-    """Whether two runs agree in every bit."""
-    pairs = [(f, g) for f, g in zip(a.frames, b.frames, strict=True)]
-    arrays = [(p, q) for f, g in pairs for p, q in zip((*f.cells, *f.layers), (*g.cells, *g.layers), strict=True)]
-    return all(f.t == g.t for f, g in pairs) and all(p.tobytes() == q.tobytes() for p, q in arrays)
-
-
-def same_cells(a, b):
-    """Whether two tissues agree in every bit."""
-    return all(p.tobytes() == q.tobytes() for p, q in zip((*a.cells, *a.layers), (*b.cells, *b.layers), strict=True))
-
-
 # Against one run at a time
-
-
-@each_preset
-@pytest.mark.parametrize("noise", ["step", "substep"])
-def test_is_simulate(name, noise):
-    parameters = SHORT[name].changed({"numerics.noise": noise})
-    for run in simulate_many(parameters, [5, 2, 9]):
-        alone = simulate(parameters, run.seed)
-        assert same_bits(run, alone)
-        assert run.status is Status.SUCCESS
-        assert run.separation == alone.separation
-        assert run.stats == alone.stats
-        assert len(run.final.cells.x) > len(run.frames[0].cells.x) + 5
-
-
-@pytest.mark.parametrize(
-    "changes", [{}, {"noise_in_substeps": True}, {"power": 2}, {"repulsion": 0.0, "variance": 0.0}]
-)
-def test_steps_of_unlike_tissues(changes):
-    """One cell beside sixty, cells that left their layers beside whole layers."""
-    given_numbers = numbers(**changes)._replace(two_daughters=0.5)
-    sizes, networks = (1, 60, 9, 20, 2, 33, 8, 47), (layers, layers, freed, freed, layers, freed, layers, freed)
-    states = [aged(n, k, network) for k, (n, network) in enumerate(zip(sizes, networks, strict=True))]
-    made, ended = together(states, 12, given_numbers, range(WIDTH))
-    assert not ended.any()
-    for k, state in enumerate(states):
-        alone = kernels.steps(state, 0, 12, given_numbers, *kernels.generators(k))
-        assert same_cells(made[k], alone)
-        assert not same_cells(made[k], state)
 
 
 # Nobody knows of the others
 
 
 @each_preset
-def test_same_bits_in_any_company(name):
+def test_same_end_in_any_company(name):
     many = simulate_many(SHORT[name], range(10))
     turned = simulate_many(SHORT[name], range(9, -1, -1))
     for run in many:
-        assert same_bits(run, turned[9 - run.seed])
-    assert same_bits(many[3], simulate_many(SHORT[name], [3])[0])
-    assert not same_bits(many[3], many[4])
+        assert same_end(run, turned[9 - run.seed])
+    assert same_end(many[3], simulate_many(SHORT[name], [3])[0])
+    assert not same_end(many[3], many[4])
 
 
 def test_a_lost_tissue_leaves_the_others_alone():

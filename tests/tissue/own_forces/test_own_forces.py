@@ -10,10 +10,10 @@ from dincl.errors import FunctionFailed, InvalidProblem
 from dincl.status import Status
 from tests.tissue import kernel_calls as kernels
 from tests.tissue import states
+from tests.tissue.bits import same
 from tests.tissue.own_forces.users import (
     EMT,
     LAYERS,
-    LIVELY,
     POINT,
     SHORT,
     WALL,
@@ -21,7 +21,6 @@ from tests.tissue.own_forces.users import (
     named,
     nothing,
     published,
-    same,
 )
 from tissue.plugins import registry
 from tissue.rules.slice import in_plane
@@ -123,34 +122,12 @@ def pull_to_centre(store, on, strength, numbers):
 # The same bits
 
 
-@each_layer
-@pytest.mark.parametrize("noise", ["step", "substep"])
-def test_alone_and_in_company(own, layer, noise):
-    """With divisions that fill the stores, and free basal points."""
-    forces = {"forces.wall": 2.0, "forces.straight": 3.0, "numerics.noise": noise, "tissue.two_daughters": 1.0}
-    given = published(own, **SHORT | LAYERS[layer] | LIVELY | EMT | forces | {"numerics.t_end": "3 h"})
-    company = tissue.simulate_many(given, range(3), throw=False)
-    for seed in range(3):
-        alone = tissue.simulate(given, seed, throw=False)
-        assert alone.stats == company[seed].stats
-        assert len(alone.final.cells.x) > 2 * given.tissue.cells
-        assert all(map(same, alone.frames, company[seed].frames))
-
-
 def test_strength_0_is_none(own):
     given = published(own)
     for seed in range(2):
         one, other = (tissue.simulate(one, seed) for one in (given, given.changed({"forces.wall": 0})))
         assert same(one.final, other.final)
         assert not same(one.final, tissue.simulate(given.changed({"forces.wall": 0.1}), seed).final)
-
-
-@pytest.mark.parametrize("layer", ["line", "tube"])
-def test_a_run_goes_on_from_a_kept_state(own, layer):
-    given = published(own, **SHORT | LAYERS[layer] | LIVELY | EMT | {"forces.wall": 2.0})
-    whole = tissue.simulate(given, 1)
-    for start in whole.frames[:-1]:
-        assert same(tissue.simulate(given, 1, start=start).final, whole.final)
 
 
 def test_the_order_of_registration_does_not_matter(own, kept):

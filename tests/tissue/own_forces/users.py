@@ -24,10 +24,6 @@ def published(own, **changes):
     return tissue.preset("published").changed({"own.modules": [str(own)], **SHORT, **changes})
 
 
-def same(a, b):
-    return all(one.tobytes() == other.tobytes() for one, other in zip(a.cells, b.cells, strict=True))
-
-
 def distance(a, b):
     return max(np.abs(getattr(a, name) - getattr(b, name)).max() for name in COORDINATES)
 

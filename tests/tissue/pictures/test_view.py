@@ -61,7 +61,7 @@ def test_a_movie_has_all_states(run, kind, tmp_path):
 def test_what_is_refused(run, tmp_path, monkeypatch):
     with pytest.raises(InvalidProblem, match="must end in"):
         run.view(tmp_path / "one.svg")
-    with pytest.raises(InvalidProblem, match="must be a kept time"):
+    with pytest.raises(InvalidProblem, match="must be an output time"):
         run.view(tmp_path / "one.png", t=7.0)
     flat = tissue.simulate(tissue.preset("published").changed({"numerics.t_end": "0.05 h"}), 1)
     with pytest.raises(InvalidProblem, match="of a slice"):

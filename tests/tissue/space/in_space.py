@@ -1,7 +1,5 @@
 """Small tissues in space for tests."""
 
-import numpy as np
-
 from tissue.files.parameters import preset
 
 SMALL = {
@@ -38,13 +36,3 @@ def parameters(**changes):
 def of_surface(name, **changes):
     """The same on a surface."""
     return parameters().changed(SURFACES[name] | {key.replace("__", "."): value for key, value in changes.items()})
-
-
-def arrays(frame):
-    """All arrays of a frame."""
-    return [*frame.cells, *frame.layers, *frame.sheets.apical, *frame.sheets.basal]
-
-
-def same(one, other):
-    """Whether two frames have the same bits."""
-    return all(np.array_equal(a, b) for a, b in zip(arrays(one), arrays(other), strict=True))

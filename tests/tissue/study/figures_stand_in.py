@@ -72,7 +72,7 @@ def written(patch):
 
 
 def made(names, home, trajectories=(0, 1), runs=8):
-    """Results of studies that come with the package, of few runs and kept times."""
+    """Results of studies that come with the package, of few runs and output times."""
     for name in names:
         study = load_study(name)
         scenarios = {key: parameters.changed(SHORT) for key, parameters in study.scenarios.items()}

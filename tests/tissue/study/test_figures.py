@@ -242,7 +242,7 @@ def test_a_run_without_events_is_shown_from_its_start(sources, results, monkeypa
     calm = whole(1, 0)[lambda run: run["time_h"] < 12.0]
     monkeypatch.setattr("tissue.study.read.Results.trajectory", lambda *_: calm)
     titles = [panel.texts[0].get_text()[:7] for panel in FIGURES[11](sources).axes]
-    assert titles == ["t = 0 h", "t = 6 h"] * 2  # kept times, each once
+    assert titles == ["t = 0 h", "t = 6 h"] * 2  # output times, each once
 
 
 def test_states_come_back_from_their_table():

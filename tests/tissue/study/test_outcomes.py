@@ -29,7 +29,7 @@ def made(request):
 
 
 def columns(table, name):
-    """(times, rows) of the columns of all kept times."""
+    """(times, rows) of the columns of all output times."""
     return np.array([table[f"{name}_{t}h"].to_numpy() for t in TIMES])
 
 
@@ -125,7 +125,7 @@ def test_a_tissue_without_emt_has_runs_and_no_cells():
 
 @pytest.mark.parametrize("changes", [{}, {"numerics.mu": "0.001 h", "numerics.substeps": 1}])
 def test_to_be_asked_often_changes_no_row(changes, monkeypatch):
-    """Also of runs that fail between two kept times."""
+    """Also of runs that fail between two output times."""
     parameters = preset("thesis").changed(SCENARIO | changes)
     whole = outcomes(parameters, range(8), SEEDS[:8], [3])
     monkeypatch.setattr("tissue.runs.batch.ASKED", 500)

@@ -100,7 +100,7 @@ def test_who_leaves_ends_the_work(film):
 
 
 def test_who_leaves_ends_work_without_an_end():
-    """There, a kept time is 62,500 h after the other."""
+    """There, an output time is 62,500 h after the other."""
     endless = PARAMETERS.changed({"numerics.t_end": "1e7 h", "numerics.keep": "1e7 h"})
     asked = iter([False] * 10 + [True])
     assert len(list(stream(endless, 0, lambda: next(asked)))) == 1  # the start

@@ -21,7 +21,7 @@ from tissue.pictures.emt import chains, colours_of, free_points
 from tissue.pictures.picture import box_of
 from tissue.pictures.scaled import scaled
 from tissue.pictures.sheet import COLOURS, GREY, TYPE_COLOURS
-from tissue.runs.batch import Batch, kept_steps
+from tissue.runs.batch import Batch, output_steps
 from tissue.state.cells import CellLayers, Cells
 from tissue.state.mesh import Sheets
 from tissue.state.running import APICAL, BASAL, CELLS
@@ -152,7 +152,7 @@ class _Pictures:
             parameters.cell.soft_radius.value,
         )
         self._curve, self._numbers, self._named = parameters.curve(), parameters.numbers(), parameters.named_numbers()
-        kept = np.array([0, *kept_steps(parameters)]) * parameters.numerics.dt.value
+        kept = np.array([0, *output_steps(parameters)]) * parameters.numerics.dt.value
         self._looks, self._places = looks_of(events_to_come(self.batch.state(0).emt, kept))
 
     def head(self) -> bytes:
