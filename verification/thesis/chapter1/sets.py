@@ -10,6 +10,11 @@ from scipy.optimize import nnls
 
 Floats = NDArray[np.float64]
 
+# Of checks that draw random numbers.
+SAMPLES, SEED = 300, 12
+# What is left of numbers of size 1 after some hundred operations.
+ROUNDING = 1e-12
+
 # Exact in binary, so that no slope or place misses an end of an interval by rounding; -0.5, 0, 0.5, 1, 1.5 are places.
 SLOPES = np.arange(-40, 41) / 8
 PLACES = np.arange(-40, 41) / 8

@@ -24,10 +24,10 @@ CELL_SPEED = 1e-4 / 3600  # [m/s], 0.1 mm/h: faster than cells are
 
 @claim(
     "c1.impact",
-    "When a rubber ball meets infinitely stiff ground, its velocity jumps and the force is a measure.",
+    "When a rubber ball meets infinitely stiff ground, its velocity jumps and the contact force is a measure.",
     "introduction, Figure 1",
     Verdict.PROVED_INSTANCE,
-    chosen="Newton's equation without damping or weight, and a ground that is a spring whose stiffness grows",
+    chosen="Newton's equation without damping or weight",
     tried_on="a ground that is a spring, of any stiffness",
 )
 def _impact() -> Evidence:
@@ -45,8 +45,7 @@ def _impact() -> Evidence:
     return proved(
         identity(
             "during the contact, which lasts π√(m/k), the velocity −v becomes v and the impulse is 2mv for every "
-            "k: with "
-            "k → ∞ the velocity jumps and the force is a point measure",
+            "k: with k → ∞ the velocity jumps and the force is a point measure",
             residuals,
             "it stays −v",
         )
@@ -59,33 +58,23 @@ def ball_energy(x: Floats) -> Floats:
 
 
 @claim(
-    "c1.ball-at-rest",
-    "The subderivative of the energy of a ball above the ground.",
-    "introduction",
-    Verdict.CORRECTED,
+    "c1.ball-at-rest", "The ball has ∂W(x) = {mg} for x ≥ 0, and (-∞, 0] at x = 0.", "introduction", Verdict.CORRECTED
 )
 def _ball_at_rest() -> Evidence:
     """All slopes that support W at 0, at 1 and below the ground."""
     here, above, below = (subgradients(ball_energy, x) for x in (0.0, 1.0, -0.5))
     elsewhere = unlike(above, np.array([WEIGHT])) + below.size
+    grid = f"slopes v = -5, -4.875 … 5 in only one of ∂W(0) and {{}}, mg being {WEIGHT:g},"
     return Evidence(
-        f"With mg = {WEIGHT:g} every slope up to {here.max():g} supports W at 0, so ∂W(0) = (-∞, mg], not (-∞, 0]; "
-        "{mg} belongs to x > 0, not x ≥ 0. With the printed set a ball that is pulled up with less than its weight "
-        "would take off.",
-        printed=(equal("slopes in one of ∂W(0) and (-∞, 0] only", unlike(here, SLOPES[SLOPES <= 0]), 0),),
+        printed=(equal(grid.format("(-∞, 0]"), unlike(here, SLOPES[SLOPES <= 0]), 0),),
         corrected=(
-            equal("slopes in one of ∂W(0) and (-∞, mg] only", unlike(here, SLOPES[SLOPES <= WEIGHT]), 0),
-            equal("wrong slopes at x = 1 and x = -1/2", elsewhere, 0),
+            equal(grid.format("(-∞, mg]"), unlike(here, SLOPES[SLOPES <= WEIGHT]), 0),
+            equal("slopes in only one of ∂W(1) and {mg}, and slopes in ∂W(-1/2)", elsewhere, 0),
         ),
     )
 
 
-@claim(
-    "c1.velocity",
-    "The velocity of a damped particle under a constant force.",
-    "after (1.1)",
-    Verdict.PROVED,
-)
+@claim("c1.velocity", "Under a constant force the velocity tends exponentially to F/μ.", "after (1.1)", Verdict.PROVED)
 def _velocity() -> Evidence:
     """One coordinate; the others alike."""
     sp = library()
@@ -101,9 +90,10 @@ def _velocity() -> Evidence:
 
 @claim(
     "c1.time-scale",
-    "The velocity comes near to F/μ in times of the size of m/μ.",
+    "The velocity tends to F/μ within about m/μ.",
     "after (1.1)",
     Verdict.PROVED,
+    rests_on=("c1.velocity",),
 )
 def _time_scale() -> Evidence:
     sp = library()
@@ -121,9 +111,10 @@ def _time_scale() -> Evidence:
 
 @claim(
     "c1.overdamped",
-    "Without its inertia a particle moves nearly as before if m/μ is short.",
+    "The overdamped equation is a good approximation over times much longer than m/μ.",
     "section 1.1",
     Verdict.PROVED_INSTANCE,
+    rests_on=("c1.time-scale",),
     chosen="one particle on a spring that starts at rest; “good” is an error of the order of m/(μT)",
     tried_on="a mass on a spring that starts at rest, every m with k = μ = 1",
 )
@@ -159,66 +150,59 @@ def _overdamped() -> Evidence:
     )
 
 
-@claim(
-    "c1.viscosity",
-    "The viscosity of cytoplasm beside that of water.",
-    "Example 1.1",
-    chosen="water at 20 °C",
-)
+@claim("c1.viscosity", "Cytoplasm is 100 times more viscous than water.", "Example 1.1", arithmetic=True)
 def _viscosity() -> Evidence:
-    return Evidence(
-        f"Water has {WATER:.4g} Pa s at 20 °C; 0.1 Pa s is {VISCOSITY / WATER:.1f} times that.",
-        printed=(equal("η over the viscosity of water", VISCOSITY / WATER, 100.0, 1.0),),
-    )
+    ratio = VISCOSITY / WATER
+    return Evidence(printed=(equal("0.1 Pa s over the viscosity of water at 20 °C", ratio, 100.0, 1.0),))
 
 
 @claim(
     "c1.drag",
-    "The drag of a cell by the law of Stokes.",
+    "By the law of Stokes the drag coefficient of a cell is 9.42 × 10⁻³ g/s.",
     "Example 1.1",
     chosen="the size of the drag (its sign: see the errata)",
+    arithmetic=True,
 )
 def _drag() -> Evidence:
     drag = 6 * math.pi * RADIUS * VISCOSITY * 1e3
-    return Evidence(
-        f"6πRη with R = 5 μm and η = 0.1 kg m⁻¹ s⁻¹ is {drag:.3e} g/s.",
-        printed=(equal("6πRη over 9.42 × 10⁻³ g/s", drag / 9.42e-3, 1.0, 1e-3),),
-    )
+    return Evidence(printed=(equal("6πRη over 9.42·10⁻³ g/s, R = 5 μm, η = 0.1 Pa s", drag / 9.42e-3, 1.0, 1e-3),))
 
 
 @claim(
     "c1.density",
-    "The density and mass of a cell and the time in which its velocity adapts.",
+    "At 1.05 g/L a cell weighs 0.55 × 10⁻¹² g, and its velocity adapts within 5.8 × 10⁻¹¹ s.",
     "Example 1.1",
     Verdict.CORRECTED,
+    rests_on=("c1.time-scale", "c1.drag"),
+    arithmetic=True,
 )
 def _density() -> Evidence:
     volume, drag = 4 / 3 * math.pi * RADIUS**3, 6 * math.pi * RADIUS * VISCOSITY  # [m³], [kg/s]
     printed, right = (1.05e-3 / unit for unit in (LITRE, MILLILITRE))  # [kg/m³]
     return Evidence(
-        f"1.05 g/L is a thousandth of 1.05 times the density of water. With 1.05 g/mL, m = "
-        f"{right * volume * 1e3:.2e} g instead of {printed * volume * 1e3:.2e} g and m/μ = "
-        f"{right * volume / drag:.2e} s instead of {printed * volume / drag:.2e} s.",
         printed=(equal("1.05 g/L over 1.05 times the density of water", printed / (1.05 * WATER_DENSITY), 1.0, 0.01),),
         corrected=(
             equal("1.05 g/mL over 1.05 times the density of water", right / (1.05 * WATER_DENSITY), 1.0, 0.01),
-            equal("m over 0.55 × 10⁻⁹ g", right * volume * 1e3 / 0.55e-9, 1.0, 0.01),
-            equal("m/μ over 5.83 × 10⁻⁸ s", right * volume / drag / 5.83e-8, 1.0, 0.01),
+            equal("mass at 1.05 g/mL over 0.55·10⁻⁹ g", right * volume * 1e3 / 0.55e-9, 1.0, 0.01),
+            equal("m/μ at 1.05 g/mL over 5.83·10⁻⁸ s", right * volume / drag / 5.83e-8, 1.0, 0.01),
         ),
     )
 
 
 @claim(
     "c1.regime",
-    "Cells have no inertia to speak of, and the Reynolds number of their motion is small.",
+    "The motion of cells is overdamped and has a very small Reynolds number.",
     "Example 1.1",
+    rests_on=("c1.density",),
     chosen="a cell that moves by 0.1 mm/h, and the density of water",
+    arithmetic=True,
 )
 def _regime() -> Evidence:
     inertia = 1.05 * WATER_DENSITY * 4 / 3 * math.pi * RADIUS**3 / (6 * math.pi * RADIUS * VISCOSITY)
     reynolds = WATER_DENSITY * CELL_SPEED * RADIUS / VISCOSITY
     return Evidence(
-        f"With the density of water m/μ is {inertia / A_MINUTE:.0e} of a minute; at 0.1 mm/h the Reynolds number is "
-        f"{reynolds:.0e}.",
-        printed=(at_most("m/μ over a minute", inertia / A_MINUTE, 1e-3), at_most("Reynolds number", reynolds, 1e-3)),
+        printed=(
+            at_most("m/μ over a minute", inertia / A_MINUTE, 1e-3),
+            at_most("Reynolds number at 0.1 mm/h", reynolds, 1e-3),
+        )
     )

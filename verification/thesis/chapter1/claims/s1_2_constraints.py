@@ -1,4 +1,4 @@
-"""Chapter 1, sections 1.2 and 1.3: discs with multipliers, and the way to normal cones by energies."""
+"""Chapter 1, sections 1.2 and 1.3: discs with multipliers, energies, and the two forms of the model."""
 # ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
@@ -8,21 +8,23 @@ from typing import Any
 
 import numpy as np
 
-from verification.claims import Evidence, Verdict, proved
+from verification.claims import Evidence, Verdict, at_least, equal, proved
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication, solver_library
-from verification.thesis.chapter1.sets import Floats
+from verification.thesis.chapter1.lemmas import cones
+from verification.thesis.chapter1.sets import ROUNDING, SAMPLES, Floats
 from verification.thesis.text.quoted import claim
 
 SIDES = [(0, 1), (0, 2), (1, 2)]
+SEED = 14
+# Points of the edge of the unit disc, and what the largest product with them may lack.
+EDGE = np.stack([f(np.linspace(0, 2 * np.pi, 720, endpoint=False)) for f in (np.cos, np.sin)], axis=1)
+BLIND = 1e-4
+# How far two discs are moved along a vector, in diameters.
+FAR = 1e4
 
 
-@claim(
-    "c1.pairs",
-    "N discs have as many constraints as pairs.",
-    "before (1.3)",
-    Verdict.PROVED,
-)
+@claim("c1.pairs", "N discs have N(N - 1)/2 constraints, one for each pair.", "before (1.3)", Verdict.PROVED)
 def _pairs() -> Evidence:
     """By induction: one more disc has a pair with each of the N before."""
     return proved(
@@ -74,7 +76,7 @@ def _multipliers() -> Evidence:
 
 @claim(
     "c1.penalty-force",
-    "The energy n dist(x, S) holds a point back unless the force is too large.",
+    "A force that is large enough pushes a point out of S against the energy n dist(x, S).",
     "(1.7), (1.8)",
     Verdict.PROVED,
     chosen="S = [0, ∞) and a constant force; “large enough” is |F| > n",
@@ -98,12 +100,7 @@ def indicator(x: Floats) -> Floats:
     return np.where((x >= 0) & (x <= 1), 0.0, np.inf)
 
 
-@claim(
-    "c1.indicator",
-    "The penalty energies tend to the indicator function.",
-    "section 1.3",
-    Verdict.PROVED,
-)
+@claim("c1.indicator", "As n grows, n dist(x, S) tends to the indicator function of S.", "section 1.3", Verdict.PROVED)
 def _indicator() -> Evidence:
     """d = dist(x, S), which is positive outside of the closed S; K is any bound."""
     return proved(
@@ -118,13 +115,10 @@ def _indicator() -> Evidence:
 
 
 @claim(
-    "c1.subdifferential",
-    "The subdifferential of the indicator function of [0, 1].",
-    "after (1.9)",
-    Verdict.PROVED,
+    "c1.subdifferential", "∂I_[0, 1] is {0} inside, a half-line at each end, ∅ outside.", "after (1.9)", Verdict.PROVED
 )
 def _subdifferential() -> Evidence:
-    """v is a slope at x in [0, 1] if v (y - x) <= W(y) - W(x) = 0 for all y of [0, 1]; outside, W = inf, none is."""
+    """v is a slope at x if W(y) - W(x) >= v (y - x) for all y, where W is 0 in [0, 1] and infinite outside."""
     z3 = solver_library()
     return proved(
         implication(
@@ -143,4 +137,63 @@ def _subdifferential() -> Evidence:
             ),
             "≥ 0 at y = 0",
         ),
+        implication(
+            "W(0) − W(x) < v(0 − x) if W(x) > vx, so no v is a slope where W(x) = ∞",
+            lambda s, v, x, W: ([s * v * x < W], v * (0 - x) > 0 - W),
+            "W(x) > −vx",
+        ),
     )
+
+
+def inside(y: Floats) -> Floats:
+    """The projection onto the unit disc."""
+    return np.asarray(y / max(float(np.linalg.norm(y)), 1.0))
+
+
+def subgradient(v: Floats, x: Floats) -> bool:
+    """(1.9) for the indicator function of the unit disc, x in it."""
+    return bool(((EDGE - x) @ v).max() <= BLIND)
+
+
+def proximal(v: Floats, x: Floats) -> bool:
+    """Whether x = P_S(x + v/2)."""
+    return bool(np.abs(inside(x + v / 2) - x).max() <= ROUNDING)
+
+
+@claim(
+    "c1.outward-normals",
+    "The subdifferential of the indicator function of a set is its normal cone.",
+    "before Model 1.3",
+    Verdict.CORRECTED,
+    tried_on="the unit disc, and two touching discs",
+)
+def _outward() -> Evidence:
+    """Random unit vectors and the outward ones at points of the disc, and the normal of two discs in contact."""
+    rng = np.random.default_rng(SEED)
+    places = [inside(y) for y in rng.normal(size=(SAMPLES, 2))]
+    vectors = [w / np.linalg.norm(w) for w in (*rng.normal(size=(SAMPLES, 2)), *places)]
+    found = [(subgradient(v, x), proximal(v, x)) for v, x in zip(vectors, places * 2, strict=True)]
+    unlike, both = sum(a != b for a, b in found), sum(a and b for a, b in found)
+    touching = np.array([[-0.5, 0.0], [0.5, 0.0]])
+    missed = float(np.linalg.norm(np.diff(touching - FAR * touching, axis=0)) >= 1)
+    return Evidence(
+        printed=(equal("normals of two touching discs that (1.9) misses, as S goes on behind them", missed, 0),),
+        corrected=(
+            equal(f"unit vectors in only one of ∂I_S(x) and N(S, x), of {2 * SAMPLES}, S a disc", unlike, 0),
+            at_least("those in both", both, SAMPLES // 10),
+        ),
+        seed=SEED,
+    )
+
+
+@claim(
+    "c1.equivalent",
+    "The inclusion with the normal cone and the equations with multipliers have the same solutions.",
+    "section 1.3",
+    Verdict.PROVED_INSTANCE,
+    rests_on=("c1.cones",),
+    tried_on="states whose contacts have independent gradients",
+)
+def _equivalent() -> Evidence:
+    """Both right sides are equal where N = N^g: (1.10) is F - N, (1.4), (1.5) is F + sum lambda grad g."""
+    return proved(*cones())

@@ -5,16 +5,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
 import dincl
 from verification.claims import Evidence, Verdict, equal, proved
 from verification.formal.reals import implication, solver_library
+from verification.thesis.chapter1.lemmas import sign_values
+from verification.thesis.chapter1.sets import ROUNDING
 from verification.thesis.text.quoted import claim
 
-ROUNDING = 1e-12
 # The start c of Example 1.9 where quotients are formed, and their step; both exact in binary.
 C, STEP = 0.75, 2.0**-10
 # Ternary digits of Cantor's function, and a distance from the ends of the intervals where it is constant.
@@ -59,23 +59,21 @@ def lost_rise(f: Callable[[float], float]) -> float:
 
 @claim(
     "c1.absolutely-continuous",
-    "Absolutely continuous functions are the integrals of integrable ones.",
+    "A function is absolutely continuous if and only if it is the integral of an integrable function.",
     "Definition 1.6, Lemma 1.7",
     Verdict.NOT_REFUTED,
-    chosen="four functions on [0, 1]; g can only be the derivative",
+    chosen="g can only be the derivative",
     tried_on="four functions on [0, 1]",
 )
 def _absolutely_continuous() -> Evidence:
     rises, lost = ({name: part(f) for name, f in FUNCTIONS.items()} for part in (largest_rise, lost_rise))
     unlike = sum((rises[name] < 0.5) != (abs(lost[name]) < 0.5) for name in FUNCTIONS)
+    continuous = sum(rise < 0.5 for rise in rises.values())
     return Evidence(
-        f"Most rise over intervals of total length {SHORT}, and rise less integral of the derivative: "
-        + "; ".join(f"{name} {rises[name]:.2f}, {lost[name]:.2f}" for name in FUNCTIONS)
-        + f". The definition and the lemma disagree for {unlike}; the first two are absolutely continuous.",
         printed=(
-            equal("functions on which they disagree", unlike, 0),
-            equal("functions that are absolutely continuous", sum(rise < 0.5 for rise in rises.values()), 2),
-        ),
+            equal(f"functions on which definition and lemma disagree, of {', '.join(FUNCTIONS)}", unlike, 0),
+            equal("absolutely continuous ones by the definition", continuous, 2),
+        )
     )
 
 
@@ -94,42 +92,28 @@ def unsolved(c: float, end: float) -> float:
     return float(np.abs((later - x) / STEP + np.sign(x)).max())
 
 
-@claim(
-    "c1.no-classical",
-    "The equation with the sign function has no differentiable solution.",
-    "Example 1.9",
-    Verdict.CORRECTED,
-)
+@claim("c1.no-classical", "ẋ = -sign(x) with sign(0) = 0 has no classical solution.", "Example 1.9", Verdict.CORRECTED)
 def _no_classical() -> Evidence:
     """Two classical solutions by their residuals, and the velocity of the third, that comes to 0."""
     left = [unsolved(0.0, 1.0), unsolved(C, C / 2)]
-    arriving, wanted = speed(C, -STEP), 0.0 - float(np.sign(0.0))
+    off = speed(C, -STEP) - (0.0 - float(np.sign(0.0)))
+    found = sum(one <= ROUNDING for one in left)
     return Evidence(
-        f"x = 0, and c - t for t < c/2, c = {C}, solve the equation to {max(left):g}. From c the solution comes to 0 "
-        f"with the velocity {arriving:g}, where -sign(0) = {wanted:g} is wanted: none is differentiable at t = c.",
-        printed=(equal("classical solutions among the two", sum(one <= ROUNDING for one in left), 0),),
-        corrected=(equal("velocity on arrival less the one wanted", arriving - wanted, -1.0, ROUNDING),),
+        printed=(equal(f"c = {C}: classical solutions among x = 0 and x = c - t, t < c/2,", found, 0),),
+        corrected=(equal("velocity on arrival at 0 less -sign(0), at t = c", off, -1.0, ROUNDING),),
     )
-
-
-def step_solution(c: float, t: float) -> float:
-    """x(t) of Example 1.9 as printed."""
-    return max(c - t, 0.0)
 
 
 @claim(
     "c1.step",
-    "The solution of the step inclusion.",
+    "The unique solution of the step inclusion from c > 0 is max(c - t, 0).",
     "Example 1.9",
     Verdict.PROVED,
+    rests_on=("c1.step-continuity", "c1.one-sided"),
 )
 def _step() -> Evidence:
     """x' in -H(x), H = sign(x), and [-1, 1] at 0; h and k are values of H at x and y."""
     z3 = solver_library()
-
-    def values(x: Any, h: Any) -> list[Any]:
-        return [h >= -1, h <= 1, z3.Implies(x > 0, h == 1), z3.Implies(x < 0, h == -1)]
-
     return proved(
         implication(
             "x = max(c − t, 0) has ẋ = −1 where x > 0 and ẋ = 0 ∈ [−1, 1] where x = 0",
@@ -141,7 +125,7 @@ def _step() -> Evidence:
         ),
         implication(
             "(x − y)(ẋ − ẏ) ≤ 0 for any two solutions, so there is one only",
-            lambda s, x, y, h, k: ([*values(x, h), *values(y, k)], (x - y) * (-s * h + s * k) <= 0),
+            lambda s, x, y, h, k: ([*sign_values(x, h), *sign_values(y, k)], (x - y) * (-s * h + s * k) <= 0),
             "ẋ ∈ +H(x)",
         ),
     )
@@ -149,9 +133,10 @@ def _step() -> Evidence:
 
 @claim(
     "c1.kink",
-    "The derivative of the solution of the step inclusion, and where there is none.",
+    "The solution of the step inclusion has the derivative -1 before t = c, 0 after it and none at t = c.",
     "Example 1.9",
     Verdict.PROVED,
+    rests_on=("c1.step",),
 )
 def _kink() -> Evidence:
     """The quotient q of max(c - t, 0) over a step h from t = c + d, both ends on one side of c or one of them at c."""
@@ -173,13 +158,15 @@ def _kink() -> Evidence:
     "A function with a derivative almost everywhere is absolutely continuous.",
     "Example 1.9",
     Verdict.CORRECTED,
+    rests_on=("c1.absolutely-continuous", "c1.step"),
 )
 def _almost_everywhere() -> Evidence:
-    lost, ours = lost_rise(cantor), lost_rise(lambda t: step_solution(C, t))
+    lost, ours = lost_rise(cantor), lost_rise(lambda t: max(C - t, 0.0))
     return Evidence(
-        f"Cantor's function has the derivative 0 almost everywhere, but rises by {lost:.3f}: it is not absolutely "
-        f"continuous. For max(c - t, 0), c = {C}, rise and integral of the derivative differ by {abs(ours):.0e}, and "
-        "that is what Lemma 1.7 asks.",
-        printed=(equal("rise less integral of the derivative, Cantor's function", lost, 0.0, 0.05),),
-        corrected=(equal("rise less integral of the derivative, Example 1.9", ours, 0.0, 1e-3),),
+        printed=(
+            equal(
+                "rise less integral of the derivative, Cantor's function, slope 0 almost everywhere", lost, 0.0, 0.05
+            ),
+        ),
+        corrected=(equal(f"c = {C}: rise less integral of the derivative, max(c - t, 0)", ours, 0.0, 1e-3),),
     )

@@ -8,18 +8,12 @@ import numpy as np
 from verification.claims import Evidence, Verdict, at_most, equal, proved, put_right
 from verification.formal.reals import implication
 from verification.thesis.chapter1.claims.s1_2_constraints import indicator
-from verification.thesis.chapter1.sets import PLACES, SLOPES, subgradients
+from verification.thesis.chapter1.sets import PLACES, ROUNDING, SLOPES, subgradients
 from verification.thesis.text.quoted import claim
-
-SEED = 11
-ROUNDING = 1e-12
 
 
 @claim(
-    "c1.convex-cone",
-    "Normal cones are convex cones, and at inner points they contain 0 alone.",
-    "after Definition 1.16",
-    Verdict.PROVED,
+    "c1.convex-cone", "Normal cones are convex cones, and {0} at inner points.", "after Definition 1.16", Verdict.PROVED
 )
 def _convex_cone() -> Evidence:
     """p = v.(y - x) and q = w.(y - x) for a point y of C; at an inner point y = x + t v is in C for a t > 0."""
@@ -37,30 +31,20 @@ def _convex_cone() -> Evidence:
     )
 
 
-@claim(
-    "c1.outside",
-    "Outside of a convex set its normal cone is empty.",
-    "after Definition 1.16",
-    Verdict.CORRECTED,
-)
+@claim("c1.outside", "Outside a convex set its normal cone is empty.", "after Definition 1.16", Verdict.CORRECTED)
 def _outside() -> Evidence:
-    """C = [0, 1], x = 3/2: Definition 1.16 as printed, and with x in C, which is (1.9) for the indicator function."""
+    """Definition 1.16 as printed, and with x in C, which is (1.9) for the indicator function."""
     y = PLACES[np.isfinite(indicator(PLACES))]
     inside = SLOPES[(SLOPES[:, None] * (y - 1.5) <= 0).all(axis=1)]
-    right = subgradients(indicator, 1.5)
+    slopes = "slopes v = -5, -4.875 … 5 in N_C(3/2), C = [0, 1], as defined"
     return Evidence(
-        f"C = [0, 1] and x = 3/2: all slopes v ≥ {inside.min():g} fulfil Definition 1.16 as printed, so N_C(x) ≠ ∅ and "
-        "(1.15) lets a point rest outside of C. With x ∈ C in the definition, as in (1.9) for I_C, there is none.",
-        printed=(equal("slopes in N_C(3/2) as defined", inside.size, 0),),
-        corrected=(equal("slopes in N_C(3/2) with x ∈ C", right.size, 0),),
+        printed=(equal(slopes, inside.size, 0),),
+        corrected=(equal(f"{slopes} with x ∈ C", subgradients(indicator, 1.5).size, 0),),
     )
 
 
 @claim(
-    "c1.monotone",
-    "The sign of the product of differences of normals and of points of a convex set.",
-    "after (1.15)",
-    Verdict.CORRECTED,
+    "c1.monotone", "Normals v at x, w at y of a convex set have (v - w)·(x - y) ≤ 0.", "after (1.15)", Verdict.CORRECTED
 )
 def _monotone() -> Evidence:
     """p = v.(y - x) <= 0 and q = w.(x - y) <= 0 for v in N_C(x), w in N_C(y)."""
@@ -75,9 +59,10 @@ def _monotone() -> Evidence:
 
 @claim(
     "c1.convex-unique",
-    "Solutions that only the normals of a convex set move do not come apart.",
+    "Without a force, the inclusion with the normal cone of a convex set has a unique solution.",
     "after (1.15)",
     Verdict.PROVED,
+    rests_on=("c1.one-sided", "c1.monotone"),
     chosen="a set that moves, as in (1.16): in one that stands still nothing moves without F",
 )
 def _convex_unique() -> Evidence:
@@ -93,10 +78,11 @@ def _convex_unique() -> Evidence:
 
 @claim(
     "c1.sweeping",
-    "A swept point is not faster than the set that sweeps it.",
+    "The speed of the sweeping process is at most the Lipschitz constant L of the moving set.",
     "Theorem 1.18",
     Verdict.PROVED,
-    chosen="C(t) = [sin t, sin t + 1/2]; a given start, see c1.sweeping-unique",
+    rests_on=("c1.sweeping-unique",),
+    chosen="a given start, see c1.sweeping-unique",
 )
 def _sweeping() -> Evidence:
     """n = -x'/|x'| is normal to C(t). A point of C(t) is within L h of x(t - h) = x - h x' + o(h): n.(z - x) <= 0.
@@ -123,18 +109,22 @@ def swept_from(start: float, h: float, end: float) -> float:
 
 @claim(
     "c1.sweeping-unique",
-    "The sweeping process has one solution.",
+    "The sweeping process with x(0) ∈ C(0) has a unique solution.",
     "Theorem 1.18, (1.16), (1.17)",
     Verdict.CORRECTED,
     tried_on="C(t) = [sin t, sin t + 1/2]",
 )
 def _sweeping_unique() -> Evidence:
     """Two starts in C(0), and one start with two steps."""
-    at, (low, high) = 0.2, (swept_from(start, 1e-3, 0.2) for start in (0.0, 0.5))
-    same = abs(swept_from(0.0, 5e-4, at) - low)
+    low, high = (swept_from(start, 1e-3, 0.2) for start in (0.0, 0.5))
+    same = abs(swept_from(0.0, 5e-4, 0.2) - low)
     return Evidence(
-        f"C(t) = [sin t, sin t + 1/2], starts 0 and 1/2, both in C(0): at t = {at:g} their solutions are "
-        f"{high - low:.3f} apart; from one start steps of 10⁻³ and half of it lead to the same place to {same:.0e}.",
-        printed=(at_most("distance of two solutions of (1.16), (1.17)", high - low, 0.0, ROUNDING),),
-        corrected=(at_most("distance of the solutions from one start", same, 0.0, ROUNDING),),
+        printed=(
+            at_most("distance at t = 0.2 of the solutions from 0 and 1/2, both in C(0)", high - low, 0.0, ROUNDING),
+        ),
+        corrected=(
+            at_most(
+                "difference at t = 0.2 of solutions from one start, steps of 10⁻³ and half of it", same, 0.0, ROUNDING
+            ),
+        ),
     )

@@ -8,23 +8,18 @@ from typing import Any
 
 import numpy as np
 
-from verification.claims import Evidence, FormalProof, Verdict, at_least, at_most, equal, proved
+from verification.claims import Evidence, Verdict, at_least, at_most, equal, proved
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication
-from verification.thesis.chapter1.claims.s3_cones import SEED
-from verification.thesis.chapter1.sets import contact_gradients
+from verification.thesis.chapter1.lemmas import nearest
+from verification.thesis.chapter1.sets import ROUNDING, contact_gradients
 from verification.thesis.text.quoted import claim
 
-ROUNDING = 1e-12
+SEED = 11
 RADIUS = 0.5
 
 
-@claim(
-    "c1.not-convex",
-    "Discs that do not overlap may overlap half-way between two arrangements.",
-    "section 4",
-    Verdict.PROVED,
-)
+@claim("c1.not-convex", "The set of discs that do not overlap is not convex.", "section 4", Verdict.PROVED)
 def _not_convex() -> Evidence:
     """Centres at -R e and R e, exchanged, and half-way between: any radius and direction."""
     sp = library()
@@ -48,12 +43,15 @@ def _not_convex() -> Evidence:
 
 @claim(
     "c1.convex-projection",
-    "Convex sets have one nearest point.",
+    "The projection onto a closed convex set is single-valued.",
     "after Definition 1.20",
     Verdict.PROVED,
 )
 def _convex_projection() -> Evidence:
-    """The parallelogram law in each coordinate; p, q nearest at the distance r, e = |p - q|^2, m their middle."""
+    """The parallelogram law in each coordinate; a, b, c: squared distances of p, q, m from z; d = |p - q|^2.
+
+    Points of C that come to the infimum r2 are a Cauchy sequence; its limit is in C, which is closed.
+    """
     return proved(
         identity(
             "|z − m|² = |z − p|²/2 + |z − q|²/2 − |p − q|²/4 for the middle m of p, q",
@@ -61,19 +59,22 @@ def _convex_projection() -> Evidence:
             "+|p − q|²/4",
         ),
         implication(
-            "m ∈ C is no nearer than p and q, so p = q",
+            "as m ∈ C, points of C with |z − p|², |z − q|² ≤ inf² + e have |p − q|² ≤ 4e: a nearest point exists",
+            lambda s, a, b, c, d, r2, e: (
+                [d >= 0, a <= r2 + e, b <= r2 + e, c == (a + b) / 2 - s * d / 4, c >= r2],
+                d <= 4 * e,
+            ),
+            "+|p − q|²/4",
+        ),
+        implication(
+            "m ∈ C is no nearer than two nearest points p and q, so p = q",
             lambda s, r2, e, m2: ([e >= 0, r2 >= 0, m2 == r2 - s * e / 4, m2 >= r2], e == 0),
             "+|p − q|²/4",
         ),
     )
 
 
-@claim(
-    "c1.pacman",
-    "A disc with a mouth has points with two nearest points, as near to it as one likes.",
-    "Figure 7",
-    Verdict.PROVED,
-)
+@claim("c1.pacman", "The Pacman set is not uniformly prox-regular.", "Figure 7", Verdict.PROVED)
 def _pacman() -> Evidence:
     """(s, 0) in a mouth of half the angle w < pi/2, and the point of a lip at r from the corner."""
     sp = library()
@@ -82,8 +83,7 @@ def _pacman() -> Evidence:
     return proved(
         identity(
             "|(a, 0) − r(cos w, ± sin w)|² = (r − a cos w)² + a² sin²w: on both lips the point at r = a cos w is "
-            "nearest, "
-            "at the distance a sin w, as small as one likes",
+            "nearest, at the distance a sin w, as small as one likes",
             lambda s: square - (r - a * sp.cos(w)) ** 2 - s * (a * sp.sin(w)) ** 2,
             "−a² sin²w",
         )
@@ -116,7 +116,7 @@ def bent_rows(n: int) -> float:
 
 @claim(
     "c1.prox-constant",
-    "The constant of prox-regularity of N discs.",
+    "The set of N discs is η-prox-regular with η = R/(6N) (sin(2π/N)/3)^d for all N.",
     "Proposition 1.22",
     Verdict.CORRECTED,
     tried_on="N = 2 to 199, d = 1, 2, 3; bent rows of 2 to 9 discs",
@@ -124,28 +124,27 @@ def bent_rows(n: int) -> float:
 def _prox_constant() -> Evidence:
     """Two discs: the projection is unique unless the centres coincide, at distance sqrt(2) R from S."""
     tried = [(printed_constant(n, d), safe_constant(n)) for n in range(3, 200) for d in (1, 2, 3)]
-    largest, bent = max(p / q for p, q in tried), max(bent_rows(n) for n in range(2, 10))
     two, safe, exact = printed_constant(2, 2), safe_constant(2), math.sqrt(2) * RADIUS
+    largest, least = max(p / q for p, q in tried), min(p for p, _ in tried) / RADIUS
+    bent = max(bent_rows(n) for n in range(2, 10))
     return Evidence(
-        f"For N = 2 the formula has sin(π) = 0, so no η > 0 ({two:.0e}), though two discs of radius 1/2 have η = "
-        f"√2 R = {exact:.3f}. For N = 3 to 199, d = 1, 2, 3 it is positive and at most {largest:.1e} "
-        f"of η = R √(2/(2N - 3)), with which rows of 2 to 9 discs come to {bent:.4f} of (1.28).",
-        printed=(at_least("η for N = 2 over √2 R", two / exact, ROUNDING),),
+        printed=(at_least("N = 2, d = 2: printed η over the exact √2 R", two / exact, ROUNDING),),
         corrected=(
-            at_most("η as printed over the safe one, N ≥ 3", largest, 1.0),
-            at_most("left over right side of (1.28), safe η, bent rows", bent, 1.0, 1e-9),
-            at_least("η as printed over R, N ≥ 3", min(p for p, _ in tried) / RADIUS, 0.0, -1e-15),
-            equal("safe η over √2 R, N = 2", safe / exact, 1.0, ROUNDING),
+            at_most("printed η over R √(2/(2N - 3)), N = 3 to 199, largest", largest, 1.0),
+            at_most("left over right side of (1.28), η = R √(2/(2N - 3)), bent rows", bent, 1.0, 1e-9),
+            at_least("printed η over R, N = 3 to 199, least", least, 0.0, -1e-15),
+            equal("N = 2: R √(2/(2N - 3)) over √2 R", safe / exact, 1.0, ROUNDING),
         ),
     )
 
 
 @claim(
     "c1.same-cones",
-    "For convex sets proximal normals are the normals of convex analysis.",
+    "The proximal normals of a convex set are its normals of convex analysis.",
     "after Definition 1.23",
     Verdict.PROVED,
-    chosen="x ∈ C, or N_C(x) = ∅ outside of C, as is said after Definition 1.16",
+    rests_on=("c1.outside",),
+    chosen="x ∈ C, or N_C(x) = ∅ outside C, as is said after Definition 1.16",
 )
 def _same_cones() -> Evidence:
     """p = n.(y - x), D = |y - x|^2 for y in C; n is proximal if p <= k D for a k >= 0; x + t(y - x) is in C."""
@@ -168,7 +167,7 @@ def _same_cones() -> Evidence:
 
 @claim(
     "c1.nonconvex-normal",
-    "A proximal normal of a set that is not convex may point towards other points of the set.",
+    "A proximal normal of a set that is not convex need not be a normal of Definition 1.16.",
     "Figure 8",
     Verdict.PROVED,
     chosen="the outside of the unit disc",
@@ -190,21 +189,7 @@ def _not_a_convex_normal() -> Evidence:
     )
 
 
-def nearest() -> FormalProof:
-    """Prove that x stays nearest along v = y - x: p = v.(z - x), D = |z - x|^2 for a point z of S."""
-    return implication(
-        "if |y − z| ≥ |y − x| for all z ∈ S, x is nearest to x + α(y − x), 0 ≤ α ≤ 1: y − x ∈ N(S, x)",
-        lambda s, p, D, a: ([D >= 0, D - 2 * p >= 0, a >= 0, a <= 1], D - s * 2 * a * p >= 0),
-        "for −1 ≤ α ≤ 0",
-    )
-
-
-@claim(
-    "c1.projection-normal",
-    "What a projection takes away is a proximal normal.",
-    "(1.23)",
-    Verdict.PROVED,
-)
+@claim("c1.projection-normal", "The difference of y and its projection is a proximal normal.", "(1.23)", Verdict.PROVED)
 def _projection_normal() -> Evidence:
     """|y - z|^2 = |y - x|^2 - 2 (y - x).(z - x) + |z - x|^2."""
     return proved(nearest())

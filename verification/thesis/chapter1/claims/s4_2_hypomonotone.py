@@ -3,42 +3,16 @@
 
 from __future__ import annotations
 
-from verification.claims import Evidence, FormalProof, Verdict, at_most, equal, proved
-from verification.formal.algebra import identity
+from verification.claims import Evidence, Verdict, at_most, equal, proved
 from verification.formal.reals import implication
 from verification.thesis.chapter1.claims.s2_1_inclusions import LINE, step_values
+from verification.thesis.chapter1.lemmas import cones
 from verification.thesis.text.quoted import claim
-
-
-def cones() -> tuple[FormalProof, FormalProof, FormalProof]:
-    """Prove N^g = N where the rows of G are independent; of a pair a = |d|, p = d.move, r = |move|^2, b is new.
-
-    n = -G^T lambda is proximal, as g grows at most by its slope and r/(2a). A proximal n has n.w <= 0 for all w with
-    G w > 0; W = G^T (G G^T)^-1 has G W = I, so lambda = -W^T n >= 0 and n = -G^T lambda but for what no row sees.
-    """
-    return (
-        implication(
-            "|d + move| ≤ |d| + d·move/|d| + |move|²/(2|d|), so Σλ_k∇g_k·(y − x) ≥ −K‖y − x‖² for all y ∈ S: N^g ⊆ N",
-            lambda s, a, b, p, r: ([a > 0, b >= 0, b * b == a * a + 2 * p + r], 2 * a * b <= 2 * a * a + 2 * p + s * r),
-            "−|move|²/(2|d|)",
-        ),
-        identity(
-            "G Gᵀ(GGᵀ)⁻¹ = I: n·w ≤ 0 for the columns w gives λ ≥ 0",
-            lambda s, GGT: GGT * GGT**-s - 1,
-            "GGᵀ for its inverse",
-            words=True,
-        ),
-        implication(
-            "n·w ≤ 0 for w and −w that no row sees gives n·w = 0: N ⊆ N^g",
-            lambda s, p: ([p <= 0, -s * p <= 0], p == 0),
-            "for w alone",
-        ),
-    )
 
 
 @claim(
     "c1.cones",
-    "The proximal normals of the set of discs are what multipliers give.",
+    "The proximal normals of the set of discs are Σ -λ_k ∇g_k over the contacts, with λ_k ≥ 0.",
     "Theorem 1.25",
     Verdict.PROVED_INSTANCE,
     tried_on="states whose contacts have independent gradients",
@@ -49,9 +23,10 @@ def _cones() -> Evidence:
 
 @claim(
     "c1.sum-of-all",
-    "The proximal normals of the set of discs are the sums of those of its pairs.",
+    "The normal cone of the set of discs is the sum of the normal cones of its pairs.",
     "Theorem 1.25",
     Verdict.PROVED_INSTANCE,
+    rests_on=("c1.cones",),
     tried_on="states whose contacts have independent gradients",
 )
 def _sum_of_all() -> Evidence:
@@ -71,32 +46,25 @@ def spread(sign: float) -> float:
 
 @claim(
     "c1.one-sided-word",
-    "What Theorem 1.13 asks for.",
+    "Solutions of ẋ ∈ F(x) are unique if F is one-sided semicontinuous.",
     "section 4.3",
     Verdict.CORRECTED,
+    rests_on=("c1.one-sided",),
     chosen="semicontinuous is read as in Definition 1.10",
 )
 def _one_sided_word() -> Evidence:
     low, high = step_values(0.0)
     beyond = sum(not low <= -end <= high for y in LINE for end in step_values(y))
     return Evidence(
-        f"sign is upper semicontinuous at 0 ({beyond} of its values lie outside of [-1, 1]), but ẋ ∈ sign(x) has "
-        f"solutions from 0 that are {spread(-1.0):g} apart at t = 1. For -sign, one-sided Lipschitz with L = 0, the "
-        f"spread is {spread(1.0):g}.",
-        printed=(at_most("spread at t = 1, semicontinuous", spread(-1.0), 0.0),),
+        printed=(at_most("spread at t = 1 of solutions of ẋ ∈ sign(x) from 0, semicontinuous", spread(-1.0), 0.0),),
         corrected=(
-            at_most("spread at t = 1, one-sided Lipschitz", spread(1.0), 0.0),
-            equal("values of sign outside of its value at 0", beyond, 0),
+            at_most("spread at t = 1 of solutions of ẋ ∈ -sign(x) from 0, one-sided Lipschitz", spread(1.0), 0.0),
+            equal("values of sign near 0 outside its value at 0, which is [-1, 1],", beyond, 0),
         ),
     )
 
 
-@claim(
-    "c1.hypomonotone",
-    "Normals of prox-regular sets are monotone up to a quadratic term.",
-    "(1.28)",
-    Verdict.PROVED,
-)
+@claim("c1.hypomonotone", "Normals of prox-regular sets are monotone up to a quadratic term.", "(1.28)", Verdict.PROVED)
 def _hypomonotone() -> Evidence:
     """p = v.(y - x), q = w.(x - y), D = |x - y|^2, k = 1/(2 eta); c = p/|v|, ``square`` is |x + eta v/|v| - y|^2."""
     return proved(
@@ -121,9 +89,10 @@ def _hypomonotone() -> Evidence:
 
 @claim(
     "c1.one-over-eta",
-    "The one-sided Lipschitz constant of normals of length up to 1.",
+    "The map x ↦ -N(S, x) ∩ B₁(0) is one-sided Lipschitz continuous with the constant 1/η.",
     "section 4.3",
     Verdict.PROVED,
+    rests_on=("c1.hypomonotone",),
 )
 def _one_over_eta() -> Evidence:
     """(1.28) for |v|, |w| <= 1: p = -(v - w).(x - y), D = |x - y|^2."""

@@ -1,23 +1,33 @@
-"""Chapter 1, section 4.4: support functions."""
+"""Chapter 1, section 4.4: support functions, scalar semicontinuity of normals, and cones of discs."""
 # ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
 
-from verification.claims import Evidence, Verdict, equal, proved
-from verification.formal.reals import implication
-from verification.thesis.chapter1.sets import Floats
+from verification.claims import Evidence, FormalProof, Verdict, at_least, at_most, equal, proved
+from verification.formal.reals import implication, solver_library
+from verification.thesis.chapter1.claims.s1_2_constraints import SIDES
+from verification.thesis.chapter1.lemmas import cones
+from verification.thesis.chapter1.sets import ROUNDING, SAMPLES, SEED, Floats, contact_gradients, support_of_cone
 from verification.thesis.text.quoted import claim
 
-SAMPLES, SEED = 300, 12
-ROUNDING = 1e-12
 DIRECTIONS = np.stack([f(np.linspace(0, 2 * np.pi, 720, endpoint=False)) for f in (np.cos, np.sin)], axis=1)
 SHAPE, CENTRE = np.array([[1.0, 0.4], [-0.3, 0.6]]), np.array([0.5, -0.2])
 # Places that come to 0 from both sides.
 NEAR = np.array([-1e-9, -1e-10, 1e-10, 1e-9])
+FUNCTIONS: tuple[Callable[[Floats], Floats], ...] = (
+    np.abs,
+    lambda x: np.where(x == 0, 1.0, 0.0),
+    lambda x: np.where(x == 0, -1.0, 0.0),
+    lambda x: np.where(x >= 0, 1.0, 0.0),
+    lambda x: np.where(x > 0, 1.0, 0.0),
+)
+# Wider than what continuous functions change between the places of NEAR, narrower than the jumps.
+EPSILON = 0.1
 
 
 def support(points: Floats, w: Floats) -> Floats:
@@ -36,10 +46,7 @@ def in_ellipse(a: Floats) -> np.ndarray:
 
 
 @claim(
-    "c1.half-spaces",
-    "The support function tells which half-spaces contain a set.",
-    "after (1.29)",
-    Verdict.PROVED,
+    "c1.half-spaces", "A set lies in the half-space v·w ≤ α if and only if σ(A, w) ≤ α.", "after (1.29)", Verdict.PROVED
 )
 def _half_spaces() -> Evidence:
     """p = v.w of a point v of A; sigma is the least upper bound of these p, so not above alpha if alpha is one."""
@@ -60,9 +67,10 @@ def _half_spaces() -> Evidence:
 
 @claim(
     "c1.support",
-    "Inclusion of sets is the order of their support functions.",
+    "A set A lies in B if and only if σ(A, ·) ≤ σ(B, ·).",
     "(1.30)",
     Verdict.CORRECTED,
+    rests_on=("c1.half-spaces",),
     tried_on="an ellipse and 300 points",
 )
 def _support() -> Evidence:
@@ -72,22 +80,19 @@ def _support() -> Evidence:
     strangers = int(ordered and not (ends == middle).all(axis=1).any())
     points = 1.5 * np.random.default_rng(SEED).normal(size=(SAMPLES, 2))
     below = (points @ DIRECTIONS.T <= ellipse_support(DIRECTIONS)).all(axis=1)
-    wrong = int((below != in_ellipse(points)).sum())
+    wrong, inside = int((below != in_ellipse(points)).sum()), int(below.sum())
     return Evidence(
-        "A = {1/2} and B = {0, 1} have σ(A, ·) ≤ σ(B, ·) but A ⊄ B: “⇐” needs B closed and convex. For B an ellipse "
-        f"and A one of {SAMPLES} points, {int(below.sum())} of them in B, the two sides disagree for {wrong}.",
-        printed=(equal("A ⊄ B with ordered support functions", strangers, 0),),
-        corrected=(equal("disagreements, B closed and convex", wrong, 0),),
+        printed=(equal("A ⊄ B with σ(A, ·) ≤ σ(B, ·), A = {1/2}, B = {0, 1}", strangers, 0),),
+        corrected=(
+            equal(f"disagreements, B an ellipse, A one of {SAMPLES} points", wrong, 0),
+            at_least("points in the ellipse", inside, 1),
+            at_most("points in the ellipse", inside, SAMPLES - 1),
+        ),
         seed=SEED,
     )
 
 
-@claim(
-    "c1.additive",
-    "Support functions of sums of sets.",
-    "(1.31)",
-    Verdict.PROVED,
-)
+@claim("c1.additive", "The support function of a sum of sets is the sum of theirs.", "(1.31)", Verdict.PROVED)
 def _additive() -> Evidence:
     """Values p of A and q of B in one direction, with least upper bounds a and b; c is any upper bound of the sums."""
     return proved(
@@ -110,19 +115,6 @@ def _additive() -> Evidence:
     )
 
 
-FUNCTIONS: tuple[Callable[[Floats], Floats], ...] = (
-    np.abs,
-    lambda x: np.where(x == 0, 1.0, 0.0),
-    lambda x: np.where(x == 0, -1.0, 0.0),
-    lambda x: np.where(x >= 0, 1.0, 0.0),
-    lambda x: np.where(x > 0, 1.0, 0.0),
-)
-
-
-# Wider than what continuous functions change between the places of NEAR, narrower than the jumps.
-EPSILON = 0.1
-
-
 def by_limsup(f: Callable[[Floats], Floats]) -> bool:
     """Lim sup f(x) <= f(0) as x -> 0, with EPSILON for what is left of the limit."""
     return bool(f(NEAR).max() <= f(np.zeros(1))[0] + EPSILON)
@@ -141,17 +133,162 @@ def by_half_lines(f: Callable[[Floats], Floats]) -> bool:
 
 @claim(
     "c1.single-valued",
-    "Definition 1.10 for a single-valued function is its upper semicontinuity.",
+    "For a single-valued function Definition 1.10 is lim sup f(x) ≤ f(x₀).",
     "after Definition 1.27",
     Verdict.CORRECTED,
     tried_on="five functions on the line",
 )
 def _single_valued() -> Evidence:
+    """|x|, +1 and -1 at 0 alone, and two steps, at 0."""
     plain = sum(by_singletons(f) != by_limsup(f) for f in FUNCTIONS)
     lines = sum(by_half_lines(f) != by_limsup(f) for f in FUNCTIONS)
+    name = f"functions, of {len(FUNCTIONS)}, on which lim sup f ≤ f(0) and Definition 1.10 for {{}} disagree"
     return Evidence(
-        f"|x|, ±1 at 0 alone, and two steps, at 0: Definition 1.10 for {{f(x)}} and lim sup f(x) ≤ f(0) disagree for "
-        f"{plain} of 5, as the first is continuity; Definition 1.10 for (-∞, f(x)] disagrees for {lines}.",
-        printed=(equal("disagreements with {f(x)}", plain, 0),),
-        corrected=(equal("disagreements with (-∞, f(x)]", lines, 0),),
+        printed=(equal(name.format("{f(x)}"), plain, 0),), corrected=(equal(name.format("(-∞, f(x)]"), lines, 0),)
+    )
+
+
+def bent(opening: float) -> Floats:
+    """Three discs of which the first touches both others; 0 closes the triangle."""
+    angles = np.array([0.0, math.pi / 3 + opening])
+    return np.concatenate([[[0.0, 0.0]], np.stack([np.cos(angles), np.sin(angles)], axis=1)])
+
+
+def normals_support(x: Floats, w: Floats) -> float:
+    """sigma(-N(S, x) ∩ B_1, w) of discs of radius 1/2 at a point of S."""
+    closed = [(i, j) for i, j in SIDES if np.linalg.norm(x[i] - x[j]) < 1 + 1e-12]
+    return support_of_cone(contact_gradients(x, closed), w)
+
+
+def limits(step: float) -> Floats:
+    """sigma at three sequences that are ``step`` away from the closed triangle, and at the triangle, (4, K)."""
+    directions = np.random.default_rng(SEED).normal(size=(100, 6))
+    corner = bent(0.0)
+    turned = corner @ np.array([[math.cos(step), math.sin(step)], [-math.sin(step), math.cos(step)]])
+    places = (bent(step), turned, (1 + step) * corner, corner)
+    return np.array([[normals_support(x, w) for w in directions] for x in places])
+
+
+def excess(values: Floats) -> float:
+    """How far sigma at the sequences of ``limits`` is above sigma at their limit."""
+    return float((values[:3] - values[3]).max())
+
+
+def closed_graph() -> FormalProof:
+    """Prove that the inequality of proximal normals of a prox-regular set holds in the limit.
+
+    v_n.(y - x_n) and |v_n||y - x_n|^2/(2 eta) come within any e > 0 of p and K of the limit; e = (p - K)/3 is tried.
+    """
+    z3 = solver_library()
+    return implication(
+        "v_n·(y − x_n) ≤ ‖v_n‖‖y − x_n‖²/(2η) for all y ∈ S holds in the limit: v ∈ N(S, x), and ‖v‖ ≤ 1, so no "
+        "sequence has a larger σ in the limit, for any uniformly prox-regular S",
+        lambda s, p, K, e: ([3 * e == s * (p - K), z3.Implies(e > 0, p <= K + 2 * e)], p <= K),
+        "e = (K − p)/3",
+    )
+
+
+@claim(
+    "c1.scalarly-upper",
+    "The normals of length at most 1 of the set of discs are scalarly upper semicontinuous.",
+    "Proposition 1.28",
+    Verdict.PROVED,
+    rests_on=("c1.hypomonotone",),
+)
+def _scalarly_upper() -> Evidence:
+    """v_n in N(S, x_n), |v_n| <= 1, tend to v (a subsequence, the ball being compact) and x_n to x: p, K of the limit.
+
+    p = v.(y - x) and K = |v||y - x|^2/(2 eta) for a point y of S; both are continuous in v and x.
+    """
+    return proved(closed_graph())
+
+
+@claim(
+    "c1.distance",
+    "The normals of length at most 1 are the subdifferential of the distance.",
+    "Remark 1.29",
+    Verdict.PROVED_INSTANCE,
+    chosen="the outside of the unit disc, x on its boundary; the ball is closed (see the errata)",
+    tried_on="the outside of the unit disc, every point of its boundary",
+)
+def _distance() -> Evidence:
+    """v = -s x for a boundary point x: r = |y|, D = |y - x|^2, x.(y - x) = (r^2 - 1 - D)/2; k is any constant."""
+    z3 = solver_library()
+    return proved(
+        implication(
+            "dist(y) ≥ v·(y − x) − |y − x|² for v = −ax with 0 ≤ a ≤ 1: short normals are proximal subgradients",
+            lambda s, r, D, a, d: (
+                [r >= 0, D >= 0, a >= 0, a <= s, d == z3.If(r < 1, 1 - r, 0)],
+                d >= -a * (r * r - 1 - D) / 2 - D,
+            ),
+            "0 ≤ a ≤ 2",
+            2,
+        ),
+        implication(
+            "for a > 1 and for a < 0 no constant k serves: on the ray of x, at y = (1 − u)x and (1 + u)x",
+            lambda s, a, k, u: (
+                [k > 0, u > 0, u < 1, s * u * k < z3.If(a > 1, a - 1, -a), z3.Or(a > 1, a < 0)],
+                z3.If(a > 1, u - a * u + k * u * u < 0, a * u + k * u * u < 0),
+            ),
+            "larger u",
+            0.25,
+        ),
+        implication(
+            "nor for a tangential part c: on the circle, at y = ((1 − w²)x + 2w x⊥)/(1 + w²), where v·(y − x) = "
+            "2w(c + aw)/(1 + w²)",
+            lambda s, a, c, k, w: (
+                [k > 0, c > 0, a >= 0, w > 0, s * 2 * k * w < c],
+                2 * w * (c + a * w) > k * 4 * w * w,
+            ),
+            "larger w",
+            0.25,
+        ),
+    )
+
+
+@claim(
+    "c1.sum-limit",
+    "Sums of normals at points that tend to x are, in the limit, normals at x.",
+    "Corollary 1.30, (1.35)",
+    Verdict.PROVED_INSTANCE,
+    rests_on=("c1.cones",),
+    chosen="the ball cuts the sum of the cones, not each of them",
+    tried_on="contacts with independent gradients",
+)
+def _sum_limit() -> Evidence:
+    """n = sum l_j grad g_j(p_j), |n| <= 1: the l_j are bounded, so that a subsequence converges, to a normal at x."""
+    return proved(
+        implication(
+            "with |Gᵀλ| ≥ σ|λ| at x and |Gᵀλ − G′ᵀλ| ≤ ½σ|λ| near x, |G′ᵀλ| ≤ 1 gives |λ| ≤ 2/σ",
+            lambda s, lam, near, at, sigma: (
+                [sigma > 0, lam >= 0, at >= sigma * lam, near >= at - 0.5 * sigma * lam, near <= 1],
+                sigma * lam <= s * 2,
+            ),
+            "|λ| ≤ 1/σ",
+            0.5,
+        ),
+        *cones(),
+    )
+
+
+@claim(
+    "c1.sum-of-cones",
+    "The support function of a sum of cones cut by a ball is the sum of those of the cut cones.",
+    "proof of Corollary 1.30",
+    Verdict.CORRECTED,
+    rests_on=("c1.additive",),
+    tried_on="two pairs of touching discs",
+)
+def _sum_of_cones() -> Evidence:
+    """Two touching pairs of discs far apart, with normals orthogonal in R^8; p_j = x, w along -(n_1 + n_2)."""
+    far = np.array([[0.0, 0.0], [1.0, 0.0], [9.0, 0.0], [10.0, 0.0]])
+    rows = contact_gradients(far, [(0, 1), (2, 3)]) / math.sqrt(2)
+    w = rows.sum(axis=0) / math.sqrt(2)
+    ratio = sum(support_of_cone(row[None], w) for row in rows) / support_of_cone(rows, w)
+    directions = np.random.default_rng(SEED).normal(size=(SAMPLES, 8))
+    bound = max(sum(support_of_cone(row[None], u) for row in rows) - 2 * support_of_cone(rows, u) for u in directions)
+    return Evidence(
+        printed=(equal("Σ σ(-N_j ∩ B₁, w) over σ((Σ -N_j) ∩ B₁, w)", ratio, 1.0, 1e-9),),
+        corrected=(at_most(f"largest Σ σ(-N_j ∩ B₁, w) - σ(-N ∩ B_M, w), {SAMPLES} directions w", bound, 0.0, 1e-6),),
+        seed=SEED,
     )

@@ -1,15 +1,18 @@
-"""Chapter 2, section 3: what consistency is, and that PBD has it."""
+"""Chapter 2, section 3: consistency, and the proof that PBD has it."""
 # ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 import dincl
-from verification.claims import Evidence, Verdict, at_least, at_most, equal, proved
+from verification.claims import Evidence, Verdict, at_least, at_most, equal, proved, put_right
+from verification.formal.algebra import identity
 from verification.formal.reals import implication, solver_library
 from verification.thesis.chapter1.sets import Floats
-from verification.thesis.chapter2.discs import RADIUS, ROUNDING, points_of_step, row
+from verification.thesis.chapter2.discs import RADIUS, ROUNDING, parted, points_of_step, row
 from verification.thesis.text.quoted import claim
 
 SEED = 23
@@ -20,6 +23,11 @@ STEPS = (1e-2, 1e-3, 1e-4)
 DISCS = 5
 # For states that move with the step, whose cones turn by √Δt; and how far from contact rounding leaves discs of a row.
 FINER, TOUCH = (1e-2, 1e-4, 1e-6), 1e-12
+PAIRS_SEED, SAMPLES = 21, 100
+# Discs that a single one is kicked along by, see ``kicked``.
+KICKS = 12
+# Two touching discs that are pulled apart with |F| = sqrt(2).
+APART = np.array([[-1.0, 0.0], [1.0, 0.0]])
 
 
 def trapped(x: float, dt: float) -> bool:
@@ -46,20 +54,26 @@ def turning(dt: float, rng: np.random.Generator) -> Floats:
     return np.asarray(row(DISCS) @ [[c, s], [-s, c]] + dt * rng.uniform(-0.2, 0.2, (DISCS, 2)))
 
 
+def touching_discs(x: Floats) -> dincl.Problem:
+    """Discs without a drift."""
+    return dincl.Problem(x, lambda _t, x: 0 * x, [dincl.NonOverlap(RADIUS)])
+
+
 def beside_normals() -> list[float]:
     """How far a step of PBD without its drift is from -N(S, x) for x_n → x, over random forces, for each of FINER."""
     x, rng = row(DISCS), np.random.default_rng(SEED)
-    cone = dincl.geometry.normal_cone(dincl.Problem(x, lambda _t, x: 0 * x, [dincl.NonOverlap(RADIUS)]), 0.0, x, TOUCH)
+    cone = dincl.geometry.normal_cone(touching_discs(x), 0.0, x, TOUCH)
     forces = rng.uniform(-1.0, 1.0, (20, DISCS, 2))
     return [max(cone.distance(-shares(turning(dt, rng), force, dt)) for force in forces) for dt in FINER]
 
 
 @claim(
     "c2.limits",
-    "Limits of a method that is consistent are solutions.",
+    "Each limit of a consistent method is a solution.",
     "sections 3 and 5",
     Verdict.CORRECTED,
-    chosen="the flow that stands still on [1 − Δt, 1), S = ℝ; Definition 2.7 as corrected; a row of discs",
+    rests_on=("c2.definition", "c2.lemma"),
+    chosen="the flow that stands still on [1 − Δt, 1), S = ℝ; Definition 2.7 as corrected",
     tried_on="PBD with a row of five discs",
 )
 def _limits() -> Evidence:
@@ -69,30 +83,26 @@ def _limits() -> Evidence:
     along = min(abs((flow(1 - dt / 2, dt) - (1 - dt / 2)) / dt - 1) for dt in STEPS)
     far = beside_normals()
     return Evidence(
-        f"A flow that stands still on [1 − Δt, 1) is consistent by Definition 2.7 (to {local:.0e} at fixed x), but its "
-        f"limit min(t, 1) is {2 - ends[-1]:.2f} from the solution at t = 2. Along x_n = 1 − Δt/2 → 1 it is off by "
-        f"{along:g}; PBD, for {DISCS} discs that turn into a row, by {', '.join(f'{value:.1e}' for value in far)} at "
-        f"Δt = {', '.join(f'{dt:g}' for dt in FINER)}.",
         printed=(
             at_most("inconsistency of the flow at fixed x", local, 0.0, 1e-9),
-            at_most("change of its end with Δt", abs(ends[-1] - ends[-2]), 0.0, 2 * STEPS[-2]),
-            at_most("distance of its limit from the solution", abs(2.0 - ends[-1]), 0.0, 0.01),
+            at_most(
+                "t = 2: change of its end when the step 10⁻³ is divided by ten,",
+                abs(ends[-1] - ends[-2]),
+                0.0,
+                2 * STEPS[-2],
+            ),
+            at_most("t = 2: distance of this limit from the solution", abs(2.0 - ends[-1]), 0.0, 0.01),
         ),
         corrected=(
-            at_least("inconsistency of the flow along x_n → x", along, 0.5),
-            at_most("inconsistency of PBD along x_n → x, over that at 100 Δt", far[2] / far[1], 0.2),
-            at_most("inconsistency of PBD along x_n → x", far[2], 0.01),
+            at_least("x_n = 1 − Δt/2 → 1: inconsistency of the flow along x_n", along, 0.5),
+            at_most("Δt = 10⁻⁶: inconsistency of PBD along x_n → x over that at 100 Δt,", far[2] / far[1], 0.2),
+            at_most("Δt = 10⁻⁶: inconsistency of PBD along x_n → x", far[2], 0.01),
         ),
         seed=SEED,
     )
 
 
-@claim(
-    "c2.not-sufficient",
-    "A method can be consistent at every point and yet not converge.",
-    "(2.10)",
-    Verdict.PROVED,
-)
+@claim("c2.not-sufficient", "A consistent method need not converge.", "(2.10)", Verdict.PROVED)
 def _not_sufficient() -> Evidence:
     """F = 1, y = Phi(x) = x + h, but Phi(x) = x on [1 - h, 1)."""
     z3 = solver_library()
@@ -124,18 +134,14 @@ def leaving() -> tuple[float, float]:
 
 @claim(
     "c2.definition",
-    "Consistent is a method whose support functions tend to those of the normal cone.",
+    "A method is consistent if its support functions tend to those of the normal cone.",
     "Definition 2.7",
     Verdict.CORRECTED,
 )
 def _definition() -> Evidence:
     left, right = leaving()
-    return Evidence(
-        f"A point on a wall that is pulled away: the left side is {abs(left):.0e}, the right side R = {right:g}. With "
-        "“≤” for “→”, which is what the proof of Lemma 2.8 shows, it holds.",
-        printed=(equal("left side", left, right, 1e-9),),
-        corrected=(at_most("left side", left, right, 1e-9),),
-    )
+    name = "left side of Definition 2.7, a point that is pulled off a wall"
+    return Evidence(printed=(equal(name, left, right, 1e-9),), corrected=(at_most(name, left, right, 1e-9),))
 
 
 def shares(x: Floats, force: Floats, dt: float) -> Floats:
@@ -145,32 +151,143 @@ def shares(x: Floats, force: Floats, dt: float) -> Floats:
 
 @claim(
     "c2.lemma",
-    "A step of PBD without its drift tends to the normals of S, and stays bounded.",
+    "With bounded forces PBD is consistent in the sense of Definition 2.7.",
     "Lemma 2.8",
     Verdict.CORRECTED,
-    chosen="a row of discs, where a step crosses several contacts",
+    rests_on=("c2.definition", "c2.equivalent", "c2.scale", "c2.steps", "c2.induction", "c2.last-line"),
     tried_on="a row of five discs, 20 random forces",
 )
 def _lemma() -> Evidence:
-    """How far it is from -N(S, x), for a row of discs and random forces, as the step goes to 0."""
+    """How far a step is from -N(S, x), for a row of discs and random forces, as it goes to 0."""
     x = row(DISCS)
-    problem = dincl.Problem(x, lambda _t, x: 0 * x, [dincl.NonOverlap(RADIUS)])
-    cone = dincl.geometry.normal_cone(problem, 0.0, x, ROUNDING)
-    rng = np.random.default_rng(SEED)
-    forces = rng.uniform(-1.0, 1.0, (20, *x.shape))
+    cone = dincl.geometry.normal_cone(touching_discs(x), 0.0, x, ROUNDING)
+    forces = np.random.default_rng(SEED).uniform(-1.0, 1.0, (20, *x.shape))
     far = [max(cone.distance(-shares(x, force, dt)) for force in forces) for dt in STEPS]
     size = max(float(np.linalg.norm(shares(x, force, STEPS[-1])) / np.linalg.norm(force)) for force in forces)
     left, right = leaving()
     return Evidence(
-        f"{DISCS} discs in a row, 20 random forces: the distance from −N(S, x) is at most "
-        f"{', '.join(f'{value:.1e}' for value in far)} at Δt = {', '.join(f'{dt:g}' for dt in STEPS)}; the length is "
-        f"at most {size:.2f} ‖F‖: the lemma with “≤” in Definition 2.7. A wall that a point leaves refutes “→”: "
-        f"{left:.0e} for {right:g}.",
-        printed=(equal("support function of the step from a wall", left, right, 1e-9),),
+        printed=(equal("left side of Definition 2.7, a point that is pulled off a wall", left, right, 1e-9),),
         corrected=(
-            equal("distance over that at a tenth of the step", far[1] / far[2], 10.0, 1.0),
-            at_most("distance at the smallest step", far[2], 1e-3),
-            at_most("length over (2^M + 1) ‖F‖", size / (2 ** (DISCS * (DISCS - 1) / 2) + 1), 1.0),
+            equal(
+                "Δt = 10⁻³: largest distance from −N(S, x) over that at a tenth of the step", far[1] / far[2], 10.0, 1.0
+            ),
+            at_most("Δt = 10⁻⁴: largest distance from −N(S, x)", far[2], 1e-3),
+            at_most("largest length over (2^M + 1) ‖F‖", size / (2 ** (DISCS * (DISCS - 1) / 2) + 1), 1.0),
         ),
         seed=SEED,
     )
+
+
+def other_side(x: Floats) -> Floats:
+    """Two overlapping discs moved through each other until they touch on the other side."""
+    along = (x[1] - x[0]) / np.linalg.norm(x[1] - x[0])
+    middle = (x[0] + x[1]) / 2
+    return np.array([middle + RADIUS * along, middle - RADIUS * along])
+
+
+def not_normal(normal: Floats, p: Floats) -> float:
+    """How far P_S(p + α normal) is from p for a small α: 0 for a proximal normal (Definition 1.23)."""
+    return float(np.linalg.norm(parted(p + 0.01 * normal) - p))
+
+
+@claim(
+    "c2.equivalent",
+    "p_j is the projection of p_{j−1} if and only if p_{j−1} − p_j is normal at p_j.",
+    "proof of Lemma 2.8",
+    Verdict.CORRECTED,
+    rests_on=("c1.projection-normal",),
+)
+def _equivalent() -> Evidence:
+    """p - q normal at q: for q the projection of p, and for the q where the discs have changed sides."""
+    rng = np.random.default_rng(PAIRS_SEED)
+    pairs = [np.array([[0.0, 0.0], [r * math.cos(s), r * math.sin(s)]]) for r, s in rng.uniform(0.9, 1.0, (SAMPLES, 2))]
+    forward = max(not_normal(p - parted(p), parted(p)) for p in pairs)
+    others = [other_side(p) for p in pairs]
+    normal = max(not_normal(p - q, q) for p, q in zip(pairs, others, strict=True))
+    apart = max(float(np.linalg.norm(q - parted(p))) for p, q in zip(pairs, others, strict=True))
+    return Evidence(
+        printed=(
+            at_most("p − q misses the normal cone at q, discs that changed sides, by", normal, ROUNDING),
+            at_most("largest distance of this q from the projection of p", apart, ROUNDING),
+        ),
+        corrected=(at_most("p − q misses the normal cone at the projection q of p by", forward, ROUNDING),),
+        seed=PAIRS_SEED,
+    )
+
+
+@claim("c2.scale", "The rate of a step without its drift is p_M − p_0.", "(2.12)", Verdict.CORRECTED)
+def _scale() -> Evidence:
+    """p_0 = x + dt F(x) and Phi(x) = p_M."""
+    return put_right(
+        identity(
+            "(Φ(x) − x)/Δt − F(x) = (p_M − p_0)/Δt",
+            lambda s, x, F, h, last: (last - x) / h - F - (last - (x + h * F)) / h**s,
+            "= p_M − p_0",
+            0,
+        )
+    )
+
+
+@claim(
+    "c2.steps", "Every projection at most doubles the distance from the start of the step.", "(2.13)", Verdict.PROVED
+)
+def _steps() -> Evidence:
+    """x is in all S_j: n = |p_j - p_(j-1)| <= |x - p_(j-1)| = d, q = |p_j - x|, P = 2^(j-1) dt |F|."""
+    return proved(
+        implication(
+            "‖p_j − x‖ ≤ ‖p_j − p_{j−1}‖ + ‖p_{j−1} − x‖ ≤ 2‖p_{j−1} − x‖, so 2^j Δt‖F‖ by induction, for any "
+            "sets S_j ∋ x",
+            lambda s, n, d, q, P: ([d >= 0, n <= d, q <= n + d, d <= P], q <= s * 2 * P),
+            "no factor 2",
+            0.5,
+        )
+    )
+
+
+def kicked(count: int) -> tuple[Floats, Floats]:
+    """A state of S and a prediction in which disc 0 meets, one after another, ``count`` discs just behind it."""
+    width, place = 1e-3 * RADIUS, 0.0
+    x, predicted = np.zeros((2, count + 1, 2))
+    x[0] = -1.9 * RADIUS, 0.0
+    for k in range(1, count + 1):
+        predicted[k] = place - width, 0.0
+        x[k] = RADIUS * (k - 1), RADIUS * (0.87 if k % 2 else -0.87)
+        place += (2 * RADIUS - width) / 2
+    return x, predicted
+
+
+@claim(
+    "c2.induction",
+    "The rate of a step without its drift is at most (2^j + 1) ‖F‖_∞.",
+    "after (2.13)",
+    Verdict.CORRECTED,
+    rests_on=("c2.steps", "c2.scale"),
+    chosen="j = 1 for the free index",
+)
+def _induction() -> Evidence:
+    x, predicted = kicked(KICKS)
+    moved = predicted - x
+    gap = min(float(np.linalg.norm(x[i] - x[j])) for i in range(len(x)) for j in range(i)) - 2 * RADIUS
+    ratio = float(np.linalg.norm(points_of_step(x, moved, 1.0)[-1] - predicted) / np.linalg.norm(moved))
+    least = at_least(f"least gap of the {len(x)} discs at the start", gap, 0, ROUNDING)
+    name = "rate of a step without its drift over ‖F‖, one disc passed on by the others"
+    return Evidence(
+        printed=(least, at_most(f"{name}, bound for j = 1:", ratio, 3.0)),
+        corrected=(least, at_most(f"{name}, bound for j = M:", ratio, 2.0 ** math.comb(len(x), 2) + 1)),
+    )
+
+
+@claim(
+    "c2.last-line",
+    "As Δt → 0 the support functions of the cones at the p_j tend to that of the cone at x.",
+    "proof of Lemma 2.8, last line",
+    Verdict.CORRECTED,
+    rests_on=("c1.sum-limit",),
+)
+def _last() -> Evidence:
+    """Both sides for two touching discs, w pointing apart: p_1 has no contact left."""
+    x, limit = row(2), 3 * float(np.linalg.norm(APART)) + 1
+    last, w = points_of_step(x, APART, DT)[-1], np.array([[-1.0, 0.0], [1.0, 0.0]])
+    left, right = (dincl.geometry.support(touching_discs(x), 0.0, at, w, tol=1e-9, radius=limit) for at in (last, x))
+    name = "lim sup of the last line, two touching discs that are pulled apart"
+    return Evidence(printed=(equal(name, left, right, 1e-6),), corrected=(at_most(name, left, right, 1e-6),))

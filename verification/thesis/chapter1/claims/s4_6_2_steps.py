@@ -1,4 +1,4 @@
-"""Chapter 1, section 4.6.2: the proof of existence, the steps of the catch-up scheme and their bounds."""
+"""Chapter 1, section 4.6.2: the proof of existence, the steps of the catch-up scheme, their bounds and their limit."""
 # ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
@@ -7,12 +7,14 @@ import math
 
 import numpy as np
 
-from verification.claims import Evidence, Verdict, at_most, proved
+from verification.claims import Evidence, Verdict, at_least, at_most, proved
+from verification.formal.algebra import identity
 from verification.formal.reals import implication
-from verification.thesis.chapter1.sets import Floats, catch_up, outside
+from verification.thesis.chapter1.claims.s4_4_supports import excess, limits
+from verification.thesis.chapter1.lemmas import nearest
+from verification.thesis.chapter1.sets import ROUNDING, SEED, Floats, catch_up, outside
 from verification.thesis.text.quoted import claim
 
-ROUNDING = 1e-12
 T, STEPS = 1.0, 200
 H = T / STEPS
 # A force that pushes towards one axis and away from the other, and its constant of linear growth.
@@ -33,10 +35,9 @@ def reach(y: Floats) -> Floats:
 
 @claim(
     "c1.projection-step",
-    "The distance of a step of catch-up from the free step.",
+    "A step x_{k+1} ∈ P_S(x_k) is dist(x_k + hF(x_k), S) away from x_k + hF(x_k).",
     "before (1.50)",
     Verdict.CORRECTED,
-    chosen="the outside of the unit disc and a linear force",
     tried_on="a linear force outside of a disc, four starts",
 )
 def _projection_step() -> Evidence:
@@ -47,18 +48,17 @@ def _projection_step() -> Evidence:
         float(np.abs(np.linalg.norm(outside(y) - target, axis=-1) - reach(target)).max() / H) for y in (x, target)
     )
     return Evidence(
-        f"P_S(x_k) = x_k for x_k ∈ S, so as printed nothing moves, and the first equality of (1.50) is off by up to "
-        f"{printed:.2f} h. With P_S(x_k + hF(x_k)), as in (1.46), by {right:.0e} h.",
-        printed=(at_most("error of the equality in (1.50), over h", printed, 0.0, 1e-9),),
-        corrected=(at_most("error with P_S(x_k + hF(x_k)), over h", right, 0.0, 1e-9),),
+        printed=(at_most("largest error of the equality in (1.50) over h, P_S(x_k)", printed, 0.0, 1e-9),),
+        corrected=(at_most("largest error of the equality in (1.50) over h, P_S(x_k + hF(x_k))", right, 0.0, 1e-9),),
     )
 
 
 @claim(
     "c1.step-bounds",
-    "How far a step of catch-up goes.",
+    "A step of catch-up moves by at most 2hM_F(1 + ‖x_k‖).",
     "(1.50), (1.51)",
     Verdict.PROVED,
+    rests_on=("c1.linear-growth", "c1.projection-step"),
 )
 def _step_bounds() -> Evidence:
     """d = dist(x_k + hF, S) <= |hF| as x_k is in S; g = h M_F (1 + |x_k|); n = |x_(k+1) - x_k|."""
@@ -81,31 +81,30 @@ def first_constant(start: Floats, growth: float = M_F) -> Floats:
 
 @claim(
     "c1.constant",
-    "What the bound of the discrete solutions depends on.",
+    "The discrete solutions are bounded by a constant C₁ that depends only on T and M_F.",
     "(1.52)",
     Verdict.CORRECTED,
-    chosen="the outside of the unit disc and a linear force",
+    rests_on=("c1.gronwall-discrete", "c1.gronwall-range", "c1.step-bounds"),
     tried_on="a linear force outside of a disc, four starts",
 )
 def _constant() -> Evidence:
     sizes = np.linalg.norm(catch_up(STARTS, pushing, H, STEPS), axis=-1)
     printed = float(sizes.max() / first_constant(np.ones(1))[0])
     right = float((sizes / first_constant(sizes[0])).max())
+    name = f"largest ‖x_k‖ over C₁ by (1.45), T = 1, M_F = {M_F:.2f}, {{}} the start"
     return Evidence(
-        f"‖x_k‖ ≤ C₁ for k = 0 says that C₁ ≥ ‖xⁱⁿⁱᵗ‖. With T = 1, M_F = {M_F:.2f} the ‖x_k‖ from ‖x₀‖ = 50 are up to "
-        f"{printed:.1f} times the C₁ that (1.45) gives without the start, and {right:.2f} times that of "
-        "exp(2M_F T)(‖xⁱⁿⁱᵗ‖ + 1) - 1.",
-        printed=(at_most("‖x_k‖ over C₁(T, M_F)", printed, 1.0),),
-        corrected=(at_most("‖x_k‖ over C₁(T, M_F, ‖xⁱⁿⁱᵗ‖)", right, 1.0, ROUNDING),),
+        printed=(at_most(name.format("without"), printed, 1.0),),
+        corrected=(at_most(name.format("with"), right, 1.0, ROUNDING),),
     )
 
 
 @claim(
     "c1.speeds",
-    "Bounds of the interpolated solutions, their speeds and the constraint forces.",
+    "The interpolated solutions are bounded by C₁, their speeds by C₂ and the constraint forces by C₃.",
     "(1.53), (1.54), before (1.67)",
     Verdict.PROVED,
-    chosen="C₁ with the start in it; the outside of the unit disc and a linear force",
+    rests_on=("c1.step-bounds", "c1.constant"),
+    chosen="C₁ with the start in it",
 )
 def _speeds() -> Evidence:
     """r = |x_k| <= C1 at all steps, n = |x_(k+1) - x_k|/h, f = |F(x_k)|; G = (1 + 2 h M_F)^k (1 + |x_0|)."""
@@ -133,9 +132,10 @@ def _speeds() -> Evidence:
 
 @claim(
     "c1.unique-projections",
-    "With short steps the catch-up scheme has one place to go to.",
+    "With short steps the projections of the catch-up scheme are unique.",
     "(1.55)",
     Verdict.PROVED,
+    rests_on=("c1.hypomonotone", "c1.step-bounds", "c1.constant"),
 )
 def _unique() -> Evidence:
     """Two nearest points p, q of z at the distance r: (1.28) for z - p and z - q says D <= (r/eta) D, D = |p - q|^2."""
@@ -152,4 +152,79 @@ def _unique() -> Evidence:
             "n > TM_F(1 + C₁)/(2η)",
             2,
         ),
+    )
+
+
+def length_around(level: int, share: float) -> float:
+    """Return the length of intervals share/2, share/4, … around the dyadic numbers of a level in [0, 1]."""
+    return sum(share * 0.5 ** (j + 1) for j in range(2**level + 1))
+
+
+def settled(first: int, last: int) -> float:
+    """The part of the times at which 1 on [0, 2^-k) is 0 for all k from first to last."""
+    t = (np.arange(2**14) + 0.5) / 2**14
+    return float(np.all([t >= 2.0**-k for k in range(first, last + 1)], axis=0).mean())
+
+
+@claim(
+    "c1.dense",
+    "Velocities that converge at a dense set of times give the inclusion at almost all times.",
+    "step 4, (1.62), and (1.74)",
+    Verdict.CORRECTED,
+    rests_on=("c1.mazur",),
+    tried_on="one sequence of running steps",
+)
+def _dense() -> Evidence:
+    """Intervals around a dense set; and z^(n) = 1 on intervals of length 2^-k that run through [0, 1] for each k."""
+    late, early = (1 - settled(first, 14) for first in (12, 8))
+    return Evidence(
+        printed=(
+            at_least(
+                "total length of intervals around the dyadic numbers, a dense set, over T", length_around(10, 0.01), 1.0
+            ),
+        ),
+        corrected=(
+            at_most(
+                "from level 12 over level 8: part of t where running steps, → 0 in L¹, are not settled",
+                late / early,
+                0.5,
+            ),
+        ),
+    )
+
+
+@claim(
+    "c1.step-inclusion",
+    "Between two steps the interpolated solution satisfies the inclusion with a normal at the later state.",
+    "(1.66)",
+    Verdict.PROVED,
+    rests_on=("c1.catch-up-normal",),
+)
+def _step_inclusion() -> Evidence:
+    """Between t_k and t_(k+1) the velocity is (x_(k+1) - x_k)/h and the force F(x_k); N is a cone."""
+    return proved(
+        identity(
+            "h(ẋ⁽ⁿ⁾ − F⁽ⁿ⁾) = −(y − P_S(y)) with y = x_k + hF(x_k), x_{k+1} = P_S(y)",
+            lambda s, x, new, h, F: h * ((new - x) / h - F) + (x + s * h * F - new),
+            "y = x_k − hF(x_k)",
+        ),
+        nearest(),
+    )
+
+
+@claim(
+    "c1.lower",
+    "The last step of the proof uses scalar lower semicontinuity of the short normals.",
+    "step 6",
+    Verdict.CORRECTED,
+    rests_on=("c1.scalarly-upper",),
+    tried_on="three touching discs, three sequences",
+)
+def _lower() -> Evidence:
+    values = limits(1e-7)
+    above, below = excess(values), float((values[3] - values[:3]).max())
+    return Evidence(
+        printed=(at_most("largest σ(x) - σ(x_n), three touching discs, x_n 10⁻⁷ from x", below, 0.0, 1e-6),),
+        corrected=(at_most("largest σ(x_n) - σ(x), x_n 10⁻⁷ over 10⁻⁵ from x", above / excess(limits(1e-5)), 0.1),),
+        seed=SEED,
     )

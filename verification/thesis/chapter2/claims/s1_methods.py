@@ -1,0 +1,232 @@
+"""Chapter 2, section 1: the methods that PBD is compared with."""
+# ruff: noqa: RUF001 - the formulas are quoted as they are printed
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+import dincl
+from verification.claims import Evidence, Verdict, at_least, at_most, equal, proved
+from verification.formal.algebra import identity, library
+from verification.formal.reals import implication, solver_library
+from verification.thesis.chapter2.runs import exact
+from verification.thesis.text.quoted import claim
+
+# Two discs that slide along each other, of which the exact solution is known; at this time they are in contact.
+SCENE, END = dincl.scenes.two_disks(), 2.0
+STEPS = (0.04, 0.02)
+QP_TOL = 1e-10
+# An error of order 1 is halved with the step, up to terms of order 2.
+HALVED = 0.1
+# Accuracy of event-driven runs [length], and the numbers of discs whose events are counted to a time.
+EVENT_TOL, CROWDS, CROWDED = 1e-8, (4, 8), 0.3
+# A point that is pressed onto the wall x >= 0 with force 1, g(x) = x [length / time, time].
+PRESSED, DT, STRENGTH = -1.0, 0.01, 20.0
+
+
+def catch_up(dt: float) -> dincl.Scheme:
+    """Moreau's scheme with exact projections."""
+    return dincl.CatchUp(dt=dt, projection=dincl.Daqp(tol=QP_TOL))
+
+
+def linearised(dt: float) -> dincl.Scheme:
+    """The scheme with the inner convex approximation."""
+    return dincl.LinearisedCatchUp(dt=dt, projection=dincl.Daqp(tol=QP_TOL))
+
+
+def error(scheme: dincl.Scheme) -> float:
+    """The largest distance of a disc from where it should be at END."""
+    final = dincl.solve(SCENE, scheme, t=END).final
+    return float(np.linalg.norm(final - exact(SCENE, END), axis=-1).max())
+
+
+def event_driven() -> dincl.Scheme:
+    """From contact to contact."""
+    return dincl.EventDriven(tol=EVENT_TOL)
+
+
+@claim(
+    "c2.event-driven",
+    "Event-driven methods are the most rigorous, but their cost grows with the contacts.",
+    "section 1",
+    Verdict.NOT_REFUTED,
+    tried_on="two discs with a known solution, and piles of 4 and 8 discs",
+)
+def _event_driven() -> Evidence:
+    own, steps = error(event_driven()), error(catch_up(STEPS[1]))
+    few, many = (len(dincl.solve(dincl.scenes.pile(n), event_driven(), t=CROWDED).events) for n in CROWDS)
+    return Evidence(
+        printed=(
+            at_most("event-driven error, two discs, t = 2 [length]", own, 0.0, 10 * EVENT_TOL),
+            at_least("error of catch-up there, step 0.02 [length]", steps, 1e-3),
+            at_least("events to t = 0.3 of a pile of 8 discs over a pile of four", many / max(few, 1), 1.5),
+        )
+    )
+
+
+@claim(
+    "c2.damping",
+    "A damping other than 1 changes only the time scale of a solution.",
+    "(2.1)",
+    Verdict.PROVED,
+    chosen="a force that does not depend on time",
+)
+def _damping() -> Evidence:
+    """The chain rule for z(t) = x(t/mu); the force does not depend on t, and N is a cone."""
+    sp = library()
+    t, tau, mu = sp.symbols("t tau mu", positive=True)
+    x = sp.Function("x")
+    return proved(
+        identity(
+            "μż = ẋ(t/μ) for z(t) = x(t/μ): if ẋ ∈ F(x) − N(S, x) then μż ∈ F(z) − N(S, z), for every μ > 0",
+            lambda s: mu**s * x(t / mu).diff(t) - x(tau).diff(tau).subs(tau, t / mu),
+            "ż/μ",
+        )
+    )
+
+
+@claim(
+    "c2.catch-up",
+    "Moreau's catch-up scheme converges to the solution of the inclusion.",
+    "section 1.1.1",
+    Verdict.NOT_REFUTED,
+    rests_on=("c1.existence",),
+    tried_on="two discs in contact",
+)
+def _catch_up() -> Evidence:
+    coarse, fine = (error(catch_up(dt)) for dt in STEPS)
+    return Evidence(printed=(equal("error at t = 2, step 0.04 over half of it", coarse / fine, 2.0, HALVED),))
+
+
+@claim("c2.inner", "The inner convex approximation lies inside the feasible set.", "section 1.1.2", Verdict.PROVED)
+def _inner() -> Evidence:
+    """a, b: the distance of two centres at x and at y, p = the product of the differences, at most a b; L = 2R."""
+    return proved(
+        implication(
+            "g(x) + ∇g(x)·(y − x) = a − L + (p − a²)/a ≥ 0 gives b ≥ p/a ≥ L: y is in S",
+            lambda s, a, b, p, L: ([a > 0, b >= 0, L > 0, p <= a * b, s * (a * a - L * a + p - a * a) >= 0], b >= L),
+            "g(x) + ∇g(x)·(y − x) ≤ 0",
+        )
+    )
+
+
+@claim(
+    "c2.linearised",
+    "The catch-up scheme converges as well if it projects onto the inner convex approximation.",
+    "section 1.1.2",
+    Verdict.NOT_REFUTED,
+    rests_on=("c2.inner", "c2.catch-up"),
+    tried_on="two discs in contact",
+)
+def _linearised() -> Evidence:
+    coarse, fine = (error(linearised(dt)) for dt in STEPS)
+    moreau = error(catch_up(STEPS[1]))
+    return Evidence(
+        printed=(
+            equal("error at t = 2, step 0.04 over half of it", coarse / fine, 2.0, HALVED),
+            at_most("error over that of the catch-up scheme, t = 2, same step", fine / moreau, 1.0, HALVED),
+        )
+    )
+
+
+def printed_push(x: float) -> float:
+    """∇g where g < 0, for g(x) = x."""
+    return 1.0 if x < 0 else 0.0
+
+
+def spring(x: float) -> float:
+    """max(0, -g) ∇g."""
+    return max(0.0, -x)
+
+
+def implicit_residual(push: Callable[[float], float]) -> float:
+    """How far the nearest y is from solving y = x + dt (F + ε push(y)), for x half a step above the wall."""
+    start = -PRESSED * DT / 2
+    return min(float(abs(y - start - DT * (PRESSED + STRENGTH * push(y)))) for y in np.linspace(-0.1, 0.1, 4001))
+
+
+def steepest(push: Callable[[float], float]) -> float:
+    """The largest slope of a force between places 10^-6 apart."""
+    h = 1e-6
+    return max(abs(push(x + h) - push(x)) / h for x in h * np.arange(-2000.5, 2000.0))
+
+
+@claim(
+    "c2.printed-penalty",
+    "With a force ∇g at overlap the inclusion becomes an ordinary differential equation.",
+    "section 1.1.3",
+    Verdict.CORRECTED,
+    chosen="one constraint, g(x) = x",
+)
+def _printed_penalty() -> Evidence:
+    """The wall x >= 0 and the force -1: the jump where contact begins, and whether an implicit step has a solution."""
+    h = 1e-9
+    (jump, left), (right_jump, right_left) = (
+        (push(-h) - push(0.0), implicit_residual(push)) for push in (printed_push, spring)
+    )
+    return Evidence(
+        printed=(
+            at_most("jump of ε∇g where contact begins, over ε", jump, 0.0, 1e-6),
+            at_most("least residual of an implicit step with ε∇g [length]", left, 1e-4),
+        ),
+        corrected=(
+            at_most("jump of −εg∇g, over ε", right_jump, 0.0, 1e-6),
+            at_most("least residual of an implicit step with −εg∇g [length]", right_left, 1e-4),
+            at_most("Lipschitz constant of −εg∇g, over ε", steepest(spring), 1.0, 1e-6),
+        ),
+    )
+
+
+@claim(
+    "c2.penalty-limit",
+    "As the penalty parameter grows, the penalty method tends to the inclusion.",
+    "(2.2)",
+    Verdict.PROVED_INSTANCE,
+    rests_on=("c2.printed-penalty",),
+    chosen="the force as corrected in c2.printed-penalty",
+    tried_on="two discs that a constant force presses together along their line",
+)
+def _limit() -> Evidence:
+    """r, the distance of the centres, has r' = 2 (-f + e (L - r)), L = 2R, from r = L; the inclusion keeps r = L."""
+    sp = library()
+    t, f, e, L = sp.symbols("t f epsilon L", positive=True)
+
+    def residuals(s: Any) -> Any:
+        r = L - s * f / e * (1 - sp.exp(-2 * e * t))
+        return [r.diff(t) - 2 * (-f + e * (L - r)), r.subs(t, 0) - L]
+
+    return proved(
+        identity(
+            "the overlap of the penalty method is (f/ε)(1 − e^{−2εt}), which tends to 0 with 1/ε", residuals, "−f/ε"
+        )
+    )
+
+
+@claim(
+    "c2.stiffness",
+    "The longest stable step of an explicit method falls as the penalty parameter grows.",
+    "section 1.1.3",
+    Verdict.PROVED_INSTANCE,
+    rests_on=("c2.printed-penalty",),
+    chosen="the force as corrected in c2.printed-penalty",
+    tried_on="a point between two walls, by explicit Euler",
+)
+def _stiffness() -> Evidence:
+    """Outside of a wall x' = -e x, x the overlap: a step multiplies x by 1 - dt e; k, e: two strengths."""
+    z3 = solver_library()
+    return proved(
+        implication(
+            "|1 − Δt ε| ≤ 1 if and only if 0 ≤ Δt ≤ 2/ε",
+            lambda s, h, e: ([e > 0], ((1 - h * e) * (1 - h * e) <= 1) == z3.And(h >= 0, h * e <= s * 2)),
+            "Δt ≤ 1/ε",
+            0.5,
+        ),
+        implication(
+            "2/ε falls as ε grows",
+            lambda s, h, g, e, k: ([e > 0, s * k > s * e, k > 0, h * e == 2, g * k == 2], g < h),
+            "as ε falls",
+        ),
+    )
