@@ -173,7 +173,7 @@ def _part(value: float, low: float, high: float) -> str:
 
 
 def figures(folder: Folder) -> None:
-    """Draw studies, each into the folder figures in its own: positions, ratios in time and at the end, examples.
+    """Draw studies, each into the folder figures in its own: answers, positions, ratios in time, at the end, examples.
 
     Of studies that come with the program also the counterparts of Figures 10 to 22 of chapter 4, into DIR/figures, both
     presets beside each other. A line for each file says what it shows, or why it cannot be drawn.

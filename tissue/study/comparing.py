@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
@@ -37,12 +38,16 @@ class RunValues:
         self._results = results
         summary = results.summary()
         self._stored = set(summary.loc[summary["runs"] > 0, "scenario"])
+        # Several contrasts share a scenario: each of its tables is read once.
+        self.ratio = cache(self._ratio)
+        self._hits = cache(self._read_hits)
+        self._runs = cache(self._read_runs)
 
     def runs(self, scenario: str) -> int:
         """Return how many runs did not fail."""
         return len(self.numbers(scenario, "replicate"))
 
-    def ratio(self, scenario: str, what: Any) -> Ratio:
+    def _ratio(self, scenario: str, what: str) -> Ratio:
         """Return the share of cells with an outcome."""
         hits = self._hits(scenario, what)
         return ratio(hits, hits.index.to_series())
@@ -65,7 +70,7 @@ class RunValues:
         found: Floats = runs.loc[runs["status"] == "SUCCESS", column].to_numpy(np.float64)
         return found
 
-    def _hits(self, scenario: str, what: Any) -> pd.Series:
+    def _read_hits(self, scenario: str, what: Any) -> pd.Series:
         """Return for each cell whether it has an outcome, by its replicate."""
         end = self._end(scenario)
         cells = self._results.cells(scenario, ["replicate", f"ab_{end:g}h", f"below_{end:g}h"])
@@ -74,7 +79,7 @@ class RunValues:
             raise InvalidProblem(f"scenario = {scenario!r}: must have EMT cells in runs that did not fail")
         return outcome(cells, what, end).set_axis(cells["replicate"])
 
-    def _runs(self, scenario: str) -> pd.DataFrame:
+    def _read_runs(self, scenario: str) -> pd.DataFrame:
         runs = self._results.runs(scenario)
         return runs[runs["replicate"] == np.arange(len(runs))]
 
@@ -160,7 +165,10 @@ def contrast(scenarios: list[str], weights: Weights, source: RunValues, what: An
     """Return a contrast of the scenarios, with weight 0 for those that are not part of it."""
     each = tuple(weights.get(name, 0.0) for name in scenarios)
     if what not in get_args(What):
-        return MeanContrast(each, tuple(source.numbers(name, what) for name in scenarios))
+        samples = tuple(source.numbers(name, what) for name in scenarios)
+        if few := [name for name, values in zip(scenarios, samples, strict=True) if len(values) < 2]:
+            raise InvalidProblem(f"scenario = {few[0]!r}: must have two runs that did not fail, to compare {what}")
+        return MeanContrast(each, samples)
     kind = RatioContrast if measure == "ratio" else ProportionContrast
     return kind(each, tuple(source.ratio(name, what) for name in scenarios))
 

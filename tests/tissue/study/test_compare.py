@@ -213,6 +213,12 @@ def test_the_summary_has_the_answers_and_no_other_comparison():
     assert "against each other" not in done.stdout
 
 
+def test_one_run_has_no_spread():
+    write((HEAD + FACTORS + COMPARE).replace("replicates = 40", "replicates = 1"))
+    with pytest.raises(InvalidProblem, match="must have two runs that did not fail, to compare controls_apical"):
+        planned_answers(tissue.run_study("study.toml", "out"))
+
+
 def test_an_effect_in_every_run_is_shown():
     """Ten runs of each in which all cells left, beside ten in which none did."""
     ratios = scenario_like(0), scenario_like(10)

@@ -14,6 +14,7 @@ from tissue.cli.app import app
 from tissue.pictures.sheet import png
 from tissue.study.comparing import planned_answers
 from tissue.study.figures import page
+from tissue.study.figures.catalogue import drawables
 from tissue.study.figures.effects import effect_figure, groups
 from tissue.study.figures.page import write_page
 from tissue.study.read import Results
@@ -92,6 +93,13 @@ def test_the_picture_has_the_groups_and_the_effect(study):
     found = groups(study, "basal", {"early, arc": 1.0})
     assert (found["low"] <= found["value"]).all()
     assert (found["value"] <= found["high"]).all()
+
+
+def test_the_figures_of_a_study_begin_with_its_answers(study):
+    found = list(drawables(study))
+    assert [one.name for one in found[:9]] == [f"answer_{k}" for k in range(1, 10)]
+    assert found[2].caption == f"{INTERACTION.replace('late', '<i>late')}: basal extrusion, difference"
+    assert len(found[2].draw().axes) == 2
 
 
 def test_tables_as_csv_are_those_of_the_results(study):

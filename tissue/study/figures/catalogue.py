@@ -13,12 +13,15 @@ from dincl.errors import InvalidProblem
 from tissue.files.parameter_files import read
 from tissue.pictures.charts import CHART_STYLE, caption, verbatim
 from tissue.pictures.sheet import Figure, style, write
+from tissue.study.comparing import planned_answers
 from tissue.study.figures.at_end import at_end, figure_13, figure_15, figure_17, figure_18, figure_19
 from tissue.study.figures.conditional import figure_20, figure_21, figure_22
+from tissue.study.figures.effects import effect_figure, outcome_name
 from tissue.study.figures.examples import examples, figure_11, figure_16, surface
 from tissue.study.figures.in_time import figure_10, figure_12, figure_14, positions, ratios_against_time
 from tissue.study.figures.sources import PRESETS, Draw, FigureSource, Sources, by_preset, needed, no_cells
 from tissue.study.plan import FOLDER, shipped
+from tissue.study.planned import PlannedComparisons
 from tissue.study.read import Results
 from tissue.study.store import about
 
@@ -34,7 +37,9 @@ class Drawable(NamedTuple):
 
 
 def drawables(results: Results) -> Iterator[Drawable]:
-    """Give all figures of a study."""
+    """Give all figures of a study: first a picture of each planned answer."""
+    if results.study.compare is not None:
+        yield from _of_answers(results, results.study.compare)
     for name, text in (
         ("positions", "positions of EMT cells against time"),
         ("ratios", "ratios of extrusion against time"),
@@ -52,6 +57,15 @@ def drawables(results: Results) -> Iterator[Drawable]:
             yield Drawable(f"examples_{number:0{digits}}", text, partial(_examples, results, scenario))
     if stored and results.parameters(stored[0]).in_space:
         yield Drawable("surface", f"the surface of a run of {stored[0]}", partial(surface, results, stored[0]))
+
+
+def _of_answers(results: Results, plan: PlannedComparisons) -> Iterator[Drawable]:
+    """Give the picture of each answer for which there are runs."""
+    rows = [row for row in planned_answers(results).to_dict("records") if row["runs"]]
+    for number, row in enumerate(rows, 1):
+        text = f"{row['question']}: {outcome_name(row['outcome'])}, {row['measure']}"
+        draw = partial(effect_figure, results, row, plan.contrasts[row["question"]])
+        yield Drawable(f"answer_{number:0{len(str(len(rows)))}}", text, draw)
 
 
 def _of_cells(results: Results, name: str) -> Figure:
