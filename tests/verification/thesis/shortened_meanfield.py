@@ -16,13 +16,13 @@ from verification.thesis.chapter5 import (
 
 # Of the page and of its files.
 SECTIONS = [
-    "Constrained particles: DAE, ODE, RATTLE",
-    "Energy (5.37), (5.50)",
-    "How fast N particles find their limit",
-    "The constant of the stability estimate (5.60)",
-    "The PDE (5.42) against characteristics",
-    "Speed against accuracy: particles, characteristics, PDE, moments",
-    "Where the mean-field solvers fail",
+    "Constrained and reduced equations give one motion",
+    "Which solvers keep the energy?",
+    "How fast do N particles find their limit?",
+    "How large is the constant of the stability estimate (5.60)?",
+    "How accurate are grids for the PDE (5.42)?",
+    "Which is cheapest: particles, characteristics, PDE or moments?",
+    "Where do the mean-field solvers fail?",
 ]
 PICTURES = 10
 FEW_FAILURES = ("U-ode", "zero-moments", "kernel-1/r²")

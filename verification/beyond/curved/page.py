@@ -10,6 +10,7 @@ import pandas as pd
 
 from verification.beyond.curved import curved
 from verification.beyond.curved import figures as figures_curved
+from verification.page.columns import headed, read_columns
 from verification.page.context import Context
 from verification.page.parts import Follows, Grid, Picture, Section, Text
 from verification.page.prose import fill
@@ -19,33 +20,7 @@ ARC = 400  # um, of the arcs that the study of ways out has
 PARTS = ["value", "low", "high"]
 QUESTION = "Does curvature matter?"
 PROSE = Path(__file__).parent / "prose"
-WAYS_OUT = {"events": "Events", "layer": "Layer", "side": "Way out", "value": "Ratio", "low": "from", "high": "to"} | {
-    "of": "Cells"
-}
-LIMIT = {
-    "side": "Tissue",
-    "perimeter_um": "Perimeter [µm]",
-    "height_um": "Height [µm]",
-    "away_um": "Off the line [µm]",
-    "low": "from",
-    "high": "to",
-    "runs": "Runs",
-}
-TUBES = {"events": "Events", "closed": "Closed", "layer": "Tissue", "perimeter_um": "Perimeter [µm]"} | {
-    "every": "Cells per EMT cell",
-    "side": "Way out",
-    "value": "Ratio",
-    "low": "from",
-    "high": "to",
-    "of": "EMT cells",
-    "runs": "Runs",
-    "failed": "not to the end",
-    "basal_spacing_um": "Basal distance [µm]",
-}
-LUMEN = {"perimeter_um": "Perimeter [µm]", "runs": "Runs", "value": "Part that closes", "low": "from", "high": "to"} | {
-    "first_h": "First [h]",
-    "median_h": "Median [h]",
-}
+COLUMNS = read_columns(Path(__file__).parent / "columns.toml")
 TABLES = ("ways_out", "limit", "tubes", "lumen")
 
 
@@ -78,7 +53,7 @@ def sections(context: Context) -> Sequence[Section]:
                 Text(said["answer"]),
                 Picture(chart, said["chart"]),
                 Picture(tissues, said["tissues"]),
-                Grid(_named(ways_out, WAYS_OUT), said["table"], "curved_ways_out", folded=True),
+                Grid(_named(ways_out, "ways_out"), said["table"], "curved_ways_out", folded=True),
                 Follows(said["follows"]),
             ],
         ),
@@ -87,7 +62,7 @@ def sections(context: Context) -> Sequence[Section]:
             "A large circle becomes the line",
             [
                 Text(said["limit"]),
-                Grid(_named(limit, LIMIT), said["heights"], "curved_limit"),
+                Grid(_named(limit, "limit"), said["heights"], "curved_limit"),
                 Follows(said["line_follows"]),
             ],
         ),
@@ -105,8 +80,8 @@ def _closed(context: Context) -> Section:
             Text(said["answer"]),
             Picture(chart, said["chart"]),
             Text(said["lumen"]),
-            Grid(_named(lumen, LUMEN), said["times"], "curved_lumen"),
-            Grid(_named(tubes, TUBES), said["table"], "curved_tubes", folded=True),
+            Grid(_named(lumen, "lumen"), said["times"], "curved_lumen"),
+            Grid(_named(tubes, "tubes"), said["table"], "curved_tubes", folded=True),
             Follows(said["follows"]),
         ],
     )
@@ -137,8 +112,8 @@ def rate(rows: pd.DataFrame) -> float:
     return float(away[-2] / away[-1])
 
 
-def _named(table: pd.DataFrame, headings: dict[str, str]) -> pd.DataFrame:
-    return table[list(headings)].replace({"events": {r", no": " without"}}, regex=True).rename(columns=headings)
+def _named(rows: pd.DataFrame, table: str) -> pd.DataFrame:
+    return headed(rows.replace({"events": {r", no": " without"}}, regex=True), COLUMNS[table])
 
 
 def findings(context: Context) -> Sequence[Finding]:

@@ -10,23 +10,15 @@ import pandas as pd
 
 from verification.beyond.space import catch_up, figures_catch_up
 from verification.beyond.space.frozen import open_sheet
+from verification.page.columns import headed, read_columns
 from verification.page.context import Context
 from verification.page.parts import Follows, Grid, Picture, Section, Text
 from verification.page.prose import fill
 from verification.thesis.chapter3.catch_up import orders
-from verification.thesis.chapter3.sections.catch_up import ORDERS
-from verification.thesis.chapter3.sections.part import Part, named
+from verification.thesis.chapter3.sections.part import Part
 
-PROSE = Path(__file__).parent.parent / "prose"
-ERRORS = {
-    "method": "Method",
-    "steps": "Steps in dt",
-    "rms": "Error of nuclei [R_soft]",
-    "own": "Error of the reference",
-    "calls": "Evaluations of the forces",
-    "pairs": "Pairs of nuclei looked at",
-    "lost": "Lost",
-}
+PAGE = Path(__file__).parent.parent
+PROSE, COLUMNS = PAGE / "prose", read_columns(PAGE / "columns.toml")
 
 # Made again beside the complete study.
 AGAIN = replace(catch_up.FULL, seeds=1)
@@ -45,12 +37,12 @@ def _catch_up(context: Context) -> Section:
     picture = context.draw("space_catch_up", figures_catch_up.catch_up, errors)
     said = fill(PROSE / "catch_up.html", **_values(errors, found))
     return Section(
-        "PBD against catch-up on frozen tissues in space",
+        "Is PBD as accurate as catch-up on frozen tissues in space?",
         [
             Text(said["frozen"]),
             Picture(picture, said["picture"]),
-            Grid(named(found, ORDERS), said["orders"], "space_catch_up_orders", folded=True),
-            Grid(named(errors, ERRORS), said["errors"], "space_catch_up_errors", folded=True),
+            Grid(headed(found, COLUMNS["catch_up_orders"]), said["orders"], "space_catch_up_orders", folded=True),
+            Grid(headed(errors, COLUMNS["catch_up"]), said["errors"], "space_catch_up_errors", folded=True),
             Follows(said["follows"]),
         ],
     )

@@ -10,6 +10,7 @@ import pandas as pd
 
 from verification.beyond.space import choices, edge, figures, growth, heights, isolated, strip
 from verification.beyond.space.sections import catch_up, substeps
+from verification.page.columns import headed, read_columns
 from verification.page.context import Context
 from verification.page.parts import Follows, Grid, Picture, Section, Text, number
 from verification.page.prose import fill, interval, percents
@@ -17,56 +18,11 @@ from verification.page.report import Chapter, Finding
 
 GROWTH, ISOLATED = "Does a sheet grow as its slice does?", "Do the answers for isolated cells survive?"
 PARTS = (substeps.PART, catch_up.PART)
-PROSE = Path(__file__).parents[1] / "prose"
-HEIGHTS = {"layer": "Tissue", "cells": "Cells", "both": "Both daughters stay", "height": "Height / at the start"} | {
-    "height_low": "from",
-    "height_high": "to",
-    "number": "Cells / at the start",
-    "section": "In the section / at the start",
-    "stay": "Daughters that stay in it",
-    "stay_low": "from ",
-    "stay_high": "to ",
-    "basal": "Basal extent / at the start",
-    "fan": "Apical / basal extent",
-    "rough": "Roughness [R_soft]",
-    "runs": "Runs",
-}
-RATIOS = {
-    "scenario": "Events",
-    "tissue": "Tissue",
-    "what": "Way out",
-    "value": "Ratio",
-    "low": "from",
-    "high": "to",
-} | {
-    "of": "Cells",
-    "effective": "Independent",
-}
-VERDICTS = {"says": "Finding", "side": "Way out", "compared": "More of", **{one: one for one in isolated.TISSUES}}
-CHOICES = {"choice": "Choice", "events": "Events", "part": "Cells", "side": "Way out", "value": "Ratio"} | {
-    "low": "from",
-    "high": "to",
-    "of": "Number",
-}
-DIFFERENCES = {"of": "Of", "events": "Events", "ring": "Ring"} | {
-    "difference": "Strip less ring",
-    "low": "from",
-    "high": "to",
-    "seeds": "Seeds",
-    "lost": "Lost",
-}
-MEANS = {"choice": "Choice", "height": "Height / at the start", "height_low": "from", "height_high": "to"} | {
-    "basal": "Basal extent / at the start",
-    "basal_low": "from ",
-    "basal_high": "to ",
-    "rough": "Roughness [R_soft]",
-    "rough_low": "from  ",
-    "rough_high": "to  ",
-    "runs": "Runs",
-    "lost": "Lost",
-}
+PAGE = Path(__file__).parents[1]
+PROSE, COLUMNS = PAGE / "prose", read_columns(PAGE / "columns.toml")
 
-
+# A column for each tissue.
+VERDICTS = {**COLUMNS["verdicts"], **{one: one for one in isolated.TISSUES}}
 # Made again beside the complete studies.
 GROWN_AGAIN = growth.SheetForm(2, growth.LAYERS[-3:-1])
 CHOSEN_AGAIN = choices.ChoicesForm(1, (choices.AS_SHIPPED,))
@@ -105,7 +61,7 @@ def _growth(context: Context) -> Section:
         [
             Text(said["answer"]),
             Picture(chart, said["chart"]),
-            Grid(_named(last, HEIGHTS), said["table"], "space_heights"),
+            Grid(headed(last, COLUMNS["heights"]), said["table"], "space_heights"),
             Follows(said["follows"]),
         ],
     )
@@ -136,10 +92,10 @@ def _isolated(context: Context) -> Section:
         [
             Text(said["answer"]),
             Picture(chart, said["chart"]),
-            Grid(_named(compared, VERDICTS), said["verdicts"], "space_compared"),
+            Grid(headed(compared, VERDICTS), said["verdicts"], "space_compared"),
             Text(said["differs"]),
             Text(said["periodic"]),
-            Grid(_named(ratios, RATIOS), said["table"], "space_isolated", folded=True),
+            Grid(headed(ratios, COLUMNS["ratios"]), said["table"], "space_isolated", folded=True),
             Follows(said["follows"]),
         ],
     )
@@ -178,13 +134,13 @@ def _choices(context: Context) -> Section:
 
     said = fill(PROSE / "choices.html", rows=rows, tall=tall, wide=wide, ends=ends, edge=edge.EDGE)
     return Section(
-        "What the text leaves open: what depends on it?",
+        "What depends on choices that the thesis leaves open?",
         [
             Text(said["answer"]),
             Text(said["room"]),
             Text(said["size"]),
-            Grid(_named(means, MEANS), said["means"], "space_choices_means"),
-            Grid(_named(ratios, CHOICES), said["ratios"], "space_choices_ratios", folded=True),
+            Grid(headed(means, COLUMNS["means"]), said["means"], "space_choices_means"),
+            Grid(headed(ratios, COLUMNS["choices"]), said["ratios"], "space_choices_ratios", folded=True),
             Follows(said["follows"]),
         ],
     )
@@ -205,7 +161,11 @@ def _strip(context: Context) -> Section:
         "A strip one cell wide is the slice",
         [
             Text(said["answer"]),
-            Grid(_named(table.replace({"of": strip.NAMES}), DIFFERENCES), said["table"], "space_strip_differences"),
+            Grid(
+                headed(table.replace({"of": strip.NAMES}), COLUMNS["differences"]),
+                said["table"],
+                "space_strip_differences",
+            ),
             Follows(said["follows"]),
         ],
     )
@@ -221,10 +181,6 @@ def _far(table: pd.DataFrame) -> list[str]:
 def told(value: float, low: float, high: float) -> str:
     """A number with its interval."""
     return f"{number(value)} {interval((low, high))}"
-
-
-def _named(table: pd.DataFrame, headings: dict[str, str]) -> pd.DataFrame:
-    return table[list(headings)].rename(columns=headings)
 
 
 def findings(context: Context) -> Sequence[Finding]:

@@ -9,24 +9,14 @@ import pandas as pd
 
 from dincl.study import Key
 from verification.beyond.space import figures_catch_up, substeps
+from verification.page.columns import headed, read_columns
 from verification.page.context import Context
 from verification.page.parts import Follows, Grid, Picture, Section, Text
 from verification.page.prose import fill
-from verification.thesis.chapter3.sections.part import Part, named
+from verification.thesis.chapter3.sections.part import Part
 
-PROSE = Path(__file__).parent.parent / "prose"
-ERRORS = {"tissue": "Tissue", "t": "t [h]", "substeps": "Substeps", "rms": "Error of nuclei [R_soft]"} | {
-    "own": "Error of the reference",
-    "height": "Height off by the part",
-    "low": "from",
-    "high": "to",
-    "own_height": "That of the reference",
-    "enough": "Within 1 %",
-    "runs": "Runs",
-}
-ORDERS = {"tissue": "Tissue", "t": "t [h]", "nuclei": "Order in h, nuclei [95 %]", "height": "Order in h, height"} | {
-    "substeps": "Substeps from which on heights are within 1 %"
-}
+PAGE = Path(__file__).parent.parent
+PROSE, COLUMNS = PAGE / "prose", read_columns(PAGE / "columns.toml")
 
 # Made again beside the complete study: one seed of the slice.
 AGAIN = substeps.SheetSubstepsForm(seeds=1)
@@ -49,12 +39,12 @@ def _substeps(context: Context) -> Section:
     picture = context.draw("space_substeps", figures_catch_up.substeps, errors)
     said = fill(PROSE / "substeps.html", **_values(errors, orders))
     return Section(
-        "Speed against accuracy of a growing sheet",
+        "How many substeps does a growing sheet need?",
         [
             Text(said["measures"]),
             Picture(picture, said["picture"]),
-            Grid(named(orders, ORDERS), said["orders"], "space_substeps_orders"),
-            Grid(named(errors, ERRORS), said["errors"], "space_substeps_errors", folded=True),
+            Grid(headed(orders, COLUMNS["substeps_orders"]), said["orders"], "space_substeps_orders"),
+            Grid(headed(errors, COLUMNS["substeps"]), said["errors"], "space_substeps_errors", folded=True),
             Follows(said["follows"]),
         ],
     )

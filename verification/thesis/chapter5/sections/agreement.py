@@ -1,5 +1,4 @@
 """DAE, RATTLE and ODE against each other."""
-# ruff: noqa: RUF001 - formulas for readers are written with Greek letters and minus signs
 
 from __future__ import annotations
 
@@ -14,22 +13,7 @@ from verification.thesis.chapter3.sections.part import Part
 from verification.thesis.chapter5 import agreement, figures, motion
 from verification.thesis.chapter5.cases import TITLES
 from verification.thesis.chapter5.methods import LABELS
-from verification.thesis.chapter5.sections.words import PROSE, named
-
-BEST = {
-    "model": "Model",
-    "method": "Method",
-    "setting": "dt or tol",
-    "error_y": "y",
-    "error_v": "y'",
-    "error_X": "X",
-    "error_multipliers": "λ",
-    "drift": "|g − c|",
-    "velocity_drift": "|g'|",
-    "reference": "Error of the reference",
-    "reached": "10⁻⁹ reached",
-}
-ORDERS = {"model": "Model", "method": "Method", "order_y": "Order of y [95 %]", "order_multipliers": "of λ [95 %]"}
+from verification.thesis.chapter5.sections.words import COLUMNS, PROSE, named
 
 
 def _run(context: Context) -> None:
@@ -47,13 +31,13 @@ def _section(context: Context) -> Section:
     errors = context.draw("meanfield_agreement", figures.agreement, table, "wavy")
     said = fill(PROSE / "agreement.html", **_values(best, orders))
     return Section(
-        "Constrained particles: DAE, ODE, RATTLE",
+        "Constrained and reduced equations give one motion",
         [
             Text(said["same"]),
             Picture(moved, said["motion"]),
             Picture(errors, said["errors"]),
-            Grid(named(best, BEST), said["best"], "meanfield_best"),
-            Grid(named(orders, ORDERS), said["orders"], "meanfield_orders"),
+            Grid(named(best, COLUMNS["agreement"]), said["best"], "meanfield_best"),
+            Grid(named(orders, COLUMNS["agreement_orders"]), said["orders"], "meanfield_orders"),
             Follows(said["follows"]),
         ],
     )

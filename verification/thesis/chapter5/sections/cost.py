@@ -8,35 +8,15 @@ import numpy as np
 import pandas as pd
 
 from verification.page.context import Context
-from verification.page.parts import Chart, Follows, Grid, Picture, Section, Text, number
+from verification.page.parts import Chart, Follows, Grid, Picture, Section, Text
 from verification.page.prose import fill
 from verification.thesis.chapter3.sections.part import Part
 from verification.thesis.chapter5 import cost, figures
 from verification.thesis.chapter5.cases import TITLES
 from verification.thesis.chapter5.methods import LABELS, METHODS
-from verification.thesis.chapter5.sections.words import PROSE, named
+from verification.thesis.chapter5.sections.words import COLUMNS, PROSE, named
 
 TARGETS = (1e-3, 1e-6, 1e-9)
-TIMES = {"model": "Model", "method": "Method"} | {f"{target:g}": f"s to {number(target)}" for target in TARGETS}
-TIMES |= {"best": "Best error", "most": "Most unknowns"}
-RUNS = {
-    "model": "Model",
-    "method": "Method",
-    "setting": "N, tol or cells",
-    "unknowns": "Unknowns",
-    "seconds": "Seconds",
-    "error": "Error of y",
-}
-SIDES = {
-    "model": "Model",
-    "N": "N",
-    "seconds": "Seconds",
-    "reading": "over one pass of X.sum()",
-    "twin": "NumPy takes times as long",
-    "off": "NumPy apart",
-    "pairs": "All pairs take times as long",
-    "pairs_off": "All pairs apart",
-}
 
 # Made again on the machine of the reader, until a run takes so many seconds.
 AGAIN = cost.CostForm(0.05, 1, cost.SETTINGS)
@@ -56,14 +36,14 @@ def _section(context: Context) -> Section:
     picture = context.draw("meanfield_cost", figures.cost, table)
     said = fill(PROSE / "cost.html", **_values(times, sides))
     return Section(
-        "Speed against accuracy: particles, characteristics, PDE, moments",
+        "Which is cheapest: particles, characteristics, PDE or moments?",
         [
             Text(said["cheapest"]),
             Text(said["sides"]),
             Chart(*_interactive(table), said["interactive"], Picture(picture, said["picture"])),
-            Grid(named(times, TIMES), said["times"], "meanfield_cost_times"),
-            Grid(named(sides, SIDES), said["side"], "meanfield_side"),
-            Grid(named(table, RUNS), said["runs"], "meanfield_cost", folded=True),
+            Grid(named(times, COLUMNS["cost_times"]), said["times"], "meanfield_cost_times"),
+            Grid(named(sides, COLUMNS["side"]), said["side"], "meanfield_side"),
+            Grid(named(table, COLUMNS["cost"]), said["runs"], "meanfield_cost", folded=True),
             Follows(said["follows"]),
         ],
     )

@@ -1,5 +1,4 @@
 """The energy."""
-# ruff: noqa: RUF001 - formulas for readers are written with Greek letters and minus signs
 
 from __future__ import annotations
 
@@ -13,19 +12,7 @@ from verification.page.prose import fill
 from verification.thesis.chapter3.sections.part import Part
 from verification.thesis.chapter5 import energy, figures
 from verification.thesis.chapter5.methods import METHODS
-from verification.thesis.chapter5.sections.words import PROSE, named
-
-SLOPES = {"method": "Method", "model": "Model", "slope": "Power of the setting [95 %]", "least": "Least change of E"}
-TRENDS = {
-    "method": "Method",
-    "setting": "dt or tol",
-    "periods": "Periods",
-    "largest": "Largest |E − E(0)|",
-    "slope": "Change per period",
-    "low": "from",
-    "high": "to",
-    "drifts": "Drifts",
-}
+from verification.thesis.chapter5.sections.words import COLUMNS, PROSE, named
 
 
 def _run(context: Context) -> None:
@@ -43,13 +30,13 @@ def _section(context: Context) -> Section:
     picture = context.draw("meanfield_energy", figures.energy, context.tables["meanfield_energy_long"], energy.PERIOD)
     said = fill(PROSE / "energy.html", **_values(trends))
     return Section(
-        "Energy (5.37), (5.50)",
+        "Which solvers keep the energy?",
         [
             Text(said["trends"]),
             Picture(picture, said["picture"]),
-            Grid(named(trends, TRENDS), said["line"], "meanfield_energy_trends"),
+            Grid(named(trends, COLUMNS["energy_trends"]), said["line"], "meanfield_energy_trends"),
             Grid(
-                named(slopes, SLOPES),
+                named(slopes, COLUMNS["energy_slopes"]),
                 said["slopes"],
                 "meanfield_energy_slopes",
                 folded=True,

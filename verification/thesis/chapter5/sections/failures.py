@@ -1,5 +1,4 @@
 """Where methods fail."""
-# ruff: noqa: RUF001 - formulas for readers are written with Greek letters and minus signs
 
 from __future__ import annotations
 
@@ -13,23 +12,7 @@ from verification.page.prose import fill
 from verification.thesis.chapter2.stability.figures import plane
 from verification.thesis.chapter3.sections.part import Part
 from verification.thesis.chapter5 import drift, failures, figures, maps
-from verification.thesis.chapter5.sections.words import PROSE
-
-CASES = {
-    "title": "Case",
-    "solver": "Solver",
-    "predicted": "Predicted",
-    "found": "Found",
-    "agrees": "Agrees",
-    "seconds": "Seconds",
-}
-GROWTH = {
-    "method": "Method",
-    "power_g": "|g − c| ~ t^p, p [95 %]",
-    "end_g": "at the end",
-    "power_rate": "|g'| ~ t^p, p [95 %]",
-    "end_rate": "at the end ",
-}
+from verification.thesis.chapter5.sections.words import COLUMNS, PROSE, named
 
 # So many runs, and lines of each map, are made again.
 MOST, LINES = 9, 3
@@ -55,10 +38,10 @@ def _section(context: Context) -> Section:
     drawn = [context.draw(one.name, plane, context.tables[one.name], one) for one in planes]
     said = fill(PROSE / "failures.html", **_values(context))
     return Section(
-        "Where the mean-field solvers fail",
+        "Where do the mean-field solvers fail?",
         [
             Text(said["provoked"]),
-            Grid(found[list(CASES)].rename(columns=CASES), said["found"], "meanfield_failed"),
+            Grid(named(found, COLUMNS["failures"]), said["found"], "meanfield_failed"),
             Text(said["maps"]),
             *(
                 Picture(path, caption)
@@ -66,7 +49,7 @@ def _section(context: Context) -> Section:
             ),
             Text(said["drift"]),
             Picture(picture, said["picture"]),
-            Grid(growth[list(GROWTH)].rename(columns=GROWTH), said["table"], "meanfield_drift_growth"),
+            Grid(named(growth, COLUMNS["drift"]), said["table"], "meanfield_drift_growth"),
             Follows(said["follows"]),
         ],
     )

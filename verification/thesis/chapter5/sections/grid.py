@@ -12,28 +12,7 @@ from verification.page.prose import fill
 from verification.thesis.chapter3.sections.part import Part
 from verification.thesis.chapter5 import figures, grid_order
 from verification.thesis.chapter5.cases import TITLES
-from verification.thesis.chapter5.sections.words import PROSE, named
-
-ORDERS = {
-    "model": "Model",
-    "finest": "Cells per axis",
-    "order_error_f": "Order of f in L1 [95 %]",
-    "order_error_w1": "of W1",
-    "order_error_y": "of y",
-    "least_error_f": "Least error of f",
-    "least_error_y": "of y",
-    "mass": "Error of the mass",
-    "least": "Least f",
-}
-RUNS = {
-    "model": "Model",
-    "cells": "Cells",
-    "error_f": "f in L1",
-    "error_w1": "W1",
-    "error_y": "y",
-    "error_moment": "Second moment",
-    "mass": "Mass",
-}
+from verification.thesis.chapter5.sections.words import COLUMNS, PROSE, named
 
 # Of grids with no more cells along a side.
 COARSE = 80
@@ -51,12 +30,12 @@ def _section(context: Context) -> Section:
     picture = context.draw("meanfield_grid", figures.grid, table)
     said = fill(PROSE / "grid.html", **_values(orders))
     return Section(
-        "The PDE (5.42) against characteristics",
+        "How accurate are grids for the PDE (5.42)?",
         [
             Text(said["orders"]),
             Picture(picture, said["picture"]),
-            Grid(named(orders, ORDERS), said["table"], "meanfield_grid_orders"),
-            Grid(named(table, RUNS), said["runs"], "meanfield_grid", folded=True),
+            Grid(named(orders, COLUMNS["grid_orders"]), said["table"], "meanfield_grid_orders"),
+            Grid(named(table, COLUMNS["grid"]), said["runs"], "meanfield_grid", folded=True),
             Follows(said["follows"]),
         ],
     )

@@ -14,42 +14,9 @@ from verification.page.prose import fill
 from verification.thesis.chapter3.sections.part import Part
 from verification.thesis.chapter5 import figures, flow_rates, sampling
 from verification.thesis.chapter5.cases import TITLES
-from verification.thesis.chapter5.sections.words import PROSE, named
+from verification.thesis.chapter5.sections.words import COLUMNS, PROSE, named
 
-EXPONENTS = {
-    "model": "Model",
-    "d": "d",
-    "start": "Start",
-    "what": "Quantity",
-    "from": "N from",
-    "to": "to",
-    "exponent": "Power of N",
-    "low": "from",
-    "high": "to ",
-    "known": "Known",
-    "agrees": "Known one within",
-}
-TITLE = "How fast N particles find their limit"
-AT_START = {
-    "d": "d",
-    "start": "Start",
-    "from": "N from",
-    "to": "to",
-    "exponent": "Power of N",
-    "low": "from",
-    "high": "to ",
-    "known": "Known",
-}
-LAWS = {
-    "d": "d",
-    "law": "E W1",
-    "a": "a",
-    "a_half": "±",
-    "b": "b",
-    "b_half": "± ",
-    "misfit": "χ² per degree of freedom",
-    "largest": "Largest deviation",
-}
+TITLE = "How fast do N particles find their limit?"
 
 
 def _run(context: Context) -> None:
@@ -71,6 +38,7 @@ def _section(context: Context) -> Section:
     fitted = fitted.assign(what=fitted["quantity"].map(flow_rates.QUANTITIES))
     shown = fitted.assign(agrees=fitted["agrees"].map({True: "yes", False: "no"}).where(fitted["known"].notna(), "—"))
     laws = context.tables["meanfield_start_laws"]
+    at_start = named(tables["start_exponents"], COLUMNS["start_exponents"])
     picture = context.draw("meanfield_rates", figures.rates, tables["flow_means"])
     said = fill(
         PROSE / "rates.html",
@@ -83,18 +51,9 @@ def _section(context: Context) -> Section:
             Text(said["start"]),
             Text(said["flow"]),
             Picture(picture, said["picture"]),
-            Grid(named(shown, EXPONENTS), said["exponents"], "meanfield_flow_exponents"),
-            Grid(
-                tables["start_exponents"][list(AT_START)].rename(columns=AT_START),
-                said["at_start"],
-                "meanfield_start_exponents",
-            ),
-            Grid(
-                laws[list(LAWS)].rename(columns=LAWS),
-                said["laws"],
-                "meanfield_start_laws",
-                folded=True,
-            ),
+            Grid(named(shown, COLUMNS["flow_exponents"]), said["exponents"], "meanfield_flow_exponents"),
+            Grid(at_start, said["at_start"], "meanfield_start_exponents"),
+            Grid(named(laws, COLUMNS["start_laws"]), said["laws"], "meanfield_start_laws", folded=True),
             Follows(said["follows"]),
         ],
     )

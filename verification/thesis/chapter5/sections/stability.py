@@ -12,21 +12,7 @@ from verification.page.prose import fill
 from verification.thesis.chapter3.sections.part import Part
 from verification.thesis.chapter5 import figures, stability_constant
 from verification.thesis.chapter5.cases import TITLES
-from verification.thesis.chapter5.sections.words import PROSE, named
-
-SUMMARY = {
-    "model": "Model",
-    "pairs": "Pairs",
-    "largest": "Largest D(t)/D(0)",
-    "at": "at t",
-    "kind": "of pairs that differ in",
-    "rate": "Growth rate",
-    "low": "from",
-    "high": "to",
-    "needed": "Least L that holds, C = 1",
-    "bound": "L of the proof",
-    "held": "Bound holds",
-}
+from verification.thesis.chapter5.sections.words import COLUMNS, PROSE, named
 
 # Made again beside the complete study.
 AGAIN = stability_constant.PairsForm(2)
@@ -49,12 +35,12 @@ def _section(context: Context) -> Section:
     shown = summary.assign(kind=summary["kind"].map(stability_constant.KINDS))
     said = fill(PROSE / "stability.html", **_values(summary, laws))
     return Section(
-        "The constant of the stability estimate (5.60)",
+        "How large is the constant of the stability estimate (5.60)?",
         [
             Text(said["pairs"]),
             Text(said["printed"]),
             Picture(picture, said["picture"]),
-            Grid(named(shown, SUMMARY), said["table"], "meanfield_stability_summary"),
+            Grid(named(shown, COLUMNS["stability"]), said["table"], "meanfield_stability_summary"),
             Follows(said["follows"]),
         ],
     )

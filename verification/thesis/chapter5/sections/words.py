@@ -1,4 +1,4 @@
-"""What the sections of the mean-field chapter share."""
+"""Prose and tables of the sections of the mean-field chapter."""
 
 from __future__ import annotations
 
@@ -6,13 +6,14 @@ from pathlib import Path
 
 import pandas as pd
 
+from verification.page.columns import Columns, headed, read_columns
 from verification.thesis.chapter5.cases import TITLES
 from verification.thesis.chapter5.methods import LABELS
 
-PROSE = Path(__file__).parent.parent / "prose"
+CHAPTER = Path(__file__).parent.parent
+PROSE, COLUMNS = CHAPTER / "prose", read_columns(CHAPTER / "columns.toml")
 
 
-def named(table: pd.DataFrame, headings: dict[str, str]) -> pd.DataFrame:
-    """The columns of a table that a reader wants, with words for names of models and methods."""
-    words = {"model": TITLES, "method": LABELS}
-    return table[list(headings)].replace(words).rename(columns=headings)
+def named(table: pd.DataFrame, columns: Columns) -> pd.DataFrame:
+    """Return the columns that a page shows under their headings, with words for names of models and methods."""
+    return headed(table.replace({"model": TITLES, "method": LABELS}), columns)
