@@ -61,7 +61,7 @@ def test_a_finding_has_the_numbers_of_its_tables(tmp_path: Path) -> None:
     context.tables |= {"convergence": pd.DataFrame([*rows, finer]), "orders": pd.DataFrame(orders)}
     (found,) = experiments.findings(context)
     assert "[0.9, 1.1] over the intervals" in found.html
-    assert "4.5 to 6 times that of catch-up" in found.html
+    assert "4.5 to 6 times the error of catch-up" in found.html
 
 
 def test_what_is_empty_is_not_printed() -> None:

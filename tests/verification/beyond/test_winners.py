@@ -64,7 +64,7 @@ def test_one_table_and_one_sentence_for_all_scenes(three):
     assert wide.iloc[0].tolist()[1:] == ["PBD", LSODA.label, "not reached"]
     whole = cheapest.summary(found)
     assert "Of 3 pairs of scene and error, 2 have one cheapest method" in whole
-    assert "PBD is the cheapest at an error of 0.01 only" in whole
+    assert "PBD is the cheapest method at an error of 0.01 only" in whole
     assert "PBD is never alone the cheapest" in cheapest.summary(found[found["target"] < 1e-3])
 
 

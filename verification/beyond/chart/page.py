@@ -16,45 +16,17 @@ from verification.instruments.budget import GRACE, CpuSeconds
 from verification.instruments.chart import TARGETS
 from verification.instruments.cheapest import LEAST_SPREAD, RESOLVED, UNDECIDED
 from verification.instruments.measure import BRIEF, REPEATS
+from verification.page.columns import Columns, headed, read_columns
 from verification.page.context import Context
 from verification.page.parts import Chart, Follows, Grid, Picture, Section, Text, number
 from verification.page.prose import fill
 from verification.page.report import Chapter, Finding
 from verification.thesis.chapter2.methods import EVENT_DRIVEN, METHODS, PBD
 
-WINNERS = {
-    "target": "Error",
-    "cheapest": "Cheapest",
-    "cost": "CPU seconds",
-    "tied": "Within the spread",
-    "next": "Next",
-    "ratio": "takes times as long",
-    "pbd_ratio": "PBD takes times as long",
-}
-TIMES = {"method": "Method", "order": "Order in dt [95 %]"} | {
-    f"{target:g}": f"s to {number(target)}" for target in TARGETS
-}
-TIMES |= {"best": "Best error", "at_end": "at the end, of it", "failed": "Failed"}
-RUNS = {
-    "method": "Method",
-    "setting": "dt or tol",
-    "status": "Status",
-    "cpu_seconds": "CPU seconds",
-    "repeats": "Repeats",
-    "spread": "Median over shortest",
-    "disturbed": "Disturbed",
-    "drift_evaluations": "Drift evaluations",
-    "candidate_pairs": "Pairs in sweeps",
-    "solver_iterations": "Solver iterations",
-    "largest": "Largest error",
-    "final": "Error at the end",
-    "overlap": "Overlap",
-    "detail": "Detail",
-}
-REACH = {"discs": "Discs", "events": "Events", "target": "Error", "cheapest": "Cheapest"} | {
-    method.name: method.label for method in reach.METHODS
-}
-CHEAPEST = "Who is cheapest"
+COLUMNS = read_columns(Path(__file__).parent / "columns.toml")
+TITLES = COLUMNS["sections"]
+TIMES = {**COLUMNS["times"], **{f"{error:g}": f"s to {number(error)}" for error in TARGETS}, **COLUMNS["times_end"]}
+REACH = {**COLUMNS["reach"], **{method.name: method.label for method in reach.METHODS}}
 STUDY = "work_precision"
 # Made again on the machine of the reader: a few settings on the small scenes, within a fraction of a second each.
 AGAIN = work_precision.Form(
@@ -90,11 +62,11 @@ def sections(context: Context) -> Sequence[Section]:
     return [_summary(context), _reach(context), *(_scene(context, name) for name in _form(context).scenes)]
 
 
-def _named(table: pd.DataFrame, headings: dict[str, str]) -> pd.DataFrame:
-    """The columns of a table that a reader wants, with words for names."""
+def _named(table: pd.DataFrame, columns: Columns) -> pd.DataFrame:
+    """Return the columns that the page shows, with words for names of methods and scenes."""
     words = {method.name: method.label for method in METHODS.values()}
     titles = {name: make().title for name, make in SCENES.items()}
-    return table[list(headings)].replace({"method": words, "scene": titles}).rename(columns=headings)
+    return headed(table.replace({"method": words, "scene": titles}), columns)
 
 
 def _form(context: Context) -> work_precision.Form:
@@ -119,7 +91,7 @@ def _summary(context: Context) -> Section:
     )
     wide = Grid(cheapest.wide(winners), said["wide"], "work_winners")
     texts = [Text(said[name]) for name in ("error", "time", "second_order", "yardsticks", "references", "limits")]
-    return Section(CHEAPEST, [Text(cheapest.summary(winners)), wide, *texts, Follows(said["follows"])])
+    return Section(TITLES["cheapest"], [Text(cheapest.summary(winners)), wide, *texts, Follows(said["follows"])])
 
 
 def _most_often(winners: pd.DataFrame) -> dict[str, Any]:
@@ -133,7 +105,7 @@ def _most_often(winners: pd.DataFrame) -> dict[str, Any]:
 def _reach(context: Context) -> Section:
     said = reach.said()
     grid = Grid(_named(context.tables["work_reach"], REACH), said["table"], "work_reach")
-    return Section("How far the event-driven scheme pays", [Text(said["said"]), grid, Follows(said["follows"])])
+    return Section(TITLES["reach"], [Text(said["said"]), grid, Follows(said["follows"])])
 
 
 def _scene(context: Context, name: str) -> Section:
@@ -146,12 +118,12 @@ def _scene(context: Context, name: str) -> Section:
     said = fill(PROSE / "work_scene.html", first=next(asked.itertuples(), None))
     html = interactive.draw_work_precision(one.table, one.looks, one.errors[0], "cpu_seconds")
     return Section(
-        f"Speed against accuracy: {SCENES[name]().title.lower()}",
+        f"{TITLES['scene']}: {SCENES[name]().title.lower()}",
         [
-            Grid(_named(mine, WINNERS), said["winners"], "work_winners"),
+            Grid(_named(mine, COLUMNS["winners"]), said["winners"], "work_winners"),
             Chart(html, interactive.script(), said["interactive"], Picture(path, said["chart"])),
             Grid(_named(times[times["scene"] == name], TIMES), said["times"], "work_times"),
-            Grid(_named(table[table["scene"] == name], RUNS), said["runs"], STUDY, folded=True),
+            Grid(_named(table[table["scene"] == name], COLUMNS["runs"]), said["runs"], STUDY, folded=True),
             Follows(said["follows"]),
         ],
     )
@@ -170,7 +142,7 @@ def findings(context: Context) -> Sequence[Finding]:
         pbd=int((alone == PBD.label).sum()),
         ten=list(ten.itertuples()),
     )
-    return [Finding(said[name], CHEAPEST) for name in ("winners", "ten") if said[name]]
+    return [Finding(said[name], TITLES["cheapest"]) for name in ("winners", "ten") if said[name]]
 
 
 CHAPTER = Chapter(

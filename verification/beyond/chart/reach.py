@@ -69,6 +69,7 @@ def said() -> dict[str, str]:
         discs=rows["discs"].unique(),
         events=rows["events"].unique(),
         first=[row._replace(target=None if np.isnan(row.target) else row.target) for row in begins.itertuples()],
+        least=begins["target"].min(skipna=False),
         finest=min(TARGETS),
         last=list(rows[(rows["target"] == min(TARGETS)) & rows["event_driven"].notna()].itertuples()),
         budget=BUDGET,

@@ -8,6 +8,7 @@ from pathlib import Path
 import pandas as pd
 
 from verification.beyond.moving import moving_sets
+from verification.page.columns import headed, read_columns
 from verification.page.context import Context
 from verification.page.parts import Follows, Grid, Picture, Section, Text
 from verification.page.prose import fill
@@ -17,15 +18,8 @@ from verification.thesis.chapter2.figures import LABELS, LOWEST, error_curve, sl
 from verification.thesis.chapter2.methods import METHODS, MIDPOINT_ACTIVE, PBD
 
 PROSE = Path(__file__).parent / "prose" / "moving_sets.html"
-COLUMNS = {
-    "scene": "Scene",
-    "method": "Method",
-    "order": "Order [95 %]",
-    "coarse": "Error, coarse",
-    "fine": "Error, fine",
-    "infeasibility": "Overlap, fine",
-}
-TITLE = "Orders on sets that move"
+COLUMNS = read_columns(Path(__file__).parent / "columns.toml")
+TITLE = COLUMNS["sections"]["orders"]
 # Runs with a step of at least this are repeated beside the complete study [time].
 COARSE = 0.1 / 2**4
 
@@ -55,7 +49,7 @@ def sections(context: Context) -> Sequence[Section]:
     """Errors against the step, and orders."""
     said = _said(context)
     figure = context.draw("moving_sets", draw, context.tables["moving_sets"], tuple(moving_sets.SCENES))
-    grid = Grid(context.tables["moving_orders"][list(COLUMNS)].rename(columns=COLUMNS), said["table"], "moving_orders")
+    grid = Grid(headed(context.tables["moving_orders"], COLUMNS["orders"]), said["table"], "moving_orders")
     return [Section(TITLE, [Text(said["intro"]), Picture(figure, said["picture"]), grid, Follows(said["follows"])])]
 
 

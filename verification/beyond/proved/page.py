@@ -11,35 +11,15 @@ import pandas as pd
 
 from verification.beyond.proved import proofs as proved
 from verification.beyond.proved import random_scenes
+from verification.page.columns import headed, read_columns
 from verification.page.context import Context
 from verification.page.parts import Follows, Grid, Section, Text
 from verification.page.prose import fill
 from verification.page.report import Chapter, Finding
 
 PROSE = Path(__file__).parent / "prose" / "proved.html"
-BOUNDS = {
-    "scene": "Scene",
-    "particles": "Particles",
-    "d": "d",
-    "end": "to t",
-    "asked": "Asked",
-    "bound": "Proved bound",
-    "digits": "Digits",
-    "pieces": "Pieces",
-    "seconds": "CPU seconds",
-    "check_seconds": "of the checker",
-    "megabytes": "Certificate [MB]",
-}
-EXPONENTS = {
-    "scene": "Scene",
-    "particles": "Particles",
-    "contacts": "Contacts",
-    "exponent": "Exponent proved",
-    "least": "Least",
-    "sum": "Sum over contacts",
-    "pointwise": "Multipliers by the drift",
-}
-TITLES = ("Proved bounds", "What grows", "The stated error of the event-driven scheme")
+COLUMNS = read_columns(Path(__file__).parent / "columns.toml")
+TITLES = COLUMNS["sections"]
 
 
 def run(context: Context) -> None:
@@ -82,16 +62,15 @@ def _row(rows: pd.DataFrame, scene: str, asked: float) -> dict[str, Any]:
 def sections(context: Context) -> Sequence[Section]:
     """The bounds, the exponent, and the random scenes."""
     said, rows = _said(context), context.tables["proved_scenes"]
-    bounds = rows[list(BOUNDS)].rename(columns=BOUNDS)
+    bounds = headed(rows, COLUMNS["bounds"])
     last = rows[rows["why"] == ""].drop_duplicates("scene", keep="first")
-    exponents = last[list(EXPONENTS)].rename(columns=EXPONENTS)
-    words = {"tol": "Tolerance", "half": "Half of the runs below", "most": "Nine of ten below", "all": "All below"}
-    ratios = context.tables["proved_ratios"].rename(columns=words)
+    exponents = headed(last, COLUMNS["exponents"])
+    ratios = headed(context.tables["proved_ratios"], COLUMNS["ratios"])
     return [
-        Section(TITLES[0], [Text(said["bounds"]), Grid(bounds, said["table"], "proved_scenes")]),
-        Section(TITLES[1], [Text(said["grows"]), Grid(exponents, said["exponents"], "proved_scenes")]),
+        Section(TITLES["bounds"], [Text(said["bounds"]), Grid(bounds, said["table"], "proved_scenes")]),
+        Section(TITLES["grows"], [Text(said["grows"]), Grid(exponents, said["exponents"], "proved_scenes")]),
         Section(
-            TITLES[2],
+            TITLES["random"],
             [Text(said["random"]), Grid(ratios, said["random_table"], "proved_ratios"), Follows(said["follows"])],
         ),
     ]
@@ -99,7 +78,7 @@ def sections(context: Context) -> Sequence[Section]:
 
 def findings(context: Context) -> Sequence[Finding]:
     """What a proof costs, and what the stated errors are worth."""
-    return [Finding(_said(context)["learned"], TITLES[0])]
+    return [Finding(_said(context)["learned"], TITLES["bounds"])]
 
 
 CHAPTER = Chapter(

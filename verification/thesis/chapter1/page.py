@@ -1,11 +1,11 @@
 """The geometry of the feasible set: chapter 1, section 4, and the consistency of PBD, chapter 2, section 3."""
-# ruff: noqa: RUF001 - formulas as readers know them
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
 
+from verification.page.columns import headed, read_columns
 from verification.page.context import Context
 from verification.page.parts import Follows, Grid, Picture, Section, Text
 from verification.page.prose import fill
@@ -13,43 +13,11 @@ from verification.page.report import Chapter, Finding
 from verification.thesis.chapter1 import consistency, prox_regularity
 from verification.thesis.chapter1 import figures as figures_geometry
 
-CONVEXITY = "How far from convex: the constant of prox-regularity"
+COLUMNS = read_columns(Path(__file__).parent / "columns.toml")
 PROSE = Path(__file__).parent / "prose"
 SHOWN = "two contacts, oblique"
 # Rows of at most so many discs are searched again, and so many arrangements.
 FEW = 4
-CONSTANTS = {
-    "count": "N",
-    "printed_plane": "Printed, d = 2",
-    "printed_space": "Printed, d = 3",
-    "from_gamma": "√2 R γ of a row",
-    "proved": "Proved",
-    "measured": "Measured",
-    "row": "Straight row",
-    "hypomonotone": "1 / hypomonotone",
-    "gap": "Measured / proved",
-}
-ARRANGEMENTS = {
-    "arrangement": "Discs",
-    "count": "N",
-    "d": "d",
-    "contacts": "Contacts",
-    "gamma": "γ",
-    "measured": "Measured around it",
-    "row": "Straight row of N",
-    "proved": "Proved for N",
-}
-CONSISTENCY = {
-    "configuration": "Configuration",
-    "contacts": "Contacts",
-    "inclusion_order": "Order, to F - N",
-    "sweep_order": "Order, to one sweep",
-    "tangent": "To P_T F",
-    "many": f"the same, {consistency.SWEEPS} sweeps",
-    "outside": "Outside of T",
-    "settled": f"To P_T F, step {consistency.SETTLING}",
-    "reaction": "|V - F| / |F|",
-}
 
 
 def run(context: Context) -> None:
@@ -81,12 +49,12 @@ def _constants(context: Context) -> Section:
     )
     picture = context.draw("prox_constants", figures_geometry.constants, table)
     return Section(
-        CONVEXITY,
+        COLUMNS["sections"]["constants"],
         [
             Text(said["proved"]),
             Picture(picture, said["picture"]),
-            Grid(table[list(CONSTANTS)].rename(columns=CONSTANTS), said["table"], "prox_constants"),
-            Grid(around[list(ARRANGEMENTS)].rename(columns=ARRANGEMENTS), said["arrangements"], "prox_arrangements"),
+            Grid(headed(table, COLUMNS["constants"]), said["table"], "prox_constants"),
+            Grid(headed(around, COLUMNS["arrangements"]), said["arrangements"], "prox_arrangements"),
             Follows(said["follows"]),
         ],
     )
@@ -97,13 +65,15 @@ def _consistency(context: Context) -> Section:
     said = fill(
         PROSE / "consistency.html",
         excess=float(steps["excess"].max()),
+        sweeps=consistency.SWEEPS,
+        settling=consistency.SETTLING,
         settling_dt=consistency.SETTLING_DT,
         least_dt=float(steps["dt"].min()),
     )
     picture = context.draw("consistency", figures_geometry.consistency, steps, settled, SHOWN)
-    orders = context.tables["consistency"][list(CONSISTENCY)].rename(columns=CONSISTENCY)
+    orders = headed(context.tables["consistency"], COLUMNS["consistency"])
     parts = Text(said["limits"]), Picture(picture, said["picture"]), Grid(orders, said["table"], "consistency")
-    return Section("Consistency of PBD", [*parts, Follows(said["follows"])])
+    return Section(COLUMNS["sections"]["consistency"], [*parts, Follows(said["follows"])])
 
 
 def findings(context: Context) -> Sequence[Finding]:
@@ -117,7 +87,7 @@ def findings(context: Context) -> Sequence[Finding]:
         count=table["count"].iloc[-1],
         over=table["gap"].max() - 1,
     )
-    return [Finding(said["constant"], CONVEXITY)]
+    return [Finding(said["constant"], COLUMNS["sections"]["constants"])]
 
 
 CHAPTER = Chapter(

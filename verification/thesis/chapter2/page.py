@@ -10,6 +10,7 @@ from pathlib import Path
 import pandas as pd
 
 from dincl.scenes import Scene
+from verification.page.columns import Columns, headed, read_columns
 from verification.page.context import Context
 from verification.page.parts import Follows, Grid, Picture, Section, Text
 from verification.page.prose import fill
@@ -27,51 +28,8 @@ COMPARED = replace(convergence.FULL, costly_steps=8)
 # Made again: runs on this scene, with no finer steps [time], and so many of a study.
 QUICK, COARSE, MOST = "four_disks", 0.1 / 2**4, 20
 PROSE = Path(__file__).parent / "prose"
-# Columns of the tables on the page, with their headings.
-REFERENCE = {
-    "scene": "Scene",
-    "t": "t",
-    "events": "Events so far",
-    "error": "Stated error",
-    "catch_up": "Distance to catch-up",
-    "catch_up_error": "its stated error",
-    "ratio": "its ratio",
-    "daqp": "Ipopt against Daqp, same step",
-    "linearised": "Catch-up against linearised",
-    "linearised_error": "its stated error ",
-}
-EXACT = {
-    "scene": "Scene",
-    "t_end": "Run to t",
-    "events": "Events",
-    "true": "Largest error",
-    "stated": "Largest stated error",
-    "seconds": "Seconds",
-}
-ORDERS = {
-    "t": "t",
-    "method": "Method",
-    "order": "Order [95 %]",
-    "dt": "Finest dt",
-    "error": "Error there",
-    "infeasibility": "Infeasibility",
-    "seconds": "Seconds",
-    "failed": "Failed",
-}
-BEST = {
-    "scene": "Scene",
-    "dt": "dt",
-    "kind": "Force",
-    "strength": "Best strength",
-    "largest": "Largest overlap",
-    "mean": "Mean",
-    "error": "Error",
-    "pbd_largest": "PBD: largest",
-    "pbd_mean": "PBD: mean",
-    "pbd_error": "PBD: error",
-    "width": "Width",
-    "least_error": "Least error, any strength",
-}
+COLUMNS = read_columns(Path(__file__).parent / "columns.toml")
+TITLES = COLUMNS["sections"]
 
 
 def run(context: Context) -> None:
@@ -116,10 +74,10 @@ def _both() -> tuple[Scene, ...]:
     return tuple(scene(name) for name in convergence.SCENES)
 
 
-def _named(table: pd.DataFrame, headings: dict[str, str]) -> pd.DataFrame:
-    """The columns of a table that a reader wants, with words for names."""
+def _named(table: pd.DataFrame, columns: Columns) -> pd.DataFrame:
+    """Return the columns that the page shows, with words for names of methods and scenes."""
     words = {method.name: method.label for method in METHODS.values()} | {one.name: one.title for one in _both()}
-    return table[list(headings)].replace(words).rename(columns=headings)
+    return headed(table[list(columns)].replace(words), columns)
 
 
 def _scenes(context: Context) -> Section:
@@ -129,7 +87,7 @@ def _scenes(context: Context) -> Section:
         own = reference.reference(context.tables["positions"], one.name)
         path = context.draw(f"motion_{one.name}", plots.motion, one, SHOWN[one.name], own.at(SHOWN[one.name])[0])
         pictures.append(Picture(path, said[one.name]))
-    return Section("Two scenes in time", [Text(said["intro"]), *pictures, Follows(said["follows"])])
+    return Section(TITLES["scenes"], [Text(said["intro"]), *pictures, Follows(said["follows"])])
 
 
 def _reference(context: Context) -> Section:
@@ -143,12 +101,12 @@ def _reference(context: Context) -> Section:
         count=len(table),
         worst=table["error"].max(),
     )
-    grid = Grid(_named(table, REFERENCE), said["table"], "references")
-    return Section("The reference", [Text(said["events"]), Text(said["checks"]), grid, Follows(said["follows"])])
+    grid = Grid(_named(table, COLUMNS["reference"]), said["table"], "references")
+    return Section(TITLES["reference"], [Text(said["events"]), Text(said["checks"]), grid, Follows(said["follows"])])
 
 
 def _title(name: str) -> str:
-    return f"Convergence: {scene(name).title.lower()}"
+    return f"{TITLES['convergence']} {scene(name).title}"
 
 
 def _convergence(context: Context, name: str) -> Section:
@@ -157,7 +115,6 @@ def _convergence(context: Context, name: str) -> Section:
     pbd = mine[mine["method"] == PBD.name]
     slopes = pbd["slope"].min(), pbd["slope"].max()
     said = fill(PROSE / "convergence.html", pbd=list(pbd.itertuples()), slopes=slopes)
-    words = {"t": "t", "method": "Method", "verdict": "In words"}
     return Section(
         _title(name),
         [
@@ -166,8 +123,8 @@ def _convergence(context: Context, name: str) -> Section:
                 Picture(context.draw(f"{kind}_{name}", plots.against_step, table, name, kind), said[kind])
                 for kind in ("error", "infeasibility")
             ),
-            Grid(_named(mine, ORDERS), said["table"], "orders"),
-            Grid(_named(mine, words), said["words"], "orders", folded=True),
+            Grid(_named(mine, COLUMNS["orders"]), said["table"], "orders"),
+            Grid(_named(mine, COLUMNS["words"]), said["words"], "orders", folded=True),
             Follows(said["follows"]),
         ],
     )
@@ -190,12 +147,12 @@ def _penalty(context: Context) -> Section:
     in_time = context.draw("infeasibility_in_time", plots.infeasibility_in_time, drawn, _both())
     scan = context.draw("penalty_strengths", plots.strengths, context.tables["penalty_scan"], _both())
     return Section(
-        "Infeasibility: PBD against the penalty method with its best strength",
+        TITLES["penalty"],
         [
             Text(said["strengths"]),
             Picture(in_time, said["in_time"]),
             Picture(scan, said["scan"]),
-            Grid(_named(kinds, BEST), said["table"], "penalty_best"),
+            Grid(_named(kinds, COLUMNS["best"]), said["table"], "penalty_best"),
             Follows(said["follows"]),
         ],
     )
@@ -205,7 +162,7 @@ def _large(context: Context) -> Section:
     figure = context.draw("large_steps", plots.large_steps, context.tables["large_steps"], large_steps.FAR, _both())
     said = fill(PROSE / "large_steps.html", end=large_steps.END)
     parts = Text(said["runs"]), Picture(figure, said["picture"]), Follows(said["follows"])
-    return Section("Large steps", parts)
+    return Section(TITLES["large_steps"], parts)
 
 
 def findings(context: Context) -> Sequence[Finding]:

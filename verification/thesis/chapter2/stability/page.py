@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from verification.page.columns import headed, read_columns
 from verification.page.context import Context
 from verification.page.parts import Follows, Grid, Picture, Section, Text
 from verification.page.prose import fill
@@ -17,14 +18,8 @@ from verification.thesis.chapter2.stability.contestants import CONTESTANTS
 from verification.thesis.chapter2.stability.outcome import ERROR, FAR, OVERLAP, WORDS
 from verification.thesis.chapter2.stability.plane import Plane
 
-HEADINGS = {
-    "title": "Case",
-    "theory": "To be expected",
-    "expected": "Predicted",
-    "found": "Found",
-    "agrees": "Agrees",
-}
-PREDICTED = "Failures that theory predicts"
+COLUMNS = read_columns(Path(__file__).parent / "columns.toml")
+TITLES = COLUMNS["sections"]
 PROSE = Path(__file__).parent / "prose"
 # Steps of the picture of the Pacman set [time].
 SHOWN = (0.1, 0.02)
@@ -72,13 +67,12 @@ def _counted(context: Context, plane: Plane) -> pd.DataFrame:
 def _cases(context: Context) -> Section:
     table = context.tables["stability_verdicts"]
     said = fill(PROSE / "cases.html", count=len(table), agreeing=int(table["agrees"].sum()))
-    words = table[["title", "words"]].rename(columns={"title": "Case", "words": "Particulars"})
     return Section(
-        PREDICTED,
+        TITLES["cases"],
         [
             Text(said["found"]),
-            Grid(table[list(HEADINGS)].rename(columns=HEADINGS), said["table"], "stability_verdicts"),
-            Grid(words, said["particulars"], "stability_verdicts", folded=True),
+            Grid(headed(table, COLUMNS["cases"]), said["table"], "stability_verdicts"),
+            Grid(headed(table, COLUMNS["particulars"]), said["particulars"], "stability_verdicts", folded=True),
             Follows(said["follows"]),
         ],
     )
@@ -94,7 +88,7 @@ def _map(context: Context, plane: Plane) -> Section:
     rule = {"far": FAR, "overlap": OVERLAP, "error": ERROR}
     said = fill(PROSE / "map.html", **rule, best=ranked[-1], worst=ranked[0], cells=cells)
     return Section(
-        f"Map: {plane.title}",
+        f"{TITLES['map']}: {plane.title}",
         [
             Text(fill(PROSE / "planes.html", longest=jaws.longest_step())[plane.name]),
             Picture(picture, said["rule"]),
@@ -112,14 +106,14 @@ def _decades(context: Context) -> Section:
     runs = {"end": decades.END, "steps": decades.STEPS, "methods": len(held)}
     said = fill(PROSE / "decades.html", steady=steady, **runs)
     parts = Text(said["discs"]), Picture(picture, said["picture"]), Follows(said["follows"])
-    return Section("Six decades of dt", parts)
+    return Section(TITLES["decades"], parts)
 
 
 def _pacman(context: Context) -> Section:
     table = context.tables["stability_pacman"]
     picture = context.draw("stability_pacman", figures_stability.pacman, table, pacman.NARROW)
     said = fill(PROSE / "pacman.html")
-    return Section("The Pacman set", [Text(said["set"]), Picture(picture, said["runs"]), Follows(said["follows"])])
+    return Section(TITLES["pacman"], [Text(said["set"]), Picture(picture, said["runs"]), Follows(said["follows"])])
 
 
 def findings(context: Context) -> Sequence[Finding]:
@@ -128,7 +122,7 @@ def findings(context: Context) -> Sequence[Finding]:
     cases = {row.case: row for row in table.itertuples()}
     counts = {"count": len(table), "agreeing": int(table["agrees"].sum())}
     said = fill(PROSE / "learned.html", **counts, stiff=cases.get("drift-pbd"), crowd=cases.get("collapse"))
-    return [Finding(said["cases"], PREDICTED)]
+    return [Finding(said["cases"], TITLES["cases"])]
 
 
 CHAPTER = Chapter(
