@@ -11,7 +11,7 @@ from verification.beyond.space.frozen import open_sheet
 from verification.beyond.space.sections.catch_up import PART
 from verification.page.context import Context
 from verification.page.kept import STUDIES
-from verification.page.parts import Text
+from verification.page.parts import Grid, Text, number
 from verification.thesis.chapter3.catch_up import CatchUpForm
 
 FORM = CatchUpForm(1, (20, 80, 320), (20, 40), 80)
@@ -58,7 +58,10 @@ def test_the_section_says_what_the_tables_say(tmp_path):
     PART.run(context)
     section = PART.section(context)
     said = " ".join(part.html for part in section.parts if isinstance(part, Text))
-    found = context.tables["space_catch_up_orders"].set_index("method")["order"]
-    assert set(found.index) == {"PBD", "LinearisedCatchUp", "MidpointCatchUp"}
-    assert all(f"{method} {order}" in said for method, order in found.items())
+    found = context.tables["space_catch_up_orders"]
+    assert set(found["method"]) == {"PBD", "LinearisedCatchUp", "MidpointCatchUp"}
+    grids = {part.file: part.rows for part in section.parts if isinstance(part, Grid)}
+    assert grids["space_catch_up_orders"]["Order in h [95 %]"].tolist() == found["order"].tolist()
+    errors = context.tables["space_catch_up_errors"]
+    assert f"{number(errors[errors['method'] == 'PBD']['rms'].iloc[-1])} R_soft" in said
     assert "nan" not in said.lower()

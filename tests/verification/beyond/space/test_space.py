@@ -14,6 +14,8 @@ from verification.beyond.space.edge import are_inner
 from verification.beyond.space.growth import roughness
 from verification.beyond.space.heights import part_that_stays
 
+pytestmark = pytest.mark.filterwarnings("ignore:.* never begins")
+
 
 def sheet(**more):
     changes = {"tissue.dimension": 3, "tissue.cells": 64, "space.boundary": "open", "numerics.t_end": "0.05 h"}

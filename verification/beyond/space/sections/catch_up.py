@@ -35,7 +35,7 @@ def _run(context: Context) -> None:
 def _catch_up(context: Context) -> Section:
     errors, found = (context.tables[f"space_catch_up_{name}"] for name in ("errors", "orders"))
     picture = context.draw("space_catch_up", figures_catch_up.catch_up, errors)
-    said = fill(PROSE / "catch_up.html", **_values(errors, found))
+    said = fill(PROSE / "catch_up.html", **_values(errors))
     return Section(
         "Is PBD as accurate as catch-up on frozen tissues in space?",
         [
@@ -48,7 +48,7 @@ def _catch_up(context: Context) -> Section:
     )
 
 
-def _values(errors: pd.DataFrame, found: pd.DataFrame) -> dict[str, Any]:
+def _values(errors: pd.DataFrame) -> dict[str, Any]:
     fine = errors[errors["method"] == "PBD"].iloc[-1]
     rivals = errors[(errors["method"] != "PBD") & (errors["rms"] <= fine["rms"])].sort_values("calls")
     return {
@@ -56,7 +56,6 @@ def _values(errors: pd.DataFrame, found: pd.DataFrame) -> dict[str, Any]:
         "cells": catch_up.CELLS,
         "fine": fine.to_dict(),
         "rival": rivals.iloc[0].to_dict() if len(rivals) else None,
-        "orders": found.to_dict("records"),
         "most": max(catch_up.FULL.steps),
     }
 

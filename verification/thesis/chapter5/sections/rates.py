@@ -13,7 +13,6 @@ from verification.page.parts import Follows, Grid, Picture, Section, Text
 from verification.page.prose import fill
 from verification.thesis.chapter3.sections.part import Part
 from verification.thesis.chapter5 import figures, flow_rates, sampling
-from verification.thesis.chapter5.cases import TITLES
 from verification.thesis.chapter5.sections.words import COLUMNS, PROSE, named
 
 TITLE = "How fast do N particles find their limit?"
@@ -42,7 +41,7 @@ def _section(context: Context) -> Section:
     picture = context.draw("meanfield_rates", figures.rates, tables["flow_means"])
     said = fill(
         PROSE / "rates.html",
-        **_at_start(tables["start_exponents"], laws),
+        fits=_fits(laws),
         **_through(fitted, tables["flow_means"]),
     )
     return Section(
@@ -59,12 +58,13 @@ def _section(context: Context) -> Section:
     )
 
 
-def _at_start(exponents: pd.DataFrame, laws: pd.DataFrame) -> dict[str, Any]:
+def _fits(laws: pd.DataFrame) -> list[dict[str, Any]]:
+    """For each dimension the bare power, and the law that fits best where it is another one."""
     fits = []
     for d, mine in laws.groupby("d"):
         plain, best = mine.iloc[0], mine.loc[mine["misfit"].idxmin()]
         fits.append({"d": d, "plain": plain, "better": None if best["law"] == plain["law"] else best})
-    return {"powers": list(exponents.itertuples()), "fits": fits}
+    return fits
 
 
 def _through(fitted: pd.DataFrame, means: pd.DataFrame) -> dict[str, Any]:
@@ -73,8 +73,6 @@ def _through(fitted: pd.DataFrame, means: pd.DataFrame) -> dict[str, Any]:
     alike = (start["low"] <= end["exponent"]) & (end["exponent"] <= start["high"])
     quantiles = fitted[(fitted["start"] == QUANTILES) & (fitted["quantity"] != "start_w1")]
     return {
-        "titles": TITLES,
-        "through": [(name, *(one["exponent"][name] for one in (start, end, y))) for name in start.index],
         "alike": int(alike.sum()),
         "models": len(alike),
         "halves": int(y["agrees"].sum()),

@@ -11,7 +11,6 @@ from verification.page.parts import Follows, Grid, Picture, Section, Text
 from verification.page.prose import fill
 from verification.thesis.chapter3.sections.part import Part
 from verification.thesis.chapter5 import figures, stability_constant
-from verification.thesis.chapter5.cases import TITLES
 from verification.thesis.chapter5.sections.words import COLUMNS, PROSE, named
 
 # Made again beside the complete study.
@@ -48,7 +47,6 @@ def _section(context: Context) -> Section:
 
 def _values(summary: pd.DataFrame, laws: pd.DataFrame) -> dict[str, Any]:
     return {
-        "titles": TITLES,
         "rows": list(summary.itertuples()),
         "apart": laws["flows_apart"].max(),
         "top": laws.loc[laws["ratio"].idxmax()],
