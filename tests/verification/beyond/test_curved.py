@@ -47,7 +47,7 @@ def test_the_page_says_what_is_kept():
         page_curved.PROSE / "curved.html", of=7, a=three, bp=three, rates=[("inside", 2.0)], largest=9, last=[row]
     )
     assert "50 % [40, 60]" in said["answer"]
-    assert "At 9 µm it is off by" in said["limit"]
+    assert "At 9 µm the difference is" in said["limit"]
 
 
 def tube_row(events, layer, closed, every=15, side="basal", perimeter=600):

@@ -33,9 +33,10 @@ def scheme() -> dincl.Scheme:
 
 @claim(
     "c6.feasible",
-    "Of the two methods only PBD leaves overlaps, small ones.",
+    "The catch-up scheme stays within S, and PBD leaves small overlaps.",
     "Ideas for proving convergence of PBD",
     Verdict.NOT_REFUTED,
+    rests_on=("c2.infeasible", "c2.smaller"),
     chosen="the four discs of Figure 4 of chapter 2, their start and step; slightly: less with shorter steps",
     tried_on="the four discs of Figure 4 of chapter 2",
 )
@@ -45,13 +46,10 @@ def _feasible() -> Evidence:
     schemes = (scheme(), dincl.PBD(dt=DT), dincl.PBD(dt=DT / 4))
     moreau, pbd, finer = (float(dincl.solve(scene, each, t=times).violation().max()) for each in schemes)
     return Evidence(
-        f"Four discs, dt = {DT:g}, all steps to t = 2: the catch-up scheme overlaps by at most {moreau:.0e} "
-        f"(projections to 1e-10), PBD by {pbd:.3f}, which is {pbd / RADIUS:.2f} of a radius, and by {finer:.3f} with a "
-        "quarter of the step: as slightly as one wants.",
-        (
-            at_most("overlap, catch-up", moreau, 0.0, 10 * TOL),
-            at_least("overlap, PBD", pbd, 1e-4),
-            at_most("overlap with dt/4 over that with dt", finer / pbd, 0.5),
+        printed=(
+            at_most(f"largest overlap of catch-up, dt = {DT:g}, projections to 1e-10", moreau, 0.0, 10 * TOL),
+            at_least(f"largest overlap of PBD, dt = {DT:g}, discs of radius {RADIUS:g}", pbd, 1e-4),
+            at_most("largest overlap of PBD with dt/4 over the same with dt", finer / pbd, 0.5),
         ),
     )
 
@@ -68,17 +66,18 @@ def largest_overlaps(dt: float) -> tuple[float, float]:
     "The overlaps of PBD do not grow in time, and vanish with the step.",
     "Ideas for proving convergence of PBD",
     Verdict.NOT_REFUTED,
+    rests_on=("c6.feasible", "c2.smaller"),
     chosen="the ten discs of Figure 5 of chapter 2, their start and steps",
     tried_on="ten discs in a corner, two steps, to t = 12",
 )
 def _bounded() -> Evidence:
     coarse, fine = (largest_overlaps(dt) for dt in CORNER_STEPS)
     return Evidence(
-        f"Ten discs in a corner, dt = {CORNER_STEPS[1]:g}: the largest overlap is {fine[0]:.3f} to t = {SETTLED:g} and "
-        f"{fine[1]:.3f} from then to t = {LONG:g}; with twice the step {coarse[0]:.3f} and {coarse[1]:.3f}.",
-        (
-            at_most("overlap later over that before", fine[1] / fine[0], 1.0),
-            equal("largest overlap over that of half the step", max(coarse) / max(fine), 2.0, 0.2),
+        printed=(
+            at_most("largest overlap of PBD for 3 < t ≤ 12 over the same for t ≤ 3, dt = 0.01", fine[1] / fine[0], 1.0),
+            equal(
+                "largest overlap of PBD with dt = 0.02 over the same with dt = 0.01", max(coarse) / max(fine), 2.0, 0.2
+            ),
         ),
     )
 
@@ -98,9 +97,10 @@ def ratios(problem: dincl.Problem, x: Floats) -> tuple[float, float, int]:
 
 @claim(
     "c6.contraction",
-    "Near S a sweep of projections comes nearer to the projection onto S by a factor below 1.",
+    "Near S a sweep of projections reduces the distance to the projection onto S by a factor below 1.",
     "Ideas for proving convergence of PBD",
     Verdict.NOT_REFUTED,
+    rests_on=("c2.subspaces",),
     chosen="rows, triangles and rhombi of discs, disturbed by a hundredth",
     tried_on="3 or 4 discs in rows, triangles and rhombi, disturbed by a hundredth",
 )
@@ -114,13 +114,10 @@ def _contraction() -> Evidence:
     alpha, left = (float(value) for value in (min(a for a, _, _ in found), max(c for _, c, _ in found)))
     excess = max(c - math.sqrt(1 - a**2 / count) for a, c, count in found)
     return Evidence(
-        f"{len(found)} states of 3 or 4 discs near contact: max_j dist(x, S_j) is at least {alpha:.2f} dist(x, S), and "
-        f"a sweep leaves at most {left:.2f} of the distance to P_S(x), never more than √(1 − α²/M), which holds for "
-        "convex sets.",
-        (
-            at_least("least α", alpha, 0.1),
-            at_most("largest c", left, 0.99),
-            at_most("c − √(1 − α²/M)", excess, 0.0, 0.02),
+        printed=(
+            at_least(f"least α = max_j dist(x, S_j)/dist(x, S) of {len(found)} states", alpha, 0.1),
+            at_most("largest c, what a sweep leaves of the way to P_S(x)", left, 0.99),
+            at_most("c − √(1 − α²/M), 0 at most for convex sets", excess, 0.0, 0.02),
         ),
         seed=SEED,
     )
