@@ -25,7 +25,7 @@ FINE, COARSE = 1e-12, 1e-3
 
 
 def times(table: pd.DataFrame, form: Form, targets: Sequence[float] = TARGETS) -> pd.DataFrame:
-    """One row for each scene and method.
+    """Return one row for each scene and method.
 
     Columns: CPU seconds to each target, NaN where it is not reached; ``best``, the smallest error reached, and of that
     run ``at_end``, the error at the end over the largest in time; ``order`` of the error in dt, "" for tolerances or
@@ -45,7 +45,7 @@ def times(table: pd.DataFrame, form: Form, targets: Sequence[float] = TARGETS) -
 
 
 def _of_one(rows: pd.DataFrame) -> dict[str, object]:
-    """The columns of ``times`` that no target belongs to."""
+    """Return the columns of ``times`` that belong to no target."""
     done = rows[rows["status"] == "SUCCESS"]
     best = done.loc[done["largest"].idxmin()] if len(done) else None
     # Beyond the best setting the tolerances of the solver add up, once in each step: that is no order.
@@ -61,7 +61,7 @@ def _of_one(rows: pd.DataFrame) -> dict[str, object]:
 
 
 def winners(table: pd.DataFrame, form: Form, targets: Sequence[float] = TARGETS) -> pd.DataFrame:
-    """One row for each scene and target: ``WorkPrecision.cheapest``, and how many times more PBD costs."""
+    """Return one row for each scene and target: ``WorkPrecision.cheapest``, and how many times more PBD costs."""
     charts = {scene: chart(table, scene, form) for scene in dict.fromkeys(table["scene"])}
     return pd.concat([_of_scene(scene, one, targets) for scene, one in charts.items()], ignore_index=True)
 
@@ -77,14 +77,14 @@ def _of_scene(scene: str, one: WorkPrecision, targets: Sequence[float]) -> pd.Da
 
 
 def wide(rows: pd.DataFrame) -> pd.DataFrame:
-    """The cheapest method for each scene and error, from the table of ``winners``: a row for each scene."""
+    """Return the cheapest method for each scene and error, from the table of ``winners``: a row for each scene."""
     titles = rows.assign(Scene=[SCENES[name]().title for name in rows["scene"]])
     table = titles.pivot(index="Scene", columns="target", values="cheapest").rename_axis(columns=None)
     return table[sorted(table, reverse=True)].rename(columns=number).reset_index()
 
 
 def against_pbd(rows: pd.DataFrame) -> pd.DataFrame:
-    """What the cheapest method needs for the error FINE, and PBD for COARSE, from the table of ``winners``.
+    """Return what the cheapest method needs for the error FINE, and PBD for COARSE, from the table of ``winners``.
 
     Columns scene, fine, coarse [s], for the scenes where both are reached.
     """
@@ -94,7 +94,7 @@ def against_pbd(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def summary(rows: pd.DataFrame) -> str:
-    """How often each method wins, where PBD does, and what the finest error costs, from the table of ``winners``."""
+    """Say how often each method wins, where PBD wins, and what the finest error costs, by the table of ``winners``."""
     counts = rows["cheapest"].value_counts(sort=True)
     wins = counts.drop(list(UNDECIDED), errors="ignore")
     both = against_pbd(rows)

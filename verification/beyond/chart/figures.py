@@ -15,7 +15,7 @@ LONG = 32
 
 
 def draw_chart(table: pd.DataFrame, scene: str, form: Form, path: Path) -> Path:
-    """Largest error in time against CPU time and against counted work, with one legend below both."""
+    """Draw the largest error in time against CPU time and against counted work, with one legend below both."""
     one = chart(table, scene, form)
     with sheet(path, 5.0) as figure:
         panels = figure.subplots(1, len(COSTS), sharey=True)

@@ -58,7 +58,7 @@ def run(context: Context) -> None:
 
 
 def sections(context: Context) -> Sequence[Section]:
-    """What is measured and who wins, then one section for each scene."""
+    """Write which method is the cheapest, how far the event-driven scheme pays, and a section for each scene."""
     return [_summary(context), _reach(context), *(_scene(context, name) for name in _form(context).scenes)]
 
 
@@ -95,7 +95,7 @@ def _summary(context: Context) -> Section:
 
 
 def _most_often(winners: pd.DataFrame) -> dict[str, Any]:
-    """The method that is most often among the cheapest, where errors are reached."""
+    """Return the method that is most often among the cheapest, where errors are reached."""
     reached = winners[winners["tied"] != ""]["tied"].str.split("; ")
     counts = reached.explode().value_counts()
     name = counts.index[0] if len(counts) else "none"
@@ -130,7 +130,7 @@ def _scene(context: Context, name: str) -> Section:
 
 
 def findings(context: Context) -> Sequence[Finding]:
-    """Who is cheapest, and on ten discs to a moderate error, if they are on the chart."""
+    """Say which method is the cheapest, on all scenes and on ten discs to a moderate error."""
     winners = context.tables["work_winners"]
     alone = winners[~winners["cheapest"].isin(UNDECIDED)]["cheapest"]
     ten = winners[(winners["scene"] == TEN) & (winners["target"] == MODERATE)]

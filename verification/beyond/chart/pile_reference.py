@@ -25,7 +25,7 @@ TOL = 1e-11
 
 
 def table(x: NDArray[np.float64], error: NDArray[np.float64]) -> pd.DataFrame:
-    """One row for each time and particle of x (K, N, 2): t, particle, x, y, and the error (K,) of all particles."""
+    """Return one row for each time and particle of x (K, N, 2): t, particle, x, y, and the error at the time, (K,)."""
     count = x.shape[1]
     return pd.DataFrame(
         {

@@ -35,7 +35,7 @@ def main() -> None:
 
 
 def measure(count: int, budget: Budget) -> pd.DataFrame:
-    """One row for each error: CPU seconds of each method, NaN where it is not reached, and the cheapest one."""
+    """Return one row for each error: CPU seconds of each method, NaN where it is not reached, and the cheapest one."""
     scene = dincl.scenes.pile(count)
     found = dincl.solve(scene, dincl.EventDriven(TOL), np.linspace(0.0, scene.times[-1], 9)[1:])
     known = Known(found.t, found.x, np.asarray(found.error))
@@ -47,12 +47,12 @@ def measure(count: int, budget: Budget) -> pd.DataFrame:
 
 
 def table() -> pd.DataFrame:
-    """The kept table."""
+    """Return the kept table."""
     return read_sealed(FILE)
 
 
 def first(rows: pd.DataFrame) -> pd.DataFrame:
-    """For each number of discs the error from which on the event-driven scheme is the cheapest; NaN if it never is."""
+    """Return, for each number of discs, the error below which the event-driven scheme is the cheapest, or NaN."""
     found = []
     for discs, mine in rows.sort_values("target").groupby("discs"):
         wins = (mine["cheapest"] == EVENT_DRIVEN.label).cumprod().astype(bool)
@@ -61,7 +61,7 @@ def first(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def said() -> dict[str, str]:
-    """What the kept table says."""
+    """Fill the prose of the section from the kept table."""
     rows = table()
     begins = first(rows)
     return fill(

@@ -40,7 +40,7 @@ FILES = {"pile_1000": DATA / "pile_1000.parquet"}
 
 
 def study(scenes: Sequence[str] = tuple(SCENES)) -> Study:
-    """The references of the scenes; one run for each."""
+    """Return the references of the scenes; one run for each."""
     return Study(
         name="work_references",
         title="References of the chart of speed against accuracy",
@@ -52,7 +52,7 @@ def study(scenes: Sequence[str] = tuple(SCENES)) -> Study:
 
 
 def rows(key: Key) -> list[Row]:
-    """One row for each time and particle."""
+    """Return one row for each time and particle."""
     name = key["scene"]
     return _rows(name, _from_file(FILES[name]) if name in FILES else _computed(SCENES[name]()))
 
@@ -66,7 +66,7 @@ def _rows(name: str, known: Known) -> list[Row]:
 
 
 def reference(table: pd.DataFrame, name: str) -> Known:
-    """The reference of a scene, from the table of ``study``."""
+    """Return the reference of a scene, from the table of ``study``."""
     return _stacked(table[table["scene"] == name])
 
 
@@ -80,7 +80,7 @@ def _from_file(path: Path) -> Known:
 
 
 def _stacked(table: pd.DataFrame) -> Known:
-    """Columns of positions that hold numbers are the axes of the scene; the error is that of the time."""
+    """Return positions with their error at each time; the columns that hold numbers are the axes of the scene."""
     ordered = table.sort_values(["t", "particle"])
     t = np.unique(ordered["t"].to_numpy())
     axes = [name for name in "xyz" if name in ordered and ordered[name].notna().all()]

@@ -56,7 +56,7 @@ class ChartRun:
 
 
 def chart(table: pd.DataFrame, scene: str, form: Form) -> WorkPrecision:
-    """The chart of one scene, with labels for names."""
+    """Return the chart of one scene, with labels for names."""
     labels = {method.name: method.label for method in CHARTED}
     rows = table[table["scene"] == scene].replace({"method": labels})
     there = [method for method in CHARTED if method.label in set(rows["method"])]
@@ -65,7 +65,7 @@ def chart(table: pd.DataFrame, scene: str, form: Form) -> WorkPrecision:
 
 
 def study(references: Mapping[str, Known], form: Form) -> Study:
-    """All methods of the chart on all scenes; the scenes of many particles first."""
+    """Return all methods of the chart on all scenes; the scenes of many particles first."""
     runs = [
         {"scene": name, "method": method.name} for name in reversed(form.scenes) for method in reversed(form.methods)
     ]

@@ -37,7 +37,7 @@ FLOOR = 1e-11
 
 
 def study() -> Study:
-    """All runs; there is one form only, it takes minutes."""
+    """Return all runs; there is one form only, it takes minutes."""
     return Study(
         name="moving_sets",
         title="Sets that turn, close and grow",

@@ -46,7 +46,7 @@ def _said(context: Context) -> dict[str, str]:
 
 
 def sections(context: Context) -> Sequence[Section]:
-    """Errors against the step, and orders."""
+    """Write about errors against the step, and orders."""
     said = _said(context)
     figure = context.draw("moving_sets", draw, context.tables["moving_sets"], tuple(moving_sets.SCENES))
     grid = Grid(headed(context.tables["moving_orders"], COLUMNS["orders"]), said["table"], "moving_orders")

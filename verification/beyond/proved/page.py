@@ -60,7 +60,7 @@ def _row(rows: pd.DataFrame, scene: str, asked: float) -> dict[str, Any]:
 
 
 def sections(context: Context) -> Sequence[Section]:
-    """The bounds, the exponent, and the random scenes."""
+    """Write about the bounds, the exponent and the random scenes."""
     said, rows = _said(context), context.tables["proved_scenes"]
     bounds = headed(rows, COLUMNS["bounds"])
     last = rows[rows["why"] == ""].drop_duplicates("scene", keep="first")
@@ -77,7 +77,7 @@ def sections(context: Context) -> Sequence[Section]:
 
 
 def findings(context: Context) -> Sequence[Finding]:
-    """What a proof costs, and what the stated errors are worth."""
+    """Say what a proof costs, and what the stated errors are worth."""
     return [Finding(_said(context)["learned"], TITLES["bounds"])]
 
 

@@ -41,7 +41,7 @@ class ProvedScene(NamedTuple):
 
 
 def three_discs() -> dincl.Problem:
-    """Three discs of radius 1/2 that fall into a corner: x >= 0, y >= 0."""
+    """Return three discs of radius 1/2 that fall into a corner: x >= 0, y >= 0."""
     walls = [dincl.HalfSpace((1, 0), 0.0, 0.5), dincl.HalfSpace((0, 1), 0.0, 0.5)]
     return dincl.Problem([[1.0, 0.7], [0.9, 2.0], [2.3, 0.8]], constant([-1.0, -0.8]), [dincl.NonOverlap(0.5), *walls])
 
@@ -52,19 +52,19 @@ def rising_floor(t: Any) -> tuple[Any, Any]:
 
 
 def moving_wall() -> dincl.Problem:
-    """Two discs that fall on a floor which rises, slows down and sinks again."""
+    """Return two discs that fall on a floor which rises, slows down and sinks again."""
     floor = dincl.Moving(dincl.HalfSpace((0.0, 1.0), -0.5, 0.5), rising_floor)
     return dincl.Problem([[0.0, 1.0], [0.6, 2.1]], constant([[0.0, -1.0], [0.2, -1.0]]), [dincl.NonOverlap(0.5), floor])
 
 
 def four_balls() -> dincl.Problem:
-    """Four balls in space, of different radii, drawn to one point."""
+    """Return four balls in space, of different radii, drawn to one point."""
     start = [[1.0, 0.1, 0.2], [-1.0, 0.3, 0.1], [0.1, 1.2, 0.0], [0.0, 0.2, -1.3]]
     return dincl.Problem(start, attraction(0), [dincl.NonOverlap([0.5, 0.4, 0.5, 0.6])])
 
 
 def chain() -> dincl.Problem:
-    """A chain of five points with threads of length 1; the first one is pulled, the others follow one by one."""
+    """Return a chain of five points with threads of length 1; the first one is pulled, the others follow one by one."""
     pulled = np.zeros((5, 2))
     pulled[0] = 1.5, 0.75
     threads = dincl.MaxDistance([(k, k + 1) for k in range(4)], 1.0)
@@ -93,7 +93,7 @@ def main() -> None:
 
 
 def measure(case: ProvedScene, bound: float) -> dict[str, Any]:
-    """A row: the bound proved, CPU seconds, the size of the certificate, and the exponent with what others would be."""
+    """Return a row with the bound proved, CPU seconds, the size of the certificate, the exponent and coarser ones."""
     problem = case.problem()
     count, d = problem.x0.shape
     row: dict[str, Any] = {"scene": case.title, "particles": count, "d": d, "end": case.end, "asked": bound}
@@ -131,7 +131,7 @@ def exponents(proof: Proof, verdict: Proven) -> dict[str, float]:
 
 
 def _rates(proof: Proof, piece: PolynomialPiece, t: float) -> dict[str, float]:
-    """L + kappa at the middle of a piece, by the three coarser bounds."""
+    """Return L + kappa at the middle of a piece, by the three coarser bounds."""
     problem, stretch = proof.problem, proof.certificate.drift["stretch"]
     x, one_sided = _middle(piece, piece.x), max(value(rate) for rate in stretch)
     held = [_contact(proof.certificate.rows[k], x.reshape(problem.x0.shape)) for k in piece.active]
@@ -153,12 +153,12 @@ def _rates(proof: Proof, piece: PolynomialPiece, t: float) -> dict[str, float]:
 
 
 def _middle(piece: PolynomialPiece, polynomials: Any) -> Any:
-    """The values of polynomials at the middle of a piece."""
+    """Return the values of polynomials at the middle of a piece."""
     return np.array([value((c[0], piece.exponent)) if c else 0.0 for c in polynomials])
 
 
 def _contact(row: ExactRow, x: Any) -> tuple[Any, float, float]:
-    """The gradient of a row, the length of its arrow, and 1/l if it keeps two places apart."""
+    """Return the gradient of a row, the length of its arrow, and 1/l if it keeps two places apart."""
     gradient = np.zeros_like(x)
     if row.kind == "affine":
         gradient.ravel()[list(row.places)] = [value(w) for w in row.weights]
@@ -173,7 +173,7 @@ def _contact(row: ExactRow, x: Any) -> tuple[Any, float, float]:
 
 
 def _eigenvalue(gradients: Any, weights: Any, count: int) -> float:
-    """The largest eigenvalue of the Laplacian of the graph of contacts."""
+    """Return the largest eigenvalue of the Laplacian of the graph of contacts."""
     matrix = np.zeros((count, count))
     for line, weight in zip(gradients, weights, strict=True):
         ends = np.flatnonzero(np.abs(line.reshape(count, -1)).sum(axis=1))
@@ -183,7 +183,7 @@ def _eigenvalue(gradients: Any, weights: Any, count: int) -> float:
 
 
 def table() -> pd.DataFrame:
-    """The kept table."""
+    """Return the kept table."""
     return read_sealed(FILE)
 
 

@@ -31,7 +31,7 @@ def main() -> None:
 
 
 def scene(seed: int) -> dincl.Problem:
-    """Two to six discs of different radii, drawn to one point, turned, or falling on a floor or into a corner."""
+    """Return two to six discs of different radii, drawn to a point, turned, or falling on a floor or into a corner."""
     rng = np.random.default_rng([seed, 1])
     n = int(rng.integers(2, 7))
     radius = rng.uniform(0.3, 0.6, n)
@@ -50,7 +50,7 @@ def scene(seed: int) -> dincl.Problem:
 
 
 def _places(rng: np.random.Generator, radius: np.ndarray[Any, Any]) -> tuple[np.ndarray[Any, Any], float]:
-    """Places one by one where there is room, in a square that grows, which contains all discs in the end."""
+    """Return places one by one where there is room, in a square that grows, which contains all discs in the end."""
     places: list[Any] = []
     size = 1.0
     while len(places) < len(radius):
@@ -62,7 +62,7 @@ def _places(rng: np.random.Generator, radius: np.ndarray[Any, Any]) -> tuple[np.
 
 
 def measure(seed: int) -> list[dict[str, Any]]:
-    """A row for each tolerance: stated and proved error over all times; an infinite bound if there is no proof."""
+    """Return, for each tolerance, stated and proved error over all times; an infinite bound if there is no proof."""
     problem = scene(seed)
     start = time.perf_counter()
     try:
@@ -83,7 +83,7 @@ def measure(seed: int) -> list[dict[str, Any]]:
 
 
 def table() -> pd.DataFrame:
-    """The kept table."""
+    """Return the kept table."""
     return read_sealed(FILE)
 
 

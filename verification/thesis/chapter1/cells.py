@@ -18,44 +18,44 @@ State = tuple[Floats, Floats]
 
 
 def resting() -> State:
-    """A nucleus between two that touch it, and their radii."""
+    """Return a nucleus between two that touch it, and their radii."""
     around = 2 * HARD * np.array([[math.cos(s), math.sin(s)] for s in (2.4, 0.3)])
     return np.array([around[0], [0.0, 0.0], around[1]]), np.full(3, HARD)
 
 
 def in_mitosis() -> State:
-    """The same right after the middle one has begun mitosis (3.4)."""
+    """Return these nuclei right after the middle one has begun mitosis (3.4)."""
     x, radii = resting()
     radii[1] = GROWN
     return x, radii
 
 
 def divided() -> State:
-    """The daughters of a cell between two others that are far enough, right after its division (3.7), (3.8)."""
+    """Return the daughters of a cell between two others that are far enough, right after its division (3.7), (3.8)."""
     x = np.array([[-4 * HARD, 1.0], [-OFFSET, 0.0], [OFFSET, 0.0], [4 * HARD, 2.0]])
     return x, np.full(4, HARD)
 
 
 def problem(start: Floats, radii: Floats) -> dincl.Problem:
-    """Nuclei that do not overlap and are pulled to a point."""
+    """Return nuclei that do not overlap and are pulled to a point."""
     return dincl.Problem(start, lambda _t, x: CENTRE - x, [dincl.NonOverlap(radii)])
 
 
 def feasible(radii: Floats) -> dincl.Problem:
-    """The same from some state of S: a problem must not begin elsewhere."""
+    """Return this problem from some state of S: a problem must not begin elsewhere."""
     return problem(3 * GROWN * np.arange(len(radii))[:, None] * np.array([[1.0, 0.0]]), radii)
 
 
 def overlap(state: State) -> float:
-    """The largest one."""
+    """Return the largest overlap of a state."""
     return feasible(state[1]).violation(0.0, state[0])
 
 
 def nearest(state: State) -> State:
-    """The nearest state of S to a state."""
+    """Return the nearest state of S to a state."""
     return dincl.project(feasible(state[1]), state[0], dincl.Daqp(tol=TOL)).point, state[1]
 
 
 def away(state: State) -> float:
-    """Its distance from S."""
+    """Return the distance of a state from S."""
     return float(np.linalg.norm(nearest(state)[0] - state[0]))

@@ -25,7 +25,7 @@ SEED = 32
 
 
 def configurations() -> Mapping[str, dincl.Problem]:
-    """Points with active contacts, and a constant drift that presses them."""
+    """Return points with active contacts, and a constant drift that presses them."""
     rng = np.random.default_rng(SEED)
     discs = [dincl.NonOverlap(0.5)]
     pair = np.array([[0.0, 0.0], [0.6, 0.8]])
@@ -52,7 +52,7 @@ def _pressed(x: Floats, drift: Floats, constraints: Sequence[dincl.Constraint]) 
 
 
 def single_steps() -> pd.DataFrame:
-    """One row for each configuration and dt: how far the velocity of one step is from four candidates.
+    """Return one row for each configuration and dt: how far the velocity of one step is from four candidates.
 
     Columns: ``inclusion`` dist(V, F - N); ``sweep`` |V - P_T1 ... F|, the row of half-spaces in the order of PBD;
     ``tangent`` |V - P_T F|; ``many`` the same with many sweeps; ``outside`` dist(V, T); ``reaction`` |V - F| / |F|;
@@ -84,7 +84,7 @@ def single_steps() -> pd.DataFrame:
 
 
 def settling() -> pd.DataFrame:
-    """One row for each configuration and step k: |V_k - P_T F| at a small dt, V_k the velocity of the k-th step."""
+    """Return |V_k - P_T F| for each configuration and step k, at a small dt; V_k is the velocity of the k-th step."""
     rows = []
     for name, problem in configurations().items():
         slow = tangent_velocity(problem, 0.0, problem.x0, tol=CONTACT).velocity
@@ -94,7 +94,7 @@ def settling() -> pd.DataFrame:
 
 
 def summary(steps: pd.DataFrame, settled: pd.DataFrame) -> pd.DataFrame:
-    """One row for each configuration: orders in dt, the values at the smallest dt, and after the last step."""
+    """Return one row for each configuration: orders in dt, the values at the smallest dt, and after the last step."""
     rows = []
     for name, mine in steps.groupby("configuration", sort=False):
         finest = mine[mine["dt"] == mine["dt"].min()].iloc[0]
@@ -116,7 +116,7 @@ def summary(steps: pd.DataFrame, settled: pd.DataFrame) -> pd.DataFrame:
 
 
 def tangent_sweep(gradients: Floats, drift: Floats) -> Floats:
-    """P_T_m ... P_T_1 F with T_k = {v : grad g_k . v >= 0}, gradients of shape (m, N, d): one sweep on velocities."""
+    """Return P_T_m ... P_T_1 F with T_k = {v : grad g_k . v >= 0}, one sweep on velocities; gradients (m, N, d)."""
     velocity = drift
     for gradient in gradients:
         closing = min(0.0, float((gradient * velocity).sum()))
@@ -125,7 +125,7 @@ def tangent_sweep(gradients: Floats, drift: Floats) -> Floats:
 
 
 def _velocities(problem: dincl.Problem, dt: float, steps: int, sweeps: int = 1) -> Floats:
-    """(x_k - x_{k-1}) / dt for k = 1 ... steps, shape (steps, N, d)."""
+    """Return (x_k - x_{k-1}) / dt for k = 1 ... steps, shape (steps, N, d)."""
     path = dincl.solve(problem, dincl.PBD(dt=dt, sweeps=sweeps), t=dt * np.arange(steps + 1))
     moved: Floats = np.diff(path.x, axis=0) / dt
     return moved

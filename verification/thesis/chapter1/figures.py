@@ -26,7 +26,7 @@ COLOURS = ("#009e73", "#0072b2", "#d55e00", "#cc79a7", "#6f6f6f")
 
 
 def constants(table: pd.DataFrame, path: Path) -> Path:
-    """All constants of prox-regularity against the number of discs."""
+    """Draw all constants of prox-regularity against the number of discs."""
     with sheet(path, 3.6) as figure:
         panel = figure.subplots()
         for column, label, colour, marker, line in CONSTANTS:
@@ -41,7 +41,7 @@ def constants(table: pd.DataFrame, path: Path) -> Path:
 
 
 def consistency(steps: pd.DataFrame, settled: pd.DataFrame, shown: str, path: Path) -> Path:
-    """The velocity of one step of ``shown`` against dt, and that of the k-th step of all against k."""
+    """Draw the velocity of one step of ``shown`` against dt, and of the k-th step of all against k."""
     with sheet(path, 3.4) as figure:
         left, right = figure.subplots(1, 2)
         mine = steps[steps["configuration"] == shown]

@@ -33,7 +33,7 @@ def run(context: Context) -> None:
 
 
 def sections(context: Context) -> Sequence[Section]:
-    """The constant of prox-regularity; what one step of PBD is consistent with."""
+    """Write about the constant of prox-regularity and about the consistency of one step of PBD."""
     return [_constants(context), _consistency(context)]
 
 
@@ -77,7 +77,7 @@ def _consistency(context: Context) -> Section:
 
 
 def findings(context: Context) -> Sequence[Finding]:
-    """By how much the printed constant is too small."""
+    """Say by how much the printed constant is too small."""
     table = context.tables["prox_constants"]
     factors = (table["measured"] / table["printed_plane"]).iloc[1:]
     said = fill(

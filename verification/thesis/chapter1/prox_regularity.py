@@ -43,12 +43,12 @@ FULL = ProxForm(200)
 
 
 def constants(form: ProxForm) -> Study:
-    """For each N: the constants for R = 1/2, and what the searches find around a straight row of N discs."""
+    """Return, for each N, the constants for R = 1/2, and what the searches find around a straight row of N discs."""
     return _study("prox_constants", "Constants of prox-regularity", "count", form.counts, constants_of, form)
 
 
 def configurations(form: ProxForm) -> Study:
-    """For each arrangement of touching discs: what the search finds around it, beside the straight row."""
+    """Return, for each arrangement of touching discs, what the search finds around it, beside the straight row."""
     names = tuple(arrangements())[: form.arrangements]
     return _study("prox_arrangements", "Prox-regularity of arrangements", "arrangement", names, configuration_of, form)
 
@@ -66,7 +66,7 @@ def _study(
 
 
 def constants_of(key: Key, samples: int) -> list[Row]:
-    """One row for the straight row of key["count"] discs."""
+    """Return one row for the straight row of key["count"] discs."""
     n = key["count"]
     problem = packed(row(n))
     eta, hypomonotone = measured(problem, samples)
@@ -85,7 +85,7 @@ def constants_of(key: Key, samples: int) -> list[Row]:
 
 
 def configuration_of(key: Key, samples: int) -> list[Row]:
-    """One row for the discs of key["arrangement"]."""
+    """Return one row for the discs of key["arrangement"]."""
     x = arrangements()[key["arrangement"]]
     problem = packed(x)
     cone = normal_cone(problem, 0.0, problem.x0, CONTACT)
@@ -102,7 +102,7 @@ def configuration_of(key: Key, samples: int) -> list[Row]:
 
 
 def measured(problem: dincl.Problem, samples: int) -> tuple[float, float]:
-    """The eta and the constant of hypomonotonicity that searches around x0 find."""
+    """Return the eta and the constant of hypomonotonicity that searches around x0 find."""
     found = prox_regularity(
         problem, problem.x0, distance=DISTANCE, samples=samples, tol=TOL, rng=np.random.default_rng(SEED)
     )
@@ -113,17 +113,17 @@ def measured(problem: dincl.Problem, samples: int) -> tuple[float, float]:
 
 
 def packed(x: Floats) -> dincl.Problem:
-    """Discs of radius 1/2 at x (N, d), without drift."""
+    """Return discs of radius 1/2 at x (N, d), without drift."""
     return dincl.Problem(x, lambda _t, state: 0 * state, [dincl.NonOverlap(RADIUS)])
 
 
 def row(count: int, d: int = 2) -> Floats:
-    """A straight row."""
+    """Return a straight row."""
     return np.asarray(np.arange(count, dtype=np.float64)[:, None] * np.eye(d)[0])
 
 
 def arrangements() -> dict[str, Floats]:
-    """Touching discs by name."""
+    """Return touching discs by name."""
     return {
         "three in mutual contact": honeycomb(3),
         "bent row of three": np.array([[0.0, 0.0], [1.0, 0.0], [1.0 + math.cos(0.6), math.sin(0.6)]]),
@@ -141,14 +141,14 @@ def arrangements() -> dict[str, Floats]:
 
 
 def star(arms: int, length: int) -> Floats:
-    """A disc with straight arms of ``length`` discs."""
+    """Return a disc with straight arms of ``length`` discs."""
     angle = 2 * math.pi * np.arange(arms) / arms
     rays = np.column_stack((np.cos(angle), np.sin(angle)))
     return np.vstack((np.zeros((1, 2)), *(k * rays for k in range(1, length + 1))))
 
 
 def honeycomb(count: int) -> Floats:
-    """The ``count`` places of the triangular lattice nearest to one of them."""
+    """Return the ``count`` places of the triangular lattice nearest to one of them."""
     steps = np.arange(-3, 4)
     places = np.array([[i + j / 2, j * math.sqrt(0.75)] for i in steps for j in steps])
     order = np.argsort(np.round((places**2).sum(axis=1), 6), kind="stable")
@@ -156,5 +156,5 @@ def honeycomb(count: int) -> Floats:
 
 
 def _lifted(x: Floats) -> Floats:
-    """The plane z = 0 of space."""
+    """Return the plane z = 0 of space."""
     return np.column_stack((x, np.zeros(len(x))))

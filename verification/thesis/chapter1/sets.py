@@ -22,19 +22,19 @@ DOWN = np.array([0.0, -1.0])
 
 
 def subgradients(energy: Callable[[Floats], Floats], x: float) -> Floats:
-    """The slopes v with W(y) >= W(x) + v (y - x) at all places y: (1.9), where both sides may be infinite."""
+    """Return the slopes v with W(y) >= W(x) + v (y - x) at all places y: (1.9), where both sides may be infinite."""
     here = energy(np.array([x]))[0]
     bounds = here + SLOPES[:, None] * (PLACES - x)
     return np.asarray(SLOPES[(energy(PLACES) >= bounds).all(axis=1) & np.isfinite(here)])
 
 
 def unlike(first: Floats, second: Floats) -> int:
-    """How many slopes lie in one of two sets only."""
+    """Count how many slopes lie in one of two sets only."""
     return np.setxor1d(first, second).size
 
 
 def apart(y: Floats, least: float = 1.0) -> Floats:
-    """The projection of Example 2.5 for pairs of points, (..., 2, d), that must be ``least`` apart: half each."""
+    """Project pairs of points, (..., 2, d), that must be ``least`` apart, as in Example 2.5: half each."""
     arrow = y[..., 1, :] - y[..., 0, :]
     length = np.linalg.norm(arrow, axis=-1, keepdims=True)
     push = np.maximum(least - length, 0.0) / 2 * arrow / length
@@ -42,13 +42,13 @@ def apart(y: Floats, least: float = 1.0) -> Floats:
 
 
 def outside(y: Floats) -> Floats:
-    """The projection onto the outside of the unit disc, which is 1-prox-regular; y of shape (..., 2), not 0."""
+    """Return the projection onto the outside of the unit disc, which is 1-prox-regular; y of shape (..., 2), not 0."""
     length = np.linalg.norm(y, axis=-1, keepdims=True)
     return np.asarray(y / np.minimum(length, 1.0))
 
 
 def catch_up(start: Floats, drift: Callable[[Floats], Floats], h: float, steps: int) -> Floats:
-    """x_0, x_1, ... of (1.39) outside of the unit disc, (steps + 1, K, 2) for K starts."""
+    """Return x_0, x_1, ... of (1.39) outside of the unit disc, (steps + 1, K, 2) for K starts."""
     path = [start]
     for _ in range(steps):
         path.append(outside(path[-1] + h * drift(path[-1])))
@@ -56,12 +56,12 @@ def catch_up(start: Floats, drift: Callable[[Floats], Floats], h: float, steps: 
 
 
 def falling(x: Floats) -> Floats:
-    """Onto the disc from above."""
+    """Return the drift of points that fall onto the disc from above."""
     return np.broadcast_to(DOWN, x.shape)
 
 
 def support_of_cone(generators: Floats, w: Floats) -> float:
-    """sup of v . w over |v| <= 1 in the cone that the rows of ``generators`` span: the length of w's projection."""
+    """Return sup of v . w over |v| <= 1 in the cone of the rows of ``generators``: the length of w's projection."""
     if not len(generators):
         return 0.0
     distance = nnls(generators.T, w)[1]
@@ -69,7 +69,7 @@ def support_of_cone(generators: Floats, w: Floats) -> float:
 
 
 def contact_gradients(x: Floats, pairs: list[tuple[int, int]]) -> Floats:
-    """The gradients of |X_i - X_j| for the pairs given, (M, 2 N); they span -N."""
+    """Return the gradients of |X_i - X_j| for the pairs given, (M, 2 N); they span -N."""
     rows = np.zeros((len(pairs), *x.shape))
     for k, (i, j) in enumerate(pairs):
         unit = (x[i] - x[j]) / np.linalg.norm(x[i] - x[j])

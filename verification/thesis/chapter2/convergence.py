@@ -59,7 +59,7 @@ class ConvergenceRun:
 
 
 def study(references: Mapping[str, EventReference], form: ConvergenceForm) -> Study:
-    """All runs of the methods compared."""
+    """Return all runs of the methods compared."""
     runs = [
         {"scene": name, "method": method.name, "dt": STEP / 2**k}
         for k in reversed(range(form.steps))
@@ -77,13 +77,13 @@ def study(references: Mapping[str, EventReference], form: ConvergenceForm) -> St
 
 
 def order_of(rows: pd.DataFrame, quantity: str = "error") -> Order:
-    """The order of one method on one scene at one time, from its rows; a run that ended before that time failed."""
+    """Return the order of one method on one scene at one time; a run that ended before that time failed."""
     floor = max(FLOOR, float(rows["reference_error"].iloc[0])) if quantity == "error" else FLOOR
     return estimate(rows["dt"], rows[quantity], floor=floor, failed=rows[quantity].isna().to_numpy())
 
 
 def orders(table: pd.DataFrame) -> pd.DataFrame:
-    """One row for each scene, time and method: order, its interval, the sentence, the finest run."""
+    """Return one row for each scene, time and method: order, its interval, the sentence, the finest run."""
     names = ["scene", "method", "t"]
     groups = table.groupby(names, sort=False)
     found = pd.DataFrame([dict(zip(names, values, strict=True)) | _orders_of(rows) for values, rows in groups])

@@ -1,4 +1,4 @@
-"""Discs of chapter 2 that are pushed into each other, and the projections that part them."""
+"""Discs of chapter 2 that are pushed into each other, and the projections that separate them."""
 
 from __future__ import annotations
 
@@ -12,26 +12,26 @@ ROUNDING = 1e-12
 
 
 def overlap(x: Floats) -> float:
-    """Of two discs of radius RADIUS at x, shape (2, d)."""
+    """Return the overlap of two discs of radius RADIUS at x, shape (2, d)."""
     return max(0.0, 2 * RADIUS - float(np.linalg.norm(x[1] - x[0])))
 
 
-def parted(x: Floats) -> Floats:
-    """Both discs moved apart by half of their overlap: the formulas of Example 2.5."""
+def separated(x: Floats) -> Floats:
+    """Return both discs moved apart by half of their overlap: the formulas of Example 2.5."""
     return apart(x, 2 * RADIUS)
 
 
 def points_of_step(x: Floats, force: Floats, dt: float) -> list[Floats]:
-    """p_0 ... p_M of one step of PBD (2.11): pairs (i, j < i) in the order of Algorithm 1."""
+    """Return p_0 ... p_M of one step of PBD (2.11): pairs (i, j < i) in the order of Algorithm 1."""
     points = [x + dt * force]
     for i in range(len(x)):
         for j in range(i):
             p = points[-1].copy()
-            p[[j, i]] = parted(p[[j, i]])
+            p[[j, i]] = separated(p[[j, i]])
             points.append(p)
     return points
 
 
 def row(count: int) -> Floats:
-    """Centres of discs that touch each other in a row."""
+    """Return centres of discs that touch each other in a row."""
     return np.column_stack((2 * RADIUS * np.arange(float(count)), np.zeros(count)))

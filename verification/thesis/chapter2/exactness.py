@@ -25,7 +25,7 @@ KEPT = 24
 
 
 def study() -> Study:
-    """One run for each scene; there is one form only, it takes seconds."""
+    """Return one run for each scene; there is one form only, it takes seconds."""
     return Study(
         name="exactness",
         title="Event-driven against exact",
@@ -36,7 +36,7 @@ def study() -> Study:
 
 
 def run(key: Key) -> list[Row]:
-    """The largest true error of a scene over its kept times, and the largest stated one: one row."""
+    """Return the largest true error of a scene over its kept times, and the largest stated one: one row."""
     problem = scene(key["scene"])
     times = np.linspace(0.0, problem.times[-1], KEPT + 1)
     path, seconds = timed(problem, dincl.EventDriven(TOL), times)

@@ -57,7 +57,7 @@ class Extrapolated(Known):
 
 
 def extrapolate(t: Floats, coarse: Floats, middle: Floats, fine: Floats, tol: float) -> Extrapolated:
-    """x = 2 x_{h/4} - x_{h/2} where the differences halve, otherwise x_{h/4}.
+    """Return x = 2 x_{h/4} - x_{h/2} where the differences halve, otherwise x_{h/4}.
 
     The error is estimated by |x - (2 x_{h/2} - x_h)|, the difference of two successive extrapolations, or by the last
     difference |x_{h/4} - x_{h/2}|, or half of the first if that is larger; stated is ``SAFETY`` times the largest
@@ -81,7 +81,7 @@ def extrapolate(t: Floats, coarse: Floats, middle: Floats, fine: Floats, tol: fl
 
 
 def study(scenes: Sequence[str], form: ExtrapolationForm) -> Study:
-    """All runs of catch-up with Ipopt, with Daqp, and of linearised catch-up."""
+    """Return all runs of catch-up with Ipopt, with Daqp, and of linearised catch-up."""
     steps = [STEP / 2**k for k in form.exponents]
     runs = [
         {"scene": name, "method": method.name, "dt": dt}
@@ -100,14 +100,14 @@ def study(scenes: Sequence[str], form: ExtrapolationForm) -> Study:
 
 
 def run(key: Key) -> list[Row]:
-    """The positions of one run at the times of the reference: one row for each time and particle."""
+    """Return the positions of one run at the times of the reference: one row for each time and particle."""
     times = kept_times(key["scene"])
     path, columns = solved(key["scene"], key["method"], key["dt"], times)
     return position_rows(path, times, dict(key) | columns)
 
 
 def extrapolated(table: pd.DataFrame, name: str, method: str = CATCH_UP.name) -> Extrapolated:
-    """The extrapolation of the three runs of a method on a scene, from the table of ``study``."""
+    """Extrapolate the three runs of a method on a scene, from the table of ``study``."""
     mine = table[(table["scene"] == name) & (table["method"] == method)]
     steps = sorted(mine["dt"].unique(), reverse=True)
     runs = [stack(mine[mine["dt"] == dt]) for dt in steps]
@@ -117,7 +117,7 @@ def extrapolated(table: pd.DataFrame, name: str, method: str = CATCH_UP.name) ->
 def summary(
     references: Mapping[str, EventReference], table: pd.DataFrame, times: Mapping[str, Sequence[float]]
 ) -> pd.DataFrame:
-    """One row for each scene and time: the stated error of the reference, and its distance to extrapolated catch-up.
+    """Return, for each scene and time, the stated error of the reference and its distance to extrapolated catch-up.
 
     Beside it what that distance is made of: the stated error of the extrapolation, the ratio of its differences; the
     distance of one of its runs to the same run with another projection, which may differ by the tolerances only; the
@@ -148,7 +148,7 @@ def _summary_of(own: EventReference, table: pd.DataFrame, name: str, kept: Seque
 
 
 def _same_step(table: pd.DataFrame, name: str) -> Floats:
-    """Distance between catch-up with Ipopt and with Daqp at the same step."""
+    """Return the distance between catch-up with Ipopt and with Daqp at the same step."""
     mine = table[table["scene"] == name]
     dt = mine[mine["method"] == CATCH_UP_DAQP.name]["dt"].max()
     pair = [mine[(mine["method"] == method.name) & (mine["dt"] == dt)] for method in (CATCH_UP, CATCH_UP_DAQP)]

@@ -23,7 +23,7 @@ LABELS = {"error": "error, largest over all discs", "infeasibility": "largest ov
 
 
 def against_step(table: pd.DataFrame, scene: str, quantity: str, path: Path) -> Path:
-    """``quantity`` ("error" or "infeasibility") against dt, one panel for each time, failed runs as crosses on top."""
+    """Draw ``quantity`` ("error" or "infeasibility") against dt, a panel for each time, failed runs on top."""
     rows = table[table["scene"] == scene]
     times = sorted(rows["t"].unique())
     with sheet(path, 4.3) as figure:
@@ -43,7 +43,7 @@ def against_step(table: pd.DataFrame, scene: str, quantity: str, path: Path) -> 
 
 
 def error_curve(panel: Axes, rows: pd.DataFrame, method: NamedMethod, quantity: str) -> None:
-    """A curve with markers; values too small to matter are markers on the lower edge, without a line to them."""
+    """Draw a curve with markers; values too small to matter are markers on the lower edge, without a line to them."""
     rows = rows.sort_values("dt")
     values, lowest = rows[quantity].to_numpy(), LOWEST[quantity]
     look: dict[str, Any] = {"color": method.colour, "marker": method.marker}
@@ -66,7 +66,7 @@ def _reference_band(panel: Axes, error: float) -> None:
 
 
 def slope_one(panel: Axes, rows: pd.DataFrame, quantity: str) -> None:
-    """A guide of slope 1 that ends at the coarsest step, below the curve of PBD."""
+    """Draw a guide of slope 1 that ends at the coarsest step, below the curve of PBD."""
     mine = rows[(rows["method"] == PBD.name) & (rows["status"] == "SUCCESS")].sort_values("dt")
     steps = np.array([mine["dt"].min(), mine["dt"].max()])
     guide = steps * float(mine[quantity].iloc[0] / mine["dt"].iloc[0]) / 6
@@ -75,7 +75,7 @@ def slope_one(panel: Axes, rows: pd.DataFrame, quantity: str) -> None:
 
 
 def infeasibility_in_time(curves: pd.DataFrame, scenes: Sequence[Scene], path: Path) -> Path:
-    """Figure 6: largest overlap after every step, PBD solid, the penalty method with its best strength dashed."""
+    """Draw Figure 6: largest overlap after every step, PBD solid, the penalty method with its best strength dashed."""
     steps = sorted(curves["dt"].unique(), reverse=True)
     with sheet(path, 2.5 * len(steps) + 0.5) as figure:
         panels = figure.subplots(len(steps), len(scenes), sharex="col", squeeze=False)
@@ -105,7 +105,7 @@ def _contestant(exponent: int, strength: float) -> tuple[str, dict[str, Any]]:
 
 
 def strengths(scanned: pd.DataFrame, scenes: Sequence[Scene], path: Path) -> Path:
-    """Largest infeasibility in time against the penalty strength, and the error of the positions, at each step."""
+    """Draw largest infeasibility in time and error of the positions against the penalty strength, at each step."""
     dt = float(scanned["dt"].min())
     with sheet(path, 3.3) as figure:
         panels = figure.subplots(1, len(scenes), sharey=True)
@@ -134,7 +134,7 @@ def strengths(scanned: pd.DataFrame, scenes: Sequence[Scene], path: Path) -> Pat
 
 
 def large_steps(table: pd.DataFrame, far: float, scenes: Sequence[Scene], path: Path) -> Path:
-    """How many times farther out than at the start a disc gets, against dt; runs that stopped as crosses."""
+    """Draw how many times farther out than at the start a disc gets, against dt; runs that stopped as crosses."""
     with sheet(path, 3.2) as figure:
         panels = figure.subplots(1, len(scenes), sharey=True)
         for panel, scene in zip(panels, scenes, strict=True):
@@ -153,7 +153,7 @@ def large_steps(table: pd.DataFrame, far: float, scenes: Sequence[Scene], path: 
 
 
 def motion(scene: Scene, t: Sequence[float], x: Floats, path: Path) -> Path:
-    """Discs to scale and walls, one panel for each time; ``x`` of shape (K, N, 2)."""
+    """Draw discs to scale and walls, one panel for each time; ``x`` of shape (K, N, 2)."""
     low = (x - scene.radius[:, None]).min(axis=(0, 1)) - 0.2
     high = (x + scene.radius[:, None]).max(axis=(0, 1)) + 0.2
     height = WIDTH / len(t) * float((high - low)[1] / (high - low)[0]) + 0.45
@@ -172,7 +172,7 @@ def motion(scene: Scene, t: Sequence[float], x: Floats, path: Path) -> Path:
 
 
 def _wall(wall: dincl.HalfSpace) -> Floats:
-    """A long rectangle behind the wall n . x = offset."""
+    """Return a long rectangle behind the wall n . x = offset."""
     normal = np.asarray(wall.normal)
     along, foot, far = np.array([-normal[1], normal[0]]), wall.offset * normal, 50.0  # longer than any picture
     return np.array(

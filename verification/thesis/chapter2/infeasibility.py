@@ -45,7 +45,7 @@ class InfeasibilityForm:
     pushes: tuple[float, ...] = PUSHES
 
     def strengths(self, dt: float, exponent: int) -> tuple[float, ...]:
-        """Those scanned at a step; PBD, exponent 0, has none."""
+        """Return the strengths scanned at a step; PBD, exponent 0, has none."""
         return {0: (0.0,), 1: self.pushes, 2: tuple(value / dt for value in self.springs)}[exponent]
 
 
@@ -68,7 +68,7 @@ class Scan:
 
 
 def curve(key: Key) -> list[Row]:
-    """The infeasibility of one run after every step: one row each."""
+    """Return the infeasibility of one run after every step: one row each."""
     path, run = _run(key)
     columns = zip(path.t.tolist(), path.violation().tolist(), strict=True)
     return [dict(key) | {"t": t, "infeasibility": value, "status": run["status"]} for t, value in columns]
@@ -89,7 +89,7 @@ def _run(key: Key) -> tuple[dincl.Trajectory, dict[str, Any]]:
 
 
 def scan(references: Mapping[str, EventReference], form: InfeasibilityForm) -> Study:
-    """PBD (exponent 0) and the penalty method at all strengths, for every step and scene."""
+    """Run PBD (exponent 0) and the penalty method at all strengths, for every step and scene."""
     runs = [
         {"scene": name, "dt": dt, "exponent": exponent, "strength": strength}
         for dt in sorted(form.steps)
@@ -107,7 +107,7 @@ def scan(references: Mapping[str, EventReference], form: InfeasibilityForm) -> S
 
 
 def curves(scanned: pd.DataFrame, form: InfeasibilityForm) -> Study:
-    """The runs of PBD and of the best strengths, after every step."""
+    """Return the runs of PBD and of the best strengths, after every step."""
     best = best_strengths(scanned).dropna(subset="strength")
     wanted = [(row.scene, row.dt, row.exponent, row.strength) for row in best.itertuples()]
     wanted += [(row.scene, row.dt, 0, 0.0) for row in scanned[scanned["exponent"] == 0].itertuples()]
@@ -122,7 +122,7 @@ def curves(scanned: pd.DataFrame, form: InfeasibilityForm) -> Study:
 
 
 def best_strengths(scanned: pd.DataFrame) -> pd.DataFrame:
-    """For each scene, step and exponent the strength with the smallest largest infeasibility, and PBD beside it.
+    """Return for each scene, step and exponent the strength with the smallest largest infeasibility, and PBD beside it.
 
     Only runs that reach the end with an error of at most ``COMPARABLE`` times that of PBD compete; where there is
     none, strength and values are NaN.
@@ -145,7 +145,7 @@ def best_strengths(scanned: pd.DataFrame) -> pd.DataFrame:
 
 
 def _width(fair: pd.DataFrame, best: Mapping[str, float]) -> float:
-    """Factor between the ends of the unbroken range of good strengths around the best one; NaN if there is none."""
+    """Return the factor between the ends of the unbroken range of good strengths around the best, or NaN."""
     if not len(fair):
         return np.nan
     good = (fair["largest"] <= WIDTH * best["largest"]).to_numpy()

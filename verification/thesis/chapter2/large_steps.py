@@ -30,7 +30,7 @@ FORM = LargeStepsForm((0.0125, 0.025, 0.05, 0.1, 0.2, 0.4, 0.8, 1.0, 1.6))
 
 
 def extent(key: Key) -> list[Row]:
-    """The largest coordinate of one run, after every step, over that of the start: one row."""
+    """Return the largest coordinate of one run, after every step, over that of the start: one row."""
     problem = scene(key["scene"])
     steps = round(END / key["dt"])
     times = np.array([END * k / steps for k in range(steps + 1)])
@@ -42,7 +42,7 @@ def extent(key: Key) -> list[Row]:
 
 
 def study(form: LargeStepsForm = FORM) -> Study:
-    """All runs."""
+    """Return all runs."""
     runs = [
         {"scene": name, "method": method.name, "dt": dt} for name in SCENES for method in COMPARED for dt in form.steps
     ]

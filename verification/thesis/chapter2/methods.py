@@ -37,29 +37,29 @@ class NamedMethod(Method):
     costly: bool = False
 
     def make(self, setting: float) -> dincl.Scheme:
-        """The scheme with dt or tol = ``setting``."""
+        """Return the scheme with dt or tol = ``setting``."""
         if self.scheme is None:
             raise dincl.InvalidProblem(f"method {self.name}: run = {describe(self.run)}: a named method is a scheme")
         return self.scheme(setting)
 
     def __reduce__(self) -> tuple[Callable[[str], NamedMethod], tuple[str]]:
-        """A method travels to other processes by its name: the functions that make schemes do not pickle."""
+        """Send a method to other processes by its name: the functions that make schemes do not pickle."""
         return by_name, (self.name,)
 
     @property
     def colour(self) -> str:
-        """In figures."""
+        """Return the colour of its curves."""
         return str(self.look["color"])
 
     @property
     def marker(self) -> str | tuple[int, int, int]:
-        """In figures."""
+        """Return the marker of its curves."""
         marker: str | tuple[int, int, int] = self.look["marker"]
         return marker
 
     @property
     def line(self) -> str:
-        """In figures."""
+        """Return the line of its curves."""
         return str(self.look["linestyle"])
 
 
@@ -74,7 +74,7 @@ def _named(
     setting: str = "dt",
     rimmed: bool = False,
 ) -> NamedMethod:
-    """With a colour, a marker and a line; hollow markers where the line is not solid, large ones with a black rim."""
+    """Set colour, marker and line; markers are hollow where the line is not solid, large ones have a black rim."""
     colour, marker, line = look
     drawn: dict[str, Any] = {"color": colour, "marker": marker, "linestyle": line}
     if line != "-":
@@ -243,5 +243,5 @@ METHODS = {method.name: method for method in (*COMPARED, *CHARTED)}
 
 
 def by_name(name: str) -> NamedMethod:
-    """The method of this name."""
+    """Return the method of this name."""
     return METHODS[name]

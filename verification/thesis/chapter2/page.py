@@ -58,7 +58,7 @@ def run(context: Context) -> None:
 
 
 def sections(context: Context) -> Sequence[Section]:
-    """The two scenes, the reference, convergence, infeasibility, large steps."""
+    """Write about the two scenes, the reference, convergence, infeasibility and large steps."""
     return [
         _scenes(context),
         _reference(context),
@@ -70,7 +70,7 @@ def sections(context: Context) -> Sequence[Section]:
 
 @cache
 def _both() -> tuple[Scene, ...]:
-    """The scenes; making them compiles the search for neighbours, for which no import should wait."""
+    """Return the scenes; making them compiles the search for neighbours, for which no import should wait."""
     return tuple(scene(name) for name in convergence.SCENES)
 
 
@@ -166,7 +166,7 @@ def _large(context: Context) -> Section:
 
 
 def findings(context: Context) -> Sequence[Finding]:
-    """The order of PBD, and its error beside that of catch-up."""
+    """Say which order PBD has, and how its error compares with catch-up."""
     orders, table = context.tables["orders"], context.tables["convergence"]
     mine = orders[orders["method"] == PBD.name]
     crowd = table[(table["scene"] == CROWD) & (table["t"] < table["t"].max())]

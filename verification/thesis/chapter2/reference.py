@@ -29,12 +29,12 @@ class EventReference(Known):
 
 
 def kept_times(name: str) -> Floats:
-    """The times that are kept of a scene, from 0 to its end."""
+    """Return the times that are kept of a scene, from 0 to its end."""
     return np.arange(0.0, scene(name).times[-1] + EVERY / 2, EVERY)
 
 
 def study(scenes: Sequence[str]) -> Study:
-    """One run for each scene; there is one form only."""
+    """Return one run for each scene; there is one form only."""
     return Study(
         name="reference",
         title="Reference solutions",
@@ -45,7 +45,7 @@ def study(scenes: Sequence[str]) -> Study:
 
 
 def run(key: Key) -> list[Row]:
-    """The positions of a scene at its kept times: one row for each time and particle."""
+    """Return the positions of a scene at its kept times: one row for each time and particle."""
     times = kept_times(key["scene"])
     path, seconds = timed(scene(key["scene"]), dincl.EventDriven(TOL), times)
     rows = position_rows(path, times, dict(key) | about(path, seconds))
@@ -57,14 +57,14 @@ def run(key: Key) -> list[Row]:
 
 
 def reference(table: pd.DataFrame, name: str) -> EventReference:
-    """The reference of a scene, from the table of ``study``."""
+    """Return the reference of a scene, from the table of ``study``."""
     mine = table[table["scene"] == name]
     one = mine[mine["particle"] == 0].sort_values("t")
     return EventReference(*stack(mine), one["error"].to_numpy(), one["events"].to_numpy())
 
 
 def stack(rows: pd.DataFrame) -> tuple[Floats, Floats]:
-    """Times (K,) and positions (K, N, d) of the rows of one run."""
+    """Return times (K,) and positions (K, N, d) of the rows of one run."""
     t = np.unique(rows["t"].to_numpy())
     axes = [name for name in "xyz" if name in rows]
     return t, rows.sort_values(["t", "particle"])[axes].to_numpy().reshape(len(t), -1, len(axes))

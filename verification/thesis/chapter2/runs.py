@@ -18,20 +18,20 @@ from verification.thesis.chapter2.methods import METHODS
 
 
 def scene(name: str) -> Scene:
-    """The ready-made problem ``dincl.scenes.<name>()``."""
+    """Return the ready-made problem ``dincl.scenes.<name>()``."""
     made: Scene = getattr(dincl.scenes, name)()
     return made
 
 
 def exact(problem: Scene, t: ArrayLike) -> NDArray[np.float64]:
-    """The exact solution of a scene at ``t``; InvalidProblem if none is known."""
+    """Return the exact solution of a scene at ``t``; InvalidProblem if none is known."""
     if problem.exact is None:
         raise dincl.InvalidProblem(f"scene {problem.name}: its exact solution is not known")
     return problem.exact(t)
 
 
 def timed(problem: dincl.Problem, scheme: dincl.Scheme, t: NDArray[np.float64]) -> tuple[dincl.Trajectory, float]:
-    """The run and its seconds; loading, compiling and importing are paid before by two steps that are thrown away.
+    """Return the run and its seconds; two steps before it pay for loading, compiling and importing.
 
     A scheme without time steps is run to the first time that is kept before.
     """
@@ -49,7 +49,7 @@ def solved(name: str, method: str, dt: float, t: NDArray[np.float64]) -> tuple[d
 
 
 def about(path: dincl.Trajectory, seconds: float) -> dict[str, Any]:
-    """Status, time and counters of a run, as columns."""
+    """Return status, time and counters of a run, as columns."""
     counted = asdict(path.stats)
     return {"status": path.status.name, "detail": path.detail, "seconds": seconds} | {
         name: counted[name] for name in COUNTERS
@@ -57,7 +57,7 @@ def about(path: dincl.Trajectory, seconds: float) -> dict[str, Any]:
 
 
 def position_rows(path: dincl.Trajectory, times: NDArray[np.float64], columns: dict[str, Any]) -> list[Row]:
-    """One row for each of ``times`` and each particle with its coordinates, and ``columns`` in every row."""
+    """Return one row for each of ``times`` and each particle with its coordinates, and ``columns`` in every row."""
     return [
         columns | {"t": t, "particle": i} | dict(zip("xyz", x, strict=False))
         for t, state in zip(times, reached(path, times), strict=True)

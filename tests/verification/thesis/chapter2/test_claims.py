@@ -17,7 +17,7 @@ from verification.thesis.chapter2.claims import (
     s4_1_numerics,
     s4_3_penalty,
 )
-from verification.thesis.chapter2.discs import parted
+from verification.thesis.chapter2.discs import separated
 from verification.thesis.conclusions.claims import s1_conclusions
 
 PARTS = (s1_methods, s2_2_method, s2_4_algorithm, s3_consistency, s4_1_numerics, s4_3_penalty, s1_conclusions)
@@ -104,7 +104,7 @@ CHANGES: dict[str, Wrong] = {
     "c2.limits": Wrong("chapter2.s3_consistency", "trapped", replaced(lambda x, dt: False), TRUE),
     "c2.definition": Wrong("chapter2.s3_consistency", "W", replaced(-1.0), TRUE),
     "c2.lemma": Wrong("chapter2.s3_consistency", "points_of_step", replaced(lambda x, force, dt: [x - dt * force])),
-    "c2.equivalent": Wrong("chapter2.s3_consistency", "other_side", replaced(parted), TRUE),
+    "c2.equivalent": Wrong("chapter2.s3_consistency", "other_side", replaced(separated), TRUE),
     "c2.induction": Wrong("chapter2.s3_consistency", "KICKS", replaced(3), TRUE),
     "c2.last-line": Wrong("chapter2.s3_consistency", "APART", lambda force: -force, TRUE),
     "c2.tolerance": Wrong("chapter2.s4_1_numerics", "step_error", times(1e-12), TRUE),

@@ -50,7 +50,7 @@ class Chipmunk(dincl.Scheme):
         object.__setattr__(self, "iterations", integer("iterations", self.iterations, least=1))
 
     def run(self, problem: dincl.Problem, times: Floats) -> dincl.RunOutcome:
-        """Equal steps of at most dt, as the schemes of dincl take them; between two of them a straight line."""
+        """Make equal steps of at most dt, as the schemes of dincl do; between two of them a straight line."""
         on = divide_time(float(times[-1]), self.dt)
         space = _Space(problem, self, on)
         kept = Kept(problem, times)
@@ -94,11 +94,11 @@ class _Space:
         self._x, self._v = problem.x0, np.zeros_like(problem.x0)
 
     def ahead(self) -> Floats:
-        """x_k + dt v_k, shape (N, d)."""
+        """Return x_k + dt v_k, shape (N, d)."""
         return self._x + self._h * self._v
 
     def step(self, velocity: Floats) -> Floats:
-        """The next state, shape (N, d); ``velocity`` is what its contacts are to answer."""
+        """Return the next state, shape (N, d); ``velocity`` is what its contacts are to answer."""
         # Bodies come in the order in which they were added, and after them the one at rest, if anything belongs to it.
         force = np.zeros((self._count + 1, 2))
         force[:-1, : self._d] = velocity / self._h
@@ -113,7 +113,7 @@ class _Space:
 
 
 def _fill(space: Any, pymunk: Any, problem: dincl.Problem) -> None:
-    """Discs on bodies of mass 1 that do not turn, and what they meet on the body at rest."""
+    """Put discs on bodies of mass 1 that do not turn, and obstacles on the body at rest."""
     if not isinstance(problem, Scene) or problem.x0.shape[1] > 2:
         raise dincl.InvalidProblem(
             f"problem = {describe(problem)}: Chipmunk runs scenes in the plane or on a line only"
@@ -131,7 +131,7 @@ def _fill(space: Any, pymunk: Any, problem: dincl.Problem) -> None:
 
 
 def _obstacles(body: Any, pymunk: Any, constraint: dincl.Constraint, scene: Scene) -> list[Any]:
-    """What a constraint is made of at rest; InvalidProblem if Chipmunk does not know it, or for other radii."""
+    """Return the bodies at rest that make up a constraint; InvalidProblem if Chipmunk does not know it."""
     count, kept = len(scene.x0), scene.radius
     if isinstance(constraint, dincl.NonOverlap) and (constraint.radii(count) == kept).all():
         return []
@@ -151,5 +151,5 @@ def _obstacles(body: Any, pymunk: Any, constraint: dincl.Constraint, scene: Scen
 
 
 def _plane(vector: Floats) -> tuple[float, float]:
-    """A vector (d,), d = 1 or 2, in the plane."""
+    """Return a vector (d,), d = 1 or 2, in the plane."""
     return float(vector[0]), float(vector[1]) if len(vector) == 2 else 0.0

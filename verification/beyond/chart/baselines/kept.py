@@ -42,12 +42,12 @@ class Kept:
         self._x: list[Floats] = []
 
     def velocity(self, t: float, x: Floats) -> Floats:
-        """The drift, counted."""
+        """Return the drift, counted."""
         self.work.drift_evaluations += 1
         return self._problem.velocity(t, x)
 
     def due(self, t: float) -> Floats:
-        """The times up to t that are still to be kept."""
+        """Return the times up to t that are still to be kept."""
         return self._times[len(self._t) : np.searchsorted(self._times, t, side="right")]
 
     def keep(self, t: float, x: Floats) -> None:
@@ -60,7 +60,7 @@ class Kept:
         self._x.append(x)
 
     def outcome(self, failure: StepFailure | None = None) -> dincl.RunOutcome:
-        """The run so far, and how it ended; a run that kept nothing still has its start."""
+        """Return the run so far, and how it ended; a run that kept nothing still has its start."""
         t, x = np.array([0.0, *self._t]), np.array([self._problem.x0, *self._x])
         first = 1 if self._t else 0
         return dincl.RunOutcome(

@@ -48,7 +48,7 @@ class Lsoda(dincl.Scheme):
         object.__setattr__(self, "tol", number("tol", self.tol, positive=True))
 
     def run(self, problem: dincl.Problem, times: Floats) -> dincl.RunOutcome:
-        """From step to step of LSODA; kept states from its dense output."""
+        """Go from step to step of LSODA; kept states come from its dense output."""
         kept = Kept(problem, times)
         try:
             with np.errstate(over="ignore", invalid="ignore"):
@@ -102,7 +102,7 @@ class _Springs:
         return moved
 
     def jacobian(self, t: float, flat: Floats) -> Floats:
-        """-strength sum_k grad g_k grad g_k^T over the overlaps, shape (N d, N d)."""
+        """Return -strength sum_k grad g_k grad g_k^T over the overlaps, shape (N d, N d)."""
         self._kept.work.count_call("lsoda", 1)
         x = flat.reshape(self._shape)
         rows = self._candidates.select(t, x, self._search_radius).at(t)

@@ -53,7 +53,7 @@ def _impact() -> Evidence:
 
 
 def ball_energy(x: Floats) -> Floats:
-    """W of the rubber ball."""
+    """Return W of the rubber ball."""
     return np.where(x >= 0, WEIGHT * x, np.inf)
 
 

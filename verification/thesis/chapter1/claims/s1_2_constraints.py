@@ -96,7 +96,7 @@ def _penalty() -> Evidence:
 
 
 def indicator(x: Floats) -> Floats:
-    """I_S for S = [0, 1]."""
+    """Return I_S for S = [0, 1]."""
     return np.where((x >= 0) & (x <= 1), 0.0, np.inf)
 
 
@@ -146,12 +146,12 @@ def _subdifferential() -> Evidence:
 
 
 def inside(y: Floats) -> Floats:
-    """The projection onto the unit disc."""
+    """Return the projection onto the unit disc."""
     return np.asarray(y / max(float(np.linalg.norm(y)), 1.0))
 
 
 def subgradient(v: Floats, x: Floats) -> bool:
-    """(1.9) for the indicator function of the unit disc, x in it."""
+    """Say whether v is a subgradient (1.9) of the indicator function of the unit disc, x in it."""
     return bool(((EDGE - x) @ v).max() <= BLIND)
 
 

@@ -27,12 +27,12 @@ def _one_sided() -> Evidence:
 
 
 def step_values(x: float) -> tuple[float, float]:
-    """The least and the largest value of the right-hand side of (1.13)."""
+    """Return the least and the largest value of the right-hand side of (1.13)."""
     return (-1.0, 1.0) if x == 0 else (-np.sign(x), -np.sign(x))
 
 
 def steepest(sign: float) -> float:
-    """The largest (v - w)(x - y)/(x - y)^2 of sign times (1.13), over x = 0 and x != 0 and all y of the line."""
+    """Return the largest (v - w)(x - y)/(x - y)^2 of sign times (1.13), over x = 0 and x != 0 and all y of the line."""
     largest = -np.inf
     for x in (0.0, 1e-8, 0.5):
         for y in LINE[np.abs(LINE - x) > 0]:
@@ -111,7 +111,7 @@ def _neither() -> Evidence:
 
 
 def cones_from(least: float, most: float) -> int:
-    """For how many forces f, eighths from -2 to 2, the values least ... most less f form a cone, as -N(S, x) does."""
+    """Count the forces f, eighths from -2 to 2, for which the values least ... most less f form a cone, as -N(S, x)."""
     forces = np.arange(-16, 17) / 8
     ends = np.stack([least - forces, most - forces])
     return int((((ends == 0) | np.isinf(ends)).all(axis=0)).sum())

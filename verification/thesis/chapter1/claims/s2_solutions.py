@@ -24,7 +24,7 @@ CELLS, SHORT = 3**8, 0.04
 
 
 def cantor(x: float) -> float:
-    """Cantor's function, to LEVELS ternary digits."""
+    """Return Cantor's function, to LEVELS ternary digits."""
     value, weight = 0.0, 0.5
     for _ in range(LEVELS):
         x *= 3
@@ -45,13 +45,13 @@ FUNCTIONS: dict[str, Callable[[float], float]] = {
 
 
 def largest_rise(f: Callable[[float], float]) -> float:
-    """The most that the increments over cells of a total length of SHORT add up to, as in Definition 1.6."""
+    """Return the most that the increments over cells of a total length of SHORT add up to, as in Definition 1.6."""
     increments = np.abs(np.diff([f(k / CELLS) for k in range(CELLS + 1)]))
     return float(np.sort(increments)[-int(SHORT * CELLS) :].sum())
 
 
 def lost_rise(f: Callable[[float], float]) -> float:
-    """f(1) - f(0) less the integral of the derivative, as in Lemma 1.7, by the midpoint rule."""
+    """Return f(1) - f(0) less the integral of the derivative, as in Lemma 1.7, by the midpoint rule."""
     middles = (np.arange(CELLS) + 0.5) / CELLS
     slopes = [(f(x + EDGE) - f(x - EDGE)) / (2 * EDGE) for x in middles]
     return float(f(1.0) - f(0.0) - np.mean(slopes))
@@ -78,7 +78,7 @@ def _absolutely_continuous() -> Evidence:
 
 
 def speed(t: float, h: float) -> float:
-    """(x(t + h) - x(t))/h for a numerical solution of (1.13) from c."""
+    """Return (x(t + h) - x(t))/h for a numerical solution of (1.13) from c."""
     problem = dincl.Problem([[C]], lambda _t, x: 0 * x - 1.0, [dincl.HalfSpace(normal=(1,))])
     first, last = sorted((t, t + h))
     path = dincl.solve(problem, dincl.PBD(dt=STEP), t=[first, last])
@@ -86,7 +86,7 @@ def speed(t: float, h: float) -> float:
 
 
 def unsolved(c: float, end: float) -> float:
-    """The largest |x' + sign(x)| of x = max(c - t, 0) at times of [0, end), by quotients."""
+    """Return the largest |x' + sign(x)| of x = max(c - t, 0) at times of [0, end), by quotients."""
     times = np.arange(0.0, end, STEP)
     x, later = np.maximum(c - times, 0.0), np.maximum(c - times - STEP, 0.0)
     return float(np.abs((later - x) / STEP + np.sign(x)).max())

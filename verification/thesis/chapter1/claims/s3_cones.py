@@ -100,7 +100,7 @@ def _sweeping() -> Evidence:
 
 
 def swept_from(start: float, h: float, end: float) -> float:
-    """Where C(t) has a point from ``start``, by catch-up with exact projections; C(t) = [sin t, sin t + 1/2]."""
+    """Sweep a point from ``start`` by catch-up with exact projections; C(t) = [sin t, sin t + 1/2]."""
     x = start
     for t in h * np.arange(1, round(end / h) + 1):
         x = min(max(x, np.sin(t)), np.sin(t) + 0.5)

@@ -91,17 +91,17 @@ def _pacman() -> Evidence:
 
 
 def printed_constant(n: int, d: int) -> float:
-    """η of Proposition 1.22."""
+    """Return η of Proposition 1.22."""
     return RADIUS / (6 * n) * (math.sin(2 * math.pi / n) / 3) ** d
 
 
 def safe_constant(n: int) -> float:
-    """The η of the correction, for discs of radius RADIUS."""
+    """Return the η of the correction, for discs of radius RADIUS."""
     return RADIUS * math.sqrt(2 / (2 * n - 3))
 
 
 def bent_rows(n: int) -> float:
-    """The largest 2η n·(y - x)/(‖n‖ ‖y - x‖²), at most 1 by (1.28): x a row of touching discs, y the row bent."""
+    """Return the largest 2η n·(y - x)/(‖n‖ ‖y - x‖²), at most 1 by (1.28), x a row of touching discs, y bent."""
     rng = np.random.default_rng(SEED)
     along = np.arange(n)[:, None] * np.array([1.0, 0.0])
     gradients = contact_gradients(along, [(i, i + 1) for i in range(n - 1)])

@@ -35,7 +35,7 @@ def _sum_of_all() -> Evidence:
 
 
 def spread(sign: float) -> float:
-    """How far apart solutions s t of sign times (1.13) are at t = 1 that all start at 0."""
+    """Measure how far apart solutions s t of sign times (1.13) are at t = 1 that all start at 0."""
     ends = []
     for s in (-1.0, -0.5, 0.0, 0.5, 1.0):
         allowed = (sorted(sign * end for end in step_values(s * t)) for t in (0.25, 0.5, 1.0))

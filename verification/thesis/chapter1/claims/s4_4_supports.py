@@ -31,12 +31,12 @@ EPSILON = 0.1
 
 
 def support(points: Floats, w: Floats) -> Floats:
-    """sigma of a finite set or the hull of it, for directions (K, 2)."""
+    """Return sigma of a finite set or the hull of it, for directions (K, 2)."""
     return np.asarray((points @ w.T).max(axis=0))
 
 
 def ellipse_support(w: Floats) -> Floats:
-    """sigma of an ellipse, the image M B_1 + c of the unit disc: |M^T w| + c . w, for directions (K, 2)."""
+    """Return sigma of an ellipse, the image M B_1 + c of the unit disc: |M^T w| + c . w, for directions (K, 2)."""
     return np.asarray(np.linalg.norm(w @ SHAPE, axis=1) + w @ CENTRE)
 
 
@@ -116,17 +116,17 @@ def _additive() -> Evidence:
 
 
 def by_limsup(f: Callable[[Floats], Floats]) -> bool:
-    """Lim sup f(x) <= f(0) as x -> 0, with EPSILON for what is left of the limit."""
+    """Say whether lim sup f(x) <= f(0) as x -> 0, up to EPSILON."""
     return bool(f(NEAR).max() <= f(np.zeros(1))[0] + EPSILON)
 
 
 def by_singletons(f: Callable[[Floats], Floats]) -> bool:
-    """Definition 1.10 at 0 for x -> {f(x)}."""
+    """Say whether x -> {f(x)} fulfils Definition 1.10 at 0."""
     return bool((np.abs(f(NEAR) - f(np.zeros(1))) < EPSILON).all())
 
 
 def by_half_lines(f: Callable[[Floats], Floats]) -> bool:
-    """Definition 1.10 at 0 for x -> (-inf, f(x)], by points of the half-lines."""
+    """Say whether x -> (-inf, f(x)] fulfils Definition 1.10 at 0, by points of the half-lines."""
     depths = np.linspace(-100.0, 0.0, 1001)
     return bool((f(NEAR)[:, None] + depths < f(np.zeros(1))[0] + EPSILON).all())
 
@@ -149,19 +149,19 @@ def _single_valued() -> Evidence:
 
 
 def bent(opening: float) -> Floats:
-    """Three discs of which the first touches both others; 0 closes the triangle."""
+    """Return three discs of which the first touches both others; 0 closes the triangle."""
     angles = np.array([0.0, math.pi / 3 + opening])
     return np.concatenate([[[0.0, 0.0]], np.stack([np.cos(angles), np.sin(angles)], axis=1)])
 
 
 def normals_support(x: Floats, w: Floats) -> float:
-    """sigma(-N(S, x) ∩ B_1, w) of discs of radius 1/2 at a point of S."""
+    """Return sigma(-N(S, x) ∩ B_1, w) of discs of radius 1/2 at a point of S."""
     closed = [(i, j) for i, j in SIDES if np.linalg.norm(x[i] - x[j]) < 1 + 1e-12]
     return support_of_cone(contact_gradients(x, closed), w)
 
 
 def limits(step: float) -> Floats:
-    """sigma at three sequences that are ``step`` away from the closed triangle, and at the triangle, (4, K)."""
+    """Return sigma at three sequences that are ``step`` away from the closed triangle, and at the triangle, (4, K)."""
     directions = np.random.default_rng(SEED).normal(size=(100, 6))
     corner = bent(0.0)
     turned = corner @ np.array([[math.cos(step), math.sin(step)], [-math.sin(step), math.cos(step)]])
@@ -170,7 +170,7 @@ def limits(step: float) -> Floats:
 
 
 def excess(values: Floats) -> float:
-    """How far sigma at the sequences of ``limits`` is above sigma at their limit."""
+    """Measure how far sigma at the sequences of ``limits`` is above sigma at their limit."""
     return float((values[:3] - values[3]).max())
 
 

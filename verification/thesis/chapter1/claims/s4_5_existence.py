@@ -53,7 +53,7 @@ def _catch_up_normal() -> Evidence:
 
 
 def slide(t: Floats) -> Floats:
-    """The exact solution of a disc that falls onto a fixed one of radius 1 in all and slides, (K, 2)."""
+    """Return the exact solution of a disc that falls onto a fixed one of radius 1 in all and slides, (K, 2)."""
     exact = dincl.scenes.sliding_disc().exact
     return np.zeros((len(t), 2)) if exact is None else exact(t)[:, 0]
 

@@ -18,17 +18,17 @@ T, A, B, N = 1.0, 0.01, 0.01, 50
 
 
 def sup_norm(x: Floats) -> Floats:
-    """The norm of L^∞ of step functions on [0, T], over the last axis."""
+    """Return the norm of L^∞ of step functions on [0, T], over the last axis."""
     return np.asarray(np.abs(x).max(axis=-1))
 
 
 def mean_norm(x: Floats) -> Floats:
-    """The norm of L^1 of step functions with equal steps on [0, T]."""
+    """Return the norm of L^1 of step functions with equal steps on [0, T]."""
     return np.asarray(np.abs(x).mean(axis=-1) * T)
 
 
 def hlawka(norm: Callable[[Floats], Floats], x: Floats, y: Floats, z: Floats) -> Floats:
-    """|x + y| + |y + z| + |z + x| - |x| - |y| - |z| - |x + y + z|: never above 0 in L^1."""
+    """Return |x + y| + |y + z| + |z + x| - |x| - |y| - |z| - |x + y + z|, which is never above 0 in L^1."""
     pairs = norm(x + y) + norm(y + z) + norm(z + x)
     return np.asarray(pairs - norm(x) - norm(y) - norm(z) - norm(x + y + z))
 
@@ -124,7 +124,7 @@ def _compact() -> Evidence:
 
 
 def sequences(size: float) -> Floats:
-    """Sequences a_0, ..., a_n of (1.43) in the plane with |a_0| = size, (n + 1, K, 2); the first one grows fastest."""
+    """Return sequences a_0, ..., a_n of (1.43) in the plane, (n + 1, K, 2), |a_0| = size; the first grows fastest."""
     rng, a = np.random.default_rng(SEED), np.zeros((SAMPLES, 2))
     a[:, 0] = size
     path = [a]
@@ -137,7 +137,7 @@ def sequences(size: float) -> Floats:
 
 
 def discrete_bound(first: float) -> float:
-    """The middle of (1.44) with a factor in its first term."""
+    """Return the middle of (1.44) with a factor in its first term."""
     grown = (1 + B * T / N) ** N
     return first * grown + A / B * (grown - 1)
 

@@ -24,12 +24,12 @@ STARTS = np.array([[1.2, 0.1], [0.05, 1.3], [-0.1, 1.01], [40.0, 30.0]])
 
 
 def pushing(x: Floats) -> Floats:
-    """A force with ‖F(x)‖ <= M_F (1 + ‖x‖)."""
+    """Return a force with ‖F(x)‖ <= M_F (1 + ‖x‖)."""
     return np.asarray(x @ MATRIX.T + SHIFT)
 
 
-def reach(y: Floats) -> Floats:
-    """dist(y, S) for the outside of the unit disc."""
+def distance(y: Floats) -> Floats:
+    """Return dist(y, S) for the outside of the unit disc."""
     return np.asarray(np.maximum(1 - np.linalg.norm(y, axis=-1), 0.0))
 
 
@@ -45,7 +45,7 @@ def _projection_step() -> Evidence:
     x = catch_up(STARTS, pushing, H, STEPS)[:-1]
     target = x + H * pushing(x)
     printed, right = (
-        float(np.abs(np.linalg.norm(outside(y) - target, axis=-1) - reach(target)).max() / H) for y in (x, target)
+        float(np.abs(np.linalg.norm(outside(y) - target, axis=-1) - distance(target)).max() / H) for y in (x, target)
     )
     return Evidence(
         printed=(at_most("largest error of the equality in (1.50) over h, P_S(x_k)", printed, 0.0, 1e-9),),
@@ -74,7 +74,7 @@ def _step_bounds() -> Evidence:
 
 
 def first_constant(start: Floats, growth: float = M_F) -> Floats:
-    """C_1 of (1.52) by Theorem 1.36 with A = B = 2 M_F, for first distances from 0."""
+    """Return C_1 of (1.52) by Theorem 1.36 with A = B = 2 M_F, for first distances from 0."""
     grown = math.exp(2 * growth * T)
     return start * grown + grown - 1
 
@@ -161,7 +161,7 @@ def length_around(level: int, share: float) -> float:
 
 
 def settled(first: int, last: int) -> float:
-    """The part of the times at which 1 on [0, 2^-k) is 0 for all k from first to last."""
+    """Return the part of the times at which 1 on [0, 2^-k) is 0 for all k from first to last."""
     t = (np.arange(2**14) + 0.5) / 2**14
     return float(np.all([t >= 2.0**-k for k in range(first, last + 1)], axis=0).mean())
 

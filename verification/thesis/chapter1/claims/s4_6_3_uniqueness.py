@@ -17,7 +17,7 @@ DT, END = 0.1, 1.0
 
 
 def beside_the_top() -> tuple[Floats, Floats, Floats]:
-    """Two paths that slide down beside the top of the disc, their ẋ - F, and the time step; from 10^-3 apart."""
+    """Return two paths that slide down beside the top of the disc, their ẋ - F, and the time step; from 10^-3 apart."""
     angles, h = np.array([0.01, 0.011]), 1e-3
     path = catch_up(np.stack([np.sin(angles), np.cos(angles)], axis=1), falling, h, 1000)
     return path, np.diff(path, axis=0) / h - falling(path[:-1]), np.array(h)
@@ -79,14 +79,14 @@ def _gronwall() -> Evidence:
 
 
 def followed(start: State, dt: float) -> tuple[dincl.Trajectory, float]:
-    """Catch-up from a state, and its largest overlap."""
+    """Run catch-up from a state; return it with its largest overlap."""
     times = np.arange(1, round(END / dt) + 1) * dt
     path = dincl.solve(problem(*start), dincl.CatchUp(dt=dt, projection=dincl.Daqp(tol=TOL)), t=times)
     return path, float(path.violation().max())
 
 
 def refined(start: State) -> tuple[float, float]:
-    """The largest overlap of catch-up, and how much less the end moves when the step is halved a second time."""
+    """Return the largest overlap of catch-up, and how much less the end moves when the step is halved a second time."""
     paths = [followed(start, DT / 2**k) for k in range(3)]
     first, second = (float(np.linalg.norm(b.final - a.final)) for (a, _), (b, _) in pairwise(paths))
     return max(overlapping for _, overlapping in paths), second / first

@@ -28,23 +28,23 @@ PRESSED, DT, STRENGTH = -1.0, 0.01, 20.0
 
 
 def catch_up(dt: float) -> dincl.Scheme:
-    """Moreau's scheme with exact projections."""
+    """Return Moreau's scheme with exact projections."""
     return dincl.CatchUp(dt=dt, projection=dincl.Daqp(tol=QP_TOL))
 
 
 def linearised(dt: float) -> dincl.Scheme:
-    """The scheme with the inner convex approximation."""
+    """Return the scheme with the inner convex approximation."""
     return dincl.LinearisedCatchUp(dt=dt, projection=dincl.Daqp(tol=QP_TOL))
 
 
 def error(scheme: dincl.Scheme) -> float:
-    """The largest distance of a disc from where it should be at END."""
+    """Return the largest distance of a disc from where it should be at END."""
     final = dincl.solve(SCENE, scheme, t=END).final
     return float(np.linalg.norm(final - exact(SCENE, END), axis=-1).max())
 
 
 def event_driven() -> dincl.Scheme:
-    """From contact to contact."""
+    """Return the event-driven scheme."""
     return dincl.EventDriven(tol=EVENT_TOL)
 
 
@@ -133,23 +133,23 @@ def _linearised() -> Evidence:
 
 
 def printed_push(x: float) -> float:
-    """∇g where g < 0, for g(x) = x."""
+    """Return ∇g where g < 0, for g(x) = x."""
     return 1.0 if x < 0 else 0.0
 
 
 def spring(x: float) -> float:
-    """max(0, -g) ∇g."""
+    """Return max(0, -g) ∇g."""
     return max(0.0, -x)
 
 
 def implicit_residual(push: Callable[[float], float]) -> float:
-    """How far the nearest y is from solving y = x + dt (F + ε push(y)), for x half a step above the wall."""
+    """Measure how far the nearest y is from solving y = x + dt (F + ε push(y)), for x half a step above the wall."""
     start = -PRESSED * DT / 2
     return min(float(abs(y - start - DT * (PRESSED + STRENGTH * push(y)))) for y in np.linspace(-0.1, 0.1, 4001))
 
 
 def steepest(push: Callable[[float], float]) -> float:
-    """The largest slope of a force between places 10^-6 apart."""
+    """Return the largest slope of a force between places 10^-6 apart."""
     h = 1e-6
     return max(abs(push(x + h) - push(x)) / h for x in h * np.arange(-2000.5, 2000.0))
 

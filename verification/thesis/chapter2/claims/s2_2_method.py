@@ -22,7 +22,7 @@ STEPS, ORDER_BAND = (1 / 160, 1 / 320), 0.1
 
 
 def bounced(dt: float) -> float:
-    """Where Method 2.2 has a ball at t = 2 that meets a wall at t = 1."""
+    """Return where Method 2.2 has a ball at t = 2 that meets a wall at t = 1."""
     problem = dincl.Problem([[1.0]], lambda _t, x: 0 * x, [dincl.HalfSpace(normal=(1,))])
     return float(dincl.solve(problem, dincl.SecondOrderPBD(dt=dt, v0=[[-1.0]]), t=2.0).final[0, 0])
 
@@ -101,7 +101,7 @@ def _prediction() -> Evidence:
 
 
 def largest_overlap(dt: float) -> float:
-    """Of the four discs of Figure 4, over all steps to t = 2."""
+    """Return the largest overlap of the four discs of Figure 4 over all steps to t = 2."""
     times = np.arange(1, round(2.0 / dt) + 1) * dt
     return float(dincl.solve(dincl.scenes.four_disks(), dincl.PBD(dt=dt), t=times).violation().max())
 

@@ -78,7 +78,7 @@ def _gauss_newton() -> Evidence:
 
 
 def algorithm(d: Callable[[float], float]) -> Floats:
-    """Algorithm 1 line by line for F = -X; ``d`` of δ_ij is what the lines "Fix overlap" call d."""
+    """Run Algorithm 1 line by line for F = -X; ``d`` of δ_ij is what the lines "Fix overlap" call d."""
     x, t = dincl.scenes.four_disks().x0.copy(), 0.0
     while t < END:
         t += DT
@@ -94,12 +94,12 @@ def algorithm(d: Callable[[float], float]) -> Floats:
 
 
 def delta_itself(delta: float) -> float:
-    """The only δ that Algorithm 1 defines."""
+    """Return the only δ that Algorithm 1 defines."""
     return delta
 
 
 def dimension(_delta: float) -> float:
-    """What the chapter calls d: that of the space of the four discs."""
+    """Return the d of the chapter: the dimension of the space of the four discs."""
     return 8.0
 
 
@@ -117,7 +117,7 @@ def _algorithm() -> Evidence:
 
 
 def cell_width(_count: int) -> float:
-    """Of the grid of the linked cell method."""
+    """Return the width of the cells of the linked cell method."""
     return 2 * RADIUS
 
 
@@ -136,7 +136,7 @@ def linked_cells(x: Floats) -> tuple[int, int]:
 
 
 def pairs_in_a_pile(count: int) -> int:
-    """Gaps that PBD looks at in its sweeps while a pile falls for ten steps."""
+    """Count the gaps that PBD looks at in its sweeps while a pile falls for ten steps."""
     return dincl.solve(dincl.scenes.pile(count), dincl.PBD(dt=0.01), t=0.1).stats.candidate_pairs
 
 
@@ -146,7 +146,7 @@ def growth(counts: Sequence[int], work: Sequence[int]) -> float:
 
 
 def crowd(count: int) -> Floats:
-    """A square of overlapping discs, as a prediction leaves them."""
+    """Return a square of overlapping discs, as a prediction leaves them."""
     side = math.isqrt(count)
     lattice = np.stack(np.meshgrid(np.arange(side), np.arange(side)), axis=-1).reshape(-1, 2)
     moves = np.random.default_rng(SEED).uniform(-0.1, 0.1, lattice.shape)

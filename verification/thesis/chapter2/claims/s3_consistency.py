@@ -12,7 +12,7 @@ from verification.claims import Evidence, Verdict, at_least, at_most, equal, pro
 from verification.formal.algebra import identity
 from verification.formal.reals import implication, solver_library
 from verification.thesis.chapter1.sets import Floats
-from verification.thesis.chapter2.discs import RADIUS, ROUNDING, parted, points_of_step, row
+from verification.thesis.chapter2.discs import RADIUS, ROUNDING, points_of_step, row, separated
 from verification.thesis.text.quoted import claim
 
 SEED = 23
@@ -31,17 +31,17 @@ APART = np.array([[-1.0, 0.0], [1.0, 0.0]])
 
 
 def trapped(x: float, dt: float) -> bool:
-    """Where the flow of the counterexample stands still: a set that leaves every fixed x as dt → 0."""
+    """Say whether the flow of the counterexample stands still at x: on a set that leaves every fixed x as dt → 0."""
     return 1 - dt <= x < 1
 
 
 def flow(x: float, dt: float) -> float:
-    """Explicit Euler for F = 1, but for the trap."""
+    """Make a step of explicit Euler for F = 1, but for the trap."""
     return x if trapped(x, dt) else x + dt
 
 
 def stopped(dt: float) -> float:
-    """Where the flow is at t = 2, from 0."""
+    """Return where the flow is at t = 2, from 0."""
     x = 0.0
     for _step in range(round(2 / dt)):
         x = flow(x, dt)
@@ -49,18 +49,18 @@ def stopped(dt: float) -> float:
 
 
 def turning(dt: float, rng: np.random.Generator) -> Floats:
-    """States x_n that come to the row of discs as dt → 0: turned by √dt, with overlaps of the size of dt."""
+    """Return states x_n that come to the row of discs as dt → 0: turned by √dt, with overlaps of the size of dt."""
     c, s = np.cos(dt**0.5), np.sin(dt**0.5)
     return np.asarray(row(DISCS) @ [[c, s], [-s, c]] + dt * rng.uniform(-0.2, 0.2, (DISCS, 2)))
 
 
 def touching_discs(x: Floats) -> dincl.Problem:
-    """Discs without a drift."""
+    """Return discs without a drift."""
     return dincl.Problem(x, lambda _t, x: 0 * x, [dincl.NonOverlap(RADIUS)])
 
 
 def beside_normals() -> list[float]:
-    """How far a step of PBD without its drift is from -N(S, x) for x_n → x, over random forces, for each of FINER."""
+    """Measure how far a step of PBD without its drift is from -N(S, x) for x_n → x, for each of FINER."""
     x, rng = row(DISCS), np.random.default_rng(SEED)
     cone = dincl.geometry.normal_cone(touching_discs(x), 0.0, x, TOUCH)
     forces = rng.uniform(-1.0, 1.0, (20, DISCS, 2))
@@ -126,7 +126,7 @@ def _not_sufficient() -> Evidence:
 
 
 def leaving() -> tuple[float, float]:
-    """Both sides of the definition for S = [0, ∞), x = 0, F = 1, w = 1: PBD leaves the wall, −N = [0, ∞) has σ = R."""
+    """Return both sides of Definition 2.7 for S = [0, ∞), x = 0, F = 1, w = 1: PBD leaves the wall, σ is R."""
     problem = dincl.Problem([[0.0]], lambda _t, _x: np.array([[1.0]]), [dincl.HalfSpace(normal=(1,))])
     left = W * (float(dincl.solve(problem, dincl.PBD(dt=DT), t=DT).final[0, 0]) / DT - 1.0)
     return left, dincl.geometry.support(problem, 0.0, [[0.0]], [[W]], tol=ROUNDING, radius=R)
@@ -145,7 +145,7 @@ def _definition() -> Evidence:
 
 
 def shares(x: Floats, force: Floats, dt: float) -> Floats:
-    """(Φ(x) - x)/Δt - F(x)."""
+    """Return (Φ(x) - x)/Δt - F(x)."""
     return (points_of_step(x, force, dt)[-1] - x) / dt - force
 
 
@@ -179,15 +179,15 @@ def _lemma() -> Evidence:
 
 
 def other_side(x: Floats) -> Floats:
-    """Two overlapping discs moved through each other until they touch on the other side."""
+    """Return two overlapping discs moved through each other until they touch on the other side."""
     along = (x[1] - x[0]) / np.linalg.norm(x[1] - x[0])
     middle = (x[0] + x[1]) / 2
     return np.array([middle + RADIUS * along, middle - RADIUS * along])
 
 
 def not_normal(normal: Floats, p: Floats) -> float:
-    """How far P_S(p + α normal) is from p for a small α: 0 for a proximal normal (Definition 1.23)."""
-    return float(np.linalg.norm(parted(p + 0.01 * normal) - p))
+    """Measure how far P_S(p + α normal) is from p for a small α: 0 for a proximal normal (Definition 1.23)."""
+    return float(np.linalg.norm(separated(p + 0.01 * normal) - p))
 
 
 @claim(
@@ -201,10 +201,10 @@ def _equivalent() -> Evidence:
     """p - q normal at q: for q the projection of p, and for the q where the discs have changed sides."""
     rng = np.random.default_rng(PAIRS_SEED)
     pairs = [np.array([[0.0, 0.0], [r * math.cos(s), r * math.sin(s)]]) for r, s in rng.uniform(0.9, 1.0, (SAMPLES, 2))]
-    forward = max(not_normal(p - parted(p), parted(p)) for p in pairs)
+    forward = max(not_normal(p - separated(p), separated(p)) for p in pairs)
     others = [other_side(p) for p in pairs]
     normal = max(not_normal(p - q, q) for p, q in zip(pairs, others, strict=True))
-    apart = max(float(np.linalg.norm(q - parted(p))) for p, q in zip(pairs, others, strict=True))
+    apart = max(float(np.linalg.norm(q - separated(p))) for p, q in zip(pairs, others, strict=True))
     return Evidence(
         printed=(
             at_most("p − q misses the normal cone at q, discs that changed sides, by", normal, ROUNDING),
@@ -245,7 +245,7 @@ def _steps() -> Evidence:
 
 
 def kicked(count: int) -> tuple[Floats, Floats]:
-    """A state of S and a prediction in which disc 0 meets, one after another, ``count`` discs just behind it."""
+    """Return a state of S and a prediction in which disc 0 meets, one after another, ``count`` discs just behind it."""
     width, place = 1e-3 * RADIUS, 0.0
     x, predicted = np.zeros((2, count + 1, 2))
     x[0] = -1.9 * RADIUS, 0.0

@@ -68,7 +68,7 @@ def _stack() -> Evidence:
 
 
 def step_error(dt: float) -> float:
-    """About the error of Moreau's scheme with four discs at t = 1: its distance from the run with half the step."""
+    """Estimate the error of Moreau's scheme with four discs at t = 1, by the distance from half the step."""
     ends = [
         dincl.solve(dincl.scenes.four_disks(), dincl.CatchUp(dt=h, projection=dincl.Daqp(tol=CHECK_TOL)), t=1.0).final
         for h in (dt, dt / 2)
@@ -105,7 +105,7 @@ def _coincides(tables: Tables) -> Evidence:
 
 
 def exact_error(name: str, t: float, dt: float) -> float:
-    """Of PBD in a scene whose solution is known."""
+    """Return the error of PBD in a scene whose solution is known."""
     scene = getattr(dincl.scenes, name)()
     final = dincl.solve(scene, dincl.PBD(dt=dt), t=t).final
     return float(np.linalg.norm(final - scene.exact(t), axis=-1).max())
@@ -130,12 +130,12 @@ def _exact() -> Evidence:
 
 
 def pull(_t: float, x: Floats) -> Floats:
-    """The force of Figure 4."""
+    """Return the force of Figure 4."""
     return -x
 
 
 def settled(start: Floats) -> tuple[float, float]:
-    """|x|²/2 of four discs once they have come to rest, and their speed then."""
+    """Return |x|²/2 of four discs once they have come to rest, and their speed then."""
     problem = dincl.Problem(start, pull, [dincl.NonOverlap(RADIUS)])
     before, end = dincl.solve(problem, dincl.PBD(dt=FOUR_DT), t=[SETTLED - FOUR_DT, SETTLED]).x
     return float((end**2).sum()) / 2, float(np.abs(end - before).max()) / FOUR_DT

@@ -10,7 +10,7 @@ MOST_HALVINGS = 60
 
 
 def boundary(holds: Callable[[float], bool], low: float, high: float, relative: float) -> float:
-    """Where ``holds`` changes from true at ``low`` to false at ``high``, to the precision ``relative``.
+    """Return where ``holds`` changes from true at ``low`` to false at ``high``, to the precision ``relative``.
 
     0 < low < high are halved in the logarithm; ValueError if the two ends do not differ so.
     """

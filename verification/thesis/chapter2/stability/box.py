@@ -31,13 +31,13 @@ FILLED = 0.4
 
 
 def start() -> Floats:
-    """Unequal gaps, shape (8, 1)."""
+    """Return unequal gaps, shape (8, 1)."""
     gaps = np.random.default_rng(8).dirichlet(np.ones(COUNT + 1))[:COUNT] * COUNT * (1 / FILLED - 1)
     return (np.cumsum(gaps) + np.arange(COUNT) + RADIUS)[:, None]
 
 
 def box(fraction: float) -> dincl.Problem:
-    """The right wall moves until the intervals fill ``fraction`` of the box at t = 1; nothing else moves them."""
+    """Return a box whose right wall moves until the intervals fill ``fraction`` of it at t = 1; no drift."""
     first = COUNT / FILLED
     right = dincl.Moving(
         dincl.HalfSpace(normal=(-1,), offset=-first, radius=RADIUS), Along((COUNT / fraction - first,))
@@ -47,7 +47,7 @@ def box(fraction: float) -> dincl.Problem:
 
 
 def exact(fraction: float) -> Floats:
-    """x_i = min(x_i(0), the place in a row packed against the wall); NaN where the intervals do not fit."""
+    """Return x_i = min(x_i(0), the place in a row packed against the wall); NaN where the intervals do not fit."""
     if fraction > 1:
         return np.full((COUNT, 1), np.nan)
     pushed = COUNT / fraction - RADIUS - np.arange(COUNT)[::-1, None]
@@ -55,7 +55,7 @@ def exact(fraction: float) -> Floats:
 
 
 def cell(method: str, dt: float, fraction: float) -> dict[str, Any]:
-    """Judged at t = 1."""
+    """Judge a run at t = 1."""
     return measured(box(fraction), CONTESTANTS[method].scheme(dt), [1.0], exact(fraction))
 
 

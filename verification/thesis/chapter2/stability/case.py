@@ -39,13 +39,13 @@ class Case:
 
 
 def within(expected: float, found: float, relative: float, words: str) -> Found:
-    """Agreement of two numbers up to the part ``relative`` of the first."""
+    """Say whether two numbers agree up to the part ``relative`` of the first."""
     agrees = abs(found - expected) <= relative * abs(expected)
     return Found(expected, found, agrees, f"{words}; deviation {found / expected - 1:+.1e}")
 
 
 def study(cases: Sequence[Case]) -> Study:
-    """All cases, one run each."""
+    """Return all cases, one run each."""
     return Study(
         name="stability_cases",
         title="Stability: cases",

@@ -71,5 +71,5 @@ CONTESTANTS = {
 
 
 def named(*names: str) -> Mapping[str, str]:
-    """The labels of contestants."""
+    """Return the labels of contestants."""
     return {name: CONTESTANTS[name].label for name in names}

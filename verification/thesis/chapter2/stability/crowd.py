@@ -32,7 +32,7 @@ SETTLED = 3.0
 
 
 def crowd(n: int) -> dincl.Problem:
-    """F = -x, n discs of diameter 1 on a jittered lattice around the origin."""
+    """Return F = -x, n discs of diameter 1 on a jittered lattice around the origin."""
     side = math.ceil(math.sqrt(n))
     place = np.indices((side, side)).reshape(2, -1).T[:n].astype(np.float64)
     jitter = np.random.default_rng(n).uniform(-JITTER, JITTER, (n, 2))
@@ -40,12 +40,12 @@ def crowd(n: int) -> dincl.Problem:
 
 
 def gyration(x: Floats) -> float:
-    """The root mean square distance from the centre of mass."""
+    """Return the root mean square distance from the centre of mass."""
     return float(np.sqrt(((x - x.mean(axis=0)) ** 2).sum(axis=1).mean()))
 
 
 def densest(n: int) -> float:
-    """The least radius of gyration of a heap: n points of a triangular lattice of width 1 around a centre.
+    """Return the least radius of gyration of a heap: n points of a triangular lattice of width 1 around a centre.
 
     The heap may be centred on a point of the lattice, on the middle of a bond, or on that of a triangle.
     """
@@ -60,12 +60,12 @@ def densest(n: int) -> float:
 
 
 def radius(n: int) -> float:
-    """The radius of n densely packed discs of diameter 1, as a round heap [diameters]."""
+    """Return the radius of n densely packed discs of diameter 1, as a round heap [diameters]."""
     return math.sqrt(n * math.sqrt(12) / (4 * math.pi))
 
 
 def seen(problem: dincl.Problem, scheme: FixedStep) -> dict[str, Any]:
-    """Judged by overlap and by the radius of gyration, since equilibria are many."""
+    """Judge a run by overlap and by the radius of gyration, since equilibria are many."""
     end = scheme.dt * max(LEAST, math.ceil(END / scheme.dt))
     path = dincl.solve(problem, scheme, t=end, throw=False)
     true = densest(len(problem.x0))
@@ -75,12 +75,12 @@ def seen(problem: dincl.Problem, scheme: FixedStep) -> dict[str, Any]:
 
 
 def by_sweeps(method: str, dt: float, sweeps: float) -> dict[str, Any]:
-    """A crowd of FEW."""
+    """Return a crowd of FEW."""
     return seen(crowd(FEW), dincl.PBD(dt=dt, sweeps=round(sweeps)))
 
 
 def by_number(method: str, dt: float, n: float) -> dict[str, Any]:
-    """A crowd of n."""
+    """Return a crowd of n."""
     return seen(crowd(round(n)), CONTESTANTS[method].scheme(dt))
 
 
@@ -125,7 +125,7 @@ def _coincide_linearised() -> Found:
 
 
 def limit_line(n: Floats) -> Floats:
-    """dt R^2 / 2 = 0.1 for a heap of n discs: one sweep."""
+    """Return dt R^2 / 2 = 0.1 for a heap of n discs: one sweep."""
     return 0.1 * 2 / (n * math.sqrt(12) / (4 * math.pi))
 
 

@@ -43,7 +43,7 @@ FULL = DecadesForm(tuple(float(dt) for dt in np.geomspace(1e-4, 1e2, 25)))
 
 
 def run(method: str, dt: float) -> dict[str, Any]:
-    """Six discs fall onto a floor between walls: the largest coordinate over that of the start, and overlap."""
+    """Let six discs fall onto a floor between walls; return the growth of the largest coordinate, and the overlap."""
     problem = dincl.scenes.pile(DISCS)
     steps = max(STEPS, round(END / dt))
     # There is no exact state to compare with here: only whether the discs stay where they can be.
@@ -53,12 +53,12 @@ def run(method: str, dt: float) -> dict[str, Any]:
 
 
 def one(key: Key) -> list[Row]:
-    """One run as a row."""
+    """Return one run as a row."""
     return [dict(key) | run(key["method"], key["dt"])]
 
 
 def study(form: DecadesForm) -> Study:
-    """All methods over all steps."""
+    """Return all methods over all steps."""
     return Study(
         name="stability_decades",
         title="Six decades of dt",

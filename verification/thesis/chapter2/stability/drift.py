@@ -37,7 +37,7 @@ class Springs:
 
 
 def drawn(rate: float) -> dincl.Problem:
-    """Two discs that end 1.4 apart and touch only when they are thrown about."""
+    """Return two discs that end 1.4 apart and touch only when they are thrown about."""
     return dincl.Problem(START, Springs(rate), [dincl.NonOverlap(0.5)])
 
 
@@ -54,13 +54,13 @@ def _limit(method: str, expected: float) -> Found:
 
 
 def exact(method: str, rate: float, t: Floats) -> Floats:
-    """REST + e^{-rate t} (x0 - REST), or with cos(sqrt(rate) t) for Newton's equation, shape (K, 2, 2)."""
+    """Return REST + e^{-rate t} (x0 - REST), or with cos(sqrt(rate) t) for Newton's equation, shape (K, 2, 2)."""
     left: Floats = np.cos(np.sqrt(rate) * t) if method == "second_order" else np.exp(-rate * t)
     return REST + left[:, None, None] * (START - REST)
 
 
 def cell(method: str, dt: float, rate: float) -> dict[str, Any]:
-    """Until t = 3, or for 30 steps; kept times lie on the steps."""
+    """Run until t = 3, or for 30 steps; kept times lie on the steps."""
     steps = max(30, int(np.ceil(3.0 / dt)))
     t = np.round(np.array([0.5, 0.8, 1.0]) * steps) * dt
     return measured(drawn(rate), CONTESTANTS[method].scheme(dt), t, exact(method, rate, t), float(np.abs(START).max()))

@@ -27,7 +27,7 @@ FEW = 7
 
 
 def plane(table: pd.DataFrame, drawn: Plane, path: Path) -> Path:
-    """One panel for each method: the outcome of every cell, and the limits of theory as lines."""
+    """Draw one panel for each method: the outcome of every cell, and the limits of theory as lines."""
     columns = min(MOST_COLUMNS, len(drawn.methods))
     rows = math.ceil(len(drawn.methods) / columns)
     with sheet(path, 2.2 * rows + 0.8, **{"axes.grid": False, "axes.spines.top": True}) as figure:
@@ -81,7 +81,7 @@ def _legend(figure: Figure, panels: Iterable[Axes]) -> None:
 
 
 def decades(table: pd.DataFrame, path: Path) -> Path:
-    """Growth and largest overlap against six decades of dt; runs that did not end well as crosses on top."""
+    """Draw growth and largest overlap against six decades of dt; runs that did not end well as crosses on top."""
     with sheet(path, 3.6) as figure:
         panels = figure.subplots(1, 2, sharex=True)
         for index, name in enumerate(METHODS):
@@ -107,7 +107,7 @@ def decades(table: pd.DataFrame, path: Path) -> Path:
 
 
 def pacman(runs: pd.DataFrame, half: float, path: Path) -> Path:
-    """The set with its mouth, and for every step the two runs that start together at its tip."""
+    """Draw the set with its mouth, and for every step the two runs that start together at its tip."""
     with sheet(path, 3.2, **{"axes.grid": False}) as figure:
         panels = figure.subplots(1, runs["dt"].nunique(), sharey=True)
         angle = np.linspace(half, 2 * np.pi - half, 200)

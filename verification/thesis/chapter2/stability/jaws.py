@@ -40,7 +40,7 @@ class Along:
 
 
 def jaws(speed: float) -> dincl.Problem:
-    """Two discs of radius 1 at (+-a, 0), a = sqrt(1 - 0.01) - speed t, squeeze a point upwards under a ceiling at 1.
+    """Return two discs of radius 1 at (+-a, 0), a = sqrt(1 - 0.01) - speed t, that squeeze a point up to a ceiling.
 
     The point is drawn downwards with the force 1, so it stays on both jaws: y = sqrt(1 - a^2), which is below the
     ceiling for all a > 0.
@@ -54,12 +54,12 @@ def jaws(speed: float) -> dincl.Problem:
 
 
 def height(travel: float) -> float:
-    """Where the point is once each jaw has moved by ``travel``."""
+    """Return where the point is once each jaw has moved by ``travel``."""
     return math.sqrt(1 - (APART - travel) ** 2)
 
 
 def linearised_height(travel: float) -> float:
-    """The least height in S~ after a first step in which each jaw moves by ``travel``.
+    """Return the least height in S~ after a first step in which each jaw moves by ``travel``.
 
     At x = (0, y) the jaws have the rows rho - 1 + ((-+a z_1) + y (z_2 - y)) / rho >= 0, rho^2 = a^2 + y^2. Their sum
     is free of z_1: z_2 >= y + rho (1 - rho) / y, which exceeds every ceiling as y -> 0.
@@ -76,7 +76,7 @@ def _not_empty(method: str, travel: float) -> bool:
 
 
 def longest_step() -> float:
-    """The travel of a step at which S~ becomes empty."""
+    """Return the travel of a step at which S~ becomes empty."""
     return boundary(lambda travel: linearised_height(travel) <= CEILING, 0.01, 0.4, 1e-12)
 
 
@@ -97,7 +97,7 @@ def _exists() -> Found:
 
 
 def closing() -> dincl.Problem:
-    """A disc of diameter 1 between two walls, 2 apart, that close at the speed 1 each: no room after t = 1/2."""
+    """Return a disc of diameter 1 between two walls, 2 apart, that close at the speed 1 each: no room after t = 1/2."""
     walls = [
         dincl.Moving(dincl.HalfSpace(normal=(side, 0), offset=-OPEN / 2, radius=0.5), Along((side, 0.0)))
         for side in (1.0, -1.0)
@@ -122,7 +122,7 @@ def _unnoticed() -> Found:
 
 
 def cell(method: str, dt: float, speed: float) -> dict[str, Any]:
-    """The jaws move by TRAVEL each."""
+    """Run while the jaws move by TRAVEL each."""
     end = TRAVEL / speed
     exact = [[[0.0, height(part * TRAVEL)]] for part in (0.5, 1.0)]
     steps = math.ceil(end / dt * (1 - 1e-12))

@@ -20,7 +20,7 @@ STEEP, WIDE = 1e4, 1e-3
 
 
 def projected(start: Floats, y: Floats, constraints: list[dincl.Constraint], scheme: type[dincl.CatchUp]) -> Floats:
-    """P_S(y), searched from ``start``, by Ipopt: one catch-up step."""
+    """Return P_S(y), searched from ``start``, by Ipopt: one catch-up step."""
     problem = dincl.Problem(start, constant(y - start), constraints)
     return dincl.solve(problem, scheme(dt=1.0, projection=dincl.Ipopt(tol=TOL)), t=1.0).final
 
@@ -61,7 +61,7 @@ def _slope(x: Floats) -> Floats:
 
 
 def crooked() -> dincl.Problem:
-    """A point in a thin crooked strip, pushed far out of it."""
+    """Return a point in a thin crooked strip, pushed far out of it."""
     push = constant(np.array([[-3.0, 2.0]]))
     return dincl.Problem([[1.0, 1.0]], push, [dincl.Smooth(_strip, _slope)])
 

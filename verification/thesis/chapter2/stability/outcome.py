@@ -23,7 +23,7 @@ WORDS = tuple(one.value for one in Outcome if one is not Outcome.BOUNDED)
 
 
 def refused(reason: str) -> dict[str, Any]:
-    """The row of a run that could not begin."""
+    """Return the row of a run that could not begin."""
     numbers = dict.fromkeys(("error", "overlap", "growth"), np.nan)
     return {"outcome": Outcome.REFUSED.value, "status": "INVALID", "detail": reason} | numbers
 
@@ -31,7 +31,7 @@ def refused(reason: str) -> dict[str, Any]:
 def measured(
     problem: dincl.Problem, scheme: dincl.Scheme, times: ArrayLike, exact: ArrayLike, reach: float = 0.0
 ) -> dict[str, Any]:
-    """Run, and judge by the largest error, violation and coordinate at the kept ``times`` (K,).
+    """Run a scheme, and judge it by the largest error, violation and coordinate at the kept ``times`` (K,).
 
     ``exact`` has shape (N, d) for a state at rest or (K, N, d); NaN where no state is right. Coordinates may come as
     far as ``reach``; if none is given, as far as the first drift carries, so that falling freely is no instability.
@@ -49,7 +49,7 @@ def measured(
 def row(
     status: dincl.Status, detail: str, error: float, overlap: float, growth: float, tolerated: float = ERROR
 ) -> dict[str, Any]:
-    """The columns of a run that ended."""
+    """Return the columns of a run that ended."""
     found = judge(status, error, overlap, growth, tolerated, OVERLAP)
     numbers = {"error": error, "overlap": overlap, "growth": growth}
     return {"outcome": found.value, "status": status.name, "detail": detail} | numbers

@@ -28,7 +28,7 @@ def inside(x: Floats, half: float) -> bool:
 
 
 def nearest(x: Floats, half: float) -> Floats:
-    """P_S(x), shape (2,); of two nearest points, that on the lower jaw.
+    """Return P_S(x), shape (2,); of two nearest points, that on the lower jaw.
 
     A point outside of S is nearest to the arc at x / |x|, or to one of the jaws {r (cos, +-sin) : 0 <= r <= 1}.
     """
@@ -46,7 +46,7 @@ def _jaws(half: float) -> tuple[Floats, Floats]:
 
 
 def catch_up(start: Floats, dt: float, half: float) -> Floats:
-    """x_{k+1} = P_S(x_k + dt (1, 0)) to ``END``: the drift points into the mouth; all states, (K, 2)."""
+    """Return x_{k+1} = P_S(x_k + dt (1, 0)) to ``END``: the drift points into the mouth; all states, (K, 2)."""
     states = [start]
     for _ in range(round(END / dt)):
         states.append(nearest(states[-1] + [dt, 0.0], half))
@@ -54,13 +54,13 @@ def catch_up(start: Floats, dt: float, half: float) -> Floats:
 
 
 def twins(dt: float, half: float) -> tuple[Floats, Floats]:
-    """Two catch-up runs that start ``TWIN`` apart, below and above the axis behind the tip, (K, 2) each."""
+    """Return two catch-up runs that start ``TWIN`` apart, below and above the axis behind the tip, (K, 2) each."""
     below, above = (catch_up(np.array([-TWIN, side]), dt, half) for side in (-TWIN / 2, TWIN / 2))
     return below, above
 
 
 def table(steps: tuple[float, ...]) -> pd.DataFrame:
-    """All states of the twins for some steps, one row each."""
+    """Return all states of the twins for some steps, one row each."""
     rows = [
         {"dt": dt, "side": side, "k": k, "x": state[0], "y": state[1]}
         for dt in steps
@@ -71,7 +71,7 @@ def table(steps: tuple[float, ...]) -> pd.DataFrame:
 
 
 def split(dt: float, half: float) -> float:
-    """Distance of the twins at ``END``."""
+    """Return the distance of the twins at ``END``."""
     ends = [states[-1] for states in twins(dt, half)]
     return float(np.linalg.norm(ends[1] - ends[0]))
 

@@ -42,7 +42,7 @@ def run(context: Context) -> None:
 
 
 def sections(context: Context) -> Sequence[Section]:
-    """The cases, the maps, six decades of dt, the Pacman set."""
+    """Write about the cases, the maps, six decades of dt and the Pacman set."""
     maps = (_map(context, plane) for plane in _form(context).planes)
     return [_cases(context), *maps, _decades(context), _pacman(context)]
 
@@ -56,7 +56,7 @@ def _name(plane: Plane) -> str:
 
 
 def _counted(context: Context, plane: Plane) -> pd.DataFrame:
-    """How many cells of a map came out how, one row for each method."""
+    """Count how many cells of a map came out how, one row for each method."""
     table = context.tables[_name(plane)]
     counts = table.groupby(["method", "outcome"]).size().unstack(fill_value=0)
     counts = counts.reindex(index=list(plane.methods), columns=list(WORDS), fill_value=0)
@@ -117,7 +117,7 @@ def _pacman(context: Context) -> Section:
 
 
 def findings(context: Context) -> Sequence[Finding]:
-    """How many failures are where they were expected, and where PBD fails."""
+    """Say how many failures are where they were expected, and where PBD fails."""
     table = context.tables["stability_verdicts"]
     cases = {row.case: row for row in table.itertuples()}
     counts = {"count": len(table), "agreeing": int(table["agrees"].sum())}

@@ -30,19 +30,19 @@ IRRATIONAL = math.sqrt(2)
 
 
 def limit(problem: dincl.Problem) -> float:
-    """dt strength <= 2 / lambda_max(J J^T) over the rows that are closed: explicit Euler for z' = -strength J^T J z."""
+    """Return 2 / lambda_max(J J^T) of the closed rows, which bounds dt strength in z' = -strength J^T J z."""
     matrix = problem.rows_within(0.0, problem.x0, RADIUS / 10).jacobian(problem.x0).toarray()
     return 2 / float(np.linalg.eigvalsh(matrix @ matrix.T)[-1])
 
 
 def pair() -> dincl.Problem:
-    """Two discs that are pressed together along the diagonal."""
+    """Return two discs that are pressed together along the diagonal."""
     push = np.array([[0.6, 0.8], [-0.6, -0.8]])
     return dincl.Problem([[0.0, 0.0], [0.6, 0.8]], constant(push), [dincl.NonOverlap(RADIUS)])
 
 
 def hexagon() -> dincl.Problem:
-    """Seven discs, densely packed and drawn to the middle one; a little off, so that every mode is excited."""
+    """Return seven discs, densely packed and drawn to the middle one; a little off, so that every mode is excited."""
     angle = np.arange(6) * np.pi / 3
     ring = np.column_stack((np.cos(angle), np.sin(angle)))
     x = 1.002 * np.vstack(([[0.0, 0.0]], ring)) + 5e-4 * np.random.default_rng(3).uniform(-1, 1, (7, 2))
@@ -58,7 +58,7 @@ def rests(problem: dincl.Problem, strength: float, dt: float = DT) -> bool:
 
 
 def find_limit(problem: dincl.Problem, expected: float, allowed: float, words: str) -> Found:
-    """dt strength at which the springs stop coming to rest, by bisection between half and twice the limit."""
+    """Find the dt strength at which the springs stop coming to rest, by bisection between half and twice the limit."""
     found = DT * boundary(partial(rests, problem), expected / DT / 2, 2 * expected / DT, PRECISION)
     return within(expected, found, allowed, words)
 
@@ -72,7 +72,7 @@ def _pair() -> Found:
 
 
 def row_limit(n: int) -> float:
-    """2 / (2 + 2 cos(2 pi / (2 n + 1))): n discs on a wall, J J^T = tridiag(-1, 2, -1) but for a 1 at the wall."""
+    """Return 2 / (2 + 2 cos(2 pi / (2 n + 1))): n discs on a wall, J J^T = tridiag(-1, 2, -1), but 1 at the wall."""
     return 1 / (1 + math.cos(2 * math.pi / (2 * n + 1)))
 
 
@@ -86,7 +86,7 @@ def _hexagon() -> Found:
 
 
 def chatter(dt: float, strength: float) -> float:
-    """How far a disc that is pressed onto a wall by the force 1 moves to and fro, under the force as printed."""
+    """Measure how far a disc that the force 1 presses onto a wall moves to and fro, under the force as printed."""
     path = dincl.solve(pressed(1), dincl.Penalty(dt=dt, strength=strength, exponent=1), t=dt * np.arange(1000, 2001))
     return float(np.ptp(path.x))
 
@@ -105,7 +105,7 @@ def _printed() -> Found:
 
 
 def cell(method: str, dt: float, strength: float) -> dict[str, Any]:
-    """An interval in a slit that just fits, pressed to one side by the force 1: it cannot move."""
+    """Return an interval in a slit that just fits, pressed to one side by the force 1: it cannot move."""
     walls = [dincl.HalfSpace(normal=(side,), offset=-RADIUS, radius=RADIUS) for side in (1.0, -1.0)]
     problem = dincl.Problem([[0.0]], constant(np.array([[1.0]])), walls)
     scheme = dincl.Penalty(dt=dt, strength=strength, exponent=2 if method == "penalty_springs" else 1)

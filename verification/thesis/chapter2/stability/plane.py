@@ -54,7 +54,7 @@ class Plane:
     lines: tuple[Line, ...] = ()
 
     def study(self) -> Study:
-        """One run for each method and y, with a row for each x."""
+        """Return one run for each method and y, with a row for each x."""
         heights = sorted(self.y.values, reverse=True)
         return Study(
             name=f"stability_{self.name}",
@@ -77,10 +77,10 @@ class _Rows:
 
 
 def geometric(low: float, high: float, count: int) -> tuple[float, ...]:
-    """``count`` values from low to high with equal ratios."""
+    """Return ``count`` values from low to high with equal ratios."""
     return tuple(float(value) for value in np.geomspace(low, high, count))
 
 
 def even(low: float, high: float, count: int) -> tuple[float, ...]:
-    """``count`` values from low to high with equal differences, as short decimal numbers: 1 is 1."""
+    """Return ``count`` values from low to high with equal differences, as short decimal numbers: 1 is 1."""
     return tuple(round(float(value), 12) for value in np.linspace(low, high, count))

@@ -30,7 +30,7 @@ MANY_SWEEPS = 256
 
 
 def spread(scheme: dincl.Scheme, step: float) -> float:
-    """Distance after one step of two points that start ``TWIN`` apart on a disc of radius 1 and are pushed into it."""
+    """Return the distance after one step of two points that start ``TWIN`` apart on a disc and are pushed into it."""
     half = TWIN / 2
     ends = []
     for side in (-half, half):
@@ -42,7 +42,7 @@ def spread(scheme: dincl.Scheme, step: float) -> float:
 
 
 def pair_spread(scheme: dincl.Scheme, step: float) -> float:
-    """The same for two touching discs of radius 1/2, as one point of R^4; a step moves each by step / sqrt(2)."""
+    """Return this distance for two touching discs of radius 1/2; a step in R^4 moves each by step / sqrt(2)."""
     each, ends = step / math.sqrt(2), []
     for side in (-TWIN / 2, TWIN / 2):
         turn = side / math.sqrt(2)  # each of the two is moved across, in opposite directions
@@ -75,7 +75,7 @@ def _pair() -> Found:
 
 
 def opening(c: float) -> tuple[dincl.Problem, float]:
-    """A point above the gap of two obstacles of radius 1 at (+-c, 0), pressed down; and the height h of its rest.
+    """Return a point pressed down above the gap of two obstacles of radius 1 at (+-c, 0), and its height h at rest.
 
     h = sqrt(1 - c^2) is the prox-regularity radius: (0, 0) is as far from (0, h) as from (0, -h).
     """
@@ -119,7 +119,7 @@ def _linearised() -> Found:
 
 
 def cell(method: str, part: float, c: float) -> dict[str, Any]:
-    """Steps of ``part`` times h; exactly, the point rests at (0, h)."""
+    """Make steps of ``part`` times h; exactly, the point rests at (0, h)."""
     problem, height = opening(c)
     dt = part * height
     return measured(problem, CONTESTANTS[method].scheme(dt), dt * np.array([STEPS / 2, STEPS]), [[0.0, height]])

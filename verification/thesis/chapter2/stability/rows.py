@@ -29,19 +29,19 @@ MOST_SWEEPS = 100_000
 
 
 def packed(n: int) -> Floats:
-    """Where the discs of a row end: 1/2, 3/2, ..., shape (n, 1)."""
+    """Return where the discs of a row end: 1/2, 3/2, ..., shape (n, 1)."""
     return np.arange(float(n))[:, None] + RADIUS
 
 
 def pressed(n: int, gap: float = 0.0) -> dincl.Problem:
-    """n intervals of diameter 1 with gaps, pressed onto a wall at 0: every one of them is pushed with the force 1."""
+    """Return n intervals of diameter 1 with gaps, each pressed with the force 1 onto a wall at 0."""
     x = packed(n) + gap * np.arange(1, n + 1)[:, None]
     push = constant(np.full((n, 1), -1.0))
     return dincl.Problem(x, push, [dincl.NonOverlap(RADIUS), dincl.HalfSpace(normal=(1,), radius=RADIUS)])
 
 
 def contraction(rows: int) -> float:
-    """Factor by which a dual Gauss-Seidel sweep shortens the error, for ``rows`` contacts of a free row of discs."""
+    """Return the factor by which a dual Gauss-Seidel sweep shortens the error, for ``rows`` contacts of a free row."""
     matrix, row = np.zeros((rows, rows + 1)), np.arange(rows)
     matrix[row, row], matrix[row, row + 1] = -1.0, 1.0
     indptr, indices = 2 * np.arange(rows + 1), np.column_stack((row, row + 1)).ravel()
@@ -59,7 +59,7 @@ def contraction(rows: int) -> float:
 
 
 def predicted_contraction(rows: int) -> float:
-    """cos^2(pi / (rows + 1)): the spectral radius of I - (D + L)^{-1} A for A = tridiag(-1, 2, -1)  (Young)."""
+    """Return cos^2(pi / (rows + 1)): the spectral radius of I - (D + L)^{-1} A for A = tridiag(-1, 2, -1)  (Young)."""
     return math.cos(math.pi / (rows + 1)) ** 2
 
 
@@ -84,7 +84,7 @@ def _limit_of_sweeps() -> Found:
 
 
 def sweeps_needed(n: int) -> int:
-    """Sweeps of PBD until a row that overlaps by a tenth of a diameter everywhere does so by ``SORTED`` at most."""
+    """Count the sweeps of PBD until a row that overlaps by a tenth of a diameter overlaps by ``SORTED`` at most."""
     start = (0.9 * np.arange(n) + RADIUS)[:, None]
     problem = dincl.Problem(packed(n), constant(start - packed(n)), pressed(n).constraints)
     few, many = 0, 1
@@ -109,7 +109,7 @@ def _sweeps_grow() -> Found:
 
 
 def equilibrium(n: int, dt: float, sweeps: int = 1) -> Floats:
-    """Where PBD leaves the row, shape (n,): how much closer to the wall than it should be, from a run of PBD."""
+    """Return where PBD leaves the row, shape (n,): how much closer to the wall than it should be, from a run of PBD."""
     end = dt * (40 * n + 4 * n**2)
     path = dincl.solve(pressed(n), dincl.PBD(dt=dt, sweeps=sweeps), t=end)
     left: Floats = (packed(n) - path.final)[:, 0]
@@ -117,7 +117,7 @@ def equilibrium(n: int, dt: float, sweeps: int = 1) -> Floats:
 
 
 def sunk(n: int) -> float:
-    """How deep the last disc of the row sinks in the equilibrium of PBD with one sweep, over dt |F|.
+    """Measure how deep the last disc of the row sinks in the equilibrium of PBD with one sweep, over dt |F|.
 
     At rest the moves of a step add up to zero: pair k (of discs k - 1 and k) moves each of its discs by (n - k) dt |F|,
     the wall moves disc 0 by n dt |F|. A pair is closed when it is treated; what later rows do to it stays: pair k + 1
@@ -139,7 +139,7 @@ def _equilibrium() -> Found:
 
 
 def cell(method: str, dt: float, n: float) -> dict[str, Any]:
-    """A row with gaps, long enough in time for all to close."""
+    """Return a row with gaps, long enough in time for all to close."""
     count = round(n)
     end = max(GAP * count + 2.0, 10 * dt)
     times = np.linspace(0.9, 1.0, 3) * end

@@ -30,18 +30,18 @@ METHODS = {
 
 
 def spring() -> dincl.Problem:
-    """min x^2/2 for x >= 1, from 1.5: x = 1 with the multiplier 1; Hessian h = 1, |J|^2 = 1."""
+    """Return min x^2/2 for x >= 1, from 1.5: x = 1 with the multiplier 1; Hessian h = 1, |J|^2 = 1."""
     return dincl.Problem([[1.5]], attraction(0), [dincl.HalfSpace(normal=(1,), offset=1.0)])
 
 
 def weight() -> dincl.Problem:
-    """min x for x >= 1, from 1.5: the same minimum with h = 0."""
+    """Return min x for x >= 1, from 1.5: the same minimum with h = 0."""
     push = constant(np.array([[-1.0]]))
     return dincl.Problem([[1.5]], push, [dincl.HalfSpace(normal=(1,), offset=1.0)])
 
 
 def minimiser(method: str, alpha: float, beta: float, gamma: float = 0.0, limit: int = LIMIT) -> Minimiser:
-    """The method with these steps; the damped one with dtau = 1 and c dtau = 2."""
+    """Return the method with these steps; the damped one with dtau = 1 and c dtau = 2."""
     if method == "arrow_hurwicz":
         return ArrowHurwicz(alpha=alpha, beta=beta, stop=Stationary(TOL), limit=limit)
     if method == "uzawa":
@@ -92,7 +92,7 @@ def _weight() -> Found:
 
 
 def cell(method: str, alpha: float, beta: float) -> dict[str, Any]:
-    """The minimum of ``spring``, 1."""
+    """Return the minimum of ``spring``, 1."""
     limit = LIMIT // 5 if method == "uzawa" else LIMIT  # each of its steps is a minimisation
     found = minimise(spring(), minimiser(method, alpha, beta, limit=limit), throw=False)
     error = abs(float(found.x[0, 0]) - 1)

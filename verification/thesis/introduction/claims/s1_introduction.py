@@ -50,7 +50,7 @@ def _faster() -> Evidence:
 
 
 def pbd_error(dt: float) -> float:
-    """The error of PBD at t = 2, when one of two discs pushes the other and slides around it."""
+    """Return the error of PBD at t = 2, when one of two discs pushes the other and slides around it."""
     scene = dincl.scenes.two_disks()
     exact = np.full((2, 2), np.nan) if scene.exact is None else scene.exact(2.0)
     return float(np.abs(dincl.solve(scene, dincl.PBD(dt=dt), t=2.0).final - exact).max())
@@ -75,7 +75,7 @@ def _converges() -> Evidence:
 
 
 def pbd_by_hand(x: Floats, h: float, steps: int) -> tuple[Floats, int]:
-    """Steps of -x, with one operation for each overlap of discs of radius 1/2, i by i, then j < i; and their number."""
+    """Make steps of -x with one operation for each overlap of discs of radius 1/2, i by i, then j < i; count them."""
     x, operations, pairs = x.copy(), 0, [(i, j) for i in range(len(x)) for j in range(i)]
     for _ in range(steps):
         x -= h * x
@@ -115,7 +115,7 @@ def _simple() -> Evidence:
 
 
 def scenarios() -> int:
-    """Orders of the four events in time, each of which may not happen or happen with others."""
+    """Return orders of the four events in time, each of which may not happen or happen with others."""
     found = set()
     for a, b, s, p in product((1, 2, 3, 4, math.inf), repeat=4):
         times = (a, b, s, max(p, b))
