@@ -1,54 +1,12 @@
 """Small tissues for tests: made by hand from points, or random and feasible; lengths in R_soft, times in hours."""
 
-import math
-
 import numpy as np
 
+from tissue.files.parameters import preset
 from tissue.state.cells import CellLayers, Cells, empty
-from tissue.state.numbers import Numbers
 
-# The thesis, with what it leaves open taken from the published program.
-THESIS = Numbers(
-    dt=0.1,
-    substeps=20,
-    mu=0.15,
-    variance=0.2,
-    noise_in_substeps=False,
-    power=1,
-    junction_factor=1.0,
-    repulsion=1.0,
-    max_basal=1 / 3,
-    alpha_aa=5.0,
-    alpha_ax=2.0,
-    alpha_bx=2.0,
-    alpha_axb=15.0,
-    soft_radius=1.0,
-    hard_radius=1 / 3,
-    enlarged_radius=0.7,
-    g2=0.5,
-    mitosis=0.5,
-    min_cycle=10.0,
-    max_cycle=21.0,
-    rate_aa=1.0,
-    rate_ax=5.0,
-    rate_bx=5.0,
-    max_cytoskeleton=math.inf,
-    two_daughters=0.2,
-    division_offset=0.01,
-    new_junction=1 / 3,
-    floor_rest=False,
-    enlarge_in_g2=False,
-    g2_stiffening=1.0,
-    resting_enlarge=True,
-    freed_stiffness=1.0,
-    bridge_present=False,
-    bent_stiffness=0.0,
-    run_speed=1.0,
-    run_depth=2.0,
-    spring_gives=False,
-    contraction=0.0,
-    forced_below=False,
-)
+# The thesis, with cells without INM as in the published program.
+THESIS = preset("thesis").numbers()._replace(resting_enlarge=True)
 HEIGHT = 8.0
 SPACING = 1 / 6  # of basal and apical points of random tissues: half of the maximal basal distance
 PATIENCE = 500  # throws of a nucleus near its place

@@ -2,8 +2,6 @@
 
 import math
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -268,15 +266,3 @@ def test_unknown_preset(name):
         match=r'^preset .*: must be "thesis", "corrected", "published", "chick", "gastrulation" or "cuboidal"$',
     ):
         preset(name)
-
-
-@pytest.mark.slow
-def test_units_are_loaded_on_use():
-    code = (
-        "import sys, tissue, tissue.files.parameters as p; "
-        "q = p.preset('published').changed({'numerics.mu': '0.1 h'}); q.numbers(); print('pint' in sys.modules); "
-        "q.changed({'numerics.mu': '6 min'}); print('pint' in sys.modules)"
-    )
-    run = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=False)
-    assert run.returncode == 0, run.stderr
-    assert run.stdout.split() == ["False", "True"]

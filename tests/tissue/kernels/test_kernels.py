@@ -5,7 +5,7 @@ import pytest
 
 from tests.tissue import kernel_calls as kernels
 from tests.tissue.kernel_calls import SUBSTEP, aged, compared, distance, freed, heap, same_events
-from tests.tissue.states import THESIS, cells, layers, numbers, tissue
+from tests.tissue.states import cells, layers, numbers, tissue
 from tests.twins.tissue import steps as twins
 from tests.twins.tissue.state import Tissue
 from tissue.files.parameters import preset
@@ -140,8 +140,3 @@ def test_nuclei_above_each_other(spread):
     n = 18
     state = cells(n, 2)._replace(x=spread * np.arange(n), y=np.linspace(1.0, 7.0, n))
     compared(Tissue(state, layers(n), n), numbers(variance=0.0), 1)
-
-
-def test_thesis_is_what_the_tests_take_for_it():
-    assert numbers() == THESIS
-    assert preset("thesis").numbers()._replace(resting_enlarge=True) == THESIS
