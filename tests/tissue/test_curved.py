@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from dincl.errors import InvalidProblem
 from dincl.status import Status
 from tests.tissue import states
 from tests.twins.tissue import steps as twins
@@ -14,7 +13,6 @@ from tissue.frames.observables import ab_positions, areas, height, nucleus_heigh
 from tissue.model.energy import forces
 from tissue.model.extents import measure_extents
 from tissue.model.scale import measure
-from tissue.quasi_steady.run import simulate_quasi_steady
 from tissue.rules.slice import in_plane
 from tissue.runs.group import Group
 from tissue.runs.simulate import simulate
@@ -193,23 +191,3 @@ def test_a_lumen_that_closes_ends_the_run():
     assert 0 < run.final.t < 24
     outside = simulate(published(**RING, **{"layer.side": "outside"}), throw=False)
     assert outside.status is Status.SUCCESS
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"layer.shape": "circle", "layer.perimeter": "40 R_soft"}, "tissue.height = .8 R_soft.: must be below 6.366"),
-        (RING | {"tissue.cells": 100}, "tissue.cells = 100: must be at least 180"),
-        ({"layer.shape": "points"}, "layer.points = .*: must be a list of at least four points"),
-        ({"layer.shape": "points", "layer.points": [["0 um", "0 um"]] * 5}, "twice in a row"),
-        ({"layer.points": [["0 um"]]}, "a list of points, each of two lengths"),
-    ],
-)
-def test_what_cannot_be_is_refused(changes, message):
-    with pytest.raises(InvalidProblem, match=message):
-        published(**changes)
-
-
-def test_the_quasi_steady_model_knows_the_line_alone():
-    with pytest.raises(InvalidProblem, match=r'layer.shape = "circle": must be "line"'):
-        simulate_quasi_steady(published(**RING))

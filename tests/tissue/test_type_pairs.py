@@ -3,15 +3,12 @@
 import numpy as np
 import pytest
 
-from dincl.errors import InvalidProblem
 from tests.tissue import kernel_calls as kernels
 from tests.tissue import states
 from tests.tissue.bits import same_cells
 from tests.tissue.kernel_calls import aged, generators
 from tests.tissue.mirrored import compare, mirrored
-from tests.tissue.space.in_space import of_surface
 from tissue.files.parameters import preset
-from tissue.quasi_steady.run import simulate_quasi_steady
 from tissue.runs.group import Group
 from tissue.runs.simulate import simulate, simulate_many
 from tissue.state.basal_curve import curve_numbers, ellipse
@@ -163,38 +160,3 @@ def test_the_unit_of_length_stays():
     (found,) = preset("thesis").changed(BIG | own).named_numbers()
     assert (found.soft_radius, found.hard_radius, found.enlarged_radius) == (2.0, 1.0, 2.0)
     assert preset("thesis").numbers().soft_radius == 1.0
-
-
-BAD = {
-    "larger core": (
-        {"types.big.soft_radius": "3 um"},
-        r'cell\.enlarged_radius = "0\.7 R_soft": must be at most types\.big\.',
-    ),
-    "start": (
-        {"types.big.max_basal_distance": "1/4 R_soft"},
-        r'tissue\.basal_spacing = "0\.33\d* R_soft": must be at most types\.big\.max_basal_distance = "0\.25 R_soft"',
-    ),
-    "unit": (
-        {"types.big.soft_radius": "2 R_soft"},
-        r"types\.big\.soft_radius = '2 R_soft': must be a length in metres",
-    ),
-    "negative": ({"types.big.alpha_xx": -1}, r"types\.big\.alpha_xx = -1: must be a number >= 0"),
-}
-
-
-@pytest.mark.parametrize("name", BAD)
-def test_what_is_refused(name):
-    changes, message = BAD[name]
-    with pytest.raises(InvalidProblem, match=message):
-        preset("published").changed(BIG | changes)
-
-
-@pytest.mark.parametrize("key", OWN)
-def test_three_dimensions_and_the_quasi_steady_model_have_one_of_all_cells(key):
-    own = {"types.big.cells": 3, f"types.big.{key}": OWN[key]}
-    with pytest.raises(
-        InvalidProblem, match=rf"types\.big\.{key} = .*: must be left to \w+\.{key} in three dimensions"
-    ):
-        of_surface("plane").changed(own)
-    with pytest.raises(InvalidProblem, match=rf"types\.big\.{key}: must be left out, the quasi-steady model has one"):
-        simulate_quasi_steady(preset("thesis").changed(own))

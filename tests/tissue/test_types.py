@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from dincl.errors import InvalidProblem
 from tests.tissue.bits import same, same_cells
 from tests.tissue.kernel_calls import aged, compared, freed, with_emt
 from tests.tissue.states import layers, numbers
@@ -201,8 +200,6 @@ def test_the_quasi_steady_model_has_types_without_events():
     )
     final = simulate_quasi_steady(small, throw=False).final
     assert (final.cells.stiff_ax == np.where(final.cells.kind == NAMED, 9.0, small.cell.alpha_ax)).all()
-    with pytest.raises(InvalidProblem, match=r"types\.stiff\.cells = 3: must be 0, the quasi-steady model has no EMT"):
-        simulate_quasi_steady(small.changed({"types.stiff.a": "1 h", "types.stiff.divides": False}))
 
 
 def test_a_group_that_is_apart_is_spread_evenly():

@@ -6,7 +6,6 @@ import pytest
 from dincl.errors import InvalidProblem
 from tests.tissue.space.in_space import of_surface
 from tissue.files.parameters import preset
-from tissue.quasi_steady.run import simulate_quasi_steady
 from tissue.runs.simulate import simulate, simulate_many
 
 NONE = {"cell.hard_radius": "0 um", "cell.enlarged_radius": "0 um"}
@@ -49,9 +48,6 @@ def test_in_space():
     assert run.stats["corrections"] == 0
 
 
-def test_the_quasi_steady_model_has_hard_discs():
-    for changes, key in ((NONE, r"cell\.hard_radius = 0"), (SOFT, r"types\.soft\.hard_radius = 0")):
-        with pytest.raises(InvalidProblem, match=f"{key}: must be > 0, the quasi-steady model has hard discs"):
-            simulate_quasi_steady(preset("thesis").changed(changes))
+def test_enlarged_discs_without_hard_ones_are_refused():
     with pytest.raises(InvalidProblem, match=r'enlarged_radius = "0 um": must be at least cell.hard_radius'):
         preset("thesis").changed({"cell.enlarged_radius": "0 um"})

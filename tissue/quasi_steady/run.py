@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -72,8 +72,8 @@ def simulate_quasi_steady(
     Raises
     ------
     InvalidProblem
-        As ``simulate``, and if noise is to be added in each substep: there are none; or if there are EMT cells, the
-        basal layer is not a line, there is a force that is not of the thesis, or a type without hard discs.
+        As ``simulate``, and in three dimensions, for noise in each substep, a basal layer that is no line, EMT cells,
+        a force that is not of the thesis, or cells without hard discs.
     RunFailed
         If the minimiser fails in a step, for DAHA: does not terminate; the error carries the run up to then.
     """
@@ -83,33 +83,40 @@ def simulate_quasi_steady(
         function("watch", watch, "a function of the time")
     if minimiser is not None:
         function("minimiser.minimise", getattr(minimiser, "minimise", None), "a method of the minimiser")
-    noise = parameters.numerics.noise
-    if noise != "step":
-        raise InvalidProblem(f'numerics.noise = "{noise}": must be "step", the quasi-steady model has no substeps')
-    if parameters.layer.shape != "line":
-        raise InvalidProblem(f'layer.shape = "{parameters.layer.shape}": must be "line" for the quasi-steady model')
-    if parameters.emt.cells:
-        raise InvalidProblem(f"emt.cells = {parameters.emt.cells}: must be 0, the quasi-steady model has no EMT events")
-    for force, strength in parameters.forces.acting():
-        raise InvalidProblem(f"forces.{force.name} = {strength:g}: must be 0, the quasi-steady model does not know it")
-    for name, one in parameters.types.named().items():
-        if one.has_events and one.cells:
-            raise InvalidProblem(
-                f"types.{name}.cells = {one.cells}: must be 0, the quasi-steady model has no EMT events"
-            )
-        if wrong := [key for key in PAIR_KEYS if key in one.own()]:
-            raise InvalidProblem(
-                f"types.{name}.{wrong[0]}: must be left out, the quasi-steady model has one of all cells"
-            )
-    of = ("cell", *(f"types.{name}" for name in parameters.types.named()))
-    for section, numbers in zip(of, (parameters.numbers(), *parameters.named_numbers()), strict=True):
-        if numbers.hard_radius == 0:
-            raise InvalidProblem(f"{section}.hard_radius = 0: must be > 0, the quasi-steady model has hard discs")
+    if faults := list(_faults(parameters)):
+        raise InvalidProblem(faults[0])
     steps = _Steps(parameters, seed, minimiser or TissueArrowHurwicz(parameters.daha_numbers()))
     found = steps.run(watch)
     if throw and not found.status:
         raise RunFailed(found)
     return found
+
+
+def _faults(parameters: Parameters) -> Iterator[str]:
+    """Say what the quasi-steady model does not have: a line for each."""
+    noise, layer, types = parameters.numerics.noise, parameters.layer, parameters.types.named()
+    if parameters.in_space:
+        yield "tissue.dimension = 3: must be 2, the quasi-steady model is one of slices"
+    if noise != "step":
+        yield f'numerics.noise = "{noise}": must be "step", the quasi-steady model has no substeps'
+    if layer.shape != "line":
+        yield f'layer.shape = "{layer.shape}": must be "line" for the quasi-steady model'
+    cells = {"emt": parameters.emt.cells} | {
+        f"types.{name}": one.cells for name, one in types.items() if one.has_events
+    }
+    for section, count in cells.items():
+        if count:
+            yield f"{section}.cells = {count}: must be 0, the quasi-steady model has no EMT events"
+    for force, strength in parameters.forces.acting():
+        yield f"forces.{force.name} = {strength:g}: must be 0, the quasi-steady model does not know it"
+    for name, one in types.items():
+        for key in PAIR_KEYS:
+            if key in one.own():
+                yield f"types.{name}.{key}: must be left out, the quasi-steady model has one of all cells"
+    of = ("cell", *(f"types.{name}" for name in types))
+    for section, numbers in zip(of, (parameters.numbers(), *parameters.named_numbers()), strict=True):
+        if numbers.hard_radius == 0:
+            yield f"{section}.hard_radius = 0: must be > 0, the quasi-steady model has hard discs"
 
 
 class _Steps:
@@ -118,7 +125,7 @@ class _Steps:
     def __init__(self, parameters: Parameters, seed: int, minimiser: TissueMinimiser) -> None:
         self._parameters, self._seed, self._minimiser = parameters, seed, minimiser
         self._random = streams(seed)
-        self._held, self._separation = started(parameters, self._random)
+        self._state, self._separation = started(parameters, self._random)
         self._found: list[tuple[int, bool, float, float]] = []
 
     def run(self, watch: Callable[[float], None] | None) -> QuasiSteadyRun:
@@ -134,7 +141,7 @@ class _Steps:
                 WATCH.call(watch, t)
             if not status:
                 break
-        stats = dict(zip(COUNTERS, self._held.counts.tolist(), strict=True))
+        stats = dict(zip(COUNTERS, self._state.counts.tolist(), strict=True))
         run = Run(self._parameters, self._seed, tuple(frames), status, detail, stats, self._separation)
         iterations, terminated, energy, violation = (np.array(column) for column in zip(*self._found, strict=True))
         return QuasiSteadyRun(
@@ -143,20 +150,20 @@ class _Steps:
 
     def _frame(self, t: float) -> Frame:
         """Return a copy of the present state."""
-        checkpoint = checkpoint_at(self._held, self._seed, self._random, self._separation, self._parameters)
-        return Frame(t, *contents(self._held), checkpoint=checkpoint)
+        checkpoint = checkpoint_at(self._state, self._seed, self._random, self._separation, self._parameters)
+        return Frame(t, *contents(self._state), checkpoint=checkpoint)
 
     def _step(self, t: float) -> tuple[Status, str]:
         """Return one step dt to time t, through a minimum; how it ended, and the particulars of a failure in words."""
         numbers, named = self._parameters.numbers(), self._parameters.named_numbers()
-        if is_full(self._held, t):
-            self._held = grown(self._held)
-        rules = rules_pointer([self._held], self._parameters.division_rule())
+        if is_full(self._state, t):
+            self._state = grown(self._state)
+        rules = rules_pointer([self._state], self._parameters.division_rule())
         with answered():
-            apply_rules(self._held, t, numbers_pointer(numbers, named), rules, self._random.cycle, self._random.noise)
-        found = self._minimiser.minimise(*contents(self._held), numbers)
+            apply_rules(self._state, t, numbers_pointer(numbers, named), rules, self._random.cycle, self._random.noise)
+        found = self._minimiser.minimise(*contents(self._state), numbers)
         self._found.append((found.iterations, bool(found.status), found.energy, found.violation))
-        _place(self._held, found.cells)
+        _place(self._state, found.cells)
         return found.status, "" if found.status else f"t = {t:g} h: {found.detail}"
 
 

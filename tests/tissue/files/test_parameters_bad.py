@@ -127,6 +127,37 @@ BAD = {
         {"tissue.cells": 248},
         'cells = 248: must be at most 235: more hard discs of radius 0.3333 R_soft do not fit where start.nuclei = "bo',
     ),
+    "a layer that bends too much": (
+        {"layer.shape": "circle", "layer.perimeter": "40 R_soft"},
+        'tissue.height = "40 um": must be below 6.366',
+    ),
+    "a tube of few cells": (
+        {"layer.shape": "circle", "layer.closed": True, "layer.perimeter": "60 R_soft", "tissue.cells": 100},
+        "tissue.cells = 100: must be at least 180",
+    ),
+    "a curve without points": ({"layer.shape": "points"}, "layer.points = .*: must be a list of at least four points"),
+    "a point twice": ({"layer.shape": "points", "layer.points": [["0 um", "0 um"]] * 5}, "twice in a row"),
+    "a point of one length": ({"layer.points": [["0 um"]]}, "a list of points, each of two lengths"),
+    "a type with larger cores": (
+        {"types.big.cells": 9, "types.big.soft_radius": "3 um"},
+        r'cell\.enlarged_radius = "0\.7 R_soft": must be at most types\.big\.',
+    ),
+    "a type that breaks (C2) at the start": (
+        {"types.big.cells": 9, "types.big.max_basal_distance": "1/4 R_soft"},
+        r'tissue\.basal_spacing = "0\.33\d* R_soft": must be at most types\.big\.max_basal_distance = "0\.25 R_soft"',
+    ),
+    "a type with R_soft by itself": (
+        {"types.big.cells": 9, "types.big.soft_radius": "2 R_soft"},
+        r"types\.big\.soft_radius = '2 R_soft': must be a length in metres",
+    ),
+    "a type with a negative number": (
+        {"types.big.cells": 9, "types.big.alpha_xx": -1},
+        r"types\.big\.alpha_xx = -1: must be a number >= 0",
+    ),
+    "numbers of pairs of a type in space": (
+        {"tissue.dimension": 3, "types.big.cells": 3, "types.big.alpha_xx": 4},
+        r"types\.big\.alpha_xx = 4.0: must be left to cell\.alpha_xx in three dimensions",
+    ),
 }
 
 

@@ -15,7 +15,6 @@ from tissue.files.scenario import Scenario, drawn
 from tissue.files.timing import Timing, timing
 from tissue.files.units import Measure
 from tissue.frames.observables import ab_positions
-from tissue.quasi_steady.run import simulate_quasi_steady
 from tissue.runs.simulate import simulate
 from tissue.runs.start import started
 from tissue.state.checkpoint import streams
@@ -169,11 +168,6 @@ def test_an_event_after_the_end_warns():
         simulate(late)
     simulate(late.changed({"emt.a": "0.1 h"}))  # in the last step
     simulate(late.changed({"emt.cells": 0}))
-
-
-def test_the_quasi_steady_model_has_no_events():
-    with pytest.raises(InvalidProblem, match=r"emt.cells = 1: must be 0, the quasi-steady model has no EMT events"):
-        simulate_quasi_steady(preset("thesis").changed({"emt.cells": 1}))
 
 
 def test_a_parameter_file_may_hold_a_scenario(tmp_path):

@@ -169,11 +169,6 @@ def test_watch_is_told_of_each_kept_time():
     assert times == pytest.approx([0.2, 0.4, 0.6, 0.8, 1.0])
 
 
-def test_noise_in_substeps_is_refused():
-    with pytest.raises(dincl.InvalidProblem, match='"substep": must be "step"'):
-        simulate_quasi_steady(parameters(**{"numerics.noise": "substep"}))
-
-
 def test_daha_of_small_eps_follows_the_judge():
     """Minima, step after step; at eps/alpha as in the thesis the tissue stays behind."""
     quick = {"daha.alpha": 1e-2, "daha.gamma": 1e-1, "daha.most_iterations": 1_000_000}
@@ -194,3 +189,27 @@ def test_daha_of_small_eps_follows_the_judge():
 def test_bad_tolerance_of_the_judge(tol):
     with pytest.raises(dincl.InvalidProblem, match="tol"):
         Judge(tol)
+
+
+TYPE = {"types.mine.cells": 3}
+REFUSED = {
+    "dimension": ({"tissue.dimension": 3}, r"tissue\.dimension = 3: must be 2"),
+    "noise": ({"numerics.noise": "substep"}, '"substep": must be "step"'),
+    "layer": ({"layer.shape": "circle"}, r'layer\.shape = "circle": must be "line"'),
+    "EMT": ({"emt.cells": 1}, r"emt\.cells = 1: must be 0, the quasi-steady model has no EMT events"),
+    "events of a type": (TYPE | {"types.mine.a": "1 h"}, r"types\.mine\.cells = 3: must be 0, .* has no EMT"),
+    "no cores": ({"cell.hard_radius": "0 um"}, r"cell\.hard_radius = 0: must be > 0, .* has hard discs"),
+    "a type without cores": (TYPE | {"types.mine.hard_radius": "0 um"}, r"types\.mine\.hard_radius = 0: must be > 0"),
+}
+OWN = {"soft_radius": "7 um", "alpha_xx": 4, "max_basal_distance": "2/3 R_soft"}
+REFUSED |= {
+    key: (TYPE | {f"types.mine.{key}": value}, rf"types\.mine\.{key}: must be left out, .* has one of all cells")
+    for key, value in OWN.items()
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_what_the_model_does_not_have_is_refused(name):
+    changes, message = REFUSED[name]
+    with pytest.raises(dincl.InvalidProblem, match=message):
+        simulate_quasi_steady(preset("thesis").changed(changes))
