@@ -38,17 +38,17 @@ def main(folder: Path) -> None:
 
 
 def file(name: str) -> Path:
-    """Where a table is kept."""
+    """Return the path of a kept table."""
     return DATA / f"curved_{name}.parquet"
 
 
 def table(name: str) -> pd.DataFrame:
-    """A kept table."""
+    """Read a kept table."""
     return read_sealed(file(name))
 
 
 def _ways_out(results: Results) -> Iterator[dict[str, object]]:
-    """One row for each set of events, layer and side: cells that have ended there, with Wilson's interval."""
+    """Return a row for each set of events, layer and side: cells that have ended there, with Wilson's interval."""
     for scenario in results.study.scenarios:
         events, layer = scenario.rsplit(", ", 1)
         ended = results.cells(scenario, ["extruded"])["extruded"]
@@ -68,7 +68,7 @@ def _ways_out(results: Results) -> Iterator[dict[str, object]]:
 
 
 def _limit() -> Iterator[dict[str, object]]:
-    """One row for each circle and the line: the mean height at the end, with its interval, and what parts it."""
+    """Return a row for each circle and the line: mean height at the end, interval, difference from the line."""
     line = _heights({})
     mean = line.mean()
     for side in ("inside", "outside"):
@@ -88,7 +88,7 @@ def _limit() -> Iterator[dict[str, object]]:
 
 
 def _heights(changes: dict[str, object]) -> Floats:
-    """Mean height of the apical layer at the end, of each run."""
+    """Return the mean height of the apical layer at the end, of each run."""
     parameters = preset("published").changed({"tissue.cells": 51, "numerics.keep": ["54 h"], **changes})
     heights: Floats = outcomes(parameters, range(RUNS), range(RUNS)).runs.to_pandas()[HEIGHT].to_numpy()
     return heights

@@ -38,21 +38,21 @@ TISSUES: dict[str, dict[str, object]] = {
 
 
 def draw_ways_out(ways_out: pd.DataFrame, path: Path) -> Path:
-    """For each set of events the ratio of cells that have left on either side, on each layer."""
+    """Draw, for each set of events and each layer, the ratio of cells that have left on either side."""
     names = list(ways_out["events"].unique())
     rows = [(LABELS[layer], LOOKS[layer], mine) for layer, mine in ways_out.groupby("layer", sort=False)]
     return draw_sides(rows, names, 3.6, path)
 
 
 def draw_tubes(ways_out: pd.DataFrame, tubes: pd.DataFrame, path: Path) -> Path:
-    """The same on arcs and on closed tubes, which are filled."""
+    """Draw the same ratios for arcs and for closed tubes; marks of tubes are filled."""
     names = list(tubes["events"].unique())
     rows = [(label, look, mine) for label, look, mine in _closed_or_not(ways_out, tubes) if len(mine)]
     return draw_sides(rows, names, 4.8, path)
 
 
 def _closed_or_not(ways_out: pd.DataFrame, tubes: pd.DataFrame) -> Iterator[Series]:
-    """The line, and the layers on either side from the smallest to the largest, arcs before tubes."""
+    """List the line, then the layers on either side by increasing size, arcs before tubes."""
     yield "line", LOOKS["line"], ways_out[ways_out["layer"] == "line"]
     for side in ("outside", "inside"):
         colour, marker = LOOKS[side]
@@ -65,7 +65,7 @@ def _closed_or_not(ways_out: pd.DataFrame, tubes: pd.DataFrame) -> Iterator[Seri
 
 
 def draw_sides(series: Sequence[Series], names: Sequence[str], height: float, path: Path) -> Path:
-    """A panel for each side; a row of marks with intervals for each set of events."""
+    """Draw a panel for each side, with a row of marks and intervals for each set of events."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with style():
         figure = Figure(figsize=(9.0, height), layout="constrained")
@@ -90,7 +90,7 @@ def draw_sides(series: Sequence[Series], names: Sequence[str], height: float, pa
 
 
 def draw_tissues(path: Path) -> Path:
-    """Tissues on curved layers after a day."""
+    """Draw tissues on curved layers after a day."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with style():
         figure = Figure(figsize=(9.0, 8.0), layout="constrained")

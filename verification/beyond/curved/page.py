@@ -31,7 +31,7 @@ def run(context: Context) -> None:
 
 
 def sections(context: Context) -> Sequence[Section]:
-    """The answer with its figure, the limit of large circles, and pictures."""
+    """Return the answer with its figure, closed tubes, and the limit of large circles."""
     ways_out, limit = context.tables["curved_ways_out"], context.tables["curved_limit"]
     basal = ways_out[ways_out["side"] == "basal"].set_index(["events", "layer"])
     largest = limit["perimeter_um"].max()
@@ -70,7 +70,7 @@ def sections(context: Context) -> Sequence[Section]:
 
 
 def _closed(context: Context) -> Section:
-    """Tubes beside arcs, and when lumina close."""
+    """Compare tubes with arcs, and say when lumina close."""
     ways_out, tubes, lumen = (context.tables[f"curved_{name}"] for name in ("ways_out", "tubes", "lumen"))
     said = fill(PROSE / "tubes.html", ratio=partial(ratio, ways_out, tubes), **_facts(tubes, lumen))
     chart = context.draw("curved_tubes", figures_curved.draw_tubes, ways_out, tubes)
@@ -90,7 +90,7 @@ def _closed(context: Context) -> Section:
 def ratio(
     ways_out: pd.DataFrame, tubes: pd.DataFrame, events: str, layer: str, perimeter: int, every: int = 0
 ) -> tuple[float, ...]:
-    """The ratio of basal extrusion with its interval; ``every`` cells are one EMT cell of a tube, 0: on an arc."""
+    """Return the ratio of basal extrusion with its interval; one of ``every`` cells is an EMT cell, 0: on an arc."""
     if every == 0 and perimeter == ARC:
         rows = ways_out[ways_out["layer"] == layer]
     else:
@@ -101,13 +101,13 @@ def ratio(
 
 
 def _facts(tubes: pd.DataFrame, lumen: pd.DataFrame) -> dict[str, object]:
-    """How near basal points are on closed and open layers with the tissue inside, and whose lumen closes."""
+    """Return the basal distances on closed and open layers with the tissue inside, and the rows of lumina."""
     inside = tubes[tubes["layer"] == "inside"].groupby("closed")["basal_spacing_um"].mean()
     return {"spacing": inside.to_dict(), "lumen": list(lumen.itertuples()), "failed": int(tubes["failed"].sum())}
 
 
 def rate(rows: pd.DataFrame) -> float:
-    """By how much the distance from the line falls when the perimeter doubles for the last time."""
+    """Return the factor by which the distance from the line falls when the perimeter doubles for the last time."""
     away = rows.sort_values("perimeter_um")["away_um"].abs().to_numpy()
     return float(away[-2] / away[-1])
 
@@ -117,7 +117,7 @@ def _named(rows: pd.DataFrame, table: str) -> pd.DataFrame:
 
 
 def findings(context: Context) -> Sequence[Finding]:
-    """How many cells leave on the basal side of each layer."""
+    """State how many cells leave on the basal side of each layer."""
     ways_out = context.tables["curved_ways_out"]
     basal = ways_out[(ways_out["side"] == "basal") & (ways_out["events"] == "[A]")].set_index("layer")
     parts = {layer: tuple(basal.loc[layer, PARTS]) for layer in curved.LAYERS}

@@ -50,7 +50,7 @@ class Layer(NamedTuple):
     events: tuple[str, ...] = tuple(EVENTS)
 
     def parameters(self, **more: object) -> Parameters:
-        """The published ones on this layer."""
+        """Return the published parameters on this layer."""
         layer = {"shape": "circle", "perimeter": f"{self.perimeter} um", "closed": self.closed, "side": self.side}
         given: dict[str, object] = {f"layer.{key}": value for key, value in layer.items()}
         return preset("published").changed(
@@ -59,7 +59,7 @@ class Layer(NamedTuple):
 
 
 def tube(side: str, perimeter: int, every: int, runs: int, events: tuple[str, ...] = tuple(EVENTS)) -> Layer:
-    """A closed one, in which one of ``every`` cells is an EMT cell."""
+    """Return a closed tube in which one of ``every`` cells is an EMT cell."""
     cells = int(CELLS_PER_UM * perimeter) + 1
     return Layer(True, side, perimeter, cells, cells // every, runs, events)
 
@@ -81,7 +81,7 @@ def main() -> None:
 
 
 def _ways_out() -> Iterator[dict[str, object]]:
-    """One row for each layer, set of events and side: EMT cells that have ended there, of runs that reached the end."""
+    """Return a row for each layer, set of events and side: EMT cells that ended there, of complete runs."""
     for layer in LAYERS:
         for events in layer.events:
             sides, spacing = _ended(layer, events)
@@ -107,7 +107,7 @@ def _ways_out() -> Iterator[dict[str, object]]:
 
 
 def _ended(layer: Layer, events: str) -> tuple[Integers, float]:
-    """Where the EMT cells of each run are at the end (runs, m): -1, 0, 1; and the mean basal distance there [um]."""
+    """Return where the EMT cells of each run end (runs, m): -1, 0, 1; and the mean basal distance there [um]."""
     parameters = layer.parameters(**EVENTS[events])
     name = f"{events} {layer.side} {layer.perimeter} {layer.closed} {layer.emt}"
     seeds, sides, spacings = run_seeds(SEED, name, range(layer.runs)), [], []
@@ -122,7 +122,7 @@ def _ended(layer: Layer, events: str) -> tuple[Integers, float]:
 
 
 def _interval(hits: Flags) -> tuple[float, float]:
-    """That of the ratio of hits (runs, m) with 95 %: Wilson's for one cell of each run, else Student's over the runs.
+    """Return the 95 % interval of the ratio of hits (runs, m): Wilson's for one cell a run, else Student's over runs.
 
     The cells of one run share a tissue.
     """
@@ -134,7 +134,7 @@ def _interval(hits: Flags) -> tuple[float, float]:
 
 
 def _grown(parameters: Parameters, seeds: Sequence[int]) -> Batch:
-    """Runs to their ends, of which the EMT cells stand apart at the start and not side by side in the middle."""
+    """Run tissues to their ends; their EMT cells start apart, not side by side in the middle."""
     first = Batch(parameters, seeds)
     t = next(first.times())
     batch = Batch(parameters, seeds, [_apart(first.frame(k, t)) for k in range(len(seeds))])
@@ -144,7 +144,7 @@ def _grown(parameters: Parameters, seeds: Sequence[int]) -> Batch:
 
 
 def _apart(frame: Frame) -> Frame:
-    """The same start with its EMT cells evenly spaced."""
+    """Return the same start with its EMT cells evenly spaced."""
     cells = frame.cells
     n, m = len(cells.x), int((cells.emt >= 0).sum())
     chosen = n * (2 * np.arange(m) + 1) // (2 * m)
@@ -154,14 +154,14 @@ def _apart(frame: Frame) -> Frame:
 
 
 def _spacing(frame: Frame, parameters: Parameters) -> float:
-    """Mean distance of neighbours in the basal layer."""
+    """Return the mean distance of neighbours in the basal layer."""
     layer = np.append(frame.layers.basal, frame.layers.basal[: frame.curve.ring])
     x, y = frame.cells.bx[layer], frame.cells.by[layer]
     return parameters.cell.soft_radius.value * float(np.hypot(np.diff(x), np.diff(y)).mean())
 
 
 def _lumina() -> Iterator[dict[str, object]]:
-    """One row for each perimeter, tissue inside and without EMT cells: how many lumina close, and when."""
+    """Return a row for each perimeter, tissue inside and without EMT cells: how many lumina close, and when."""
     for perimeter in LUMINA:
         parameters = tube("inside", perimeter, 15, LUMEN_RUNS).parameters(**{"emt.cells": 0})
         seeds, times = run_seeds(SEED, f"lumen {perimeter}", range(LUMEN_RUNS)), []
@@ -183,7 +183,7 @@ def _lumina() -> Iterator[dict[str, object]]:
 
 
 def _closed(batch: Batch) -> list[float]:
-    """The times at which lumina close [h]."""
+    """Return the times at which lumina close [h]."""
     end = batch.parameters.t_end
     for _ in batch.times():
         if not any(map(batch.goes_on, range(len(batch.seeds)))):

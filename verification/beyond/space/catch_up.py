@@ -31,7 +31,7 @@ FULL = CatchUpForm(5, SUBSTEPS, (15, 30, 60, 120, 240), 960)
 
 
 def study(form: CatchUpForm) -> Study:
-    """One run for each seed."""
+    """Plan one run for each seed."""
     return Study(
         name="space_catch_up",
         title="Tissue in space: catch-up",
@@ -43,7 +43,7 @@ def study(form: CatchUpForm) -> Study:
 
 
 def moved(key: Key, form: CatchUpForm, parameters: Parameters) -> list[Row]:
-    """One row for each method and number of steps in dt: error of the nuclei and counted work.
+    """Return a row for each method and number of steps in dt: error of the nuclei and counted work.
 
     The reference is MidpointCatchUp with its error of h^2 taken out. Contacts that begin, and the tolerance of the
     projections, leave it less than order 2 at the finest steps: so its own error is said to be the whole change that
@@ -64,13 +64,13 @@ def moved(key: Key, form: CatchUpForm, parameters: Parameters) -> list[Row]:
 
 
 def _by_pbd(state: FrozenInSpace, steps: int) -> tuple[Floats, int, int]:
-    """Nuclei (n, 3) after dt by the kernel, evaluations of the forces, and pairs looked at."""
+    """Return nuclei (n, 3) after dt by the kernel, evaluations of the forces, and pairs looked at."""
     x, pairs = substepped_in_space(state, steps)
     return x[: len(state.frame.cells.x)], steps, pairs
 
 
 def _by_scheme(state: FrozenInSpace, name: str, steps: int) -> tuple[Floats, int, int]:
-    """The same by a scheme; NaN if a step fails. The drift looks at all pairs."""
+    """Return the same by a scheme, NaN if a step fails; the drift looks at all pairs."""
     n, dt, calls = len(state.frame.cells.x), state.numbers.dt, 0
     problem = frozen_problem_in_space(*state)
 
@@ -86,7 +86,7 @@ def _by_scheme(state: FrozenInSpace, name: str, steps: int) -> tuple[Floats, int
 
 
 def errors(table: pd.DataFrame) -> pd.DataFrame:
-    """One row for each method and number of steps: median error and work over the seeds, and how many were lost."""
+    """Return a row for each method and number of steps: median error and work over the seeds, runs lost."""
     grouped = table.groupby(["method", "steps"])
     made = grouped[["rms", "calls", "pairs", "own", "least"]].median().reset_index()
     return made.assign(lost=grouped["rms"].apply(lambda error: int(error.isna().sum())).to_numpy())

@@ -58,19 +58,19 @@ FULL = ChoicesForm()
 
 
 def study(form: ChoicesForm) -> Study:
-    """One run for each choice, set of events and seed."""
+    """Plan one run for each choice, set of events and seed."""
     names = [(choice, events) for choice in form.choices for events in EVENTS]
     runs = [{"choice": one, "events": two, "seed": seed} for one, two in names for seed in range(form.seeds)]
     return Study("space_choices", "Space: choices", ("choice", "events", "seed"), tuple(runs), run)
 
 
 def parameters(choice: str, events: str) -> Parameters:
-    """Those of a choice."""
+    """Return the parameters of a choice."""
     return preset("published").changed({**SHEET, **CHOICES[choice], **EVENTS[events]})
 
 
 def run(key: Key) -> list[Row]:
-    """One row for each EMT cell: where it has begun and ended, beside the tissue; none of a run that is lost."""
+    """Return a row for each EMT cell: where it has begun and ended, beside the tissue; none of a run that is lost."""
     given = parameters(key["choice"], key["events"])
     made = simulate(given, key["seed"])
     if not made.status:
@@ -85,7 +85,7 @@ def run(key: Key) -> list[Row]:
 
 
 def ratios(table: pd.DataFrame) -> pd.DataFrame:
-    """One row for each choice, set of events, part of the cells and side: cells that have left, with intervals.
+    """Return a row for each choice, set of events, part of the cells and side: cells that have left, with intervals.
 
     The parts are all cells, and those that begin away from the edge if there are some.
     """
@@ -100,7 +100,7 @@ def ratios(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def means(table: pd.DataFrame) -> pd.DataFrame:
-    """One row for each choice: height and basal extent over those of the start, roughness; means with intervals."""
+    """Return a row for each choice: means of relative height, relative basal extent and roughness, with intervals."""
     rows = []
     for choice, mine in _in_order(table).groupby("choice", observed=True):
         runs = mine.groupby(["events", "seed"]).first()
@@ -113,5 +113,5 @@ def means(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def _in_order(table: pd.DataFrame) -> pd.DataFrame:
-    """Groups of choices come in the order of ``CHOICES``."""
+    """Sort groups of choices in the order of ``CHOICES``."""
     return table.assign(choice=pd.Categorical(table["choice"], list(CHOICES)))

@@ -8,7 +8,7 @@ from tissue.statistics.proportions import wilson
 
 
 def counted(hits: pd.Series, replicate: pd.Series) -> dict[str, float]:
-    """How many cells are hits, and how they vary from run to run.
+    """Count the cells that are hits, and their spread from run to run.
 
     ``squares`` is the sum over the R runs of (y_r - p n_r)^2 R/(R - 1), y_r the hits of a run with n_r cells, of which
     ``expected`` = n p (1 - p) is expected if cells are independent.
@@ -20,7 +20,7 @@ def counted(hits: pd.Series, replicate: pd.Series) -> dict[str, float]:
 
 
 def with_intervals(rows: pd.DataFrame, together: str | list[str]) -> pd.DataFrame:
-    """Counts with their ratio, its design effect, its effective number of cells, and Wilson's 95 % interval.
+    """Return counts with their ratio, its design effect, its effective number of cells, and Wilson's 95 % interval.
 
     The design effect, sum of squares over sum of expected ones and at least 1, is taken of all rows with the same
     values in the columns ``together``: for p = 0 or 1 a single row says nothing about it.

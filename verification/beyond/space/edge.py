@@ -17,7 +17,7 @@ WHOLE, INNER = "all", "inner"
 
 
 def are_inner(parameters: Parameters) -> Flags:
-    """Whether each isolated cell (m,), in their order, begins farther from the edge of a flat sheet than EDGE.
+    """Return whether each isolated cell (m,) begins farther than EDGE from the edge of a flat sheet.
 
     All do in a periodic sheet, which has none.
     """

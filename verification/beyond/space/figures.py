@@ -34,7 +34,7 @@ WAYS = {
 
 
 def draw_growth(growth: pd.DataFrame, path: Path) -> Path:
-    """Height over that of the start, in a panel for each part of the divisions whose daughters both stay."""
+    """Draw the height over the height at the start, in a panel for each share of divisions with both daughters kept."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with style():
         figure = Figure(figsize=(9.0, 3.8), layout="constrained")
@@ -58,7 +58,7 @@ def draw_growth(growth: pd.DataFrame, path: Path) -> Path:
 
 
 def draw_isolated(ratios: pd.DataFrame, path: Path) -> Path:
-    """For each set of events the ratio of cells that have left on either side, in the slice and in sheets."""
+    """Draw, for each set of events, the ratio of cells that have left on either side, in the slice and in sheets."""
     names = list(SLICES)
     named = ratios.rename(columns={"scenario": "events", "what": "side"})
     series = [(LABELS[one], WAYS[one], named[named["tissue"] == one]) for one in TISSUES]

@@ -14,7 +14,7 @@ MARKS = "o^sD"
 
 
 def catch_up(made: pd.DataFrame, path: Path) -> Path:
-    """Error of the nuclei after dt against the steps in it, and against the evaluations of the forces."""
+    """Draw the error of nuclei after dt against the steps in it and against the evaluations of the forces."""
     with sheet(path, 3.4) as figure:
         left, right = figure.subplots(1, 2, sharey=True)
         for method, colour in METHODS.items():
@@ -33,7 +33,7 @@ def catch_up(made: pd.DataFrame, path: Path) -> Path:
 
 
 def substeps(made: pd.DataFrame, path: Path) -> Path:
-    """Errors of nuclei and of heights against the substeps in dt, for each time."""
+    """Draw errors of nuclei and of heights against the substeps in dt, for each time."""
     with sheet(path, 3.8) as figure:
         left, right = figure.subplots(1, 2)
         for tissue, colour in TISSUES.items():

@@ -34,21 +34,21 @@ class FrozenInSpace(NamedTuple):
 
 
 def open_sheet(cells: int, hours: float) -> Parameters:
-    """The published runs as an open sheet in space that grows for so long."""
+    """Return the published parameters for an open sheet in space that grows for ``age`` hours."""
     end = f"{hours:g} h"
     changes = {"tissue.dimension": 3, "tissue.cells": cells, "space.boundary": "open"}
     return preset("published").changed(changes | {"numerics.t_end": end, "numerics.keep": end})
 
 
 def begun_in_space(parameters: Parameters, seed: int, tol: float) -> FrozenInSpace:
-    """The grown tissue of a seed, moved to a nearest state of S."""
+    """Return the grown tissue of a seed, moved to a nearest state of S."""
     numbers = parameters.numbers()
     frame = tissue.simulate(parameters, seed=seed).final
     return FrozenInSpace(made_feasible_in_space(frame, numbers, dincl.Ipopt(tol=tol)), numbers)
 
 
 def substepped_in_space(state: FrozenInSpace, steps: int) -> tuple[Floats, int]:
-    """The particles (3n, 3) after dt in so many substeps without noise, by the kernel, and how many pairs it saw."""
+    """Return particles (3n, 3) after dt by the kernel, in substeps without noise, and the pairs it looked at."""
     (frame, numbers), rates, n = state, rates_of(*state), len(state.frame.cells.x)
     scale = numbers.dt / steps
     workspaces = _work(state, steps)
@@ -66,7 +66,7 @@ def substepped_in_space(state: FrozenInSpace, steps: int) -> tuple[Floats, int]:
 
 
 def _work(state: FrozenInSpace, steps: int) -> SurfaceWorkspaces:
-    """A workspace with the edges of both networks, and room for the cells."""
+    """Return a workspace with the edges of both networks, and room for the cells."""
     (frame, numbers), rates = state, rates_of(*state)
     if frame.sheets is None:
         raise RuntimeError("frame.sheets = None: must be those of a run in three dimensions")
@@ -82,7 +82,7 @@ def _work(state: FrozenInSpace, steps: int) -> SurfaceWorkspaces:
 
 
 def least_steps(state: FrozenInSpace) -> float:
-    """Steps in dt at the linear limit of explicit Euler, if no projection is active."""
+    """Return the steps in dt at the linear limit of explicit Euler, if no projection is active."""
     problem, x = frozen_problem_in_space(*state), particles(state.frame.cells, "xyz")
     slopes = np.empty((x.size, x.size))
     for column, place in enumerate(np.ndindex(x.shape)):

@@ -38,7 +38,7 @@ class GrowingLayer(NamedTuple):
     changes: Mapping[str, object]
 
     def parameters(self) -> Parameters:
-        """Those of its runs."""
+        """Return the parameters of the runs of a layer."""
         given = {"tissue.cells": self.cells, "tissue.two_daughters": self.both, "numerics.t_end": f"{END:g} h"}
         return preset("published").changed({**given, "numerics.keep": f"{EVERY:g} h", **self.changes})
 
@@ -72,7 +72,7 @@ FULL = SheetForm()
 
 
 def study(form: SheetForm) -> Study:
-    """One run for each layer and seed."""
+    """Plan one run for each layer and seed."""
     runs = [{**name_of(layer), "seed": seed} for layer in form.layers for seed in range(form.seeds)]
     return Study(
         name="space_growth",
@@ -85,12 +85,12 @@ def study(form: SheetForm) -> Study:
 
 
 def name_of(layer: GrowingLayer) -> dict[str, object]:
-    """The columns that name it."""
+    """Return the columns that name a layer."""
     return {"layer": layer.layer, "cells": layer.cells, "both": layer.both}
 
 
 def grown(key: Key, layers: Sequence[GrowingLayer]) -> list[Row]:
-    """One row for each kept time; none from where a run is lost."""
+    """Return a row for each kept time; none from where a run is lost."""
     (layer,) = [one for one in layers if all(key[name] == value for name, value in name_of(one).items())]
     run = simulate(layer.parameters(), key["seed"])
     first = run.frames[0]
@@ -99,7 +99,7 @@ def grown(key: Key, layers: Sequence[GrowingLayer]) -> list[Row]:
 
 
 def _measured(frame: Frame, first: Frame) -> dict[str, float]:
-    """Height, cells, cells in the section z = 0, basal extent over those of the start; apical over basal; roughness."""
+    """Measure relative height, cells, cells in the section z = 0, basal extent; apical over basal; roughness."""
     apical, basal = _apical_extent(frame), basal_extent(frame)
     return {
         "height": height(frame) / height(first),
@@ -112,7 +112,7 @@ def _measured(frame: Frame, first: Frame) -> dict[str, float]:
 
 
 def _apical_extent(frame: Frame) -> float:
-    """Of the apical layer: the length of a path, in space the root of an area [R_soft]."""
+    """Return the extent of the apical layer: the length of a path, in space the root of an area [R_soft]."""
     cells = frame.cells
     if frame.sheets is None:
         layer = np.append(frame.layers.apical, frame.layers.apical[: frame.curve.ring])
@@ -122,7 +122,7 @@ def _apical_extent(frame: Frame) -> float:
 
 
 def basal_extent(frame: Frame) -> float:
-    """Of the basal layer: likewise [R_soft]."""
+    """Return the extent of the basal layer: the length of a path, in space the root of an area [R_soft]."""
     cells = frame.cells
     if frame.sheets is None:
         layer = np.append(frame.layers.basal, frame.layers.basal[: frame.curve.ring])
@@ -135,7 +135,7 @@ def _length(x: Floats, y: Floats) -> float:
 
 
 def roughness(frame: Frame) -> float:
-    """Root mean square of the height of an apical point less the mean of those that it has junctions with [R_soft]."""
+    """Return the root mean square of apical height less the mean height of junction partners [R_soft]."""
     cells, edges = frame.cells, _junctions(frame)
     ends, others = edges.T.ravel(), edges[:, ::-1].T.ravel()
     counts = np.bincount(ends, minlength=len(cells.x))
@@ -146,7 +146,7 @@ def roughness(frame: Frame) -> float:
 
 
 def _junctions(frame: Frame) -> Integers:
-    """The cells that each joins, (m, 2)."""
+    """Return the two cells of each junction, (m, 2)."""
     if frame.sheets is not None:
         return frame.sheets.apical.edges
     layer = np.append(frame.layers.apical, frame.layers.apical[: frame.curve.ring])

@@ -13,7 +13,7 @@ TOLD, BESIDE = ("height", "section"), ("number", "basal", "fan", "rough")
 
 
 def means(table: pd.DataFrame) -> pd.DataFrame:
-    """One row for each layer and time: means over the seeds, with Student's 95 % intervals of TOLD; and ``stay``."""
+    """Return a row for each layer and time: means with Student's 95 % intervals of TOLD; and ``stay``."""
     rows = []
     for name, mine in table.groupby(["layer", "cells", "both", "t"], sort=False):
         told: dict[str, object] = dict(zip(("layer", "cells", "both", "t"), name, strict=True))
@@ -29,7 +29,7 @@ def means(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def part_that_stays(section: float, number: float) -> float:
-    """p of (1 + p)^g = section, with g = log2(number) generations: which part of the second daughters is in a section.
+    """Return p of (1 + p)^g = section, g = log2(number) generations: the share of second daughters in a section.
 
     p^div of section 2.2.5 of chapter 3, as a slice would need it; NaN before any division, -1 for an end of an interval
     below 0.

@@ -77,7 +77,7 @@ def main(folder: Path) -> None:
 
 
 def _counted(results: Results) -> Iterator[dict[str, object]]:
-    """One row for each set of events, tissue and side: how many cells have left at the end."""
+    """Count, for each set of events, tissue and side, the cells that have left at the end."""
     for name, parameters in load_study(STUDY).scenarios.items():
         scenario, tissue = name.rsplit(", ", 1)
         cells = results.cells(name)
@@ -91,7 +91,7 @@ def _counted(results: Results) -> Iterator[dict[str, object]]:
 
 
 def table() -> pd.DataFrame:
-    """Ratios in sheets, and those of the same events in slices, which are kept with the studies of chapter 4."""
+    """Return ratios in sheets, and those of the same events in slices, which are kept with the studies of chapter 4."""
     slices = read("ratios")
     same = slices["scenario"].map(SLICES) == slices["study"]
     mine = slices[same & slices["what"].isin(SIDES)].drop(columns="study").assign(tissue=SLICE)
@@ -99,7 +99,7 @@ def table() -> pd.DataFrame:
 
 
 def compared(ratios: pd.DataFrame) -> pd.DataFrame:
-    """One row for each comparison: the difference with its 95 % interval, and the verdict, in each tissue."""
+    """Return a row for each comparison: the difference with its 95 % interval, and the verdict, in each tissue."""
     return pd.DataFrame(_compared(ratios))
 
 

@@ -67,7 +67,7 @@ FULL = StripForm()
 
 
 def study(form: StripForm) -> Study:
-    """One run for each tissue, set of events and seed."""
+    """Plan one run for each tissue, set of events and seed."""
     names = [(events, tissue) for events in form.events for tissue in TISSUES]
     seeds = range(FIRST_SEED, FIRST_SEED + form.seeds)
     runs = [{"events": one, "tissue": two, "seed": seed} for one, two in names for seed in seeds]
@@ -75,12 +75,12 @@ def study(form: StripForm) -> Study:
 
 
 def parameters(events: str, tissue: str) -> Parameters:
-    """Those of a run."""
+    """Return the parameters of a run."""
     return preset("published").changed({**COMMON, **TISSUES[tissue], **EVENTS[events]})
 
 
 def run(key: Key) -> list[Row]:
-    """One row: what is measured at the end, in R_soft, and parts of the EMT cells; NaN if the run is lost."""
+    """Run one tissue: a row of measures at the end, in R_soft, and shares of the EMT cells; NaN if the run is lost."""
     given = parameters(key["events"], key["tissue"])
     made = simulate(given, key["seed"], throw=False)
     if not made.status:
@@ -93,7 +93,7 @@ def run(key: Key) -> list[Row]:
 
 
 def differences(table: pd.DataFrame) -> pd.DataFrame:
-    """One row for each number: its mean in rings, and strip less ring by the same seeds, with Student's 95 % interval.
+    """Compare strips with rings: for each quantity its mean in rings, and strip less ring with Student's 95 % interval.
 
     EMT cells by their events, all else over all events: runs of one seed share a start, so their mean counts once.
     """

@@ -42,14 +42,14 @@ FULL = SheetSubstepsForm()
 
 
 def study(form: SheetSubstepsForm) -> Study:
-    """One run for each tissue and seed: all numbers of substeps, and the reference with its half."""
+    """Plan one run for each tissue and seed: all numbers of substeps, and the reference with its half."""
     runs = tuple({"tissue": name, "seed": seed} for name in TISSUES for seed in range(form.seeds))
     settings = asdict(form) | {"seeds": None}  # more seeds are more runs
     return Study("space_substeps", "Space: substeps", ("tissue", "seed"), runs, partial(compared, form=form), settings)
 
 
 def compared(key: Key, form: SheetSubstepsForm) -> list[Row]:
-    """One row for each number of substeps and kept time: distance of the nuclei to the reference, and of the height."""
+    """Compare each number of substeps with the reference at saved times: distances of nuclei and of height."""
     exact = _grown(key, form.reference)
     rows: list[Row] = []
     for substeps in (*form.substeps, form.reference // 2):
@@ -61,19 +61,19 @@ def compared(key: Key, form: SheetSubstepsForm) -> list[Row]:
 
 
 def _grown(key: Key, substeps: int) -> Sequence[Frame]:
-    """All kept states but the start."""
+    """Return all saved states but the start."""
     changes = {**TISSUES[key["tissue"]], **KEPT, "numerics.substeps": substeps}
     return simulate(preset("published").changed(changes), key["seed"]).frames[1:]
 
 
 def _nuclei(frame: Frame) -> Floats:
-    """(n, 3), by the names of the cells: those of a slice change their places."""
+    """Return the nuclei (n, 3) by the names of the cells; cells of a slice change their places."""
     order = np.argsort(frame.cells.id)
     return np.stack([getattr(frame.cells, axis)[order] for axis in "xyz"], axis=1)
 
 
 def errors(table: pd.DataFrame) -> pd.DataFrame:
-    """One row for each tissue, time and number of substeps: median error of nuclei, mean deviation of heights in parts.
+    """Return a row for each tissue, time and number of substeps: median error of nuclei, relative error of heights.
 
     ``own`` bounds the error of the reference in each, SAFETY times its difference to half as many substeps; ``enough``:
     whether the height is right to ENOUGH, with interval and the error of the reference.
@@ -99,7 +99,7 @@ def errors(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def orders(made: pd.DataFrame) -> pd.DataFrame:
-    """One row for each tissue and time: order in h of both errors, and the least substeps whose heights are right."""
+    """Return a row for each tissue and time: orders in h, and the least substeps with accurate heights."""
     rows = []
     for (name, t), mine in made.groupby(["tissue", "t"], sort=False):
         h = 1.0 / mine["substeps"]
@@ -114,7 +114,7 @@ def orders(made: pd.DataFrame) -> pd.DataFrame:
 
 
 def _least(substeps: pd.Series, enough: pd.Series) -> int:
-    """From which on all are right; 0 if the finest is not."""
+    """Return the substeps from which on all heights are accurate; 0 if the finest are not."""
     fine_first = enough.iloc[substeps.argsort()[::-1]]
     right = fine_first.cummin()
     return int(substeps[right[right].index].min()) if right.any() else 0

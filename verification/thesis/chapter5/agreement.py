@@ -68,7 +68,7 @@ class TrueMotion(NamedTuple):
 
 
 def study(form: AgreementForm) -> Study:
-    """All methods on all models, a row for each setting."""
+    """Plan all methods on all models, a row for each setting."""
     names = [*(f"rattle{order}" for order in sorted(form.steps, reverse=True)), "dae", "ode", "reduced"]
     runs = [
         {"model": name, "method": method}
@@ -100,7 +100,7 @@ def _rows(key: Key, digits: Mapping[str, Sequence[int]], steps: Mapping[int, Seq
 
 @cache
 def reference(name: str) -> TrueMotion:
-    """The closed form where there is one, else the ODE to rounding; its distance to the other way is its error."""
+    """Return the closed form, or else the ODE to rounding; its error is its distance from the other way."""
     model, start = cases.model(name), cases.few(name, PARTICLES)
     if name in HARMONIC:
         path = exact.harmonic(name, np.asarray(start.X), TIMES)
@@ -133,7 +133,7 @@ def _measured(motion: Motion, known: TrueMotion) -> dict[str, Any]:
 
 
 def best(table: pd.DataFrame) -> pd.DataFrame:
-    """Of each method on each model the setting whose largest error is least, and whether that is at most CLAIMED."""
+    """Find each method's best setting on each model, and whether its largest error is at most CLAIMED."""
     errors = [f"error_{quantity}" for quantity in QUANTITIES]
     worst = table.assign(
         worst=table[errors].max(axis=1),
@@ -156,7 +156,7 @@ def best(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def orders(table: pd.DataFrame) -> pd.DataFrame:
-    """The order of RATTLE in y and in the multipliers, with 95 % intervals, for each model."""
+    """Fit the order of RATTLE in y and in the multipliers, with 95 % intervals, for each model."""
     rows = []
     for (name, method), mine in table[table["method"].str.startswith("rattle")].groupby(["model", "method"]):
         fits = {

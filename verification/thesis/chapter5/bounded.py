@@ -21,12 +21,12 @@ PERIOD = (-3.1416, 3.1416)
 
 
 def omega(x: Floats) -> Floats:
-    """Omega(X)[1, 1] = Phi'(X) Phi(X)."""
+    """Return Omega(X)[1, 1] = Phi'(X) Phi(X)."""
     return np.asarray(np.sin(x) / 2 * soft(x) ** 3)
 
 
 def root(x: Floats) -> Floats:
-    """x/sqrt(1 + x^2): the slope of sqrt(1 + x^2), bounded by 1 and with slopes of at most 1."""
+    """Return x/sqrt(1 + x^2): the slope of sqrt(1 + x^2), bounded by 1 and with slopes of at most 1."""
     return np.asarray(x / np.sqrt(1 + x**2))
 
 
@@ -40,12 +40,12 @@ class FlowState(NamedTuple):
 
 
 def mass(at: FlowState) -> float:
-    """m_eff of (5.41a)."""
+    """Return m_eff of (5.41a)."""
     return float(1 + M * (at.w @ soft(at.X) ** 2))
 
 
 def force(at: FlowState) -> float:
-    """F_eff of (5.41b), with -m Phi^T Omega[v, v]."""
+    """Return F_eff of (5.41b), with -m Phi^T Omega[v, v]."""
     pull = at.w @ root(at.X[:, None] - at.X[None, :])
     each = -root(at.X) + pull - M * omega(at.X) * at.v**2
     return float(-np.sin(at.y) + at.w @ (soft(at.X) * each))

@@ -34,7 +34,7 @@ def _line() -> Density:
 
 
 def _interacting() -> Model:
-    """WavyFibre whose particles attract each other by a Gaussian well: no moment closes, no pair is left out."""
+    """Return a WavyFibre with attraction by a Gaussian well: no moment closes, no pair is left out."""
     ca = library()
     return Model(
         g=lambda X, y: X + 0.5 * ca.sin(X) - y,
@@ -46,7 +46,7 @@ def _interacting() -> Model:
 
 
 def _cube() -> Model:
-    """g = diag(y)^{-1} X in space: a block stretched along its axes."""
+    """Return g = diag(y)^{-1} X in space: a block stretched along its axes."""
     return Model(
         g=lambda X, y: X / y,
         W0=lambda y: ((y - 1.2) ** 2)[0] / 2 + ((y - 1.0) ** 2)[1] / 2 + ((y - 0.9) ** 2)[2] / 2,
@@ -82,26 +82,26 @@ TITLES = {name: case.title for name, case in CASES.items()}
 
 @cache
 def model(name: str) -> Model:
-    """The model, made once in a process."""
+    """Return the model of a case; each process makes it once."""
     return CASES[name].made()
 
 
 @cache
 def law(name: str) -> Density:
-    """The density of its particles at the start, made once in a process."""
+    """Return the density of the particles at the start; each process makes it once."""
     return CASES[name].law()
 
 
 def state(name: str, X: Floats) -> State:
-    """The start of a case with particles X (N, nx)."""
+    """Return the start of a case with particles X (N, nx)."""
     return State(X=X, y=CASES[name].y0, v=CASES[name].v0)
 
 
 def few(name: str, n: int) -> State:
-    """The start with n particles drawn from the density, always the same."""
+    """Return the start with n particles drawn from the density, the same in each call."""
     return state(name, law(name).sample(stream("start", n), n))
 
 
 def stream(name: str, *numbers: int) -> np.random.Generator:
-    """Random numbers of their own for each name and each tuple of numbers."""
+    """Return a generator of random numbers for a name and a tuple of numbers, different for each."""
     return np.random.default_rng(np.random.SeedSequence([STREAMS[name], *numbers]))

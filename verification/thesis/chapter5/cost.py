@@ -78,7 +78,7 @@ SIDE = SideForm()
 
 
 def study(form: CostForm) -> Study:
-    """All methods on both models, a row for each setting."""
+    """Plan all methods on both models, a row for each setting."""
     runs = [
         {"model": name, "method": method}
         for method in form.settings
@@ -113,7 +113,7 @@ def _rows(settings: Mapping[str, Sequence[float]], enough: float, stride: int, k
 
 
 def question(name: str, method: str, setting: float) -> Callable[[], Any]:
-    """y(T) from the density, as a call that is timed; particles are at the quantiles, found before."""
+    """Return a call that computes y(T) from the density, to be timed; particles are at quantiles found before."""
     case = cases.CASES[name]
     problem = DensityProblem(cases.model(name), cases.law(name), case.y0, case.v0)
     return prepared(method, problem, setting if method in TOLERATED else 1 / setting, T)
@@ -121,7 +121,7 @@ def question(name: str, method: str, setting: float) -> Callable[[], Any]:
 
 @cache
 def reference(name: str) -> Floats:
-    """y(T): in closed form from the second moment, or by characteristics to rounding."""
+    """Return y(T): in closed form from the second moment, or by characteristics to rounding."""
     law, case = cases.law(name), cases.CASES[name]
     if name == "straight":
         second = float(law.moments()[1][0, 0])
@@ -130,7 +130,7 @@ def reference(name: str) -> Floats:
 
 
 def _timed(action: Callable[[], Any], repeats: int) -> tuple[float, Any]:
-    """Least of some times, and the result."""
+    """Return the least of some times, and the result."""
     best, found = np.inf, None
     for _ in range(repeats):
         began = time.process_time()
@@ -140,7 +140,7 @@ def _timed(action: Callable[[], Any], repeats: int) -> tuple[float, Any]:
 
 
 def side_study(form: SideForm) -> Study:
-    """One right-hand side of the ODE with many particles, beside one pass over the array and the NumPy twin."""
+    """Time one right-hand side of the ODE with many particles, one pass over the array, and the NumPy reference."""
     return Study(
         name="meanfield_side",
         title="Mean field: one right-hand side",
@@ -172,7 +172,7 @@ def _side(many: int, key: Key) -> list[Row]:
 
 
 def _pairs(name: str) -> dict[str, float]:
-    """All pairs summed by NumPy over the interaction of the package, for PAIRED particles."""
+    """Time the sum over all pairs by NumPy against the interaction of the package, for PAIRED particles."""
     model, X = cases.model(name), cases.law(name).sample(cases.stream("start", PAIRED), PAIRED)
     fast, found = _timed(lambda: forces(model, X, None), TIMED)
     direct, true = _timed(lambda: np.array([model.K(X - x).mean(axis=0) for x in X]), 1)
@@ -180,7 +180,7 @@ def _pairs(name: str) -> dict[str, float]:
 
 
 def seconds_to(table: pd.DataFrame, targets: Sequence[float]) -> pd.DataFrame:
-    """The least time of the settings that reach an error, for each model and method; NaN if none does."""
+    """Return the least time of the settings that reach an error, for each model and method; NaN if none does."""
     rows = []
     for (name, method), mine in table.groupby(["model", "method"], sort=False):
         row: dict[str, Any] = {"model": name, "method": method}

@@ -47,7 +47,7 @@ FULL = DriftForm(1000.0)
 
 
 def study(form: DriftForm) -> Study:
-    """The drift of g and of g' at times that grow geometrically."""
+    """Measure the drift of g and of g' at times that grow geometrically."""
     return Study(
         name="meanfield_drift",
         title="Mean field: drift",
@@ -66,7 +66,7 @@ def _rows(end: float, key: Key) -> list[Row]:
 
 
 def growth(table: pd.DataFrame) -> pd.DataFrame:
-    """Exponents of t by which the drift of g and g' grow, with 95 % intervals, and the drift at the end."""
+    """Fit the exponents of t by which the drift of g and of g' grow, with 95 % intervals; add the drift at the end."""
     rows = []
     for method, mine in table.groupby("method", sort=False):
         late = mine[mine["t"] >= FITTED]

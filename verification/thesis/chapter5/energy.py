@@ -52,7 +52,7 @@ FULL_LONG = LongForm(1000)
 
 
 def limit_study(form: LimitForm) -> Study:
-    """The energy (5.50) of characteristics, moments (where they close) and the PDE."""
+    """Measure the energy (5.50) of characteristics, moments (where they close) and the PDE."""
     runs = [{"model": name, "method": method} for method in ("pde", "characteristics") for name in form.models]
     return Study(
         name="meanfield_energy_limit",
@@ -83,7 +83,7 @@ def _limit(key: Key, digits: tuple[int, ...], cells: tuple[int, ...]) -> list[Ro
 
 
 def long_study(form: LongForm) -> Study:
-    """The energy (5.37) over many periods."""
+    """Measure the energy (5.37) over many periods."""
     runs = tuple({"method": method, "setting": setting} for method, setting in form.methods)
     return Study(
         name="meanfield_energy_long",
@@ -102,7 +102,7 @@ def _long(key: Key, periods: int) -> list[Row]:
 
 
 def slopes(agreement: pd.DataFrame, limit: pd.DataFrame) -> pd.DataFrame:
-    """How the largest change of energy falls with the setting: |E - E(0)| ~ setting^p, p with its 95 % interval."""
+    """Fit the power p of |E - E(0)| ~ setting^p for the largest change of energy, with its 95 % interval."""
     rows = []
     table = pd.concat([agreement, limit.assign(limit=True)])
     for (name, method), mine in table.groupby(["model", "method"], sort=False):
@@ -112,7 +112,7 @@ def slopes(agreement: pd.DataFrame, limit: pd.DataFrame) -> pd.DataFrame:
 
 
 def trends(table: pd.DataFrame) -> pd.DataFrame:
-    """Largest change of energy, and the slope of a line through the changes with its 95 % interval, per period."""
+    """Fit a line through the changes of energy: its slope per period with the 95 % interval, and the largest change."""
     rows = []
     for (method, setting), mine in table.groupby(["method", "setting"]):
         fit = slope(mine["t"] / PERIOD, mine["change"])

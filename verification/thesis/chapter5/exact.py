@@ -24,7 +24,7 @@ class ExactMotion(NamedTuple):
 
 
 def harmonic(name: str, X: Floats, t: Floats) -> ExactMotion:
-    """The motion of particles X (N, 1) with StraightFibre ("straight") or LinearFibre ("linear")::
+    """Return the motion of particles X (N, 1) with StraightFibre ("straight") or LinearFibre ("linear")::
 
     straight: (1 + m s) y'' = -k0 (y - y_rest) - k1 s y,  s = <X^2>/y^2;  lambda = -y (k1 X + m X y''/y)
     linear:   (1 + m) y'' = -k0 (y - y_rest) - k1 <X>,  X - y constant;   lambda = -(k1 X + m y'')
@@ -46,6 +46,6 @@ def harmonic(name: str, X: Floats, t: Floats) -> ExactMotion:
 
 
 def averages(model: Model, start: Density, y0: Floats, y: Floats, edges: Floats) -> Floats:
-    """Averages over cells in one dimension, from F(x) = F0(x0(x)): also for a density with jumps."""
+    """Average over cells in one dimension by F(x) = F0(x0(x)), also for a density with jumps."""
     below = start.panels.distribution(origins(model, edges[:, None], y, y0)[:, 0])
     return np.diff(below) / np.diff(edges)

@@ -75,7 +75,7 @@ FORM = FailuresForm()
 
 
 def study(form: FailuresForm) -> Study:
-    """One run for each case."""
+    """Run each case once."""
     return Study(
         name="meanfield_failures",
         title="Mean field: failures",
@@ -94,7 +94,7 @@ def _row(key: Key) -> list[Row]:
 
 
 def named(table: pd.DataFrame) -> pd.DataFrame:
-    """With the title of each case and the name of its solver, in the order of the page."""
+    """Add the title of each case and the name of its solver, in the order of the page."""
     rows = table.set_index("case").loc[[name for name in FAILURES if name in set(table["case"])]].reset_index()
     return rows.assign(
         title=[FAILURES[case].title for case in rows["case"]],

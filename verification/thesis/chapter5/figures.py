@@ -23,7 +23,7 @@ MARKERS = ("o", "s", "^", "D", "v")
 
 
 def motion(table: pd.DataFrame, path: Path) -> Path:
-    """One panel for each model: the components of y in colours, the (first) coordinates of particles in grey."""
+    """Draw a panel for each model: the components of y in colours, the (first) coordinates of particles in grey."""
     names = table["model"].unique()
     with sheet(path, 2.6) as figure:
         for panel, name in zip(figure.subplots(1, len(names), sharex=True, squeeze=False)[0], names, strict=True):
@@ -39,7 +39,7 @@ def motion(table: pd.DataFrame, path: Path) -> Path:
 
 
 def agreement(table: pd.DataFrame, name: str, path: Path) -> Path:
-    """Error of y (solid) and of the multipliers (dotted) against tolerance or step."""
+    """Draw the error of y (solid) and of the multipliers (dotted) against tolerance or step."""
     with sheet(path, 3.8) as figure:
         panels = figure.subplots(1, 2, sharey=True)
         for method, one in table[table["model"] == name].groupby("method", sort=False):
@@ -57,7 +57,7 @@ def agreement(table: pd.DataFrame, name: str, path: Path) -> Path:
 
 
 def _decades_only(panel: Axes) -> None:
-    """Labels within a decade would overlap."""
+    """Label decades only: labels within a decade would overlap."""
     panel.tick_params(axis="x", which="minor", labelbottom=False)
 
 
@@ -68,7 +68,7 @@ def _line(panel: Axes, x: Any, y: Any, method: str, **look: Any) -> None:
 
 
 def energy(table: pd.DataFrame, period: float, path: Path) -> Path:
-    """Largest change of energy so far, over many periods."""
+    """Draw the largest change of energy so far, over many periods."""
     with sheet(path, 3.2) as figure:
         panel = figure.subplots()
         tightest = table.groupby("method")["setting"].min()
@@ -83,7 +83,7 @@ def energy(table: pd.DataFrame, period: float, path: Path) -> Path:
 
 
 def rates(averages: pd.DataFrame, path: Path) -> Path:
-    """Means over the repeats against N with their 95 % intervals; open markers: quantile starts."""
+    """Draw means over the repeats against N with their 95 % intervals; open markers are quantile starts."""
     names = averages["model"].unique()
     with sheet(path, 3.4) as figure:
         panels = figure.subplots(1, len(names), squeeze=False)[0]
@@ -104,7 +104,7 @@ def rates(averages: pd.DataFrame, path: Path) -> Path:
 
 
 def stability(envelopes: pd.DataFrame, summary: pd.DataFrame, path: Path) -> Path:
-    """The largest D(t)/D(0) of all pairs of a kind, and the bound of the proof as far as it fits."""
+    """Draw the largest D(t)/D(0) of all pairs of a kind, and the bound of the proof as far as it fits."""
     names = envelopes["model"].unique()
     with sheet(path, 3.3) as figure:
         panels = figure.subplots(1, len(names), sharey=True, squeeze=False)[0]
@@ -124,7 +124,7 @@ def stability(envelopes: pd.DataFrame, summary: pd.DataFrame, path: Path) -> Pat
 
 
 def grid(table: pd.DataFrame, path: Path) -> Path:
-    """Errors against the width of a cell, one panel for each quantity, with a guide of slope 2."""
+    """Draw errors against the width of a cell, one panel for each quantity, with a guide of slope 2."""
     with sheet(path, 3.3) as figure:
         panels = figure.subplots(1, len(grid_order.QUANTITIES))
         for panel, (quantity, label) in zip(panels, grid_order.QUANTITIES.items(), strict=True):
@@ -143,7 +143,7 @@ def grid(table: pd.DataFrame, path: Path) -> Path:
 
 
 def cost(table: pd.DataFrame, path: Path) -> Path:
-    """Error of y at the end against time and against the number of unknowns, one row for each model."""
+    """Draw the error of y at the end against time and against the number of unknowns, one row for each model."""
     names = table["model"].unique()
     with sheet(path, 3.2 * len(names)) as figure:
         panels = figure.subplots(len(names), 2, sharey=True, squeeze=False)
@@ -159,7 +159,7 @@ def cost(table: pd.DataFrame, path: Path) -> Path:
 
 
 def drift(table: pd.DataFrame, path: Path) -> Path:
-    """Largest |g - c| and |g'| so far against time."""
+    """Draw the largest |g - c| and |g'| so far against time."""
     with sheet(path, 3.2) as figure:
         panels = figure.subplots(1, 2, sharex=True)
         for k, (method, one) in enumerate(table.groupby("method", sort=False)):

@@ -50,7 +50,7 @@ QUANTITIES = {"start_w1": "W1 at t = 0", "end_w1": "W1 at the end", "error_y": "
 
 
 def study() -> Study:
-    """A row for each repeat; N of one model and kind of start together."""
+    """Make a row for each repeat; all N of one model and kind of start are one run."""
     on_line, in_space = REPEATS
     runs = [{"model": name, "start": PAIR, "N": n} for name in SPACE for n in reversed(in_space)]
     runs += [{"model": name, "start": IID, "N": n} for name in LINE for n in reversed(on_line)]
@@ -65,7 +65,7 @@ def study() -> Study:
 
 
 def rows_of(key: Key) -> list[Row]:
-    """The repeats of one model, kind of start and N."""
+    """Run the repeats of one model, kind of start and N."""
     name, n = key["model"], key["N"]
     if key["start"] == QUANTILES:
         return [dict(key) | {"repeat": 0} | _compared(name, cases.law(name).quantiles(n), None, FINER)]
@@ -79,7 +79,7 @@ def rows_of(key: Key) -> list[Row]:
 
 @cache
 def limit(name: str) -> MeanFieldLimit:
-    """The mean-field limit at the end."""
+    """Return the mean-field limit at the end."""
     case = cases.CASES[name]
     tol = EXACT if name in LINE else EXACT_IN_SPACE
     return mean_field_limit(cases.model(name), cases.law(name), case.y0, case.v0, T, tol, FINE)
@@ -92,7 +92,7 @@ def _compared(name: str, X: Floats, other: Floats | None, tol: float) -> dict[st
 
 
 def averaged(table: pd.DataFrame) -> pd.DataFrame:
-    """Means over the repeats with 95 % intervals, for each model, kind of start, quantity and N."""
+    """Average over the repeats, with 95 % intervals, for each model, kind of start, quantity and N."""
     parts = []
     for name, column in product(table["model"].unique(), QUANTITIES):
         mine = table[table["model"] == name]
@@ -102,7 +102,7 @@ def averaged(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def fitted(averages: pd.DataFrame) -> pd.DataFrame:
-    """The exponents of N with their 95 % intervals; ``known`` is that of W1, and -1/2 for y with random starts."""
+    """Fit the exponents of N with 95 % intervals; ``known`` is that of W1, and -1/2 for y with random starts."""
     parts = []
     for (name, column), mine in averages.groupby(["model", "quantity"], sort=False):
         parts.append(exponents(mine).assign(model=name, quantity=column))

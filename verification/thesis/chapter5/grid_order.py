@@ -42,7 +42,7 @@ class Carried(NamedTuple):
     breaks: tuple[float, ...] = ()
 
     def density(self, x: Floats) -> Floats:
-        """f at points (n, nx)."""
+        """Return f at points (n, nx)."""
         model, y0 = cases.model(self.name), np.array(cases.CASES[self.name].y0)
         before = origins(model, x, self.y, y0)
         now, then = (np.linalg.det(model.jacobians(*at)[0]) for at in ((x, self.y), (before, y0)))
@@ -71,7 +71,7 @@ FULL = GridForm((50, 80, 128, 205, 328, 525, 840, 1344), (24, 36, 54, 80, 120, 1
 
 
 def study(form: GridForm) -> Study:
-    """A row for each grid."""
+    """Make a row for each grid."""
     runs = [
         {"model": name, "cells": n}
         for names, counts in ((form.plane, form.plane_cells), (form.line, form.cells))
@@ -89,7 +89,7 @@ def study(form: GridForm) -> Study:
 
 @cache
 def limit(name: str) -> Limit:
-    """What the PDE is compared with."""
+    """Return the characteristics that the PDE is compared with."""
     case, model, law = cases.CASES[name], cases.model(name), cases.law(name)
     start = case.y0, case.v0, T, EXACT
     flow = solve_characteristics(model, law, *start)
@@ -128,7 +128,7 @@ def _errors(name: str, motion: GridMotion, known: Limit) -> dict[str, Any]:
 
 
 def orders(table: pd.DataFrame) -> pd.DataFrame:
-    """Orders in the width of a cell with 95 % intervals, for each model and quantity."""
+    """Fit orders in the width of a cell with 95 % intervals, for each model and quantity."""
     rows = []
     for name, mine in table.groupby("model", sort=False):
         row: dict[str, Any] = {"model": name, "smooth": name in SMOOTH, "finest": int(mine["cells"].max())}

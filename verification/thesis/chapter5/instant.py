@@ -45,66 +45,66 @@ class Instant(NamedTuple):
 
 
 def slope(f: Callable[[Floats], Floats], x: Floats, direction: Floats) -> Floats:
-    """The derivative of f at x along a direction, right to rounding."""
+    """Return the derivative of f at x along a direction, right to rounding."""
     return np.asarray(np.imag(f(x + 1j * TINY * direction)) / TINY)
 
 
 def slopes(f: Callable[[Floats], Floats], x: Floats) -> Floats:
-    """The derivatives of f along the axes of the last dimension of x, in a new last axis."""
+    """Return the derivatives of f along the axes of the last dimension of x, in a new last axis."""
     return np.stack([slope(f, x, axis) for axis in np.eye(x.shape[-1])], axis=-1)
 
 
 def jacobians(system: System, X: Floats, y: Floats) -> tuple[Floats, Floats]:
-    """dg/dX (N, nx, nx) and dg/dy (N, nx, ny)."""
+    """Return dg/dX (N, nx, nx) and dg/dy (N, nx, ny)."""
     return slopes(lambda x: system.g(x, y), X), slopes(lambda z: system.g(X, z), y)
 
 
 def phi(system: System, X: Floats, y: Floats) -> Floats:
-    """The map of y' to X_i', as defined after (5.9), (N, nx, ny)."""
+    """Return the map of y' to X_i', as defined after (5.9), (N, nx, ny)."""
     gX, gy = jacobians(system, X, y)
     return np.asarray(-np.linalg.solve(gX, gy))
 
 
 def omega(system: System, X: Floats, y: Floats, v: Floats, w: Floats) -> Floats:
-    """Omega[v, w] as defined after (5.10), (N, nx): the change of Phi[v] along (Phi[w], w)."""
+    """Return Omega[v, w] as defined after (5.10), (N, nx): the change of Phi[v] along (Phi[w], w)."""
     U = phi(system, X, y) @ w
     there, back = (phi(system, X + s * U, y + s * w) @ v for s in (STEP, -STEP))
     return np.asarray((there - back) / (2 * STEP))
 
 
 def force0(system: System, y: Floats) -> Floats:
-    """F0 = -grad W0."""
+    """Return F0 = -grad W0."""
     return -slopes(system.W0, y)
 
 
 def force1(system: System, X: Floats) -> Floats:
-    """F1 = -grad W1 of each particle, (N, nx)."""
+    """Return F1 = -grad W1 of each particle, (N, nx)."""
     return -slopes(system.W1, X)
 
 
 def kernel(system: System, there: Floats, here: Floats) -> Floats:
-    """K(X', X) = -grad_X V(X' - X) of (5.4)."""
+    """Return K(X', X) = -grad_X V(X' - X) of (5.4)."""
     return -slopes(lambda x: system.V(there - x), here)
 
 
 def pulls(system: System, X: Floats) -> Floats:
-    """The matrix of K(X_k, X_i) with k, i as first and second index, (N, N, nx)."""
+    """Return the matrix of K(X_k, X_i) with k, i as first and second index, (N, N, nx)."""
     return kernel(system, X[:, None, :], np.broadcast_to(X, (len(X), *X.shape)))
 
 
 def potential(system: System, X: Floats, y: Floats) -> Floats:
-    """All potential energy of (5.8) with alpha = beta = 1/N."""
+    """Return all potential energy of (5.8) with alpha = beta = 1/N."""
     pairs = system.V(X[:, None, :] - X[None, :, :]).mean() / 2
     return np.asarray(system.W0(y) + system.W1(X).mean() + pairs)
 
 
 def kinetic(system: System, U: Floats, v: Floats) -> float:
-    """All kinetic energy of (5.8) with alpha = 1/N."""
+    """Return all kinetic energy of (5.8) with alpha = 1/N."""
     return float(v @ v / 2 + system.m / 2 * (U**2).sum(axis=1).mean())
 
 
 def instant(system: System, X: Floats, y: Floats, v: Floats) -> Instant:
-    """Accelerations and multipliers: the Lagrange equations of (5.8) and d^2 g/dt^2 = 0, solved as one system."""
+    """Solve the Lagrange equations of (5.8) and d^2 g/dt^2 = 0 as one system for accelerations and multipliers."""
     size, count = X.size, len(X)
     U = phi(system, X, y) @ v
     q, rate = np.concatenate([X.ravel(), y]), np.concatenate([U.ravel(), v])
@@ -126,24 +126,24 @@ def instant(system: System, X: Floats, y: Floats, v: Floats) -> Instant:
 
 
 def effective_mass(system: System, X: Floats, y: Floats) -> Floats:
-    """(5.13)."""
+    """Return m_eff of (5.13)."""
     moved = phi(system, X, y)
     return np.asarray(np.eye(y.size) + system.m * np.mean(moved.transpose(0, 2, 1) @ moved, axis=0))
 
 
 def effective_force(system: System, X: Floats, y: Floats, v: Floats) -> Floats:
-    """(5.14)."""
+    """Return F_eff of (5.14)."""
     each = force1(system, X) + pulls(system, X).mean(axis=0) - system.m * omega(system, X, y, v, v)
     return np.asarray(force0(system, y) + np.mean(pushed(phi(system, X, y), each), axis=0))
 
 
 def pushed(phi: Floats, each: Floats) -> Floats:
-    """Phi_i^T applied to a vector of each particle, (N, ny)."""
+    """Return Phi_i^T applied to a vector of each particle, (N, ny)."""
     return np.asarray((phi.transpose(0, 2, 1) @ each[..., None])[..., 0])
 
 
 def general_system() -> System:
-    """A system in general position with nx = 2, ny = 3 and an interaction."""
+    """Return a system in general position with nx = 2, ny = 3 and an interaction."""
 
     def g(X: Floats, y: Floats) -> Floats:
         first = X[:, 0] * (1 + 0.2 * y[2]) + 0.3 * np.sin(X[:, 1] + y[0]) - y[1]
@@ -160,13 +160,13 @@ def general_system() -> System:
 
 
 def general_instant() -> Instant:
-    """Four particles of ``general_system``."""
+    """Return four particles of ``general_system``."""
     X = np.array([[0.3, -0.4], [0.9, 0.2], [-0.5, 0.7], [0.1, 1.1]])
     return instant(general_system(), X, np.array([0.4, -0.3, 0.6]), np.array([0.7, -0.5, 0.9]))
 
 
 def wavy_system(m: float) -> System:
-    """The fibre g = X + sin(X)/2 - y without forces: Phi = 1/(1 + cos(X)/2) fulfils (A4) and (A5)."""
+    """Return the fibre g = X + sin(X)/2 - y without forces: Phi = 1/(1 + cos(X)/2) fulfils (A4) and (A5)."""
 
     def nothing(x: Floats) -> Floats:
         return 0.0 * x[..., 0]
@@ -175,5 +175,5 @@ def wavy_system(m: float) -> System:
 
 
 def with_springs(g: Callable[[Floats, Floats], Floats]) -> System:
-    """A constraint with linear forces F0 = 1 - y, F1 = -0.6 X and no interaction."""
+    """Return a constraint with linear forces F0 = 1 - y, F1 = -0.6 X and no interaction."""
     return System(0.7, g, lambda y: ((y - 1.0) ** 2).sum() / 2, lambda X: 0.3 * (X**2).sum(-1), lambda r: 0 * r[..., 0])

@@ -55,7 +55,7 @@ PUSHED: dict[str, Callable[..., Motion]] = {
 
 
 def grows(method: str, x: Floats) -> NDArray[np.bool_]:
-    """Whether a method with fixed step grows on y'' = -omega^2 y, for x = dt omega (K,).
+    """Return whether a method with fixed step grows on y'' = -omega^2 y, for x = dt omega (K,).
 
     RATTLE is Verlet's scheme there; a composition of its steps grows where the trace of their product is beyond 2,
     which it need not be for all x beyond the first.
@@ -72,31 +72,31 @@ def grows(method: str, x: Floats) -> NDArray[np.bool_]:
 
 @cache
 def limit(method: str) -> float:
-    """The least dt omega at which a method grows."""
+    """Return the least dt omega at which a method grows."""
     x = np.linspace(0.001, 4.0, 4000)
     return float(x[grows(method, x)][0])
 
 
 def longest_step(method: str, k0: Floats) -> Floats:
-    """The limit of dt for LinearFibre."""
+    """Return the limit of dt for LinearFibre."""
     found: Floats = limit(method) / frequency(k0)
     return found
 
 
 def frequency(k0: Floats | float) -> Any:
-    """sqrt((k0 + k1 s)/(1 + m s)) with s = 1: of LinearFibre, and of StraightFibre with particles at +-y."""
+    """Return sqrt((k0 + k1 s)/(1 + m s)) with s = 1: of LinearFibre, and of StraightFibre with particles at +-y."""
     return np.sqrt((k0 + K1) / (1 + M))
 
 
 def least_speed(k0: Floats) -> Floats:
-    """The speed inwards from y = 1 with which StraightFibre reaches 0: amplitude = distance of the middle from 0."""
+    """Return the speed inwards from y = 1 with which StraightFibre reaches 0, by its amplitude."""
     middle = k0 * REST / (k0 + K1)
     found: Floats = frequency(k0) * np.sqrt(np.maximum(2 * middle - 1, 0.0))
     return found
 
 
 def stiff(method: str, dt: float, k0: float) -> dict[str, Any]:
-    """LinearFibre over STEPS steps from near its rest."""
+    """Run LinearFibre over STEPS steps from near its rest."""
     middle = (k0 * REST) / (k0 + K1)
     y0 = middle + AWAY
     model, start = _model(LinearFibre, k0), State(X=[[y0 - 0.3], [y0 + 0.3]], y=[y0], v=[0.0])
@@ -113,7 +113,7 @@ def stiff(method: str, dt: float, k0: float) -> dict[str, Any]:
 
 
 def pushed(method: str, speed: float, k0: float) -> dict[str, Any]:
-    """StraightFibre with particles at +-1 over one period, from y = 1 inwards."""
+    """Run StraightFibre with particles at +-1 over one period, from y = 1 inwards."""
     model, start = _model(StraightFibre, k0), State(X=[[-1.0], [1.0]], y=[1.0], v=[-speed])
     rate, middle = frequency(k0), k0 * REST / (k0 + K1)
     end = 2 * np.pi / rate
@@ -169,7 +169,7 @@ FORM = MeanFieldMapsForm()
 
 
 def study(plane: Plane) -> Study:
-    """One run for each method and y, with a row for each x."""
+    """Run each method at each y, with a row for each x."""
     return Study(
         name=plane.name,
         title=f"Mean field, map: {plane.title}",
@@ -184,7 +184,7 @@ def _row(cell: Callable[[str, float, float], dict[str, Any]], xs: tuple[float, .
 
 
 def agreement(table: pd.DataFrame, plane: Plane) -> pd.DataFrame:
-    """For each method: cells away from the limit, and how many of them failed exactly where they should."""
+    """Count, for each method, the cells away from the limit and those that failed exactly where they should."""
     rows = []
     for method, mine in table.groupby("method", sort=False):
         x, y = mine["x"].to_numpy(), mine["y"].to_numpy()

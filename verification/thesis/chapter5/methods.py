@@ -11,5 +11,5 @@ LABELS = {name: method.label for name, method in METHODS.items()}
 
 
 def applies(method: str, model: Model) -> bool:
-    """Whether a model can be solved so: only some can be reduced."""
+    """Return whether a method can solve a model: only some models can be reduced."""
     return method != "reduced" or reduce(model).positions is not Positions.FLOW

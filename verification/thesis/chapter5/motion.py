@@ -26,7 +26,7 @@ FORM = MotionForm()
 
 
 def table(form: MotionForm) -> pd.DataFrame:
-    """A row for each model, time and component of y ("y1", ...) or of a particle ("X1", ...)."""
+    """Return a row for each model, time and component of y ("y1", ...) or of a particle ("X1", ...)."""
     parts = []
     for name in form.models:
         motion = solve_ode(cases.model(name), cases.few(name, PARTICLES), T, 1e-8)

@@ -67,7 +67,7 @@ def solve_naive(model: Model, start: State, t: ArrayLike, tol: float) -> Motion:
 
 
 def solve_naive_rk4(model: Model, start: State, t: ArrayLike, dt: float) -> Motion:
-    """As ``solve_naive`` by the classical Runge-Kutta scheme, with equal steps of at most dt between kept times."""
+    """Integrate like ``solve_naive`` by the classical Runge-Kutta scheme, in equal steps of at most dt."""
     kept, dt = output_times(t), number("dt", dt, positive=True)
     first = start.complete(model, dt)
     derivative = _derivative(model, first)
@@ -97,7 +97,7 @@ def _packed(start: FullState) -> NDArray[np.float64]:
 
 
 def _split(start: FullState, z: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
-    """X, y, U, v of one vector."""
+    """Split one vector into X, y, U, v."""
     ends = np.cumsum([start.X.size, start.y.size, start.X.size])
     X, y, U, v = np.split(z, ends)
     return X.reshape(start.X.shape), y, U.reshape(start.X.shape), v

@@ -55,7 +55,7 @@ class Provoked(NamedTuple):
 
 
 def off_constraint(name: str, solver: str) -> Provoked:
-    """A start whose U or level is off by OFF is refused, and the message says by how much."""
+    """Provoke a start whose U or level is off by OFF: it is refused, and the message says by how much."""
     model, start = cases.model("wavy"), cases.few("wavy", 5)
     true = start.complete(model, 1e-8)
     wrong = getattr(true, name) + OFF
@@ -70,7 +70,7 @@ def off_constraint(name: str, solver: str) -> Provoked:
 
 
 def through_zero(solver: str) -> Provoked:
-    """StraightFibre whose y is driven to 0, when all particles are in one point; the time is known."""
+    """Provoke y -> 0 in StraightFibre, where all particles are in one point; the time is known."""
     model, law = StraightFibre(**cases.FIBRE), cases.law("straight")
     y0, v0 = [1.0], [-3.0]
     X = law.quantiles(20)
@@ -88,7 +88,7 @@ def through_zero(solver: str) -> Provoked:
 
 
 def _straight(X: Floats, y0: float, v0: float, t: float) -> float:
-    """y(t) of StraightFibre with another v0: harmonic, see ``exact.harmonic``."""
+    """Return y(t) of StraightFibre with another v0: harmonic, see ``exact.harmonic``."""
     m, k0, rest, k1 = (cases.FIBRE[key] for key in ("m", "k0", "y_rest", "k1"))
     share = float((X**2).mean()) / y0**2
     stiffness = k0 + k1 * share
@@ -98,7 +98,7 @@ def _straight(X: Floats, y0: float, v0: float, t: float) -> float:
 
 
 def flat_element(solver: str) -> Provoked:
-    """TissueElement whose first stretch is driven to 0: det F(y) = 0, where its last values point."""
+    """Provoke det F(y) = 0 in TissueElement, whose first stretch goes to 0 at the time its last values give."""
     model, law = cases.model("element"), cases.law("element")
     start = State(X=law.sample(cases.stream("start", 20), 20), y=[1.0, 1.0, 0.0], v=[-3.0, 0.0, 0.0])
     t = np.linspace(0.0, 1.0, KEPT)
@@ -110,7 +110,7 @@ def flat_element(solver: str) -> Provoked:
 
 
 def fold(solver: str) -> Provoked:
-    """g = X + 1.5 sin X - y, driven over the fold cos X = -2/3, where X' = y'/(1 + 1.5 cos X) has no limit."""
+    """Provoke a fold of g = X + 1.5 sin X - y at cos X = -2/3, where X' = y'/(1 + 1.5 cos X) has no limit."""
     ca = library()
     model = Model(g=lambda X, y: X + 1.5 * ca.sin(X) - y, W0=lambda y: (y - 8) ** 2 / 2, W1=lambda X: 0.05 * X**2)
     motion = _tried(solver, model, State(X=[[0.5], [0.8], [1.0]], y=[1.0], v=[0.5]), np.linspace(0.0, 4.0, KEPT))
@@ -127,19 +127,19 @@ def _tried(solver: str, model: Model, start: State, t: Floats) -> Motion:
 
 
 def stopped(motion: Any, at: float) -> Provoked:
-    """Whether a run ended with a Status that names singularity, just before a time."""
+    """Return whether a run ended with a Status that names singularity, just before a time."""
     last = float(motion.t[-1]) if len(motion.t) else 0.0
     agrees = motion.status in SINGULAR and (1 - NEAR) * at < last < at * (1 + NEAR / 10) and _finite(motion)
     return Provoked(f"ends at t = {at:.4g}", f"{motion.status.name} after t = {last:.4g}", agrees)
 
 
 def _finite(motion: Any) -> bool:
-    """Whether what came back holds numbers only."""
+    """Return whether all numbers of a result are finite."""
     return bool(np.isfinite(motion.y).all() and np.isfinite(motion.v).all())
 
 
 def stiff_steps() -> Provoked:
-    """Steps of an explicit method over a fixed time grow with the frequency sqrt(k0)."""
+    """Provoke stiffness: the steps of an explicit method over fixed times grow with the frequency sqrt(k0)."""
     stiffness = np.array([1e2, 1e3, 1e4, 3e4])
     steps = []
     for k in stiffness:
@@ -152,7 +152,7 @@ def stiff_steps() -> Provoked:
 
 
 def rattle_limit() -> Provoked:
-    """RATTLE of order 2 is the Verlet scheme for LinearFibre, unstable beyond dt sqrt((k0 + k1)/(1 + m)) = 2."""
+    """Provoke instability of RATTLE of order 2, the Verlet scheme, beyond dt sqrt((k0 + k1)/(1 + m)) = 2."""
     k0, k1, m, steps = 100.0, 0.5, 1.0, 200
     model = LinearFibre(m=m, k0=k0, y_rest=1.5, k1=k1)
     start = State(X=[[1.0], [1.3]], y=[1.0], v=[0.0])
@@ -167,7 +167,7 @@ def rattle_limit() -> Provoked:
 
 
 def unbounded_kernel(kind: str) -> Provoked:
-    """Kernels without a finite value or force at distance 0 are refused when the model is made, or end the run."""
+    """Provoke kernels without a finite value or force at distance 0: the model is refused, or the run ends."""
     ca = library()
     V = {
         "1/r²": lambda r: -1 / ca.sumsqr(r),
@@ -184,7 +184,7 @@ def unbounded_kernel(kind: str) -> Provoked:
 
 
 def blow_up(solver: str) -> Provoked:
-    """W0 = -y^4 drives y to infinity in finite time int dy/v, known from the energy (LinearFibre, no other force)."""
+    """Provoke y -> infinity by W0 = -y^4 in the time int dy/v, known from the energy (LinearFibre, no other force)."""
     model = Model(g=lambda X, y: X - y, W0=lambda y: -(y**4), W1=lambda X: 0 * X)
     # (1 + m)/2 v^2 - y^4 = 0 from y = v = 1: 1/y(t) = 1 - t.
     motion = _tried(solver, model, State(X=[[1.0]], y=[1.0], v=[1.0]), np.linspace(0.0, 1.5, KEPT))
@@ -197,7 +197,7 @@ def blow_up(solver: str) -> Provoked:
 
 
 def left_grid() -> Provoked:
-    """The density of LinearFibre is shifted with y until it meets the end of the grid, at a known time."""
+    """Provoke a density of LinearFibre that leaves the grid, at a known time."""
     name, law = "linear", Density.uniform(0.4, 1.6)
     case, end = cases.CASES[name], 1.8
     X = law.quantiles(2000)

@@ -69,12 +69,12 @@ LAWS = (
 
 
 def known(d: int, start: str) -> float:
-    """The exponent p of the known rate N^p, in two dimensions without its logarithm."""
+    """Return the exponent p of the known rate N^p, in two dimensions without its logarithm."""
     return -1.0 if start == QUANTILES else -1.0 / max(d, 2)
 
 
 def value(key: Key) -> list[Row]:
-    """One distance on the unit cube: one row."""
+    """Compute one distance on the unit cube: one row."""
     d, count = key["d"], key["N"]
     density = Density.uniform(np.zeros(d), np.ones(d))
     rng = np.random.default_rng(np.random.SeedSequence(SEED, spawn_key=(d, count, key["repeat"])))
@@ -85,7 +85,7 @@ def value(key: Key) -> list[Row]:
 
 
 def keys() -> list[Key]:
-    """The runs, the shortest first; of one size those that each dimension has, before any is repeated."""
+    """List the runs by increasing size; of one size each dimension comes before any repeat."""
     found: list[Key] = [{"d": 1, "start": QUANTILES, "N": n, "repeat": 0} for n in COUNTS[1]]
     for d, counts in COUNTS.items():
         start = IID if d == 1 else PAIR
@@ -94,7 +94,7 @@ def keys() -> list[Key]:
 
 
 def means(table: pd.DataFrame) -> pd.DataFrame:
-    """Mean of W1 over the repeats with its 95 % interval by Student's t, for each d, start and N.
+    """Average W1 over the repeats, with its 95 % interval by Student's t, for each d, start and N.
 
     ``deviation`` is that of log W1 in one run, approximately; 0 for quantiles, which are not random. One random run has
     no interval: NaN.
@@ -107,7 +107,7 @@ def means(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def exponents(found: pd.DataFrame) -> pd.DataFrame:
-    """The slope p of log E W1 = c + p log N with its 95 % interval, for each d and start, and the known one.
+    """Fit the slope p of log E W1 = c + p log N with its 95 % interval, for each d and start; add the known one.
 
     Least squares on the rows of ``means``, weighted by their errors; the interval is the larger one of two: from these
     errors, and by Student's t from the scatter of the means about the line. ``misfit`` is chi^2 per degree of freedom,
@@ -121,7 +121,7 @@ def exponents(found: pd.DataFrame) -> pd.DataFrame:
 
 
 def laws(found: pd.DataFrame) -> pd.DataFrame:
-    """The laws of ``LAWS`` fitted to ``means``, N >= 100: a and b with half their 95 % intervals, and how they fit.
+    """Fit ``LAWS`` to ``means``, N >= 100: a and b with half their 95 % intervals, and how they fit.
 
     ``misfit`` is chi^2 per degree of freedom, about 1 for a law that describes the data; ``largest`` is the largest
     relative distance of a mean from the law.

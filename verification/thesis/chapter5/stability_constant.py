@@ -61,7 +61,7 @@ FULL = PairsForm(100)
 
 
 def study(form: PairsForm) -> Study:
-    """A row for each pair and time."""
+    """Make a row for each pair and time."""
     runs = tuple({"model": name, "kind": kind} for name in form.models for kind in KINDS)
     return Study(
         name="meanfield_stability",
@@ -101,7 +101,7 @@ def _apart(one: Motion, two: Motion) -> Floats:
 
 
 def _reach(one: Motion, two: Motion) -> dict[str, float]:
-    """The region that two motions visit."""
+    """Return the region that two motions visit."""
     found: dict[str, float] = {}
     for axis in ("level", "y", "v", "X"):
         values = np.concatenate([getattr(motion, axis).ravel() for motion in (one, two)])
@@ -110,7 +110,7 @@ def _reach(one: Motion, two: Motion) -> dict[str, float]:
 
 
 def summary(table: pd.DataFrame) -> pd.DataFrame:
-    """For each model: the largest ratio D(t)/D(0) of all pairs, where; its growth; and L with its bound e^{Lt}.
+    """Summarise each model: the largest D(t)/D(0) of all pairs, its time, its growth, and L with its bound e^{Lt}.
 
     ``rate`` is the slope of the logarithm of the largest ratio against t over the whole time, with 95 % interval, and
     ``needed`` the least L for which e^{Lt} is above all ratios.
@@ -135,7 +135,7 @@ def summary(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def envelopes(table: pd.DataFrame) -> pd.DataFrame:
-    """The largest ratio of all pairs, for each model, kind and time."""
+    """Return the largest ratio of all pairs, for each model, kind and time."""
     return table.groupby(["model", "kind", "t"], sort=False)["ratio"].max().reset_index()
 
 
@@ -208,13 +208,13 @@ def _axis(reached: pd.DataFrame, name: str) -> tuple[float, float]:
 
 
 def _positions(low: float, high: float) -> tuple[float, float]:
-    """An interval that holds all X with low <= X + sin(X)/2 <= high; the slope of that function is at least 1/2."""
+    """Return an interval that holds all X with low <= X + sin(X)/2 <= high; its slope is at least 1/2."""
     least, most = (brentq(lambda x, at: x + np.sin(x) / 2 - at, at - 1, at + 1, (at,)) for at in (low, high))
     return least - ROUNDING, most + ROUNDING
 
 
 def counterexample() -> pd.DataFrame:
-    """(5.65) as printed: two laws with one flow, X1^t = X2^t, so that W1(mu1^t, mu2^t) <= W1(mu1^0, mu2^0).
+    """Refute (5.65) as printed: two laws with one flow, X1^t = X2^t, for which W1 grows.
 
     With StraightFibre y depends on <X^2> only; particles at +-1/sqrt(3) have that of the uniform law on [-1, 1].
     """

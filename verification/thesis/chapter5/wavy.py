@@ -14,17 +14,17 @@ M, T, STEPS = 0.01, 3.0, 200
 
 
 def soft(x: Floats) -> Floats:
-    """Phi of g = X + sin(X)/2 - y: bounded by 2, with bounded derivatives, as (A4) and (A5) ask."""
+    """Return Phi of g = X + sin(X)/2 - y: bounded by 2, with bounded derivatives, as (A4) and (A5) ask."""
     return 1 / (1 + np.cos(x) / 2)
 
 
 def symbolic_soft(x: Any) -> Any:
-    """Phi of ``soft`` for a symbol."""
+    """Return Phi of ``soft`` for a symbol."""
     return 1 / (1 + library().cos(x) / 2)
 
 
 def runge_kutta(rate: Callable[[Floats], Floats], z: Floats, t: float = T, steps: int = STEPS) -> Floats:
-    """z(0), ..., z(t) of z' = rate(z) by the classical method of order 4, (steps + 1, n)."""
+    """Integrate z' = rate(z) by the classical method of order 4: z(0), ..., z(t), (steps + 1, n)."""
     dt, path = t / steps, [z]
     for _ in range(steps):
         k1 = rate(z)

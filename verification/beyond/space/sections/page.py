@@ -46,7 +46,7 @@ def run(context: Context) -> None:
 
 
 def sections(context: Context) -> Sequence[Section]:
-    """Growth, isolated cells, what the text leaves open; then what the model in space is checked by."""
+    """Return growth, isolated cells and choices left open, then the checks of the model in space."""
     own = [section(context) for section in (_growth, _isolated, _choices, _strip)]
     return own + [part.section(context) for part in PARTS]
 
@@ -68,7 +68,7 @@ def _growth(context: Context) -> Section:
 
 
 def _heights(last: pd.DataFrame) -> dict[str, Any]:
-    """Height at the end by tissue, cells and part of the divisions, each with its interval; and the other means."""
+    """Return the heights at the end by tissue, cells and share of divisions, with intervals, and the other means."""
     rows = {(row.layer, row.cells, row.both): row for row in last.itertuples()}
 
     def height_of(*name: Any) -> str:
@@ -102,7 +102,7 @@ def _isolated(context: Context) -> Section:
 
 
 def _facts(ratios: pd.DataFrame, compared: pd.DataFrame) -> dict[str, Any]:
-    """How many comparisons hold in each tissue, and any ratio with its interval."""
+    """Return how many comparisons hold in each tissue, and any ratio with its interval."""
     parts = ratios.set_index(["tissue", "scenario", "what"])[["value", "low", "high"]]
     counts = {one: compared[f"{one}_verdict"].value_counts().to_dict() for one in isolated.TISSUES}
     effects = ratios.groupby("tissue")["effect"].first()
@@ -172,19 +172,19 @@ def _strip(context: Context) -> Section:
 
 
 def _far(table: pd.DataFrame) -> list[str]:
-    """What differs between strip and ring beyond its interval."""
+    """List the differences of strip and ring that lie beyond their intervals."""
     apart = table[(table["low"] > 0.0) | (table["high"] < 0.0)]
     after = apart["events"].map(lambda events: "" if events == "all" else f" after {events}")
     return list(apart["of"].map(strip.NAMES) + after)
 
 
 def told(value: float, low: float, high: float) -> str:
-    """A number with its interval."""
+    """Write a number with its interval."""
     return f"{number(value)} {interval((low, high))}"
 
 
 def findings(context: Context) -> Sequence[Finding]:
-    """How many findings for isolated cells hold in a sheet."""
+    """State how many findings for isolated cells hold in a sheet."""
     facts = _facts(context.tables["space_isolated"], context.tables["space_compared"])
     return [Finding(fill(PROSE / "learned.html", **facts)["isolated"], ISOLATED)]
 

@@ -16,7 +16,7 @@ from verification.thesis.text.quoted import claim
 
 
 def odd(r: Floats) -> Floats:
-    """A potential that fulfils all that is printed after (5.4)."""
+    """Return a potential that fulfils all that is printed after (5.4)."""
     return np.asarray((r**3).sum(axis=-1))
 
 

@@ -19,7 +19,7 @@ SEED = 19
 
 
 def symbolic_deformation(y: Any) -> Any:
-    """F(y) of Example 5.4 for symbols."""
+    """Return F(y) of Example 5.4 for symbols."""
     return library().Matrix([[y[0], y[2]], [y[2], y[1]]])
 
 

@@ -22,7 +22,7 @@ M, SPEED, FAR = 0.7, 3.0, 200.0
 
 
 def pair(rng: np.random.Generator, count: int, apart: float) -> tuple[FlowState, FlowState]:
-    """Two states of ``count`` particles that are far from 0, about ``apart`` from each other, with |v| <= SPEED."""
+    """Return two states of ``count`` particles far from 0, about ``apart`` from each other, with |v| <= SPEED."""
     X, y, v = rng.normal(0.0, FAR, count), rng.normal(), SPEED * rng.uniform(-1, 1)
     w = np.full(count, 1 / count)
     moved = FlowState(X + apart * rng.uniform(-1, 1, count), w, y + apart * rng.uniform(-1, 1), v)

@@ -43,7 +43,7 @@ ANY = np.array([0.9, -1.3, 0.4])
 
 
 def along(at: Instant, f: Callable[[Floats, Floats], Floats]) -> float:
-    """The rate of f(X, y) along the motion."""
+    """Return the rate of f(X, y) along the motion."""
     return float(slope(lambda s: f(at.X + s * at.U, at.y + s * at.v), np.zeros(()), np.ones(())))
 
 
@@ -79,7 +79,7 @@ def _lagrangian() -> Evidence:
 
 
 def atoms_move() -> tuple[Instant, Floats, float]:
-    """Four points with unequal weights, ÿ of (5.40) for them, and the rate of their kinetic energy and that of y."""
+    """Return four points with unequal weights, their ÿ by (5.40), and the rate of the whole kinetic energy."""
     at, w = general_instant(), WEIGHTS
     system, moved = at.system, phi(at.system, at.X, at.y)
     curved = omega(system, at.X, at.y, at.v, at.v)

@@ -20,7 +20,7 @@ DIFFERENCE = 1e-5
 
 
 def elliptic_pairs(rng: np.random.Generator, least: float) -> tuple[Floats, Floats]:
-    """Pairs of symmetric matrices (SAMPLES, 3, 3) whose eigenvalues are at least ``least``."""
+    """Return pairs of symmetric matrices (SAMPLES, 3, 3) whose eigenvalues are at least ``least``."""
     roots = rng.normal(size=(2, SAMPLES, 3, 3)) * rng.uniform(0.0, 1.0, (2, SAMPLES, 1, 1))
     first, second = roots @ roots.transpose(0, 1, 3, 2) + least * np.eye(3)
     return first, second

@@ -20,12 +20,12 @@ M, ENERGY = 0.1, 0.1
 
 
 def free_speed() -> float:
-    """|y'| of a free motion with g = X - y, of which the energy is (1 + m)|y'|^2/2."""
+    """Return |y'| of a free motion with g = X - y and the energy (1 + m)|y'|^2/2 = ENERGY."""
     return float(np.sqrt(2 * ENERGY / (1 + M)))
 
 
 def speeds(force: Callable[[float], float]) -> tuple[float, float]:
-    """|y'| at t = 10 and t = 100 of y'' = force(y) from rest at 0: g = X - y, particles without forces or mass."""
+    """Return |y'| at t = 10 and 100 of y'' = force(y) from rest at 0: g = X - y, particles without forces or mass."""
     path = runge_kutta(lambda z: np.array([z[1], force(z[0])]), np.zeros(2), 100.0, 1000)
     return float(path[100, 1]), float(path[1000, 1])
 
@@ -133,7 +133,7 @@ def _constant() -> Evidence:
 
 
 def energy_rate(moving: float) -> float:
-    """The rate of E(y, ẏ, μ) on a motion whose points move (1), or are taken where they were at first (0)."""
+    """Return the rate of E(y, ẏ, μ) on a motion whose points move (1) or stay where they were at first (0)."""
     at = general_instant()
 
     def energy(s: float) -> float:

@@ -136,7 +136,7 @@ def _consistency() -> Evidence:
 
 
 def ends(count: int, rng: np.random.Generator) -> Floats:
-    """Positions of ``count`` particles on g = X + sin(X)/2 - y at the time TIME, (BATCHES, RUNS, count)."""
+    """Return the positions of ``count`` particles on g = X + sin(X)/2 - y at the time TIME, (BATCHES, RUNS, count)."""
     start = np.zeros((BATCHES * RUNS, count + 2))
     start[:, 1], start[:, 2:] = 1.0, SPREAD * rng.normal(size=(len(start), count))
 
@@ -188,7 +188,7 @@ def _independent() -> Evidence:
 
 
 def velocity(at_X: Floats) -> Floats:
-    """The velocities of all particles of ``general_system`` as functions of all positions, y and y' being given."""
+    """Return the velocities of all particles of ``general_system`` for all positions; y and y' are given."""
     at = general_instant()
     return np.asarray(phi(at.system, at_X, at.y) @ at.v)
 

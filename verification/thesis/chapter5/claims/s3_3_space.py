@@ -136,7 +136,7 @@ def _differentiable() -> Evidence:
 
 
 def norm(values: Floats) -> float:
-    """The norm of Y for a function given on LINE."""
+    """Return the norm of Y for a function given on LINE."""
     return float((np.abs(values) / (1 + np.abs(LINE))).max())
 
 

@@ -23,7 +23,7 @@ M, APART = 0.01, 1e-15
 
 
 def amplified(force: Callable[[float], float], y: float, v: float) -> float:
-    """log W1(1)/W1(0) of point masses at 0 and at APART, on g = sinh(X) exp(-y), so Phi = tanh X."""
+    """Return log W1(1)/W1(0) of point masses at 0 and at APART, on g = sinh(X) exp(-y), so Phi = tanh X."""
 
     def rate(z: Floats) -> Floats:
         moved = np.tanh(z[2])
@@ -70,7 +70,7 @@ def _constants() -> Evidence:
 
 
 def moved(X: Floats, y: float, v: float) -> Floats:
-    """(y, y', X_1, ...) at t = 2 for particles of equal weight on the fibre of ``bounded``."""
+    """Return (y, y', X_1, ...) at t = 2 for particles of equal weight on the fibre of ``bounded``."""
     w = np.full(X.size, 1 / X.size)
 
     def rate(z: Floats) -> Floats:

@@ -23,7 +23,7 @@ LINE = np.linspace(-20.0, 20.0, 2001)
 
 
 def points() -> tuple[Floats, Floats]:
-    """Two sets of six points in the plane."""
+    """Return two sets of six points in the plane."""
     first, second = np.random.default_rng(SEED).normal(size=(2, 6, 2))
     return first, second + np.array([1.0, 0.5])
 

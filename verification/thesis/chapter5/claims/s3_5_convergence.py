@@ -74,7 +74,7 @@ def _linear_step() -> Evidence:
 
 
 def quantiles(count: int) -> Floats:
-    """Points of equal weight that stand for the normal distribution."""
+    """Return points of equal weight that stand for the normal distribution."""
     return np.array([NormalDist().inv_cdf((k + 0.5) / count) for k in range(count)])
 
 
@@ -82,7 +82,7 @@ FINE = quantiles(2048)
 
 
 def distance(one: Floats, fine: Floats) -> float:
-    """W1 of points of equal weight and of a multiple of as many."""
+    """Return W1 of points of equal weight and of a multiple of as many."""
     return float(np.abs(np.repeat(np.sort(one), fine.size // one.size) - np.sort(fine)).mean())
 
 
@@ -107,7 +107,7 @@ def _rate() -> Evidence:
 
 
 def draws() -> Floats:
-    """W1 of 64 and of 1024 random points and the normal distribution, (2, DRAWS)."""
+    """Return W1 of 64 and of 1024 random points and the normal distribution, (2, DRAWS)."""
     rng = np.random.default_rng(SEED)
     return np.array([[distance(rng.normal(size=n), FINE) for _draw in range(DRAWS)] for n in (64, 1024)])
 

@@ -80,7 +80,7 @@ def _values(times: pd.DataFrame, sides: pd.DataFrame) -> dict[str, Any]:
 
 
 def _cheapest(times: pd.DataFrame) -> list[dict[str, Any]]:
-    """For each model and error, where one was reached."""
+    """Find the cheapest method for each model and each error that was reached."""
     found = []
     for name, mine in times.groupby("model", sort=False):
         for target in TARGETS:

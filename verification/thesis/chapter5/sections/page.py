@@ -23,12 +23,12 @@ def run(context: Context) -> None:
 
 
 def sections(context: Context) -> Sequence[Section]:
-    """One for each of ``PARTS``."""
+    """Return one section for each of ``PARTS``."""
     return [part.section(context) for part in PARTS]
 
 
 def findings(context: Context) -> Sequence[Finding]:
-    """How fast random starts come near to their density, by the complete distances, which ship."""
+    """State how fast random starts approach their density, by the complete distances, which ship."""
     random = context.tables["meanfield_start_exponents"].set_index(["d", "start"])
     line, space = random.loc[(1, IID)], random.loc[(3, PAIR)]
     said = fill(PROSE / "learned.html", line=line, space=space)

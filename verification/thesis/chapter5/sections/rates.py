@@ -59,7 +59,7 @@ def _section(context: Context) -> Section:
 
 
 def _fits(laws: pd.DataFrame) -> list[dict[str, Any]]:
-    """For each dimension the bare power, and the law that fits best where it is another one."""
+    """Return the bare power for each dimension, and the law that fits best where it is another one."""
     fits = []
     for d, mine in laws.groupby("d"):
         plain, best = mine.iloc[0], mine.loc[mine["misfit"].idxmin()]
@@ -82,7 +82,7 @@ def _through(fitted: pd.DataFrame, means: pd.DataFrame) -> dict[str, Any]:
 
 
 def _kept(means: pd.DataFrame) -> dict[str, float]:
-    """W1 at the end over W1 at the start for random starts, at the largest N of each model."""
+    """Return W1 at the end over W1 at the start for random starts, at the largest N of each model."""
     found = {}
     for name, mine in means[means["start"] != QUANTILES].groupby("model", sort=False):
         last = mine[mine["N"] == mine["N"].max()].set_index("quantity")["mean"]

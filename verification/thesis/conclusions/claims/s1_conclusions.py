@@ -27,7 +27,7 @@ TOUCHING = (
 
 
 def scheme() -> dincl.Scheme:
-    """The method that is said to stay within S."""
+    """Return the catch-up scheme, which is said to stay within S."""
     return dincl.CatchUp(dt=DT, projection=dincl.Daqp(tol=TOL))
 
 
@@ -55,7 +55,7 @@ def _feasible() -> Evidence:
 
 
 def largest_overlaps(dt: float) -> tuple[float, float]:
-    """Of ten discs that fall into a corner, while they settle and long after."""
+    """Return the largest overlap of ten discs that fall into a corner, while they settle and long after."""
     times = np.arange(1, round(LONG / dt) + 1) * dt
     found = dincl.solve(dincl.scenes.ten_disks_corner(), dincl.PBD(dt=dt), t=times).violation()
     return float(found[times <= SETTLED].max()), float(found[times > SETTLED].max())
@@ -83,12 +83,12 @@ def _bounded() -> Evidence:
 
 
 def swept(x: Floats) -> Floats:
-    """P_{S_M} ... P_{S_1}(x)."""
+    """Return P_{S_M} ... P_{S_1}(x)."""
     return points_of_step(x, 0 * x, 0.0)[-1]
 
 
 def ratios(problem: dincl.Problem, x: Floats) -> tuple[float, float, int]:
-    """max_j dist(x, S_j)/dist(x, S), what one sweep leaves of the way to P_S(x), and M."""
+    """Return max_j dist(x, S_j)/dist(x, S), what one sweep leaves of the way to P_S(x), and M."""
     nearest = dincl.project(problem, x, dincl.Daqp(tol=TOL)).point
     far = float(np.linalg.norm(nearest - x))
     worst = problem.violation(0.0, x) / math.sqrt(2)
