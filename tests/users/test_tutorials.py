@@ -5,8 +5,10 @@ import re
 import nbclient
 import pytest
 
+import tissue
 from docs.building import notebooks
-from tests.pages import ROOT, links, play
+from tests.pages import ROOT, blocks, links, play
+from tissue.study.comparing import planned_answers
 from verification.claims import Verdict
 
 PAGES = ROOT / "docs" / "tutorials"
@@ -52,18 +54,36 @@ def test_tissue(tmp_path):
 
 
 @pytest.mark.slow
-def test_the_study_has_the_answer_of_the_text(tmp_path):
-    """To what another processor may change: a few of 32 cells."""
+def test_a_small_study_is_planned_run_and_drawn(tmp_path):
+    found = play(PAGES / "emt_study.md", tmp_path)
+    words = ("6 comparisons, planned", "Least effect that is shown", "Answers: 6 planned comparisons", "page.html")
+    assert [word for word in words if word not in found["printed"]] == []
+    answers = tmp_path / "results" / "constriction" / "figures" / "answer_3.png"
+    assert answers.read_bytes().startswith(b"\x89PNG")
+    assert "not shown" in found["printed"]
+
+
+@pytest.mark.xslow
+def test_the_large_study_has_the_answers_of_the_text(tmp_path):
+    """To what another processor may change: a few of 2,000 cells."""
     page = PAGES / "emt_study.md"
-    found = play(page, tmp_path)
-    measured = found["differences"].query("outcome == 'basal'").set_index(["second", "first"])
-    rows = re.findall(r"^\| (\w+) against (\w+) \| \+([\d.]+) \|", page.read_text("utf-8"), re.MULTILINE)
-    assert len(rows) == 2
-    for one, other, points in rows:
-        assert -100 * measured.loc[(one, other), "difference"] == pytest.approx(float(points), abs=12)
-    assert measured.loc[("BP", "B"), "differ"]
-    assert "Scenarios against each other" in found["printed"]
-    assert (tmp_path / "results" / "leave" / "figures" / "ratios.svg").exists()
+    text = page.read_text("utf-8")
+    (study,) = [block for block in blocks(text, "toml") if "replicates = 40" in block]
+    (tmp_path / "constriction.toml").write_text(study.replace("replicates = 40", "replicates = 400"))
+    results = tissue.run_study(tmp_path / "constriction.toml", tmp_path / "out")
+    table = planned_answers(results).set_index(["question", "measure"])
+    rows = {
+        "on a line": "early - late, line",
+        "inside an arc": "early - late, arc",
+        "inside against on a line": "(early - late, arc) - (early - late, line)",
+    }
+    for name, question in rows.items():
+        cells = re.search(rf"^\| {name} \|.*\|(.*)\|(.*)\|$", text, re.MULTILINE).groups()
+        for measure, cell, scale in (("difference", cells[0], 100), ("ratio", cells[1], 1)):
+            row = scale * table.loc[(question, measure), ["value", "low", "high"]].astype(float)
+            said = [float(number) for number in re.findall(r"[-+]?\d+\.\d+", cell)]
+            assert row.to_list() == pytest.approx(said, rel=0.1, abs=0.5)
+            assert (row["low"] > 0 or row["high"] < 0) if scale == 100 else (row["low"] > 1 or row["high"] < 1)
 
 
 def test_claims_of_ones_own(tmp_path):

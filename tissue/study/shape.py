@@ -17,7 +17,7 @@ MOST_REPLICATES = 10_000_000
 LONGEST_NAME = 255 - len("scenario=")
 
 
-class Check(Protocol):
+class KeyCheck(Protocol):
     """Returns a value that is allowed, raises ValueError for another."""
 
     @property
@@ -73,7 +73,7 @@ class Tables:
 
 
 @dataclass(frozen=True)
-class Section:
+class CompareTable:
     """One table, whose keys are checked where the scenarios are known."""
 
     allowed: str
@@ -105,7 +105,7 @@ class FactorTables:
         return dict(raw)
 
 
-SHAPE: dict[str, Check] = {
+SHAPE: dict[str, KeyCheck] = {
     "title": OneLine(),
     "base": OneLine("a preset or the path of a parameter file, relative to this one"),
     "replicates": count(MOST_REPLICATES),
@@ -114,13 +114,13 @@ SHAPE: dict[str, Check] = {
     "overrides": Tables("sections of parameters, such as [overrides.numerics]"),
     "scenarios": Tables('at least one table, such as [scenarios."[A]"], of sections of parameters', least=1),
     "factors": FactorTables(),
-    "compare": Section("a table: outcomes, and the factor effect, or contrasts"),
+    "compare": CompareTable("a table: outcomes, and the factor effect, or contrasts"),
 }
 OPTIONAL: dict[str, Any] = {"trajectories": (), "overrides": {}, "factors": {}, "compare": None}
 
 
 def checked(tables: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
-    """Check a study file: its good values by key, and a line for each bad, missing and unknown one."""
+    """KeyCheck a study file: its good values by key, and a line for each bad, missing and unknown one."""
     good, lines = dict(OPTIONAL), [unknown(key, value, SHAPE) for key, value in tables.items() if key not in SHAPE]
     for key, check in SHAPE.items():
         if key in tables:
