@@ -90,7 +90,7 @@ def _summary(context: Context) -> Section:
         coarsest=_most_often(winners[winners["target"] > FINE]),
     )
     wide = Grid(cheapest.wide(winners), said["wide"], "work_winners")
-    texts = [Text(said[name]) for name in ("error", "time", "second_order", "yardsticks", "references", "limits")]
+    texts = [Text(said[name]) for name in ("error", "time", "second_order", "baselines", "references", "limits")]
     return Section(TITLES["cheapest"], [Text(cheapest.summary(winners)), wide, *texts, Follows(said["follows"])])
 
 

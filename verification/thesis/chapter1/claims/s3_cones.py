@@ -59,7 +59,7 @@ def _monotone() -> Evidence:
 
 @claim(
     "c1.convex-unique",
-    "Without a force, the inclusion with the normal cone of a convex set has a unique solution.",
+    "Without a force the solution of the inclusion with the normal cone of a convex set is unique.",
     "after (1.15)",
     Verdict.PROVED,
     rests_on=("c1.one-sided", "c1.monotone"),

@@ -93,7 +93,7 @@ def _mazur() -> Evidence:
 
 @claim(
     "c1.compact",
-    "Of paths with bounded speeds some converge uniformly, and their velocities weakly*.",
+    "Paths with bounded speeds have a subsequence that converges uniformly, with velocities that do weakly*.",
     "Lemma 1.35",
     Verdict.PROVED_INSTANCE,
     chosen="one sequence whose velocities do not converge in norm",

@@ -49,7 +49,7 @@ def _mass() -> Evidence:
 
 @claim(
     "c2.symplectic",
-    "The prediction of velocities, then positions, is the symplectic Euler method.",
+    "The prediction of velocities and then positions is a symplectic map.",
     "section 2.2",
     Verdict.PROVED,
     rests_on=("c2.mass",),

@@ -1,4 +1,4 @@
-"""The programs of others solve the problem that they are given, or say that they cannot."""
+"""External programs solve the problem that they are given, or say that they cannot."""
 
 import importlib.util
 
