@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Mapping
+from pathlib import Path
 
 import pandas as pd
 
@@ -26,6 +28,7 @@ def made_again(chapter: str, context: Context, found: Mapping[str, Agreement]) -
     """Return one section for the studies of a chapter, or none if nothing was rerun."""
     if not found:
         return []
+    reasons = tomllib.loads(Path(__file__).with_name("reasons.toml").read_text("utf-8"))
     rows = pd.DataFrame(
         {
             "Study": one.title,
@@ -34,10 +37,11 @@ def made_again(chapter: str, context: Context, found: Mapping[str, Agreement]) -
             "Rows compared": one.rows,
             "Do not agree": one.apart,
             "Farthest": one.worst,
+            "Reason": reasons.get(name, "not known") if one.apart else "",
             "Pace": one.pace,
             "Changed since": one.changed or None,
         }
-        for one in found.values()
+        for name, one in found.items()
     )
     context.keep(f"made_again_{chapter}", rows)
     return [Section(TITLE, [Text(SAID), Grid(rows, CAPTION, f"made_again_{chapter}")])]

@@ -45,14 +45,14 @@ FULL = KernelForm(SIZES)
 
 
 def wide(name: str, cells: int) -> Parameters:
-    """A preset with so many cells, as wide as their apical points: as crowded as a grown tissue for any number."""
+    """Return a preset with so many cells, as wide as their apical points: as crowded as a grown tissue."""
     parameters = preset(name)
     spacing = parameters.start_numbers().apical_spacing
     return parameters.changed({"tissue.cells": cells, "tissue.width": f"{cells * spacing!r} R_soft"})
 
 
 def per_substep(key: Key, cell_substeps: int) -> list[Row]:
-    """Microseconds per substep: best and median of the repeats, with the load under which they were measured.
+    """Return microseconds per substep: best and median of the repeats, with the load under which they were measured.
 
     Second daughters are left out, so that the number of cells stays.
     """
@@ -74,7 +74,7 @@ def per_substep(key: Key, cell_substeps: int) -> list[Row]:
 
 
 def kernel(form: KernelForm) -> Study:
-    """Microseconds per substep as a study, for the report; two of its runs are made at once."""
+    """Return microseconds per substep as a study, for the report; two of its runs are made at once."""
     return Study(
         name="tissue_kernel",
         title="Tissue: kernel",
@@ -85,7 +85,7 @@ def kernel(form: KernelForm) -> Study:
 
 
 def growth(table: pd.DataFrame) -> pd.DataFrame:
-    """p of the time per substep ~ cells^p, the slope of a line through the logarithms; one row for each preset."""
+    """Return one row for each preset: p of the time per substep ~ cells^p, the slope of the logarithms."""
     groups = table.groupby("preset")
     return pd.DataFrame([{"preset": name, "exponent": _slope(mine["cells"], mine["us_best"])} for name, mine in groups])
 
@@ -95,13 +95,13 @@ def _slope(x: pd.Series, y: pd.Series) -> float:
 
 
 def substep_table(sizes: tuple[int, ...]) -> pd.DataFrame:
-    """The rows of ``per_substep`` for all presets and sizes, one after the other on a quiet machine."""
+    """Return the rows of ``per_substep`` for all presets and sizes, one after the other on a quiet machine."""
     keys = [{"preset": name, "cells": cells} for cells in sizes for name in PRESETS]
     return pd.DataFrame([row for key in keys for row in per_substep(key, CELL_SUBSTEPS)])
 
 
 def abreast_table(end: float) -> pd.DataFrame:
-    """Microseconds per substep of one of eight replicates abreast, from runs to ``end`` and a fifth of it [h].
+    """Return microseconds per substep of one of eight replicates abreast, from runs to ``end`` and a fifth of it [h].
 
     Second daughters are left out, so that the number of cells stays.
     """
@@ -118,7 +118,7 @@ def abreast_table(end: float) -> pd.DataFrame:
 
 
 def run_table(hours: tuple[float, ...]) -> pd.DataFrame:
-    """One row for each preset and length of a whole simulation: seconds of a run alone and of one of eight abreast,
+    """Return one row for each preset and length of a simulation: seconds of a run alone and of one of eight abreast,
     means over the same eight seeds.
 
     The ratio is the median of pairs measured one after the other, the seconds are the best.
@@ -140,7 +140,7 @@ def run_table(hours: tuple[float, ...]) -> pd.DataFrame:
 
 
 def thread_table(lots: int) -> pd.DataFrame:
-    """One row for each preset: throughput of two threads over that of one, each with 8 ``lots`` runs of 10 h."""
+    """Return one row for each preset: throughput of two threads over that of one, each with 8 ``lots`` runs of 10 h."""
     rows = []
     for name in PRESETS:
         parameters = preset(name).changed(until(10.0))
@@ -160,13 +160,13 @@ def thread_table(lots: int) -> pd.DataFrame:
 
 
 def _each(parameters: Parameters) -> None:
-    """What ``simulate_many`` makes of eight seeds, one run after the other."""
+    """Simulate eight seeds one after the other, as ``simulate_many`` does side by side."""
     for seed in range(WIDTH):
         simulate(parameters, seed)
 
 
 def daha_table(end: float) -> pd.DataFrame:
-    """The thesis preset by PBD and by DAHA in turn, rest lengths not negative, with which DAHA gets to the end [h]."""
+    """Time the thesis preset by PBD and by DAHA in turn, with rest lengths ≥ 0, so that DAHA reaches the end [h]."""
     parameters = preset("thesis").changed({"rules.floor_rest_length": True} | until(end))
     simulate_quasi_steady(parameters.changed(until(0.1)), 0)
     pbd, daha = [], []
@@ -180,7 +180,7 @@ def daha_table(end: float) -> pd.DataFrame:
 def tables(
     sizes: tuple[int, ...] = SIZES, hours: tuple[float, ...] = HOURS, lots: int = LOTS
 ) -> dict[str, tuple[str, pd.DataFrame]]:
-    """All tables of the tissue by the name of their file, with what they show."""
+    """Return all tables of the tissue by the name of their file, with what they show."""
     kernel_rows = substep_table(sizes)
     return {
         "bench_tissue": ("Tissue: microseconds per substep, with the load per substep", kernel_rows),

@@ -1,4 +1,4 @@
-"""Which cells of a growing tissue are beyond the linear limit of explicit Euler, and how much they jitter."""
+"""Cells of a growing tissue beyond the linear limit of explicit Euler, and their jitter."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ SETTLED = 5.0
 
 @dataclass(frozen=True)
 class BeyondForm:
-    """How far the study goes: substeps by preset, number of seeds, times [h]."""
+    """Extent of the study: substeps by preset, number of seeds, times [h]."""
 
     substeps: dict[str, tuple[int, ...]]
     seeds: int
@@ -43,7 +43,7 @@ FULL = BeyondForm(
 
 
 def study(form: BeyondForm) -> Study:
-    """One run for each preset, number of substeps and seed."""
+    """Return the study: one run for each preset, number of substeps and seed."""
     runs = [
         {"preset": name, "substeps": substeps, "seed": seed}
         for name, tried in form.substeps.items()
@@ -60,7 +60,7 @@ def study(form: BeyondForm) -> Study:
 
 
 def watched(key: Key, times: tuple[float, ...]) -> list[Row]:
-    """One row for each time."""
+    """Return one row for each time."""
     run = growing(key["preset"], key["seed"], substeps=key["substeps"])
     numbers = run.numbers
     about = dict(key) | {"scale": numbers.dt / numbers.substeps / numbers.mu, "alpha": numbers.alpha_axb}
@@ -72,7 +72,7 @@ def watched(key: Key, times: tuple[float, ...]) -> list[Row]:
 
 
 def _looked_at(frame: Frame | None, numbers: Numbers) -> dict[str, Any]:
-    """Means over the cells of one state; the linear limit is looked at where the swing is gone."""
+    """Return means over the cells of one state; the linear limit is looked at where the swing is gone."""
     scale = numbers.dt / numbers.substeps / numbers.mu
     found = None if frame is None else swing(frame.cells, frame.layers, numbers, scale)
     if found is None:
@@ -92,7 +92,7 @@ def _looked_at(frame: Frame | None, numbers: Numbers) -> dict[str, Any]:
 
 
 def summary(table: pd.DataFrame) -> pd.DataFrame:
-    """One row for each preset and number of substeps: means over the seeds and the times from SETTLED on.
+    """Return one row for each preset and number of substeps: means over the seeds and the times from SETTLED on.
 
     ``reach`` is sqrt(alpha h/mu), nearer than which a nucleus is beyond the limit of its bending alone, 2 alpha/u^2.
     """

@@ -36,7 +36,7 @@ SCHEMES: dict[str, Callable[[float], Scheme]] = {
 
 @dataclass(frozen=True)
 class CatchUpForm:
-    """How far the study goes: number of seeds, steps in dt of PBD, of catch-up, and of the reference."""
+    """Extent of the study: number of seeds, steps in dt of PBD, of catch-up, and of the reference."""
 
     seeds: int
     substeps: tuple[int, ...]
@@ -49,7 +49,7 @@ FULL = CatchUpForm(5, (*SUBSTEPS, 1280, 2560), (20, 40, 80, 160, 320, 640), 2560
 
 
 def study(form: CatchUpForm) -> Study:
-    """One run for each seed."""
+    """Return the study: one run for each seed."""
     return Study(
         name="tissue_catch_up",
         title="Tissue: catch-up",
@@ -61,7 +61,7 @@ def study(form: CatchUpForm) -> Study:
 
 
 def moved(key: Key, form: CatchUpForm, parameters: Parameters) -> list[Row]:
-    """One row for each method and number of steps in dt: error of the nuclei and seconds.
+    """Return one row for each method and number of steps in dt: error of the nuclei and seconds.
 
     The reference is MidpointCatchUp with its error of h^2 taken out; it is off by no more than what was taken out.
     """
@@ -80,7 +80,7 @@ def moved(key: Key, form: CatchUpForm, parameters: Parameters) -> list[Row]:
 
 
 def _by_pbd(state: Frozen, steps: int) -> tuple[Floats, float]:
-    """Nuclei (n, 2) after dt, by the kernel; best of the repeats."""
+    """Return nuclei (n, 2) after dt, by the kernel; best of the repeats."""
     scale = state.numbers.dt / steps / state.numbers.mu
     seconds = []
     for _ in range(REPEATS):
@@ -92,7 +92,7 @@ def _by_pbd(state: Frozen, steps: int) -> tuple[Floats, float]:
 
 
 def _by_scheme(state: Frozen, name: str, steps: int) -> tuple[Floats, float]:
-    """Nuclei (n, 2) after dt, NaN if a step fails."""
+    """Return nuclei (n, 2) after dt, NaN if a step fails."""
     n, dt = len(state.cells.x), state.numbers.dt
     problem = frozen_problem(*state)
     began = time.process_time()
@@ -106,14 +106,14 @@ def _rms(x: Floats, y: Floats) -> float:
 
 
 def errors(table: pd.DataFrame) -> pd.DataFrame:
-    """One row for each method and number of steps: median error and seconds over the seeds."""
+    """Return one row for each method and number of steps: median error and seconds over the seeds."""
     grouped = table.groupby(["method", "steps"])
     made = grouped[["rms", "seconds", "own", "least"]].median().reset_index()
     return made.assign(lost=grouped["rms"].apply(lambda rms: int(rms.isna().sum())).to_numpy())
 
 
 def orders(made: pd.DataFrame, dt: float) -> pd.DataFrame:
-    """One row for each method with enough steps: the order in h, from the steps beyond the limit of explicit Euler."""
+    """Return one row for each method with enough steps: the order in h beyond the limit of explicit Euler."""
     rows: list[dict[str, Any]] = []
     for method, mine in made[made["steps"] > made["least"]].groupby("method"):
         if len(mine) < 5:  # what an order takes

@@ -62,7 +62,7 @@ FULL = DahaForm({(case, eps): 20 if eps >= OWN else 3 for case in CASES for eps 
 
 
 def study(form: DahaForm) -> Study:
-    """One run for each case, tolerance and seed."""
+    """Return the study: one run for each case, tolerance and seed."""
     runs = [
         {"case": case, "eps": eps, "seed": seed} for (case, eps), seeds in form.seeds.items() for seed in range(seeds)
     ]
@@ -76,13 +76,13 @@ def study(form: DahaForm) -> Study:
 
 
 def parameters_of(case: str, eps: float, end: float = END) -> Parameters:
-    """The thesis preset with the changes of the case."""
+    """Return the thesis preset with the changes of the case."""
     ends = {"numerics.t_end": f"{end:g} h", "numerics.keep": "1 h", "daha.eps": eps}
     return preset("thesis").changed(CASES[case] | ends)
 
 
 def compared(key: Key, end: float, fine: tuple[float, ...]) -> list[Row]:
-    """Rows of three kinds: "step", one for each step of DAHA; "run", how it ended; "pbd", PBD against it.
+    """Return rows of three kinds: "step" for each step of DAHA; "run", how it ended; "pbd", the comparison with PBD.
 
     PBD is looked at for the tolerance of Table 4 only, at the times that DAHA reached.
     """
@@ -106,7 +106,7 @@ def compared(key: Key, end: float, fine: tuple[float, ...]) -> list[Row]:
 
 
 def stiffness(cells: Cells, parameters: Parameters) -> float:
-    """dtau^2 alpha times the largest eigenvalue of D^2 W of a single cell; NaN for a state that is not finite."""
+    """Return dtau^2 alpha times the largest eigenvalue of D^2 W of a single cell, NaN for a state not finite."""
     own = parameters.daha_numbers()
     if not np.isfinite(extent(cells)):
         return np.nan
@@ -122,7 +122,7 @@ def _warm_up() -> None:
 
 
 def _against(run: QuasiSteadyRun, parameters: Parameters, seed: int, fine: tuple[float, ...]) -> list[dict[str, Any]]:
-    """PBD with each damping and number of substeps, and with other noise, at the times that DAHA reached."""
+    """Compare PBD with each damping and number of substeps, and with other noise, at the times that DAHA reached."""
     done = len(run.frames) if run.status else len(run.frames) - 1
     targets = {t: frame for frame in run.frames[:done] for t in TIMES if abs(frame.t - t) < parameters.numbers().dt / 2}
     few, many = PBD_SUBSTEPS
@@ -143,12 +143,12 @@ def _against(run: QuasiSteadyRun, parameters: Parameters, seed: int, fine: tuple
 
 
 def _states(run: Growing, targets: dict[float, Frame]) -> list[tuple[float, Frame, float]]:
-    """Time, state and seconds so far at each target, until the run is lost."""
+    """Return time, state and seconds so far at each target, until the run is lost."""
     return [(t, run.frame(), run.seconds) for t in sorted(targets) if run.to(t)]
 
 
 def _distances(one: Frame, other: Frame) -> dict[str, float]:
-    """|X - Y| relative to |X| as in section 3.4, per nucleus in R_soft, and heights and widths of both."""
+    """Return |X - Y| relative to |X| as in section 3.4, per nucleus in R_soft, and heights and widths of both."""
     x, y = nuclei(one), nuclei(other)
     return {
         "relative": float(np.linalg.norm(x - y) / np.linalg.norm(x)),
@@ -161,7 +161,7 @@ def _distances(one: Frame, other: Frame) -> dict[str, float]:
 
 
 def iterations(table: pd.DataFrame) -> pd.DataFrame:
-    """One row for each case and tolerance: quartiles over the steps that terminated, and what (3.32) makes of them.
+    """Return one row for each case and tolerance: quartiles over the steps that terminated, and μ by (3.32).
 
     ``half`` is dt / (n alpha / 2), by (3.25); ``whole`` is dt / (n alpha), (3.32); n is the median.
     """
@@ -178,7 +178,7 @@ def iterations(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def failures(table: pd.DataFrame) -> pd.DataFrame:
-    """One row for each case and tolerance: runs that did not terminate, with Wilson's interval of their share.
+    """Return one row for each case and tolerance: runs that did not terminate, with Wilson's interval of their share.
 
     Beside it the times at which they failed, and the median ``stiffness`` there.
     """
@@ -194,13 +194,13 @@ def failures(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def wilson(hits: int, tries: int) -> tuple[float, float]:
-    """Wilson's 95 % interval of a probability."""
+    """Return Wilson's 95 % interval of a probability."""
     interval = binomtest(hits, tries).proportion_ci(method="wilson")
     return float(interval.low), float(interval.high)
 
 
 def distances(table: pd.DataFrame) -> pd.DataFrame:
-    """One row for each case, kind, time, damping and number of substeps: means over the seeds with intervals."""
+    """Return one row for each case, kind, time, damping and number of substeps: means over the seeds with intervals."""
     rows = []
     names = ["case", "kind", "t", "mu", "substeps"]
     for group, mine in table[table["relative"].notna()].groupby(names, dropna=False):
@@ -214,7 +214,7 @@ def distances(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def speed(table: pd.DataFrame, end: float = END) -> pd.DataFrame:
-    """One row for each case at the tolerance of Table 4: seconds of runs of DAHA to ``end`` over those of PBD."""
+    """Return one row for each case with the ε of Table 4: seconds of runs of DAHA to ``end`` over seconds of PBD."""
     rows = []
     ended = table[(table["kind"] == "run") & (table["eps"] == OWN) & table["terminated"].eq(True)]
     pbd = table[(table["kind"] == "pbd") & (table["substeps"] == min(PBD_SUBSTEPS)) & (table["mu"] == TABLE_5)]

@@ -15,7 +15,7 @@ NEIGHBOURS = 5
 
 
 def fitted(table: pd.DataFrame) -> pd.DataFrame:
-    """One row for each case, time and number of substeps: the damping of least mean distance, and that of equal height.
+    """Return one row for each case, time and number of substeps: the dampings of least distance and of equal height.
 
     ``mu`` is the minimum of a parabola in log mu through the mean relative distances next to the least of them, with
     the percentiles of resampled seeds; ``equal`` is where a line through the two nearest heights meets that of DAHA,
@@ -38,7 +38,7 @@ def fitted(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def best(mu: Floats, distance: Floats) -> float:
-    """The minimum of distances (K,) over the dampings (K,), K >= NEIGHBOURS."""
+    """Return the minimum of distances (K,) over the dampings (K,), K >= NEIGHBOURS."""
     k = int(np.argmin(distance))
     first = int(np.clip(k - NEIGHBOURS // 2, 0, max(0, len(mu) - NEIGHBOURS)))
     some = slice(first, first + NEIGHBOURS)
@@ -50,7 +50,7 @@ def best(mu: Floats, distance: Floats) -> float:
 
 
 def _resampled(mu: Floats, relative: Floats) -> tuple[float, float]:
-    """The interval of ``best`` over resampled rows of (seeds, K)."""
+    """Return the interval of ``best`` over resampled rows of (seeds, K)."""
     if len(relative) < 2:
         return np.nan, np.nan
     rng = np.random.default_rng(0)
@@ -61,7 +61,7 @@ def _resampled(mu: Floats, relative: Floats) -> tuple[float, float]:
 
 
 def _equal_heights(rows: pd.DataFrame) -> list[float]:
-    """For each seed the damping at which the height is that of DAHA; those out of the dampings are left out."""
+    """Return for each seed the damping with the height of DAHA; seeds beyond the dampings are left out."""
     found = []
     for _, mine in rows.sort_values("mu").groupby("seed"):
         off = (mine["height"] - mine["reference_height"]).to_numpy()

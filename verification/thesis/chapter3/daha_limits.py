@@ -1,4 +1,4 @@
-"""Where DAHA breaks in its four parameters: one step of a tissue, others kept as in Table 4."""
+"""Limits of DAHA in its four parameters: one step of a tissue, the others as in Table 4."""
 # ruff: noqa: RUF001 - axes for readers are written with Greek letters
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ SEEDS = {"0": "Seed 0", "1": "Seed 1"}
 
 
 def limit() -> float:
-    """dtau^2 alpha lambda is below this at stable eigenvalues lambda of D^2 W, whatever c is.
+    """Return the bound of dtau^2 alpha lambda for stable eigenvalues lambda of D^2 W, whatever c is.
 
     (3.25) for one eigenvalue: (1 + a) s^2 - (2 - k) s + (1 - a) = 0 with k = dtau^2 alpha lambda. |s| < 1 if and only
     if a > 0 and the value at s = -1 is positive: (1 + a) + (2 - k) + (1 - a) = 4 - k > 0.
@@ -37,7 +37,7 @@ def limit() -> float:
 
 @cache
 def steepest(seed: int) -> float:
-    """The largest eigenvalue of D^2 W where DAHA of Table 4 stops in the step of the maps."""
+    """Return the largest eigenvalue of D^2 W where DAHA of Table 4 stops in the step of the maps."""
     parameters = floored()
     state = begun(parameters, seed, AGE)
     reached = TissueArrowHurwicz(parameters.daha_numbers()).minimise(*state).cells
@@ -45,7 +45,7 @@ def steepest(seed: int) -> float:
 
 
 def stepped(seed: str, **factors: float) -> dict[str, Any]:
-    """The outcome of one step with some parameters times their factors; the limit is that of the factor of alpha."""
+    """Return the outcome of one step with some parameters times their factors, and the limit of the factor of alpha."""
     parameters = floored()
     own = parameters.daha_numbers()
     changed = {name: getattr(own, name) * factor for name, factor in factors.items()}
@@ -67,12 +67,12 @@ def _outcome(status: Status, violation: float) -> str:
 
 
 def descent(method: str, x: float, y: float) -> dict[str, Any]:
-    """alpha and beta."""
+    """Return the outcome of one step over alpha and beta."""
     return stepped(method, alpha=x, beta=y)
 
 
 def damping(method: str, x: float, y: float) -> dict[str, Any]:
-    """gamma and c."""
+    """Return the outcome of one step over gamma and c."""
     return stepped(method, gamma=x, c=y)
 
 
@@ -88,7 +88,7 @@ PLANES = (
 
 @dataclass(frozen=True)
 class DahaLimitsForm:
-    """Which planes are mapped."""
+    """Planes to map."""
 
     planes: tuple[Plane, ...] = PLANES
 
@@ -98,12 +98,12 @@ FORM = DahaLimitsForm()
 
 
 def study(plane: Plane) -> Study:
-    """All cells of a map."""
+    """Return all cells of a map."""
     return maps.named(plane, "tissue_daha", "Tissue, DAHA")
 
 
 def held(tables: dict[str, pd.DataFrame]) -> pd.DataFrame:
-    """One row for each seed and parameter: the factors, around Table 4, between which a step ends well.
+    """Return one row for each seed and parameter: the factors, around Table 4, between which a step ends well.
 
     ``from`` and ``to`` are those next to 1 from which on all terminate without a violation that is seen; beside them
     what is met beyond. The limit of alpha is that of the linear theory.
@@ -119,7 +119,7 @@ def held(tables: dict[str, pd.DataFrame]) -> pd.DataFrame:
 
 
 def _around(line: pd.DataFrame, along: str) -> dict[str, Any]:
-    """How far a line of cells is well on both sides of factor 1."""
+    """Return the factors around 1 between which a line of cells ends well."""
     good, factor = (line["outcome"] == OUTCOMES[0]).to_numpy(), line[along].to_numpy()
     middle = int(np.argmin(np.abs(np.log(factor))))
     below, above = np.flatnonzero(~good[: middle + 1]), middle + np.flatnonzero(~good[middle:])

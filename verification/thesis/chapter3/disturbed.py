@@ -1,4 +1,4 @@
-"""How long nuclei can be foretold: two runs of one seed that begin a little apart, or that meet other noise."""
+"""Prediction of nuclei: two runs of one seed that begin a little apart, or that have different noise."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ OTHER = 1_000_000
 
 @dataclass(frozen=True)
 class DisturbedForm:
-    """How far the study goes: pairs of preset and substeps, number of seeds, times [h]."""
+    """Extent of the study: pairs of preset and substeps, number of seeds, times [h]."""
 
     runs: tuple[tuple[str, int], ...]
     seeds: int
@@ -37,7 +37,7 @@ FULL = DisturbedForm((*FEW, ("thesis", 640), ("published", 640)), 20, (*TIMES, 3
 
 
 def study(form: DisturbedForm) -> Study:
-    """One run for each preset, number of substeps and seed."""
+    """Return the study: one run for each preset, number of substeps and seed."""
     runs = sorted(form.runs, key=lambda pair: -pair[1])
     return Study(
         name="tissue_disturbed",
@@ -53,7 +53,7 @@ def study(form: DisturbedForm) -> Study:
 
 
 def followed(key: Key, times: tuple[float, ...]) -> list[Row]:
-    """One row for each disturbance and time: its size (infinite: other noise) and the distance of the nuclei."""
+    """Return one row for each disturbance and time: its size (infinite: other noise) and the distance of the nuclei."""
 
     def run() -> Growing:
         return growing(key["preset"], key["seed"], substeps=key["substeps"])
@@ -72,13 +72,13 @@ def _paths(run: Growing, times: tuple[float, ...]) -> list[np.ndarray]:
 
 
 def medians(table: pd.DataFrame) -> pd.DataFrame:
-    """One row for each preset, number of substeps, size and time: median and largest distance over the seeds."""
+    """Return one row for each preset, number of substeps, size and time: median and largest distance over the seeds."""
     grouped = table.groupby(["preset", "substeps", "size", "t"])["rms"]
     return grouped.agg(median="median", largest="max").reset_index()
 
 
 def rates(table: pd.DataFrame) -> pd.DataFrame:
-    """One row for each preset, number of substeps and size: growth of a disturbance until the end, in two numbers.
+    """Return one row for each preset, number of substeps and size: growth of a disturbance, in two numbers.
 
     ``rate`` is the mean over the seeds of log(end / start) / time with its interval [1/h]: what an exponential growth
     would have. ``jumped`` is the part of the seeds whose nuclei are in the end further apart than ``PART`` of the
@@ -97,7 +97,7 @@ def rates(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def foretold(errors: pd.DataFrame, made: pd.DataFrame) -> pd.DataFrame:
-    """One row for each preset and number of substeps: until when nuclei are where the reference has them, from medians.
+    """Return one row for each preset and number of substeps: until when nuclei are predicted, from medians.
 
     Until the last time t [h] such that the error is at most PART of the distance of runs with other noise at all times
     from FIRST to t; 0 if it is more at FIRST. ``errors`` is that of ``substeps.errors``.

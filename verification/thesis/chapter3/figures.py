@@ -34,7 +34,7 @@ CALM, WILD = 1e-6, 1.0
 
 
 def accuracy(errors: pd.DataFrame, noise: pd.DataFrame, path: Path) -> Path:
-    """Median error of the nuclei against the seconds of 10 h, one line for each time, numbers of substeps written."""
+    """Draw the median error of the nuclei against the seconds for 10 h, one line for each time."""
     with sheet(path, 3.9) as figure:
         panels = figure.subplots(1, len(LABELS), sharey=True)
         for panel, (name, label) in zip(panels, LABELS.items(), strict=True):
@@ -62,7 +62,7 @@ def accuracy(errors: pd.DataFrame, noise: pd.DataFrame, path: Path) -> Path:
 
 
 def _resolved(panel: Axes, rows: pd.DataFrame, colour: str, label: str) -> None:
-    """A line; markers are hollow where the reference itself is no better."""
+    """Draw a line; markers are hollow where the reference itself is no better."""
     hollow = (rows["rms"] <= rows["own"]).to_numpy()
     panel.plot(1e3 * rows["seconds"], rows["rms"], color=colour, label=label)
     for some, face in ((rows[hollow], "white"), (rows[~hollow], colour)):
@@ -70,7 +70,7 @@ def _resolved(panel: Axes, rows: pd.DataFrame, colour: str, label: str) -> None:
 
 
 def heights(table: pd.DataFrame, path: Path) -> Path:
-    """Deviation of the height from that of the reference against the substeps, with intervals; lost runs as crosses."""
+    """Draw the deviation of the height from the reference against the substeps, with intervals; crosses: lost runs."""
     with sheet(path, 3.3) as figure:
         panels = figure.subplots(1, len(LABELS), sharey=True)
         highest = 100 * float(table["high"].max())
@@ -102,7 +102,7 @@ def heights(table: pd.DataFrame, path: Path) -> Path:
 
 
 def disturbances(medians: pd.DataFrame, path: Path) -> Path:
-    """Distance of two runs against time: median over the seeds, and the largest as a dashed line."""
+    """Draw the distance of two runs against time: median over the seeds, and the largest as a dashed line."""
     runs = sorted(medians.groupby(["preset", "substeps"]), key=lambda run: (list(LABELS).index(run[0][0]), run[0][1]))
     columns = min(3, len(runs))
     with sheet(path, 2.9 * -(-len(runs) // columns) + 0.4) as figure:
@@ -122,7 +122,7 @@ def disturbances(medians: pd.DataFrame, path: Path) -> Path:
 
 
 def growth(table: pd.DataFrame, finest: pd.Series, path: Path) -> Path:
-    """Height over that of the start against time: means with bands from the least to the largest of the seeds."""
+    """Draw the height over the first one against time: means with bands from the least to the largest of the seeds."""
     with sheet(path, 6.2) as figure:
         panels = figure.subplots(2, len(LABELS), sharex=True, sharey=True)
         for column, (name, label) in enumerate(LABELS.items()):
@@ -146,7 +146,7 @@ def growth(table: pd.DataFrame, finest: pd.Series, path: Path) -> Path:
 
 
 def _bands(panel: Axes, rows: pd.DataFrame) -> None:
-    """One line for each damping; where seeds are lost it ends."""
+    """Draw one line for each damping; where seeds are lost it ends."""
     for (mu, mine), colour in zip(rows.groupby("mu"), SHADES, strict=False):
         grouped = mine.groupby("t")["ratio"]
         t, whole = np.array(list(grouped.groups)), (grouped.count() == mine["seed"].nunique()).to_numpy()
@@ -158,7 +158,7 @@ def _bands(panel: Axes, rows: pd.DataFrame) -> None:
 
 
 def maps(tables: dict[str, pd.DataFrame], path: Path) -> Path:
-    """Amplitude of the jitter in every cell of every map, dark where cells were thrown out, and the linear limit."""
+    """Draw the amplitude of the jitter in every cell of every map, dark where cells were lost, and the linear limit."""
     with sheet(path, 5.4, **{"axes.grid": False, "axes.spines.top": True, "axes.spines.right": True}) as figure:
         panels = figure.subplots(2, 2 * len(LABELS))
         pairs = [(plane, name) for plane in PLANES for name in LABELS]
@@ -192,7 +192,7 @@ def _amplitudes(panel: Axes, rows: pd.DataFrame) -> Any:
 
 
 def jitter(summary: pd.DataFrame, path: Path) -> Path:
-    """Against h/mu: the mean amplitude, the share of cells beyond the limit, and how near nuclei come to their ends."""
+    """Draw mean amplitude, share of cells beyond the limit, and least distance of nuclei to their ends against h/mu."""
     with sheet(path, 3.3) as figure:
         panels = figure.subplots(1, 3, sharex=True)
         for name, colour in PRESET.items():
@@ -216,14 +216,14 @@ def jitter(summary: pd.DataFrame, path: Path) -> Path:
 
 
 def _plain(panel: Axes, values: Iterable[float]) -> None:
-    """Ticks at these values, written out."""
+    """Draw ticks at these values, written out."""
     ticks = sorted(set(values))
     panel.set_xticks(ticks, [f"{value:g}" for value in ticks])
     panel.minorticks_off()
 
 
 def _legend_below(figure: Figure, panels: Iterable[Axes]) -> None:
-    """One legend for all panels, without doubles."""
+    """Draw one legend for all panels, without duplicates."""
     found = {
         label: handle for panel in panels for handle, label in zip(*panel.get_legend_handles_labels(), strict=True)
     }

@@ -27,7 +27,7 @@ ITERATIONS = np.geomspace(1e2, 1e5, 60)
 
 
 def iterations(table: pd.DataFrame, case: str, path: Path) -> Path:
-    """Figure 11: iterations per step for each tolerance, and where the runs ended that did not terminate."""
+    """Draw Figure 11: iterations per step for each tolerance, and where the runs ended that did not terminate."""
     mine = table[(table["kind"] == "step") & (table["case"] == case)]
     with sheet(path, 3.0) as figure:
         left, right = figure.subplots(1, 2)
@@ -44,7 +44,7 @@ def iterations(table: pd.DataFrame, case: str, path: Path) -> Path:
 
 
 def damping(table: pd.DataFrame, fits: pd.DataFrame, path: Path) -> Path:
-    """Relative distance of nuclei and the heights of PBD against mu, means with intervals; dashed: what fits best."""
+    """Draw the distance of nuclei and the heights of PBD against mu, means with intervals; dashed: the best fit."""
     few = min(PBD_SUBSTEPS)
     last = table["t"].max()
     shown = table[(table["kind"] == "pbd") & (table["t"] == last) & (table["substeps"] == few)]
@@ -77,7 +77,7 @@ def _with_intervals(panel: Axes, rows: pd.DataFrame, names: tuple[str, str, str]
 
 
 def limits(tables: dict[str, pd.DataFrame], path: Path) -> Path:
-    """Outcome of one step over (alpha, beta) and (gamma, c), and the linear limit of alpha."""
+    """Draw the outcome of one step over (alpha, beta) and (gamma, c), and the linear limit of alpha."""
     seed = min(min(table["method"]) for table in tables.values())
     style = {"axes.grid": False, "axes.spines.top": True, "axes.spines.right": True}
     with sheet(path, 3.9, **style) as figure:
@@ -99,7 +99,7 @@ def limits(tables: dict[str, pd.DataFrame], path: Path) -> Path:
 
 
 def catch_up(made: pd.DataFrame, path: Path) -> Path:
-    """Error of the nuclei after dt against the steps in it, and against the seconds that it takes."""
+    """Draw the error of the nuclei after dt against the steps in dt, and against the seconds."""
     with sheet(path, 3.4) as figure:
         left, right = figure.subplots(1, 2, sharey=True)
         for method, colour in METHODS.items():

@@ -32,7 +32,7 @@ class Frozen(NamedTuple):
 
 @cache
 def grown(name: str) -> Frozen:
-    """The tissue of a preset after AGE."""
+    """Return the tissue of a preset after AGE."""
     run = growing(name, SEED, substeps=FINE[name])
     run.to(AGE)
     frame = run.frame()
@@ -40,7 +40,7 @@ def grown(name: str) -> Frozen:
 
 
 def at_rest(state: Frozen) -> Frozen:
-    """The state after ROUNDS of substeps that are far below the linear limit."""
+    """Return the state after ROUNDS of substeps that are far below the linear limit."""
     cells = state.cells
     for _ in range(ROUNDS):
         scale = PART * _surely_below(state._replace(cells=cells))
@@ -52,12 +52,12 @@ def at_rest(state: Frozen) -> Frozen:
 
 
 def limit(state: Frozen) -> float:
-    """2 / lambda_max: the linear limit of h/mu, if no projection is active."""
+    """Return 2 / lambda_max: the linear limit of h/mu, if no projection is active."""
     return float(linear.LIMIT / linear.largest(linear.hessian(*state)))
 
 
 def _surely_below(state: Frozen) -> float:
-    """2 / (the largest eigenvalues of springs with bending, junctions and repulsion, added up): cheap, and below."""
+    """Return a cheap lower bound: 2 over the sum of the largest eigenvalues of all kinds of forces."""
     numbers = state.numbers
     own = linear.largest(linear.own_hessians(state.cells, numbers)).max()
     junction = numbers.junction_factor * state.cells.stiff_aa.max()
@@ -65,7 +65,7 @@ def _surely_below(state: Frozen) -> float:
 
 
 def stiffened(state: Frozen, **stiffness: float) -> Frozen:
-    """A copy with another stiffness for all cells: ``stiff_axb``, ``stiff_ax``, ``stiff_bx``."""
+    """Return a copy with another stiffness for all cells: ``stiff_axb``, ``stiff_ax``, ``stiff_bx``."""
     cells = first(state.cells, len(state.cells.x))
     for name, value in stiffness.items():
         getattr(cells, name)[:] = value
@@ -73,7 +73,7 @@ def stiffened(state: Frozen, **stiffness: float) -> Frozen:
 
 
 def disturbed(state: Frozen, size: float) -> Frozen:
-    """A copy with each unknown off by N(0, size^2)."""
+    """Return a copy with each unknown off by N(0, size^2)."""
     rng, cells = np.random.default_rng(0), first(state.cells, len(state.cells.x))
     for name in linear.UNKNOWNS:
         getattr(cells, name)[:] += rng.normal(0.0, size, len(cells.x))

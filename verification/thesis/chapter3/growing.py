@@ -29,7 +29,7 @@ SUCCESS = Status.SUCCESS.name
 
 
 def until(end: float) -> dict[str, str]:
-    """Changes of parameters for runs to the end [h] that keep no state before it."""
+    """Return changes of parameters for runs to the end [h] that keep no state before it."""
     return {"numerics.t_end": f"{end:g} h", "numerics.keep": f"{end:g} h"}
 
 
@@ -79,24 +79,24 @@ class Growing:
         return self.status == SUCCESS
 
     def frame(self) -> Frame:
-        """The state now."""
+        """Return the state now."""
         return Frame(self.made * self.numbers.dt, *contents(self.held))
 
 
 def growing(name: str, seed: int, **changes: Any) -> Growing:
-    """A run of a preset at its start, with some of its ``Numbers`` changed."""
+    """Return a run of a preset at its start, with some of its ``Numbers`` changed."""
     return growing_from(preset(name), seed, **changes)
 
 
 def growing_from(parameters: Parameters, seed: int, **changes: Any) -> Growing:
-    """A run at its start, with some of its ``Numbers`` changed."""
+    """Return a run at its start, with some of its ``Numbers`` changed."""
     random, numbers = streams(seed), parameters.numbers()
     held, _ = started(parameters, random)
     return Growing(numbers._replace(**changes), held, random, far_from(contents(held)[0]))
 
 
 def disturbed(run: Growing, size: float) -> Growing:
-    """The same run with each coordinate of its nuclei off by N(0, size^2) [R_soft]."""
+    """Move each coordinate of the nuclei of a run by N(0, size^2) [R_soft]."""
     n, cells = run.held.sizes[CELLS], run.held.cells
     moves = np.random.default_rng(0).normal(0.0, size, (2, n))
     cells.x[:n] += moves[0]
@@ -105,27 +105,27 @@ def disturbed(run: Growing, size: float) -> Growing:
 
 
 def with_noise(run: Growing, seed: int) -> Growing:
-    """The same run with other noise: that of the seed; the start and the divisions stay."""
+    """Give a run the noise of another seed; its start and its divisions stay."""
     run.random = run.random._replace(noise=streams(seed).noise)
     return run
 
 
 def extent(cells: Cells) -> float:
-    """The largest coordinate by magnitude; infinite if one is not finite."""
+    """Return the largest coordinate by magnitude; infinite if one is not finite."""
     coordinates = np.abs([getattr(cells, name) for name in COORDINATES])
     return float(coordinates.max()) if np.isfinite(coordinates).all() else np.inf
 
 
 def far_from(cells: Cells) -> float:
-    """Where nothing that was once at these cells should ever be [R_soft]."""
+    """Return the coordinate beyond which a cell has left the tissue [R_soft]."""
     return FAR * extent(cells)
 
 
 def nuclei(frame: Frame) -> Floats:
-    """X, shape (2, n) [R_soft]."""
+    """Return X, shape (2, n) [R_soft]."""
     return np.stack((frame.cells.x, frame.cells.y))
 
 
 def rms(x: Floats, y: Floats) -> float:
-    """sqrt(mean_i |X_i - Y_i|^2) for x, y of shape (2, n)."""
+    """Return sqrt(mean_i |X_i - Y_i|^2) for x, y of shape (2, n)."""
     return float(np.sqrt(((x - y) ** 2).sum(axis=0).mean()))

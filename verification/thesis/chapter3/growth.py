@@ -22,7 +22,7 @@ DOUBLED = 2.0
 
 @dataclass(frozen=True)
 class GrowthForm:
-    """How far the study goes: number of seeds, largest h / mu of the fine runs, dampings, end of the runs [h]."""
+    """Extent of the study: number of seeds, largest h / mu of the fine runs, dampings, end of the runs [h]."""
 
     seeds: int
     fine: float
@@ -34,7 +34,7 @@ FULL = GrowthForm(24, 1 / 240)
 
 
 def study(form: GrowthForm) -> Study:
-    """One run for each preset, damping and number of substeps, with all seeds."""
+    """Return the study: one run for each preset, damping and number of substeps, with all seeds."""
     runs = [
         {"preset": name, "mu": mu, "substeps": substeps}
         for name in PRESETS
@@ -51,13 +51,13 @@ def study(form: GrowthForm) -> Study:
 
 
 def substeps_of(name: str, mu: float, fine: float) -> tuple[int, ...]:
-    """Substeps of the preset, and as many more as h / mu <= ``fine`` takes."""
+    """Return substeps of the preset, and as many more as h / mu <= ``fine`` takes."""
     numbers = preset(name).numbers()
     return tuple(sorted({numbers.substeps, max(numbers.substeps, int(np.ceil(numbers.dt / mu / fine - 1e-9)))}))
 
 
 def grown(key: Key, seeds: int, end: float) -> list[Row]:
-    """One row for each seed and time: the height over that of the start; NaN from where a run is lost."""
+    """Return one row for each seed and time: the height over that of the start; NaN from where a run is lost."""
     rows: list[Row] = []
     for seed in range(seeds):
         run = growing(key["preset"], seed, mu=key["mu"], substeps=key["substeps"])
@@ -69,17 +69,17 @@ def grown(key: Key, seeds: int, end: float) -> list[Row]:
 
 
 def fine(table: pd.DataFrame) -> pd.Series:
-    """Whether a row belongs to the finest runs of its preset and damping, in the order of the table."""
+    """Return whether a row belongs to the finest runs of its preset and damping, in the order of the table."""
     return table["substeps"] == table.groupby(["preset", "mu"])["substeps"].transform("max")
 
 
 def last_rows(table: pd.DataFrame) -> pd.DataFrame:
-    """Those of the end."""
+    """Return the rows of the end."""
     return table[table["t"] == table["t"].max()]
 
 
 def ratios(table: pd.DataFrame) -> pd.DataFrame:
-    """One row for each preset, damping and number of substeps: height at the end over that at the start.
+    """Return one row for each preset, damping and number of substeps: height at the end over that at the start.
 
     Mean over the seeds with its interval, their least and largest; and how many were lost, and to what.
     """
@@ -96,7 +96,7 @@ def ratios(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def doubling(table: pd.DataFrame) -> pd.DataFrame:
-    """One row for each preset and kind of substeps: the damping at which the height doubles.
+    """Return one row for each preset and kind of substeps: the damping at which the height doubles.
 
     For each seed on the line in log mu through the two dampings next to it, without those of which a run was lost; mean
     over the seeds with its interval. NaN where the ratio does not come near: beyond the dampings by more than one of
@@ -116,7 +116,7 @@ def doubling(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def _where_doubled(mu: np.ndarray, ratio: np.ndarray) -> float:
-    """mu with ratio(mu) = 2, for ratios (K,) that fall with mu."""
+    """Return mu with ratio(mu) = 2, for ratios (K,) that fall with mu."""
     if len(mu) < 2:
         return np.nan
     k = int(np.clip(np.searchsorted(-ratio, -DOUBLED), 1, len(mu) - 1))

@@ -20,7 +20,7 @@ class MeanInterval(NamedTuple):
 
 
 def over_seeds(values: ArrayLike) -> MeanInterval:
-    """mean +- t_{n-1} s / sqrt(n): Student's 95 % interval of the mean of values (n,), one for each seed."""
+    """Return mean +- t_{n-1} s / sqrt(n): Student's 95 % interval of the mean of values (n,), one for each seed."""
     kept = np.asarray(values, dtype=np.float64)
     if kept.size < 2:
         return MeanInterval(float(kept.mean()) if kept.size else np.nan, np.nan, np.nan)

@@ -1,4 +1,4 @@
-"""Jitter: points that swing from substep to substep, what explicit Euler does beyond its linear limit."""
+"""Jitter: points that swing from substep to substep, beyond the linear limit of explicit Euler."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ class Swing(NamedTuple):
 
 
 def substepped(cells: Cells, layers: CellLayers, numbers: Numbers, scale: float, substeps: int) -> Cells | None:
-    """The cells after so many substeps of h = scale mu, with rules that stand still and no noise; None if lost."""
+    """Return the cells after so many substeps of h = scale mu, without rules and noise; None if cells are lost."""
     still = numbers._replace(dt=scale * numbers.mu * substeps, substeps=substeps, noise_in_substeps=False)
     group = Group([new_state(cells, layers, capacity=len(cells.x), space=in_plane())], still)
     return contents(group.states[0])[0] if group.make_substeps() else None
 
 
 def swing(cells: Cells, layers: CellLayers, numbers: Numbers, scale: float) -> Swing | None:
-    """The swing of the state and the two after it; None if one of them is lost."""
+    """Return the swing of the state and the two after it; None if one of them is lost."""
     now = substepped(cells, layers, numbers, scale, 1)
     after = None if now is None else substepped(now, layers, numbers, scale, 1)
     if now is None or after is None:

@@ -1,4 +1,4 @@
-"""Single steps of a growing tissue: what DAHA and PBD reach from one state, judged by the local minimum of Ipopt."""
+"""Single steps of a growing tissue by DAHA and PBD from one state, compared with the local minimum of Ipopt."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ END = 10.0
 
 @dataclass(frozen=True)
 class JudgedForm:
-    """How far the study goes: number of seeds, times of the steps [h], number of whole runs that the judge makes."""
+    """Extent of the study: number of seeds, times of the steps [h], number of whole runs that the judge makes."""
 
     seeds: int
     times: tuple[float, ...]
@@ -53,7 +53,7 @@ FULL = JudgedForm(20, (0.1, 1.0, 2.0, 5.0, 10.0), whole=5)
 
 
 def study(form: JudgedForm) -> Study:
-    """One run for each seed and time."""
+    """Return the study: one run for each seed and time."""
     return Study(
         name="tissue_judged",
         title="Tissue: steps, judged",
@@ -64,13 +64,13 @@ def study(form: JudgedForm) -> Study:
 
 
 def floored() -> Parameters:
-    """The thesis preset with desired rest lengths that are not negative, with which DAHA terminates."""
+    """Return the thesis preset with desired rest lengths that are not negative, with which DAHA terminates."""
     return preset("thesis").changed(FLOORED)
 
 
 @cache
 def begun(parameters: Parameters, seed: int, t: float) -> Frozen:
-    """The state from which the step that ends at t + dt begins: rules and noise applied, nothing moved yet.
+    """Return the state from which the step that ends at t + dt begins: rules and noise applied, nothing moved yet.
 
     The tissue was grown by PBD. The state need not be in S.
     """
@@ -84,7 +84,7 @@ def begun(parameters: Parameters, seed: int, t: float) -> Frozen:
 
 
 def judged(key: Key, parameters: Parameters) -> list[Row]:
-    """One row for the start, DAHA, PBD over dt, and the minima from the start and from where DAHA stopped."""
+    """Return one row for the start, DAHA, PBD over dt, and the minima from the start and from where DAHA stopped."""
     state = begun(parameters, key["seed"], key["t"])
     cells, layers, numbers = state
     minimiser = TissueArrowHurwicz(parameters.daha_numbers())
@@ -113,7 +113,7 @@ def judged(key: Key, parameters: Parameters) -> list[Row]:
 
 
 def _measured(at: Cells, state: Frozen, least: np.ndarray) -> dict[str, Any]:
-    """Energy, violation, what is left of the gradient over |z|, and distance of the nuclei to the minimum."""
+    """Return energy, violation, what is left of the gradient over |z|, and distance of the nuclei to the minimum."""
     n, x = len(at.x), particles(at)
     off = (x - least)[:n]
     return {
@@ -126,7 +126,7 @@ def _measured(at: Cells, state: Frozen, least: np.ndarray) -> dict[str, Any]:
 
 
 def left_over(cells: Cells, state: Frozen) -> float:
-    """min |grad W - J^T lambda| over lambda >= 0 for the constraints with a gap below CONTACT: 0 at a local minimum."""
+    """Return min |grad W - J^T lambda| over lambda >= 0 of constraints with a gap below CONTACT: 0 at a minimum."""
     x = particles(cells)
     sets = constraints(cells, state.layers, state.numbers)
     free = np.ones_like(x, dtype=bool)
@@ -141,7 +141,7 @@ def left_over(cells: Cells, state: Frozen) -> float:
 
 
 def whole(form: JudgedForm) -> Study:
-    """Whole runs with the judge as the minimiser: one run for each seed."""
+    """Return whole runs with the judge as the minimiser: one run for each seed."""
     return Study(
         name="tissue_judged_runs",
         title="Tissue: runs through minima",
@@ -152,7 +152,7 @@ def whole(form: JudgedForm) -> Study:
 
 
 def grown_through_minima(key: Key) -> list[Row]:
-    """One row: heights at END of the runs by the judge, by DAHA and by PBD, NaN where a run did not get there."""
+    """Return one row: heights at END of the runs by the judge, by DAHA and by PBD, NaN where a run ended before."""
     parameters = floored().changed(until(END))
     runs = {
         "judge": simulate_quasi_steady(parameters, key["seed"], Judge(TOL), throw=False),
@@ -164,7 +164,7 @@ def grown_through_minima(key: Key) -> list[Row]:
 
 
 def summary(table: pd.DataFrame) -> pd.DataFrame:
-    """One row for each place: means over all steps, the part of the way down to the minimum with its interval.
+    """Return one row for each place: means over all steps, the part of the way down to the minimum with its interval.
 
     The way down is counted from the start of the step to the minimum that is reached from where DAHA stopped.
     """

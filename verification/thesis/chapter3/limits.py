@@ -1,4 +1,4 @@
-"""The linear limit where theory is sharp: found by bisection, the formula not used, beside what the formula says."""
+"""The linear limit where theory is sharp: found by bisection, without the formula, and by the formula."""
 # ruff: noqa: RUF001 - formulas for readers are written with Greek letters and minus signs
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ HEIGHT = 8.0
 
 
 def standing(u: float, v: float, count: int = 1, spacing: float = 4.0, **stiffness: float) -> Frozen:
-    """Straight cells side by side at rest, nuclei ``u`` below the apical and ``v`` above the basal points.
+    """Return straight cells side by side at rest, nuclei ``u`` below the apical and ``v`` above the basal points.
 
     Stiffnesses that are not given are 0. Too far from each other for the nuclei to meet; junctions are at rest.
     """
@@ -49,7 +49,7 @@ def standing(u: float, v: float, count: int = 1, spacing: float = 4.0, **stiffne
 
 
 def holds(state: Frozen, scale: float, size: float = SIZE) -> bool:
-    """Whether substeps of h/mu = ``scale`` let no swing grow out of a disturbance of ``size``."""
+    """Return whether no swing grows out of a disturbance of ``size`` with substeps of h/mu = ``scale``."""
     now = frozen.disturbed(state, size)
     for more in np.diff((0, *LOOKS)).tolist():
         cells = substepped(now.cells, now.layers, now.numbers, scale, more)
@@ -61,7 +61,7 @@ def holds(state: Frozen, scale: float, size: float = SIZE) -> bool:
 
 
 def found_limit(state: Frozen, size: float = SIZE) -> float:
-    """The largest h/mu that ``holds``."""
+    """Return the largest h/mu that ``holds``."""
 
     def fine(scale: float) -> bool:
         return holds(state, scale, size)
@@ -81,7 +81,7 @@ class Stiffness(TypedDict):
 
 
 def _stiffness() -> Stiffness:
-    """The stiffness of cells in the thesis."""
+    """Return the stiffness of cells in the thesis."""
     numbers = preset("thesis").numbers()
     return {"stiff_ax": numbers.alpha_ax, "stiff_bx": numbers.alpha_bx, "stiff_axb": numbers.alpha_axb}
 
@@ -111,7 +111,7 @@ def _junctions() -> Found:
 
 
 def crowd() -> Frozen:
-    """Twelve cells with all forces, too thin to touch: soft discs overlap, junctions and springs are under tension."""
+    """Return twelve cells with all forces, too thin to touch; soft discs overlap, springs are under tension."""
     state = standing(4.0, 4.0, 12, 1.5, stiff_aa=preset("thesis").numbers().alpha_aa, **_stiffness())
     state.cells.y[:] += 0.5 * np.cos(2.0 * np.arange(12))
     state.cells.rest_aa[:] = 1.4
@@ -124,7 +124,7 @@ def _crowd() -> Found:
 
 
 def _grown(name: str) -> Found:
-    """With contacts: projections may hold the swing back, so the agreement is that of two digits, not of three."""
+    """Compare limits with contacts to two digits, not three: projections may hold the swing back."""
     state = frozen.at_rest(frozen.grown(name))
     words = f"h/μ, {len(state.cells.x)} cells after {frozen.AGE:g} h, {name} parameters"
     return within(frozen.limit(state), found_limit(state, ROUGH), CONTACTS, words)
@@ -155,5 +155,5 @@ FORM = LimitsForm()
 
 
 def study(form: LimitsForm) -> Study:
-    """One run for each case."""
+    """Return the study: one run for each case."""
     return replace(study_of_cases(form.cases), name="tissue_limits", title="Tissue: linear limits")

@@ -18,7 +18,7 @@ LIMIT = 2.0
 
 
 def hessian(cells: Cells, layers: CellLayers, numbers: Numbers) -> Floats:
-    """d^2 W/dZ dZ for Z = (x_1 ... x_n, y_1 ..., ax_1 ..., ay_1 ..., bx_1 ...), shape (5n, 5n), by complex steps."""
+    """Return d^2 W/dZ dZ, Z = (x_1 ... x_n, y_1 ..., ax_1 ..., ay_1 ..., bx_1 ...), (5n, 5n), by complex steps."""
     n = len(cells.x)
     columns = []
     for name in UNKNOWNS:
@@ -31,7 +31,7 @@ def hessian(cells: Cells, layers: CellLayers, numbers: Numbers) -> Floats:
 
 
 def own_hessians(cells: Cells, numbers: Numbers) -> Floats:
-    """The same for each cell by itself, without junctions and repulsion, shape (n, 5, 5)."""
+    """Return the same for each cell by itself, without junctions and repulsion, shape (n, 5, 5)."""
     alone, nobody = numbers._replace(repulsion=0.0), CellLayers(np.zeros(0, np.int64), np.zeros(0, np.int64))
     columns = []
     for name in UNKNOWNS:
@@ -42,12 +42,12 @@ def own_hessians(cells: Cells, numbers: Numbers) -> Floats:
 
 
 def largest(matrix: Floats) -> Floats:
-    """The largest eigenvalue of symmetric matrices (..., m, m)."""
+    """Return the largest eigenvalue of symmetric matrices (..., m, m)."""
     return np.asarray(np.linalg.eigvalsh(matrix)[..., -1], dtype=np.float64)
 
 
 def bending(alpha: float, u: float, v: float) -> float:
-    """2 alpha (1/u^2 + 1/v^2 + 1/(u v)): the eigenvalue of a straight cell, nucleus u and v away from its ends.
+    """Return 2 alpha (1/u^2 + 1/v^2 + 1/(u v)): the eigenvalue of a straight cell, nucleus u and v away from its ends.
 
     The angle is off by a sideways move of A, X, B as (1/u, -1/u - 1/v, 1/v), and W by alpha/2 times its square. Springs
     are at rest, so that they do not resist such a move.
@@ -61,5 +61,5 @@ def _complex(cells: Cells) -> Cells:
 
 
 def _slopes(at: Forces) -> Floats:
-    """-d(force)/d(the coordinate moved), shape (5, n)."""
+    """Return -d(force)/d(the coordinate moved), shape (5, n)."""
     return -np.stack([getattr(at, name).imag for name in UNKNOWNS]) / STEP

@@ -1,4 +1,4 @@
-"""Maps of where substeps jitter and where cells are thrown out: growing tissues, and tissues at rest."""
+"""Maps of the jitter of substeps and of lost cells: growing tissues, and tissues at rest."""
 # ruff: noqa: RUF001 - formulas for readers are written with Greek letters and minus signs
 
 from __future__ import annotations
@@ -33,19 +33,19 @@ MITOSIS = 1.0
 
 
 def mitotic_limit(numbers: Numbers, height: float) -> float:
-    """The linear limit of h/mu for a cell in mitosis, its nucleus one soft radius below the apical layer."""
+    """Return the linear limit of h/mu for a cell in mitosis, its nucleus one soft radius below the apical layer."""
     return linear.LIMIT / linear.bending(numbers.alpha_axb, MITOSIS, height - MITOSIS)
 
 
 def grown_with_step(method: str, dt: float, substeps: float) -> dict[str, Any]:
-    """A growing tissue with other dt and substeps; the limit is that of dt."""
+    """Return a growing tissue with other dt and substeps; the limit is that of dt."""
     numbers, height = preset(method).numbers(), preset(method).start_numbers().height
     limit = mitotic_limit(numbers, height) * numbers.mu * substeps
     return _grown(method, limit, dt=dt, substeps=round(substeps))
 
 
 def grown_with_damping(method: str, mu: float, substeps: float) -> dict[str, Any]:
-    """A growing tissue with other mu and substeps; the limit is that of mu."""
+    """Return a growing tissue with other mu and substeps; the limit is that of mu."""
     numbers, height = preset(method).numbers(), preset(method).start_numbers().height
     limit = numbers.dt / substeps / mitotic_limit(numbers, height)
     return _grown(method, limit, mu=mu, substeps=round(substeps))
@@ -66,12 +66,12 @@ def _seen(frame: Frame | None, numbers: Numbers, scale: float, status: str) -> d
 
 
 def rest_with_bending(method: str, scale: float, alpha: float) -> dict[str, Any]:
-    """A tissue at rest with another stiffness alpha_axb; the limit is that of h/mu."""
+    """Return a tissue at rest with another stiffness alpha_axb; the limit is that of h/mu."""
     return _at_rest(method, scale, ("stiff_axb",), alpha)
 
 
 def rest_with_springs(method: str, scale: float, alpha: float) -> dict[str, Any]:
-    """A tissue at rest with other stiffnesses alpha_ax = alpha_bx; the limit is that of h/mu."""
+    """Return a tissue at rest with other stiffnesses alpha_ax = alpha_bx; the limit is that of h/mu."""
     return _at_rest(method, scale, ("stiff_ax", "stiff_bx"), alpha)
 
 
@@ -86,7 +86,7 @@ def _at_rest(method: str, scale: float, names: tuple[str, ...], alpha: float) ->
 
 @cache
 def _settled(method: str, names: tuple[str, ...], alpha: float) -> tuple[Frozen, float]:
-    """The tissue at rest and its linear limit: one for all steps of a line of a map."""
+    """Return the tissue at rest and its linear limit: one for all steps of a line of a map."""
     state = frozen.at_rest(frozen.stiffened(frozen.grown(method), **dict.fromkeys(names, alpha)))
     return state, frozen.limit(state)
 
@@ -110,7 +110,7 @@ GROWING, RESTING = PLANES[:2], PLANES[2:]
 
 @dataclass(frozen=True)
 class MapsForm:
-    """Which planes are mapped."""
+    """Planes to map."""
 
     planes: tuple[Plane, ...] = PLANES
 
@@ -120,17 +120,17 @@ FORM = MapsForm()
 
 
 def study(plane: Plane) -> Study:
-    """All cells of a map."""
+    """Return all cells of a map."""
     return named(plane, "tissue_map", "Tissue map")
 
 
 def named(plane: Plane, name: str, title: str) -> Study:
-    """The study of a map under a name of the tissue."""
+    """Return the study of a map under a name of the tissue."""
     return replace(plane.study(), name=f"{name}_{plane.name}", title=f"{title}: {plane.title}")
 
 
 def thrown(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
-    """One row for each preset, from all maps of growing tissues: between which h/mu cells begin to be thrown out.
+    """Return one row for each preset, from all maps of growing tissues: between which h/mu cells begin to be lost.
 
     ``held`` is the largest below which none were, ``lost`` the least at which some were; beside them the limit of a
     cell in mitosis, and the part of the maps of tissues at rest that comes out as the linear limit says: a jitter that

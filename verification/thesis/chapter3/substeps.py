@@ -34,7 +34,7 @@ SAFETY = 2.5
 
 @dataclass(frozen=True)
 class SubstepsForm:
-    """How far the study goes: substeps and those of the reference by preset, number of seeds, times [h].
+    """Extent of the study: substeps and those of the reference by preset, number of seeds, times [h].
 
     At the times ``heights`` a height has to be right [h].
     """
@@ -52,7 +52,7 @@ FULL = SubstepsForm(dict.fromkeys(PRESETS, (*FEW, *MANY)), dict.fromkeys(PRESETS
 
 
 def study(form: SubstepsForm) -> Study:
-    """One run for each preset and seed: all numbers of substeps, and the reference with its half."""
+    """Return the study: one run for each preset and seed: all numbers of substeps, and the reference with its half."""
     return Study(
         name="tissue_substeps",
         title="Tissue: substeps",
@@ -65,7 +65,7 @@ def study(form: SubstepsForm) -> Study:
 
 
 def compared(key: Key, form: SubstepsForm) -> list[Row]:
-    """One row for each number of substeps and time: distance of the nuclei to the reference, and both heights.
+    """Return one row for each number of substeps and time: distance of the nuclei to the reference, and both heights.
 
     The reference is made first, so that loading and compiling are not in the seconds of the others.
     """
@@ -81,7 +81,7 @@ def compared(key: Key, form: SubstepsForm) -> list[Row]:
 
 
 def _states(run: Growing, form: SubstepsForm) -> list[tuple[Frame | None, str, float]]:
-    """The states at the times of the form, None where the run is lost, with its status and the time taken so far."""
+    """Return the states at the times of the form, None where the run is lost, with status and seconds so far."""
     return [(run.frame() if run.to(t) else None, run.status, run.seconds) for t in form.times]
 
 
@@ -99,7 +99,7 @@ def _measured(now: Frame | None, status: str, seconds: float, true: Frame | None
 
 
 def errors(table: pd.DataFrame) -> pd.DataFrame:
-    """One row for each preset, number of substeps and time: medians over the seeds, and how many were lost.
+    """Return one row for each preset, number of substeps and time: medians over the seeds, and how many were lost.
 
     ``own`` is the bound on the error of the reference, SAFETY times its median distance to half as many substeps.
     """
@@ -119,7 +119,7 @@ def errors(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def orders(made: pd.DataFrame) -> pd.DataFrame:
-    """One row for each preset and time: the order in h of the median error of the nuclei, from ``errors``."""
+    """Return one row for each preset and time: the order in h of the median error of the nuclei, from ``errors``."""
     groups = made.groupby(["preset", "t"], sort=False)
     return pd.DataFrame([{"preset": name, "t": t} | _order(mine) for (name, t), mine in groups])
 
@@ -136,7 +136,7 @@ def _told(found: Order) -> dict[str, Any]:
 
 
 def heights(table: pd.DataFrame, times: Sequence[float] = HEIGHTS) -> pd.DataFrame:
-    """One row for each preset, time and number of substeps: the deviation of the height, in parts of it.
+    """Return one row for each preset, time and number of substeps: the deviation of the height, in parts of it.
 
     Mean over the seeds with its interval, and the largest that the deviation of the limit can be: beside the interval
     the reference itself may be off by ``own``. Lost runs are counted; a height of which some are lost is not told.
@@ -157,7 +157,7 @@ def heights(table: pd.DataFrame, times: Sequence[float] = HEIGHTS) -> pd.DataFra
 
 
 def enough(made: pd.DataFrame) -> pd.DataFrame:
-    """One row for each preset and time: the least substeps from which on heights are right to ENOUGH, from ``heights``.
+    """Return one row for each preset and time: the substeps from which on heights are right to ENOUGH.
 
     0 where none of those tried is; beside it the order in h of the mean deviation.
     """

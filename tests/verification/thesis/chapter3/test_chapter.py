@@ -19,11 +19,11 @@ from verification.thesis.chapter3.sections import page as chapter
 pytestmark = pytest.mark.slow
 
 NAMES = [
-    "Substeps: how exact, how fast",
-    "How long nuclei can be foretold",
-    "Growth of the height",
-    "Where substeps become unstable",
-    "The kernel",
+    "How exact and how fast are substeps?",
+    "How long can nuclei be predicted?",
+    "At which damping does the height double?",
+    "At which step do substeps become unstable?",
+    "How long does a substep take?",
 ]
 PARTS = (substeps.PART, foretold.PART, growth.PART, stability.PART, kernel.PART)
 

@@ -16,7 +16,7 @@ from tissue.quasi_steady.run import simulate_quasi_steady
 from tissue.runs.simulate import simulate
 from verification.page.context import Context
 from verification.page.parts import Grid, Picture, Text
-from verification.thesis.chapter3 import catch_up, daha, daha_fit, daha_limits, judged
+from verification.thesis.chapter3 import catch_up, daha, daha_ends, daha_fit, daha_limits, judged
 from verification.thesis.chapter3.frozen import Frozen
 from verification.thesis.chapter3.sections import catch_up as catch_up_section
 from verification.thesis.chapter3.sections import daha as daha_section
@@ -191,8 +191,21 @@ def test_sections_say_what_the_tables_say(monkeypatch, tmp_path):
         )
     made = context.tables["tissue_daha"]
     done = made[(made["kind"] == "step") & (made["case"] == daha.PRINTED) & (made["eps"] == 1e-6)]["iterations"]
-    assert f"takes {done.median():.0f} iterations" in shown["DAHA against PBD"]
-    assert "1 of 1 fail" in shown["DAHA against PBD"]
+    assert f"takes {done.median():.0f} iterations" in shown["Do DAHA and PBD grow the same tissue?"]
+    assert "1 of 1 fail" in shown["Do DAHA and PBD grow the same tissue?"]
     own = context.tables["tissue_judged_steps"].set_index("where").loc["DAHA", "part"]
-    assert f"goes {100 * own:.0f} % [" in shown["How far from a minimum a step ends"]
+    assert f"goes {100 * own:.0f} % [" in shown["How far from a minimum does a step end?"]
     assert "nan" not in " ".join(shown.values()).lower()
+
+
+@pytest.mark.slow
+def test_runs_of_daha_end_by_some_readings_of_the_model_only():
+    study = daha_ends.study(daha_ends.EndsForm(1))
+    assert len(study.runs) == len(daha_ends.READINGS)
+    lost, ended = (study.run({"reading": name, "seed": 0})[0] for name in ("as printed", "squared denominators"))
+    assert (lost["ended"], ended["ended"], ended["t"]) == (False, True, daha.END)
+    assert lost["status"] == "NOT_CONVERGED"
+    assert 2.0 < lost["t"] < 6.0
+    found = daha_ends.shares(pd.DataFrame([lost, ended])).set_index("reading")
+    assert found["share"].to_dict() == {"as printed": 1.0, "squared denominators": 0.0}
+    assert (found["low"] < 1).all()

@@ -5,28 +5,15 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from verification.claims import Evidence, Verdict, proved, put_right
 from verification.formal.algebra import identity, library, sum_of_squares
 from verification.formal.enclosures import balls, not_negative
 from verification.thesis.text.quoted import claim
 
-Floats = NDArray[np.float64]
-SEED = 33
-
-
-def saddle(seed: int = SEED) -> tuple[Floats, Floats, Floats, Floats]:
-    """A (5, 5) symmetric positive definite, B (2, 5), f, g."""
-    rng = np.random.default_rng(seed)
-    root = rng.normal(size=(5, 5))
-    return root @ root.T + np.eye(5), rng.normal(size=(2, 5)), rng.normal(size=5), rng.normal(size=2)
-
 
 @claim(
     "c3.uzawa-energy",
-    "The quadratic program whose first-order conditions are the linear system (A.1).",
+    "The first-order conditions of the program min xᵀAx − fᵀx, Bx = g are the linear system (A.1).",
     "appendix 1.1, (A.1)",
     Verdict.CORRECTED,
 )
@@ -48,9 +35,10 @@ def _first_order() -> Evidence:
 
 @claim(
     "c3.uzawa-lagrangian",
-    "The Lagrangian whose saddle points solve the program.",
+    "The saddle points of ℒ = xᵀAx + Bᵀλ − fᵀx solve the program.",
     "appendix 1.1",
     Verdict.CORRECTED,
+    rests_on=("c3.uzawa-energy",),
     chosen="the factor ½, so that this is another matter than the energy",
 )
 def _lagrangian() -> Evidence:
@@ -89,18 +77,7 @@ def _indefinite() -> Evidence:
     )
 
 
-def dual(lam: Floats) -> float:
-    """F(λ) = λᵀBA⁻¹Bᵀλ - 2λᵀ(BA⁻¹f - g)."""
-    a, b, f, g = saddle()
-    return float(lam @ b @ np.linalg.solve(a, b.T @ lam) - 2 * lam @ (b @ np.linalg.solve(a, f) - g))
-
-
-@claim(
-    "c3.uzawa-dual",
-    "The multiplier of (A.1) minimises this quadratic function.",
-    "appendix 1.1",
-    Verdict.PROVED,
-)
+@claim("c3.uzawa-dual", "The multiplier of (A.1) minimises this quadratic function.", "appendix 1.1", Verdict.PROVED)
 def _dual() -> Evidence:
     """S = B A^-1 B^T = C C^T with two constraints; lambda* solves S lambda* = B A^-1 f - g, which is (A.1)."""
     sp = library()
@@ -129,9 +106,10 @@ def _dual() -> Evidence:
 
 @claim(
     "c3.uzawa-step",
-    "The step for the multiplier in Uzawa's method, in two forms.",
+    "Both printed forms of the step for the multiplier in Uzawa's method are equal.",
     "appendix 1.1",
     Verdict.CORRECTED,
+    rests_on=("c3.uzawa-dual",),
     chosen="“The gradient of F is given by” is followed by nothing: 2(BA⁻¹Bᵀλ - BA⁻¹f + g)",
 )
 def _ascent() -> Evidence:
@@ -148,9 +126,10 @@ def _ascent() -> Evidence:
 
 @claim(
     "c3.uzawa-nonlinear",
-    "The nonlinear variant of Uzawa's method for equality constraints.",
+    "The nonlinear variant of Uzawa's method finds a minimum of W under equality constraints.",
     "appendix 1.2",
     Verdict.PROVED_INSTANCE,
+    rests_on=("c3.uzawa-step",),
     chosen="both step sizes 0.1; the letters of c3.uzawa-start and c3.uzawa-transpose",
     tried_on="the unit circle and the point (2, 1), from starts near the solution",
 )

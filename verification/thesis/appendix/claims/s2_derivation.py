@@ -13,9 +13,10 @@ from verification.thesis.text.quoted import claim
 
 @claim(
     "c5.derivation-order",
-    "The force on a particle by the others.",
+    "The others act on particle i with the force 1/N Σ_k K(X_i, X_k).",
     "appendix 2, (A.4a)",
     Verdict.CORRECTED,
+    rests_on=("c5.pair-force",),
 )
 def _order() -> Evidence:
     """One pair and one coordinate, as for c5.pair-force."""
@@ -43,9 +44,10 @@ def _constraint() -> Evidence:
 
 @claim(
     "c5.derivation-rate",
-    "The acceleration of a particle by that of the macroscopic component.",
+    "The acceleration of a particle follows from ÿ: Ẍ_i = Φ_i[ÿ] + Ω_i[ẏ, ẏ] for each i.",
     "appendix 2, (A.8) to (A.10)",
     Verdict.PROVED,
+    rests_on=("c5.derivation-constraint",),
 )
 def _rate() -> Evidence:
     """d^2 g/dt^2 for U = Phi[v], Omega being the rate of Phi[v] with v held."""
@@ -75,9 +77,10 @@ def others(statement: str, printed: str, inserted: bool) -> FormalProof:
 
 @claim(
     "c5.derivation-multipliers",
-    "The multipliers as functions of positions, velocities and ÿ.",
+    "(A.12) gives the multipliers as functions of positions, velocities and ÿ.",
     "appendix 2, (A.11), (A.12)",
     Verdict.CORRECTED,
+    rests_on=("c5.derivation-order", "c5.derivation-rate"),
 )
 def _multipliers() -> Evidence:
     return put_right(others("λ_i of (A.12) with K(X_k, X_i) solves (5.6a), any nx, ny, N", "with K(X_i, X_k)", False))
@@ -85,9 +88,10 @@ def _multipliers() -> Evidence:
 
 @claim(
     "c5.derivation-insert",
-    "The equation for ÿ once the multipliers are inserted.",
+    "Inserting the multipliers gives the equation (A.13) for ÿ.",
     "appendix 2, (A.13)",
     Verdict.CORRECTED,
+    rests_on=("c5.derivation-multipliers",),
 )
 def _insert() -> Evidence:
     return put_right(others("inserted into (5.6b) it gives (A.13) with K(X_k, X_j)", "with K(X_j, X_k)", True))
@@ -95,9 +99,10 @@ def _insert() -> Evidence:
 
 @claim(
     "c5.derivation-back",
-    "The multipliers that turn a solution of the reduced equations into one of the constrained ones.",
+    "The multipliers (A.14) turn a solution of the reduced equations into one of the constrained equations.",
     "appendix 2, (A.14)",
     Verdict.CORRECTED,
+    rests_on=("c5.derivation-multipliers",),
 )
 def _back() -> Evidence:
     """Omega[y', y''], as printed, is another word than Omega[y', y']."""
@@ -121,6 +126,7 @@ def _back() -> Evidence:
     "Reduced and constrained equations have the same solutions.",
     "before Proposition 5.1",
     Verdict.PROVED,
+    rests_on=("c5.derivation-constraint", "c5.derivation-multipliers"),
     chosen="λ_i of (A.12) with K(X_k, X_i); those of (A.14), which Proposition 5.1 names, see c5.derivation-back",
 )
 def _equivalent() -> Evidence:

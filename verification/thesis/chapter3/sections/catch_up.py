@@ -13,17 +13,7 @@ from verification.page.parts import Follows, Grid, Picture, Section, Text
 from verification.page.prose import fill
 from verification.thesis.chapter3 import catch_up, figures_daha
 from verification.thesis.chapter3.judged import floored
-from verification.thesis.chapter3.sections.part import PROSE, Part, named
-
-ERRORS = {
-    "method": "Method",
-    "steps": "Steps in dt",
-    "rms": "Error of nuclei [R_soft]",
-    "own": "Error of the reference",
-    "seconds": "Seconds",
-    "lost": "Lost",
-}
-ORDERS = {"method": "Method", "order": "Order in h [95 %]", "verdict": "In words"}
+from verification.thesis.chapter3.sections.part import COLUMNS, PROSE, Part, named
 
 # Made again beside the complete study.
 AGAIN = replace(catch_up.FULL, seeds=1)
@@ -42,12 +32,12 @@ def _catch_up(context: Context) -> Section:
     picture = context.draw("tissue_catch_up", figures_daha.catch_up, errors)
     said = fill(PROSE / "catch_up.html", **_values(errors))
     return Section(
-        "PBD against catch-up on a frozen tissue",
+        "Is PBD the cheapest method on a frozen tissue?",
         [
             Text(said["frozen"]),
             Picture(picture, said["picture"]),
-            Grid(named(orders, ORDERS), said["orders"], "tissue_catch_up_orders", folded=True),
-            Grid(named(errors, ERRORS), said["errors"], "tissue_catch_up_errors", folded=True),
+            Grid(named(orders, COLUMNS["catch_up_orders"]), said["orders"], "tissue_catch_up_orders", folded=True),
+            Grid(named(errors, COLUMNS["catch_up_errors"]), said["errors"], "tissue_catch_up_errors", folded=True),
             Follows(said["follows"]),
         ],
     )
@@ -68,7 +58,7 @@ def _values(errors: pd.DataFrame) -> dict[str, Any]:
 
 
 def _mean_order(rows: pd.DataFrame) -> dict[str, Any]:
-    """Between the coarsest and the finest of the runs, given from coarse to fine."""
+    """Return the mean order between the coarsest and the finest run, given from coarse to fine."""
     first, last = rows.iloc[0], rows.iloc[-1]
     order = np.log(first["rms"] / last["rms"]) / np.log(last["steps"] / first["steps"])
     return {"order": order, "first": first["steps"], "last": last["steps"]}

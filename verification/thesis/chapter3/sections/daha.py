@@ -1,5 +1,4 @@
-"""DAHA against PBD: iterations, termination, the damping that fits, and where DAHA breaks."""
-# ruff: noqa: RUF001 - formulas for readers are written with Greek letters and minus signs
+"""DAHA against PBD: iterations, termination, the damping that fits, limits of DAHA."""
 
 from __future__ import annotations
 
@@ -11,77 +10,9 @@ import pandas as pd
 from verification.page.context import Context
 from verification.page.parts import Follows, Grid, Picture, Section, Text
 from verification.page.prose import fill
-from verification.thesis.chapter3 import daha, daha_fit, daha_limits, figures_daha
-from verification.thesis.chapter3.sections.part import PROSE, Part, named
+from verification.thesis.chapter3 import daha, daha_ends, daha_fit, daha_limits, figures_daha
+from verification.thesis.chapter3.sections.part import COLUMNS, PROSE, Part, named
 
-CASE = {"case": "Thesis preset", "eps": "ε"}
-ITERATIONS = CASE | {
-    "low": "Lower quartile",
-    "median": "Median iterations",
-    "high": "Upper quartile",
-    "whole": "Δt/(n α) [h], (3.32)",
-    "half": "2Δt/(n α) [h]",
-    "violation": "Largest violation [R_soft]",
-}
-FAILURES = CASE | {
-    "runs": "Runs",
-    "failed": "Not terminated",
-    "share": "Share",
-    "low": "from",
-    "high": "to",
-    "first": "First at [h]",
-    "last": "Last at [h]",
-    "stiffness": "Δτ² α λ_max of a cell there, median",
-}
-FITS = {
-    "case": "Thesis preset",
-    "t": "t [h]",
-    "substeps": "Substeps",
-    "mu": "μ nearest in nuclei [h]",
-    "mu_low": "from",
-    "mu_high": "to",
-    "least": "Least distance",
-    "equal": "μ of equal height [h]",
-    "equal_low": " from",
-    "equal_high": " to",
-    "runs": "Runs",
-}
-DISTANCES = {
-    "case": "Thesis preset",
-    "kind": "Against DAHA",
-    "t": "t [h]",
-    "mu": "μ [h]",
-    "substeps": "Substeps",
-    "relative": "Distance of nuclei, relative",
-    "low": "from",
-    "high": "to",
-    "rms": "[R_soft]",
-    "height": "Height off by the part",
-    "height_low": " from",
-    "height_high": " to",
-    "width": "Width off by the part",
-    "width_low": "  from",
-    "width_high": "  to",
-    "runs": "Runs",
-}
-SPEED = {
-    "case": "Thesis preset",
-    "daha": "DAHA [s]",
-    "pbd": "PBD [s]",
-    "ratio": "Ratio",
-    "low": "from",
-    "high": "to",
-    "work": "Iterations / substeps",
-}
-HELD = {
-    "parameter": "Parameter",
-    "seed": "Seed",
-    "from": "Ends well from factor",
-    "to": "to",
-    "below": "Below",
-    "above": "Above",
-    "limit": "Linear limit of the factor",
-}
 # What the thesis states: median iterations, share of runs that fail, distance at mu = 0.14, time ratio.
 PRINTED = {"median": 7500, "share": 0.25, "distance": 0.06, "ratio": 300}
 
@@ -99,6 +30,9 @@ def _run(context: Context) -> None:
     context.keep("tissue_daha_distances", daha.distances(table))
     context.keep("tissue_daha_speed", daha.speed(table, form.end))
     context.keep("tissue_daha_fits", daha_fit.fitted(table))
+    ends = daha_ends.study(context.form(daha_ends.FULL))
+    again = ends.only(lambda key: key["seed"] == 0)
+    context.keep("tissue_daha_shares", daha_ends.shares(context.rows_of(ends, again)))
     maps = {}
     for plane in context.form(daha_limits.FORM).planes:
         study = daha_limits.study(plane)
@@ -109,8 +43,8 @@ def _run(context: Context) -> None:
 
 
 def _daha(context: Context) -> Section:
-    names = ("iterations", "failures", "distances", "speed", "fits", "held")
-    made, failed, apart, speed, fits, held = (context.tables[f"tissue_daha_{name}"] for name in names)
+    names = ("iterations", "failures", "shares", "distances", "speed", "fits", "held")
+    made, failed, shares, apart, speed, fits, held = (context.tables[f"tissue_daha_{name}"] for name in names)
     maps = {plane.name: context.tables[f"tissue_daha_{plane.name}"] for plane in daha_limits.PLANES}
     table = context.tables["tissue_daha"]
     counts = context.draw("tissue_daha_iterations", figures_daha.iterations, table, daha.PRINTED)
@@ -123,35 +57,38 @@ def _daha(context: Context) -> Section:
         limit=daha_limits.limit(),
         compared=daha.COMPARED,
         speed=speed[speed["case"] == daha.TERMINATING].iloc[0].to_dict(),
+        shares=shares.to_dict("records"),
         **_termination(made, failed),
         **_damping(made, fits),
         **_distance(apart),
         **_limits(held, maps),
     )
     return Section(
-        "DAHA against PBD",
+        "Do DAHA and PBD grow the same tissue?",
         [
             Text(said["termination"]),
             Picture(counts, said["iterations"]),
-            Grid(named(made, ITERATIONS), said["made"], "tissue_daha_iterations"),
-            Grid(named(failed, FAILURES), said["failures"], "tissue_daha_failures"),
+            Grid(named(made, COLUMNS["daha_iterations"]), said["made"], "tissue_daha_iterations"),
+            Grid(named(failed, COLUMNS["daha_failures"]), said["failures"], "tissue_daha_failures"),
+            Text(said["fourth"]),
+            Grid(named(shares, COLUMNS["daha_shares"]), said["shares"], "tissue_daha_shares"),
             Text(said["damping"]),
             Text(said["distance"]),
             Picture(fitted, said["fitted"]),
-            Grid(named(fits, FITS), said["fits"], "tissue_daha_fits"),
+            Grid(named(fits, COLUMNS["daha_fits"]), said["fits"], "tissue_daha_fits"),
             Text(said["speed"]),
-            Grid(named(speed, SPEED), said["runs"], "tissue_daha_speed"),
+            Grid(named(speed, COLUMNS["daha_speed"]), said["runs"], "tissue_daha_speed"),
             Text(said["limits"]),
             Picture(limits, said["maps"]),
-            Grid(named(held, HELD), said["held"], "tissue_daha_held"),
-            Grid(named(apart, DISTANCES), said["distances"], "tissue_daha_distances", folded=True),
+            Grid(named(held, COLUMNS["daha_held"]), said["held"], "tissue_daha_held"),
+            Grid(named(apart, COLUMNS["daha_distances"]), said["distances"], "tissue_daha_distances", folded=True),
             Follows(said["follows"]),
         ],
     )
 
 
 def _one(table: pd.DataFrame, case: str, eps: float = daha.OWN) -> dict[str, Any]:
-    """The row of a case at a tolerance."""
+    """Return the row of a case at a tolerance."""
     row: dict[str, Any] = table[(table["case"] == case) & (table["eps"] == eps)].iloc[0].to_dict()
     return row
 
@@ -168,7 +105,7 @@ def _termination(made: pd.DataFrame, failed: pd.DataFrame) -> dict[str, Any]:
 
 
 def _damping(made: pd.DataFrame, fits: pd.DataFrame) -> dict[str, Any]:
-    """The fits at the end with the alpha of Table 4 and with twice that, and which of them the thesis is nearer to."""
+    """Return the fits at the end with the alpha of Table 4 and with twice that, and which is nearer to the thesis."""
     own, doubled = (_fit(made, fits, case) for case in (daha.TERMINATING, daha.DOUBLED_CASE))
     off = [abs(fit["median"] - PRINTED["median"]) for fit in (own, doubled)]
     apart = [abs(np.log(fit["mu"] / daha.COMPARED)) for fit in (own, doubled)]
@@ -181,7 +118,7 @@ def _damping(made: pd.DataFrame, fits: pd.DataFrame) -> dict[str, Any]:
 
 
 def _fit(made: pd.DataFrame, fits: pd.DataFrame, case: str) -> dict[str, Any]:
-    """The fit at the end, PBD with the substeps of the preset, beside the iterations that it took DAHA."""
+    """Return the fit at the end, PBD with the substeps of the preset, beside the iterations that it took DAHA."""
     mine = fits[(fits["case"] == case) & (fits["t"] == fits["t"].max())].sort_values("substeps")
     fit: dict[str, Any] = mine.iloc[0].to_dict()
     steps = _one(made, case)
@@ -210,7 +147,7 @@ def _distance(apart: pd.DataFrame) -> dict[str, Any]:
 
 
 def _compared(last: pd.DataFrame, case: str) -> dict[str, Any]:
-    """PBD with the damping of the thesis, and with the one that comes nearest."""
+    """Return PBD with the damping of the thesis, and with the one that comes nearest."""
     mine = last[(last["case"] == case) & (last["kind"] == "pbd") & (last["substeps"] == min(daha.PBD_SUBSTEPS))]
     return {
         "doubled": case == daha.DOUBLED_CASE,

@@ -1,4 +1,4 @@
-"""How long nuclei can be foretold."""
+"""Prediction of nuclei."""
 
 from __future__ import annotations
 
@@ -13,23 +13,7 @@ from verification.page.prose import fill
 from verification.thesis.chapter3 import disturbed
 from verification.thesis.chapter3 import figures as figures_tissue
 from verification.thesis.chapter3.growing import PRESETS
-from verification.thesis.chapter3.sections.part import PROSE, Part, named
-
-RATES = {
-    "preset": "Preset",
-    "substeps": "Substeps",
-    "size": "Apart at the start [R_soft]",
-    "rate": "log growth per h",
-    "low": "from",
-    "high": "to",
-    "jumped": "Part of the runs that parted",
-}
-FORETOLD = {
-    "preset": "Preset",
-    "substeps": "Substeps",
-    "until": "Foretold until [h]",
-    "looked_at": "Looked at until [h]",
-}
+from verification.thesis.chapter3.sections.part import COLUMNS, PROSE, Part, named
 
 # Made again beside the complete study: one seed to 10 h.
 AGAIN = disturbed.DisturbedForm(disturbed.FEW, 1, disturbed.TIMES[:8])
@@ -50,13 +34,13 @@ def _foretold(context: Context) -> Section:
     picture = context.draw("tissue_disturbances", figures_tissue.disturbances, context.tables["tissue_distances"])
     said = fill(PROSE / "foretold.html", **_chaos(rates), **_until(foretold))
     return Section(
-        "How long nuclei can be foretold",
+        "How long can nuclei be predicted?",
         [
             Text(said["disturbed"]),
             Picture(picture, said["picture"]),
             Text(said["until"]),
-            Grid(named(rates, RATES), said["rates"], "tissue_rates"),
-            Grid(named(foretold, FORETOLD), said["table"], "tissue_foretold", folded=True),
+            Grid(named(rates, COLUMNS["rates"]), said["rates"], "tissue_rates"),
+            Grid(named(foretold, COLUMNS["foretold"]), said["table"], "tissue_foretold", folded=True),
             Follows(said["follows"]),
         ],
     )

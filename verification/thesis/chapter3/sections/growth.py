@@ -12,21 +12,7 @@ from verification.page.prose import fill
 from verification.thesis.chapter3 import figures as figures_tissue
 from verification.thesis.chapter3 import growth
 from verification.thesis.chapter3.growing import PRESETS
-from verification.thesis.chapter3.sections.part import PROSE, Part, named
-
-RATIOS = {
-    "preset": "Preset",
-    "mu": "μ [h]",
-    "substeps": "Substeps",
-    "ratio": "Height at 48 h / at the start",
-    "low": "from",
-    "high": "to",
-    "least": "Least",
-    "largest": "Largest",
-    "runs": "Runs",
-    "lost": "Lost",
-}
-DOUBLING = {"preset": "Preset", "kind": "Substeps", "mu": "μ that doubles the height [h]", "low": "from", "high": "to"}
+from verification.thesis.chapter3.sections.part import COLUMNS, PROSE, Part, named
 
 # Made again beside the complete study: two seeds with the substeps of the presets.
 AGAIN = growth.GrowthForm(2, 1.0)
@@ -45,12 +31,12 @@ def _growth(context: Context) -> Section:
     picture = context.draw("tissue_growth", figures_tissue.growth, table, growth.fine(table))
     said = fill(PROSE / "growth.html", **_values(doubling, ratios, table["t"].max()))
     return Section(
-        "Growth of the height",
+        "At which damping does the height double?",
         [
             Text(said["doubles"]),
             Picture(picture, said["picture"]),
-            Grid(named(doubling, DOUBLING), said["doubling"], "tissue_doubling"),
-            Grid(named(ratios, RATIOS), said["ratios"], "tissue_ratios"),
+            Grid(named(doubling, COLUMNS["doubling"]), said["doubling"], "tissue_doubling"),
+            Grid(named(ratios, COLUMNS["ratios"]), said["ratios"], "tissue_ratios"),
             Follows(said["follows"]),
         ],
     )
@@ -66,7 +52,7 @@ def _values(doubling: pd.DataFrame, ratios: pd.DataFrame, end: float) -> dict[st
 
 
 def _beside_the_thesis(doubling: pd.DataFrame, ratios: pd.DataFrame) -> dict[str, Any] | None:
-    """Which preset behaves as Figures 14 to 16 do; None if none comes near a doubling."""
+    """Return the preset that comes nearest to Figures 14 to 16; None if none comes near a doubling."""
     least, most = ratios["mu"].min(), ratios["mu"].max()
     if doubling["mu"].isna().all():
         return None

@@ -1,5 +1,4 @@
 """Single steps of DAHA and PBD, judged by the local minimum."""
-# ruff: noqa: RUF001 - formulas for readers are written with Greek letters and minus signs
 
 from __future__ import annotations
 
@@ -11,25 +10,7 @@ from verification.page.context import Context
 from verification.page.parts import Follows, Grid, Section, Text
 from verification.page.prose import fill
 from verification.thesis.chapter3 import judged
-from verification.thesis.chapter3.sections.part import PROSE, Part, named
-
-STEPS = {
-    "where": "State",
-    "energy": "W, mean",
-    "part": "Part of the way down",
-    "low": "from",
-    "high": "to",
-    "distance": "Nuclei to the minimum [R_soft]",
-    "relative": "Relative",
-    "gradient": "‖∇W − Jᵀλ‖/‖z‖, median",
-    "steepest": "Largest",
-    "violation": "Largest violation [R_soft]",
-    "made": "Iterations, mean",
-    "seconds": "Seconds, median",
-    "solved": "Solved",
-    "steps": "Steps",
-}
-RUNS = {"seed": "Seed", "start": "Height at the start", "judge": "Through minima", "DAHA": "DAHA", "PBD": "PBD"}
+from verification.thesis.chapter3.sections.part import COLUMNS, PROSE, Part, named
 
 # Made again beside the complete study.
 STEP = {"seed": 0, "t": 5.0}
@@ -47,11 +28,11 @@ def _judged(context: Context) -> Section:
     said = fill(PROSE / "judged.html", **_steps(steps), **_whole(runs))
     parts: list[Text | Follows | Grid] = [
         Text(said["steps"]),
-        Grid(named(steps, STEPS), said["table"], "tissue_judged_steps"),
+        Grid(named(steps, COLUMNS["judged_steps"]), said["table"], "tissue_judged_steps"),
     ]
     if len(runs):
-        parts += [Text(said["whole"]), Grid(named(runs, RUNS), said["heights"], "tissue_judged_runs")]
-    return Section("How far from a minimum a step ends", [*parts, Follows(said["follows"])])
+        parts += [Text(said["whole"]), Grid(named(runs, COLUMNS["judged_runs"]), said["heights"], "tissue_judged_runs")]
+    return Section("How far from a minimum does a step end?", [*parts, Follows(said["follows"])])
 
 
 def _steps(steps: pd.DataFrame) -> dict[str, Any]:
@@ -68,7 +49,7 @@ def _steps(steps: pd.DataFrame) -> dict[str, Any]:
 
 
 def _whole(runs: pd.DataFrame) -> dict[str, Any]:
-    """Heights through minima over those of DAHA, where both were reached; the short form has no such runs."""
+    """Return heights through minima over those of DAHA, where both were reached; the short form has no such runs."""
     ratio = (runs["judge"] / runs["DAHA"] - 1).dropna() if len(runs) else pd.Series(dtype=float)
     return {
         "end": judged.END,

@@ -7,17 +7,7 @@ from verification.page.parts import Follows, Grid, Section, Text
 from verification.page.prose import fill
 from verification.thesis.chapter3 import bench
 from verification.thesis.chapter3.growing import PRESETS
-from verification.thesis.chapter3.sections.part import PROSE, Part, named
-
-KERNEL = {
-    "preset": "Preset",
-    "cells": "Cells",
-    "us_best": "μs per substep",
-    "us_median": "Median",
-    "pairs": "Soft pairs",
-    "corrections": "Contacts corrected",
-    "basal_corrections": "Basal corrections",
-}
+from verification.thesis.chapter3.sections.part import COLUMNS, PROSE, Part, named
 
 
 def _run_kernel(context: Context) -> None:
@@ -40,8 +30,8 @@ def _kernel(context: Context) -> Section:
         for name in PRESETS
     ]
     said = fill(PROSE / "kernel.html", repeats=bench.REPEATS, presets=presets)
-    grid = Grid(named(table, KERNEL), said["table"], "tissue_kernel")
-    return Section("The kernel", [Text(said["times"]), grid, Follows(said["follows"])])
+    grid = Grid(named(table, COLUMNS["kernel"]), said["table"], "tissue_kernel")
+    return Section("How long does a substep take?", [Text(said["times"]), grid, Follows(said["follows"])])
 
 
 PART = Part(_run_kernel, _kernel)

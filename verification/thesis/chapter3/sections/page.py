@@ -1,4 +1,4 @@
-"""The tissue: how exact and how fast its substeps are, how it grows, where its substeps become unstable."""
+"""The page of the tissue: accuracy, speed and stability of its substeps, its growth, DAHA."""
 
 from __future__ import annotations
 
@@ -45,12 +45,12 @@ def run(context: Context) -> None:
 
 
 def sections(context: Context) -> Sequence[Section]:
-    """One for each of ``PARTS``."""
+    """Return one section for each of ``PARTS``."""
     return [part.section(context) for part in PARTS]
 
 
 def findings(context: Context) -> Sequence[Finding]:
-    """From how many substeps on the height is right, in each preset."""
+    """Return the number of substeps from which on the height is right, in each preset."""
     table = context.tables["tissue_enough"]
     last = table[table["t"] == table["t"].max()]
     said = fill(PROSE / "learned.html", enough=ENOUGH, t=last["t"].iloc[0], rows=list(last.itertuples()))

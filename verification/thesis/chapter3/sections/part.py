@@ -1,4 +1,4 @@
-"""A section of the chapter on the tissue, and what all of them share."""
+"""A section of the chapter on the tissue; prose and headings of all sections."""
 
 from __future__ import annotations
 
@@ -8,11 +8,13 @@ from typing import NamedTuple
 
 import pandas as pd
 
+from verification.page.columns import Columns, headed, read_columns
 from verification.page.context import Context
 from verification.page.parts import Section
 from verification.thesis.chapter3.maps import LABELS
 
-PROSE = Path(__file__).parent.parent / "prose"
+FOLDER = Path(__file__).parent.parent
+PROSE, COLUMNS = FOLDER / "prose", read_columns(FOLDER / "columns.toml")
 
 
 class Part(NamedTuple):
@@ -22,6 +24,6 @@ class Part(NamedTuple):
     section: Callable[[Context], Section]
 
 
-def named(table: pd.DataFrame, headings: dict[str, str]) -> pd.DataFrame:
-    """The columns of a table that a reader wants, with words for names."""
-    return table[list(headings)].replace({"preset": LABELS}).rename(columns=headings)
+def named(table: pd.DataFrame, columns: Columns) -> pd.DataFrame:
+    """Return the named columns under their headings, presets by their labels."""
+    return headed(table.replace({"preset": LABELS}), columns)

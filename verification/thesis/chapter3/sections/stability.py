@@ -1,5 +1,4 @@
-"""Where substeps become unstable."""
-# ruff: noqa: RUF001 - formulas for readers are written with Greek letters and minus signs
+"""Limits of stable substeps."""
 
 from __future__ import annotations
 
@@ -14,22 +13,7 @@ from verification.page.parts import Follows, Grid, Picture, Section, Text
 from verification.page.prose import fill
 from verification.thesis.chapter3 import beyond, limits, maps
 from verification.thesis.chapter3 import figures as figures_tissue
-from verification.thesis.chapter3.sections.part import PROSE, Part, named
-
-LIMITS = {"title": "Case", "theory": "To be expected", "expected": "Predicted", "found": "Found", "agrees": "Agrees"}
-JITTER = {
-    "preset": "Preset",
-    "substeps": "Substeps",
-    "scale": "h/μ",
-    "runs": "Runs",
-    "lost": "Lost",
-    "mean": "Mean amplitude [R_soft]",
-    "largest": "Largest",
-    "jittering": "Part of cells that jitter",
-    "beyond": "Part at or beyond the limit",
-    "least": "Least distance to an end [R_soft]",
-    "reach": "√(α h/μ)",
-}
+from verification.thesis.chapter3.sections.part import COLUMNS, PROSE, Part, named
 
 # Made again beside the complete studies: two seeds with the substeps of the presets, lines of maps, cases.
 AGAIN = beyond.BeyondForm({"thesis": (20,), "published": (40,)}, 2, (1.0, 5.0))
@@ -55,19 +39,18 @@ def _stability(context: Context) -> Section:
     tables = {plane.name: context.tables[f"tissue_map_{plane.name}"] for plane in maps.PLANES}
     swing = context.draw("tissue_jitter", figures_tissue.jitter, swings)
     shown = context.draw("tissue_maps", figures_tissue.maps, tables)
-    particulars = found[["title", "words"]].rename(columns={"title": "Case", "words": "Particulars"})
     said = fill(PROSE / "stability.html", **_limits(found), **_swings(swings), **_thrown(thrown))
     return Section(
-        "Where substeps become unstable",
+        "At which step do substeps become unstable?",
         [
             Text(said["linear"]),
-            Grid(named(found, LIMITS), said["limits"], "tissue_limits_found"),
-            Grid(particulars, said["particulars"], "tissue_limits_found", folded=True),
+            Grid(named(found, COLUMNS["limits_found"]), said["limits"], "tissue_limits_found"),
+            Grid(named(found, COLUMNS["limits_particulars"]), said["particulars"], "tissue_limits_found", folded=True),
             Text(said["verdict"]),
             Picture(swing, said["jitter"]),
             Text(said["thrown"]),
             Picture(shown, said["maps"]),
-            Grid(named(swings, JITTER), said["table"], "tissue_swing"),
+            Grid(named(swings, COLUMNS["swing"]), said["table"], "tissue_swing"),
             Follows(said["follows"]),
         ],
     )
@@ -78,7 +61,7 @@ def _limits(found: pd.DataFrame) -> dict[str, Any]:
 
 
 def _swings(swings: pd.DataFrame) -> dict[str, Any]:
-    """Each preset with its own substeps, and the most with which cells of the thesis preset are thrown out."""
+    """Return each preset with its own substeps, and the most with which cells of the thesis preset are thrown out."""
     own = [preset(name).numbers().substeps for name in swings["preset"]]
     presets = swings[swings["substeps"] == own].set_index("preset")
     lost = swings[(swings["preset"] == "thesis") & (swings["lost"] > 0)]

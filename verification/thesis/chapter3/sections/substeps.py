@@ -15,40 +15,9 @@ from verification.page.prose import fill
 from verification.thesis.chapter3 import figures as figures_tissue
 from verification.thesis.chapter3 import substeps
 from verification.thesis.chapter3.growing import PRESETS
-from verification.thesis.chapter3.sections.part import PROSE, Part, named
+from verification.thesis.chapter3.sections.part import COLUMNS, PROSE, Part, named
 
-ORDERS = {"preset": "Preset", "t": "t [h]", "order": "Order in h [95 %]", "verdict": "In words"}
-ENOUGH = {
-    "preset": "Preset",
-    "t": "t [h]",
-    "substeps": "Substeps from which on within 1 %",
-    "finest": "Finest tried",
-    "order": "Order in h of the deviation",
-}
-ERRORS = {
-    "preset": "Preset",
-    "substeps": "Substeps",
-    "t": "t [h]",
-    "rms": "Error of nuclei [R_soft]",
-    "relative": "Relative",
-    "largest": "Largest of the seeds",
-    "own": "Error of the reference",
-    "seconds": "Seconds for 10 h",
-    "lost": "Lost",
-    "runs": "Runs",
-}
-TITLE = "Substeps: how exact, how fast"
-HEIGHTS = {
-    "preset": "Preset",
-    "t": "t [h]",
-    "substeps": "Substeps",
-    "height": "Height [R_soft]",
-    "deviation": "Off by the part",
-    "low": "from",
-    "high": "to",
-    "own": "Error of the reference",
-    "lost": "Lost",
-}
+TITLE = "How exact and how fast are substeps?"
 
 # Made again beside the complete study: one seed to 5 h.
 AGAIN = replace(substeps.FULL, seeds=1, times=substeps.TIMES[:4])
@@ -78,10 +47,12 @@ def _substeps(context: Context) -> Section:
             Picture(accuracy, said["accuracy"]),
             Text(said["heights"]),
             Picture(height, said["deviation"]),
-            Grid(named(context.tables["tissue_enough"], ENOUGH), said["within"], "tissue_enough"),
-            Grid(named(context.tables["tissue_orders"], ORDERS), said["orders"], "tissue_orders", folded=True),
-            Grid(named(errors, ERRORS), said["errors"], "tissue_errors", folded=True),
-            Grid(named(heights, HEIGHTS), said["all_heights"], "tissue_heights", folded=True),
+            Grid(named(context.tables["tissue_enough"], COLUMNS["enough"]), said["within"], "tissue_enough"),
+            Grid(
+                named(context.tables["tissue_orders"], COLUMNS["orders"]), said["orders"], "tissue_orders", folded=True
+            ),
+            Grid(named(errors, COLUMNS["errors"]), said["errors"], "tissue_errors", folded=True),
+            Grid(named(heights, COLUMNS["heights"]), said["all_heights"], "tissue_heights", folded=True),
             Follows(said["follows"]),
         ],
     )
@@ -101,7 +72,7 @@ def _errors(errors: pd.DataFrame) -> dict[str, Any]:
 
 
 def _own_error(errors: pd.DataFrame, name: str) -> dict[str, Any]:
-    """The errors of a preset with its own substeps."""
+    """Return the errors of a preset with its own substeps."""
     own = preset(name).numbers().substeps
     mine = errors[(errors["preset"] == name) & (errors["substeps"] == own)].set_index("t")
     late = mine.loc[substeps.TIMED]
@@ -126,7 +97,7 @@ def _heights(enough: pd.DataFrame, heights: pd.DataFrame) -> dict[str, Any]:
 
 
 def _off(heights: pd.DataFrame, name: str) -> dict[str, Any]:
-    """The last height with the substeps of the preset."""
+    """Return the last height with the substeps of the preset."""
     own = (heights["preset"] == name) & (heights["substeps"] == preset(name).numbers().substeps)
     row: dict[str, Any] = heights[own & (heights["t"] == heights["t"].max())].iloc[0].to_dict()
     return row
