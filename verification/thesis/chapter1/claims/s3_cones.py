@@ -122,9 +122,5 @@ def _sweeping_unique() -> Evidence:
         printed=(
             at_most("distance at t = 0.2 of the solutions from 0 and 1/2, both in C(0)", high - low, 0.0, ROUNDING),
         ),
-        corrected=(
-            at_most(
-                "difference at t = 0.2 of solutions from one start, steps of 10⁻³ and half of it", same, 0.0, ROUNDING
-            ),
-        ),
+        corrected=(at_most("change of the solution from 0 when the step is halved, t = 0.2,", same, 0.0, ROUNDING),),
     )

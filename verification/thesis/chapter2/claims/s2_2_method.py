@@ -116,13 +116,8 @@ def largest_overlap(dt: float) -> float:
 )
 def _smaller() -> Evidence:
     coarse, fine = (largest_overlap(dt) for dt in STEPS)
-    return Evidence(
-        printed=(
-            equal(
-                "order of the largest overlap to t = 2, step 1/160 and half", math.log2(coarse / fine), 1.0, ORDER_BAND
-            ),
-        )
-    )
+    order = math.log2(coarse / fine)
+    return Evidence(printed=(equal("order of the largest overlap, steps 1/160 and half", order, 1.0, ORDER_BAND),))
 
 
 @claim(
