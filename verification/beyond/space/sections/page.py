@@ -73,7 +73,7 @@ def _heights(last: pd.DataFrame) -> dict[str, Any]:
 
     def height_of(*name: Any) -> str:
         row = rows[name]
-        return told(row.height, row.height_low, row.height_high)
+        return with_interval(row.height, row.height_low, row.height_high)
 
     def stay(*name: Any) -> str:
         row = rows[name]
@@ -124,10 +124,10 @@ def _choices(context: Context) -> Section:
     rows = {row.choice: row for row in means.itertuples()}
 
     def tall(choice: str) -> str:
-        return told(rows[choice].height, rows[choice].height_low, rows[choice].height_high)
+        return with_interval(rows[choice].height, rows[choice].height_low, rows[choice].height_high)
 
     def wide(choice: str) -> str:
-        return told(rows[choice].basal, rows[choice].basal_low, rows[choice].basal_high)
+        return with_interval(rows[choice].basal, rows[choice].basal_low, rows[choice].basal_high)
 
     def ends(choice: str, events: str, side: str = "basal", part: str = edge.WHOLE) -> str:
         return percents(tuple(parts.loc[(choice, events, part, side)]))
@@ -152,7 +152,7 @@ def _strip(context: Context) -> Section:
 
     def away(of: str, events: str = "all") -> str:
         row = rows[(of, events)]
-        return told(row.difference, row.low, row.high)
+        return with_interval(row.difference, row.low, row.high)
 
     said = fill(
         PROSE / "strip.html", rows=rows, away=away, far=_far(table), compared=len(table), first=strip.FIRST_SEED
@@ -178,7 +178,7 @@ def _far(table: pd.DataFrame) -> list[str]:
     return list(apart["of"].map(strip.NAMES) + after)
 
 
-def told(value: float, low: float, high: float) -> str:
+def with_interval(value: float, low: float, high: float) -> str:
     """Write a number with its interval."""
     return f"{number(value)} {interval((low, high))}"
 

@@ -140,7 +140,7 @@ def _equations() -> Evidence:
 
 @claim(
     "c5.locally",
-    "With full rank, y fixes each particle as long as it is followed, not among all positions.",
+    "With full rank, y determines each particle locally: along a motion, not among all positions.",
     "after (5.5)",
     Verdict.PROVED_INSTANCE,
     tried_on="g = exp(X) − y in the complex plane",

@@ -155,7 +155,7 @@ def _power() -> Evidence:
 
 @claim(
     "c5.energy-proof",
-    "The rate of the energy is the power of what the equation of motion leaves.",
+    "The energy changes at the rate ẏᵀ(m_eff ÿ − F_eff).",
     "proof of Lemma 5.11",
     Verdict.CORRECTED,
     rests_on=("c5.limit-force", "c5.interaction-power"),

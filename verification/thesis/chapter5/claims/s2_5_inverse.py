@@ -32,7 +32,7 @@ def elliptic_pairs(rng: np.random.Generator, least: float) -> tuple[Floats, Floa
     "Lemma 5.7",
     Verdict.PROVED,
     rests_on=("c5.inverse-bounded", "c5.inverse-slope", "c5.inverse-proof"),
-    chosen="the letters of c5.ellipticity and c5.inverse-values",
+    chosen="the notation of c5.ellipticity and c5.inverse-values",
 )
 def _inverse() -> Evidence:
     """e = |w|, f = |m w|, p = w·mw; a = |A^-1|, b = |B^-1|, r = |A - B|, n = |A^-1 - B^-1|."""

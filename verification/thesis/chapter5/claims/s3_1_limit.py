@@ -26,7 +26,7 @@ M, SPREAD, TIME, STEPS = 5.0, 0.5, 3.0, 40
 
 @claim(
     "c5.limit-force",
-    "Constrained particles that stand for a density accelerate y as the integrals over the density say.",
+    "In the limit integrals over the density give the effective mass and the effective force.",
     "section 1, (5.40a), (5.41)",
     Verdict.PROVED,
     rests_on=("c5.effective", "c5.empirical", "c5.integrals"),

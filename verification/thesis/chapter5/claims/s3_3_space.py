@@ -163,7 +163,7 @@ def _difference() -> Evidence:
     "proof of Theorem 5.12",
     Verdict.PROVED,
     rests_on=("c5.any-number", "c5.inverse", "c5.product", "c5.lipschitz-constants"),
-    chosen="the letters of c5.right-side-letters",
+    chosen="the notation of c5.right-side-letters",
 )
 def _right_side() -> Evidence:
     """The part of the flow at one point: n = |phi - phi'|_Y, e = |y - y'|, u = |v - v'|, k = L_Phi M_v, r = |x|."""

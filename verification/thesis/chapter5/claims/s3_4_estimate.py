@@ -94,7 +94,7 @@ def _estimate() -> Evidence:
 
 @claim(
     "c5.future-interaction",
-    "Forces between particles are an extension that is still to be made.",
+    "Forces between particles are left to further work.",
     "section 4",
     Verdict.CORRECTED,
     rests_on=("c5.effective",),
@@ -136,7 +136,7 @@ def _same_motion() -> Evidence:
 
 @claim(
     "c5.limit-in-time",
-    "More and more particles that stand for a density move y as the mean-field equations do.",
+    "As their number grows, particles that sample a density move y as the mean-field equations do.",
     "section 3.4",
     Verdict.PROVED,
     rests_on=("c5.consistency", "c5.same-estimate"),

@@ -86,7 +86,7 @@ def _dual() -> Evidence:
 
 @claim(
     "c5.integrals",
-    "Means of a function differ by no more than its Lipschitz constant times the distance.",
+    "Means of a function over two measures differ by at most its Lipschitz constant times their distance.",
     "Lemma 5.15",
     Verdict.PROVED,
     rests_on=("c5.dual",),
@@ -131,7 +131,7 @@ def _push_forward() -> Evidence:
     "(5.64)",
     Verdict.PROVED,
     rests_on=("c5.fundamental", "c5.right-side", "c5.push-forward"),
-    chosen="the letters of c5.flow-norm and c5.flow-constant",
+    chosen="the notation of c5.flow-norm and c5.flow-constant",
 )
 def _flow_estimate() -> Evidence:
     """(5.64) is Lemma 5.17 with eps = L_mu W1: the right sides of two measures are that far apart at one point."""

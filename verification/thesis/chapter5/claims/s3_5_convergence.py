@@ -190,7 +190,7 @@ def _mass() -> Evidence:
 
 @claim(
     "c5.first-moment",
-    "The first moment of the density has a rate.",
+    "(5.69) gives the rate of the first moment of the density.",
     "(5.69)",
     Verdict.CORRECTED,
     rests_on=("c5.transport",),
