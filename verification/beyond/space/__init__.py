@@ -1,1 +1,1 @@
-"""The third dimension: what the tissue of chapters 3 and 4 does as a sheet instead of a slice."""
+"""The third dimension: the tissue of chapters 3 and 4 as a sheet instead of a slice."""

@@ -1,4 +1,4 @@
-"""What the text leaves open in three dimensions, one choice at a time: what depends on it?"""
+"""Choices that the thesis leaves open in three dimensions, changed one at a time."""
 
 from __future__ import annotations
 

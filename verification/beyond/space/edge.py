@@ -1,4 +1,4 @@
-"""Which isolated cells of a sheet begin away from its edge."""
+"""Isolated cells of a sheet that begin away from its edge."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the study of growth comes to: means with intervals, and what part of the daughters stays in a section."""
+"""Means of the study of growth with intervals, and the share of daughters that stays in a section."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the methods of the mean-field chapter fail: what is predicted, what was found."""
+"""Failures of the methods of the mean-field chapter, predicted and found."""
 # ruff: noqa: RUF001 - formulas for readers are written with Greek letters and minus signs
 
 from __future__ import annotations

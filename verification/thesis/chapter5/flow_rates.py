@@ -1,9 +1,9 @@
-"""How fast N particles find the mean-field limit: W1 at the start and through the flow, and the error of y.
+"""Rates at which N particles find the mean-field limit: W1 at the start and through the flow, and the error of y.
 
 In one dimension W1(mu_N^t, mu^t) is exact: mu^t is mu^0 carried by the flow of the limit, which characteristics give to
 rounding. In two and three W1 is taken of two independent samples, each with a flow of its own.
 
-There is one form only, which takes minutes; its rows are kept, and made again by
+There is one form only, which takes minutes; its rows are kept, and recomputed by
 ``python -m verification.thesis.chapter5.flow_rates FILE``.
 """
 # ruff: noqa: RUF001 - formulas for readers are written with Greek letters and minus signs

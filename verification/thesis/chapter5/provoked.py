@@ -1,4 +1,4 @@
-"""What makes solvers of the mean-field chapter fail: each provocation with its prediction."""
+"""Provoked failures of the solvers of the mean-field chapter, each with its prediction."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How fast N particles represent a density: E W1 against N at t = 0, random starts in d = 1, 2, 3 and quantiles.
+"""Rates at which N particles represent a density: E W1 against N at t = 0, random starts in d = 1, 2, 3 and quantiles.
 
 In one dimension W1(mu_N, mu) is exact. In two and three, W1(mu_N, mu'_N) of two independent samples is taken, between
 proved bounds. Both have the same rate: mu is the mean of mu'_N and W1 is convex, so that

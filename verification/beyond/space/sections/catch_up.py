@@ -20,7 +20,7 @@ from verification.thesis.chapter3.sections.part import Part
 PAGE = Path(__file__).parent.parent
 PROSE, COLUMNS = PAGE / "prose", read_columns(PAGE / "columns.toml")
 
-# Made again beside the complete study.
+# Rerun beside the complete study.
 AGAIN = replace(catch_up.FULL, seeds=1)
 
 

@@ -23,7 +23,7 @@ PROSE, COLUMNS = PAGE / "prose", read_columns(PAGE / "columns.toml")
 
 # A column for each tissue.
 VERDICTS = {**COLUMNS["verdicts"], **{one: one for one in isolated.TISSUES}}
-# Made again beside the complete studies.
+# Rerun beside the complete studies.
 GROWN_AGAIN = growth.SheetForm(2, growth.LAYERS[-3:-1])
 CHOSEN_AGAIN = choices.ChoicesForm(1, (choices.AS_SHIPPED,))
 STRIPPED_AGAIN = strip.StripForm(2, ("[A]",))

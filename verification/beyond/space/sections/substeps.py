@@ -7,7 +7,6 @@ from typing import Any
 
 import pandas as pd
 
-from dincl.study import Key
 from verification.beyond.space import figures_catch_up, substeps
 from verification.page.columns import headed, read_columns
 from verification.page.context import Context
@@ -18,20 +17,18 @@ from verification.thesis.chapter3.sections.part import Part
 PAGE = Path(__file__).parent.parent
 PROSE, COLUMNS = PAGE / "prose", read_columns(PAGE / "columns.toml")
 
-# Made again beside the complete study: one seed of the slice.
+# Rerun beside the complete study: one seed of the slice.
 AGAIN = substeps.SheetSubstepsForm(seeds=1)
 
 
 def _run(context: Context) -> None:
     form = context.form(substeps.FULL)
-    rows = context.rows_of(substeps.study(form), substeps.study(AGAIN).only(_is_slice), ("substeps", "t"))
+    rows = context.rows_of(
+        substeps.study(form), substeps.study(AGAIN).only(lambda key: key["tissue"] == "slice"), ("substeps", "t")
+    )
     errors = substeps.errors(rows)
     context.keep("space_substeps_errors", errors)
     context.keep("space_substeps_orders", substeps.orders(errors))
-
-
-def _is_slice(key: Key) -> bool:
-    return bool(key["tissue"] == "slice")
 
 
 def _substeps(context: Context) -> Section:

@@ -19,11 +19,6 @@ SLACK = 1e-6
 M, ENERGY = 0.1, 0.1
 
 
-def free_speed() -> float:
-    """Return |y'| of a free motion with g = X - y and the energy (1 + m)|y'|^2/2 = ENERGY."""
-    return float(np.sqrt(2 * ENERGY / (1 + M)))
-
-
 def speeds(force: Callable[[float], float]) -> tuple[float, float]:
     """Return |y'| at t = 10 and 100 of y'' = force(y) from rest at 0: g = X - y, particles without forces or mass."""
     path = runge_kutta(lambda z: np.array([z[1], force(z[0])]), np.zeros(2), 100.0, 1000)
@@ -152,7 +147,8 @@ def energy_rate(moving: float) -> float:
     tried_on="one free motion, and one state of four points",
 )
 def _constant_limit() -> Evidence:
-    printed, (speed, right) = 2 * ENERGY, (free_speed(), float(np.sqrt(2 * ENERGY)))
+    """A free motion with g = X - y has the energy (1 + m)|y'|^2/2."""
+    speed, printed, right = float(np.sqrt(2 * ENERGY / (1 + M))), 2 * ENERGY, float(np.sqrt(2 * ENERGY))
     frozen, moved = energy_rate(0.0), energy_rate(1.0)
     return Evidence(
         printed=(

@@ -1,4 +1,4 @@
-"""DAE, RATTLE and ODE against each other."""
+"""Section that compares DAE, RATTLE and ODE."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Speed against accuracy."""
+"""Section on speed against accuracy."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from verification.thesis.chapter5.sections.words import COLUMNS, PROSE, named
 
 TARGETS = (1e-3, 1e-6, 1e-9)
 
-# Made again on the machine of the reader, until a run takes so many seconds.
+# Rerun on the machine of the reader, until a run takes so many seconds.
 AGAIN = cost.CostForm(0.05, 1, cost.SETTINGS)
 
 

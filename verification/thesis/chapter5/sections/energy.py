@@ -1,4 +1,4 @@
-"""The energy."""
+"""Section on the energy."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where methods fail."""
+"""Section on failures of the solvers."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from verification.thesis.chapter3.sections.part import Part
 from verification.thesis.chapter5 import drift, failures, figures, maps
 from verification.thesis.chapter5.sections.words import COLUMNS, PROSE, named
 
-# So many runs, and lines of each map, are made again.
+# So many runs, and lines of each map, are rerun.
 MOST, LINES = 9, 3
 
 

@@ -1,4 +1,4 @@
-"""The PDE on grids."""
+"""Section on the PDE on grids."""
 
 from __future__ import annotations
 

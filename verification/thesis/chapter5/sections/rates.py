@@ -1,4 +1,4 @@
-"""How fast N particles find their limit."""
+"""Section on the rates at which N particles find their limit."""
 
 from __future__ import annotations
 

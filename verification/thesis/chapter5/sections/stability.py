@@ -1,4 +1,4 @@
-"""The constant of the stability estimate."""
+"""Section on the constant of the stability estimate."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from verification.thesis.chapter3.sections.part import Part
 from verification.thesis.chapter5 import figures, stability_constant
 from verification.thesis.chapter5.sections.words import COLUMNS, PROSE, named
 
-# Made again beside the complete study.
+# Rerun beside the complete study.
 AGAIN = stability_constant.PairsForm(2)
 
 
