@@ -199,8 +199,9 @@ class Family:
     Attributes
     ----------
     blocks
-        The planned contrasts, a list for each outcome. Within a list their correlation is known; between lists they
-        count as independent, with which the chance is at most what is said.
+        The planned contrasts, a list for each outcome. Within a list their correlation is known, also that of
+        differences and ratios of the same proportions: their errors are those of the groups, to first order. Between
+        lists they count as independent, with which the chance is at most what is said.
     correction
         "simultaneous": intervals and p-values of all at once. "holm": p-values by Holm, which find a little more;
         intervals, each at the level of m comparisons, 1 - (1 - level)/m, may then hold no effect where p finds one.

@@ -154,7 +154,7 @@ def _fixed(plan: PlannedComparisons, source: RunValues) -> list[tuple[Any, ...]]
         tuple(contrast(plan.scenarios, weights, source, *block) for weights in plan.contrasts.values())
         for block in plan.blocks
     ]
-    family = Family(tuple(blocks), plan.correction)
+    family = plan.family(blocks)
     keys = [(question, *block) for block in plan.blocks for question in plan.contrasts]
     each = [one for block in blocks for one in block]
     runs = min(source.runs(name) for name in plan.scenarios)

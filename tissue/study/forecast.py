@@ -14,7 +14,7 @@ import pandas as pd
 from dincl.compiled.lanes import WIDTH
 from tissue.runs.batch import Batch
 from tissue.statistics.categories import What
-from tissue.statistics.contrasts import Contrast, Family, MeanContrast, ProportionContrast, RatioContrast
+from tissue.statistics.contrasts import Contrast, MeanContrast, ProportionContrast, RatioContrast
 from tissue.statistics.proportions import POWER, quantile
 from tissue.statistics.ratios import Ratio
 from tissue.study.answers import paired
@@ -50,7 +50,7 @@ def forecast(study: TissueStudy) -> tuple[PlannedComparisons, pd.DataFrame]:
     tables = []
     for near in NEAR:
         blocks = [_block(study, plan, outcome, measure, near) for outcome, measure in plan.blocks]
-        factor = quantile(Family(tuple(blocks), plan.correction).level_of_each) + quantile(2 * POWER - 1)
+        factor = quantile(plan.family(blocks).level_of_each) + quantile(2 * POWER - 1)
         found = [(factor * float(np.linalg.norm(one.errors)), one) for block in blocks for one in block]
         tables.append([float(np.exp(size)) if isinstance(one, RatioContrast) else size for size, one in found])
     keys = [(question, *block) for block in plan.blocks for question in plan.contrasts]

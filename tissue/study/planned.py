@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from itertools import combinations, product
+from itertools import combinations, groupby, product
 from typing import Any, Literal, get_args
 
 from dincl.checks import describe
@@ -13,7 +13,7 @@ from tissue.files.messages import unknown
 from tissue.files.parameter_files import flat, merged
 from tissue.plugins import Observable, registered
 from tissue.statistics.categories import What
-from tissue.statistics.contrasts import Correction
+from tissue.statistics.contrasts import Contrast, Correction, Family
 
 Measure = Literal["difference", "ratio"]
 Weights = dict[str, float]
@@ -62,6 +62,12 @@ class PlannedComparisons:
     def count(self) -> int:
         """The number of comparisons."""
         return len(self.blocks) * len(self.contrasts)
+
+    def family(self, contrasts: Sequence[tuple[Contrast, ...]]) -> Family:
+        """Return the family of the contrasts of each of ``blocks``; those of one outcome are correlated."""
+        of_outcome = groupby(zip(self.blocks, contrasts, strict=True), key=lambda pair: pair[0][0])
+        joined = (tuple(one for _, each in pairs for one in each) for _, pairs in of_outcome)
+        return Family(tuple(joined), self.correction)
 
     def as_dict(self) -> dict[str, Any]:
         """Return the plan as tables of JSON."""

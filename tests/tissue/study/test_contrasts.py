@@ -91,6 +91,26 @@ def test_several_comparisons_are_corrected_as_their_correlation_allows():
     assert alone.p_values() == pytest.approx(corrected(pd.Series(list(map(p_value, block)))).tolist())
 
 
+@pytest.mark.slow
+def test_any_false_finding_has_the_chance_that_is_stated():
+    """Four equal groups of 300 cells; effects, their interaction, and ratios of the same: six comparisons."""
+    rng, false = np.random.default_rng(14), 0
+    for row in rng.binomial(300, 0.2, (600, 4)):
+        ratios = tuple(Ratio(int(n), 300) for n in row)
+        block = tuple(kind(w, ratios) for kind in (ProportionContrast, RatioContrast) for w in (*SIMPLE, INTERACTION))
+        family = Family((block,))
+        ends = [(one.null, *one.interval(family.level_of_each)) for one in block]
+        false += any(not low <= null <= high for null, low, high in ends)
+    assert 0.025 < false / 600 < 0.075
+
+
+def test_differences_and_ratios_of_the_same_groups_are_correlated():
+    differences, ratios = ([kind(w, RATIOS) for w in SIMPLE] for kind in (ProportionContrast, RatioContrast))
+    apart, together = Family((tuple(differences), tuple(ratios))), Family(((*differences, *ratios),))
+    assert together.level_of_each < apart.level_of_each - 1e-3
+    assert together.level_of_each > Family((tuple(differences),)).level_of_each
+
+
 def test_one_comparison_alone_is_not_corrected():
     family = Family(((ProportionContrast(INTERACTION, RATIOS),),))
     assert family.level_of_each == pytest.approx(0.95)
