@@ -263,11 +263,21 @@ def _induction() -> Evidence:
     moved = predicted - x
     gap = min(float(np.linalg.norm(x[i] - x[j])) for i in range(len(x)) for j in range(i)) - 2 * RADIUS
     ratio = float(np.linalg.norm(points_of_step(x, moved, 1.0)[-1] - predicted) / np.linalg.norm(moved))
-    least = at_least(f"least gap of the {len(x)} discs at the start", gap, 0, ROUNDING)
-    name = "rate of a step without its drift over ‖F‖, one disc passed on by the others"
+    bound = implication(
+        "‖p_M − x‖ ≤ 2^M Δt‖F‖ and ‖x − p_0‖ = Δt‖F‖ give ‖p_M − p_0‖ ≤ (2^M + 1) Δt‖F‖",
+        lambda s, last, first, way, f, power: (
+            [power >= 1, f >= 0, last <= power * f, first == f, way <= last + first],
+            way <= (power + s) * f,
+        ),
+        "≤ 2^M Δt‖F‖",
+        0,
+    )
     return Evidence(
-        printed=(least, at_most(f"{name}, bound for j = 1:", ratio, 3.0)),
-        corrected=(least, at_most(f"{name}, bound for j = M:", ratio, 2.0 ** math.comb(len(x), 2) + 1)),
+        printed=(
+            at_least(f"least gap of the {len(x)} discs at the start", gap, 0, ROUNDING),
+            at_most("rate of a step without its drift over ‖F‖, a disc passed on by the others", ratio, 3.0),
+        ),
+        corrected=(bound,),
     )
 
 
