@@ -53,7 +53,7 @@ def test_the_page_has_all_sections_and_says_what_the_tables_say(made):
         assert f"{row.preset}, {row.t:g} h: " + (f"from {row.substeps} " if row.substeps else "with none tried") in page
     own = tables["tissue_swing"].set_index(["preset", "substeps"])["beyond"]
     assert f"{100 * own['thesis', 20]:.1f} % [" in page
-    assert "the condition does not hold" in page
+    assert "The condition does not hold" in page
     for row in tables["tissue_swing"].itertuples():
         assert f">{number(row.scale)}</td>" in page
         assert f">{number(row.mean)}</td>" in page

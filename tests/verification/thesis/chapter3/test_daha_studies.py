@@ -3,7 +3,6 @@
 import numpy as np
 import pandas as pd
 import pytest
-from scipy.stats import binomtest
 
 from tests.executors import Here
 from tests.tissue.states import cells, layers, numbers
@@ -73,12 +72,6 @@ def test_quartiles_are_of_steps_that_terminated_and_half_is_the_step_of_3_25():
     assert found["whole"] == pytest.approx(0.1 / (5000 * 1e-4))
     assert found["half"] == pytest.approx(0.1 / (5000 * 0.5e-4))
     assert (found["steps"], found["terminated"], found["violation"]) == (4, 3, 0.5)
-
-
-@pytest.mark.parametrize(("hits", "tries"), [(0, 5), (5, 20), (20, 20)])
-def test_wilson(hits, tries):
-    expected = binomtest(hits, tries).proportion_ci(method="wilson")
-    assert daha.wilson(hits, tries) == pytest.approx((expected.low, expected.high), abs=1e-6)
 
 
 def test_failures_are_runs_that_ended_early():

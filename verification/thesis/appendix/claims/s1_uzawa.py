@@ -77,7 +77,12 @@ def _indefinite() -> Evidence:
     )
 
 
-@claim("c3.uzawa-dual", "The multiplier of (A.1) minimises this quadratic function.", "appendix 1.1", Verdict.PROVED)
+@claim(
+    "c3.uzawa-dual",
+    "The multiplier of (A.1) minimises F(λ) = λᵀBA⁻¹Bᵀλ − 2λᵀ(BA⁻¹f − g).",
+    "appendix 1.1",
+    Verdict.PROVED,
+)
 def _dual() -> Evidence:
     """S = B A^-1 B^T = C C^T with two constraints; lambda* solves S lambda* = B A^-1 f - g, which is (A.1)."""
     sp = library()

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -33,24 +33,14 @@ SPREAD = 1.0
 FOLLOWING = 0.5
 
 
-class Cycle(NamedTuple):
-    """Cycles of the cells that are born in a run, and of those that divide in it."""
-
-    duration: float  # mean of t_cycle over the cells that were born in it [h]
-    shortest: float
-    longest: float
-    enlarged: float  # mean of the time before division with the larger radius [h]
-
-
-def cycles(seed: int) -> Cycle:
-    """Measure the cycles of a run of 16 h."""
+def cycles(seed: int) -> tuple[pd.Series, float]:
+    """Return the cycles of cells born in a run, and the mean time with the larger radius of those that divide [h]."""
     table = grown(seed)
     born = table.loc[table["age_h"] < table["time_h"]].drop_duplicates(["id", "cycle_h"])["cycle_h"]
     ends = table["time_h"] - table["age_h"] + table["cycle_h"]
     over = table[(ends < table["time_h"].max()) & (ends > 1.5 * (G2 + MITOSIS))]
     large = over["hard_radius_um"] > over["hard_radius_um"].min()
-    kept = large.groupby([over["id"], over["cycle_h"]]).sum() * DT
-    return Cycle(float(born.mean()), float(born.min()), float(born.max()), float(kept.mean()))
+    return born, float((large.groupby([over["id"], over["cycle_h"]]).sum() * DT).mean())
 
 
 @claim(
@@ -61,17 +51,17 @@ def cycles(seed: int) -> Cycle:
     chosen="4 runs of 16 h; ages at the start are uniform on the cycle",
 )
 def _phases() -> Evidence:
-    found = [cycles(seed) for seed in SEEDS]
-    durations, middle = [one.duration for one in found], (SHORTEST + LONGEST) / 2
+    born, enlarged = zip(*map(cycles, SEEDS), strict=True)
+    means, middle, every = [float(one.mean()) for one in born], (SHORTEST + LONGEST) / 2, pd.concat(born)
     return Evidence(
         printed=(
-            of_mean("mean cycle of cells born in a run [h]", durations, equal, middle, SPREAD),
-            at_least("shortest cycle [h]", min(one.shortest for one in found), SHORTEST),
-            at_most("longest cycle [h]", max(one.longest for one in found), LONGEST),
-            of_mean("time in mitosis, by the radius [h]", [one.enlarged for one in found], equal, MITOSIS, DT),
+            of_mean("mean cycle of cells born in a run [h]", means, equal, middle, SPREAD),
+            at_least("shortest cycle [h]", every.min(), SHORTEST),
+            at_most("longest cycle [h]", every.max(), LONGEST),
+            of_mean("time in mitosis, by the radius [h]", enlarged, equal, MITOSIS, DT),
         ),
         seed=SEEDS[0],
-        runs_needed=runs_for(durations, SPREAD - abs(float(np.mean(durations)) - middle)),
+        runs_needed=runs_for(means, SPREAD - abs(float(np.mean(means)) - middle)),
     )
 
 

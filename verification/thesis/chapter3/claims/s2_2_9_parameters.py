@@ -142,7 +142,7 @@ def basal_width(distance: str) -> float:
 
 @claim(
     "c3.basal",
-    "Neighbouring basal points may not be apart at all.",
+    "The largest allowed distance of neighbouring basal points is 0 μm.",
     "Table 1",
     Verdict.CORRECTED,
     chosen="10⁻⁶ μm in place of 0, with sweeps of PBD, after 1 h; the layer should be as wide as the tissue at first",

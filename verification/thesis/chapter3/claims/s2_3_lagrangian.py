@@ -113,7 +113,7 @@ def basal_pairs() -> Floats:
 
 @claim(
     "c3.squared",
-    "All four kinds of constraints are taken squared.",
+    "All four kinds of constraints can be taken squared.",
     "section 2.3",
     Verdict.CORRECTED,
     chosen="(C4) squared as (x(B_j) − x(B_i))² ≥ 0 or as x(B_j)² ≥ x(B_i)², for 1000 random pairs in either order; a "

@@ -61,7 +61,7 @@ def moved(seed: int, eps: float | None) -> float:
 
 @claim(
     "c3.part-way",
-    "DAHA stops near the start of a step, before the minimum, as its error estimate ε/α says: a larger ε stops nearer.",
+    "DAHA stops before the minimum, near the start of a step, and the nearer the larger ε/α is.",
     "section 2.3.2",
     needs=("tissue_judged_steps",),
     rests_on=(*DAHA, "c3.stopping"),
@@ -130,7 +130,7 @@ def _iterations(tables: Tables) -> Evidence:
 
 @claim(
     "c3.optimal",
-    "The damping that is derived makes PBD nearly as close to DAHA as any.",
+    "The derived damping brings PBD nearly as close to DAHA as any other.",
     "section 3.1",
     Verdict.CORRECTED,
     needs=("tissue_daha_fits", "tissue_daha_shares"),
@@ -151,7 +151,7 @@ def _optimal(tables: Tables) -> Evidence:
 
 @claim(
     "c3.gradients",
-    "PBD is faster than DAHA as it evaluates the gradient less often, some 300 times.",
+    "PBD is faster than DAHA because it evaluates the gradient less often, by a factor of 300 or more.",
     "section 3.4",
     needs=("tissue_daha", "tissue_daha_speed"),
     rests_on=DAHA,

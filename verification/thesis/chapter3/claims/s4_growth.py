@@ -226,7 +226,7 @@ def overtaken(frame: Frame, first: Frame) -> int:
 
 @claim(
     "c3.independent-rules",
-    "For the tissue in three dimensions rules are left for cell division and apical-apical springs only.",
+    "In three dimensions only rules for cell division and for apical-apical springs are missing.",
     "section 5",
     Verdict.CORRECTED,
     chosen="a sheet of 100 cells that grows for 12 h; (C4) keeps basal neighbours of the slice in their order along x",

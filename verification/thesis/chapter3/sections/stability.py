@@ -43,11 +43,11 @@ def _stability(context: Context) -> Section:
     return Section(
         "At which step do substeps become unstable?",
         [
+            Text(said["verdict"]),
+            Picture(swing, said["jitter"]),
             Text(said["linear"]),
             Grid(named(found, COLUMNS["limits_found"]), said["limits"], "tissue_limits_found"),
             Grid(named(found, COLUMNS["limits_particulars"]), said["particulars"], "tissue_limits_found", folded=True),
-            Text(said["verdict"]),
-            Picture(swing, said["jitter"]),
             Text(said["thrown"]),
             Picture(shown, said["maps"]),
             Grid(named(swings, COLUMNS["swing"]), said["table"], "tissue_swing"),

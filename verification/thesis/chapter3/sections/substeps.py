@@ -42,11 +42,11 @@ def _substeps(context: Context) -> Section:
     return Section(
         TITLE,
         [
-            Text(said["measures"]),
-            Text(said["own"]),
-            Picture(accuracy, said["accuracy"]),
             Text(said["heights"]),
             Picture(height, said["deviation"]),
+            Text(said["own"]),
+            Picture(accuracy, said["accuracy"]),
+            Text(said["measures"]),
             Grid(named(context.tables["tissue_enough"], COLUMNS["enough"]), said["within"], "tissue_enough"),
             Grid(
                 named(context.tables["tissue_orders"], COLUMNS["orders"]), said["orders"], "tissue_orders", folded=True
