@@ -1,4 +1,4 @@
-"""Who is cheapest on each scene of the report, in tables and in words."""
+"""The cheapest methods on each scene of the report, in tables and in words."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """The reference of the pile of a thousand discs, computed once by the event-driven scheme.
 
-``python -m verification.beyond.chart.pile_reference`` makes it again.
+``python -m verification.beyond.chart.pile_reference`` recomputes it.
 
 It takes half a minute and writes ``verification/data/pile_1000.parquet``. Midpoint catch-up with ever shorter
 steps around each contact, which shares neither steps nor the search for events with it, took nine minutes and stated

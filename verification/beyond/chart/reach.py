@@ -1,6 +1,6 @@
-"""How far the event-driven scheme pays: piles of more and more discs, and the errors from which on it is the cheapest.
+"""Piles of more and more discs: the errors below which the event-driven scheme is the cheapest.
 
-``python -m verification.beyond.chart.reach`` makes the table again, in some five minutes, and writes
+``python -m verification.beyond.chart.reach`` recomputes the table in some five minutes and writes
 ``verification/data/event_driven_reach.parquet``.
 """
 

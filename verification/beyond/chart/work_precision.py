@@ -20,7 +20,7 @@ ERRORS = ("largest", "final", "overlap")
 
 @dataclass(frozen=True)
 class Form:
-    """How far a study goes.
+    """Settings, budget and scenes of a study.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What is proved of solutions."""
+"""Solutions with proved bounds."""
 
 from __future__ import annotations
 

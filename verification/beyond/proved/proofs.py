@@ -1,4 +1,4 @@
-"""What is proved of solutions: scenes with the bound that was proved, its cost, and what its exponent is made of.
+"""Solutions with proved bounds: scenes with the bound, its cost, and the parts of its exponent.
 
 ``python -m verification.beyond.proved.proofs`` makes the table again, in some minutes, and writes
 ``verification/data/proved_scenes.parquet``.

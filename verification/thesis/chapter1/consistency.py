@@ -1,4 +1,4 @@
-"""Lemma 2.8 as measured limits: what velocity one step of PBD has as dt -> 0, and what it settles to."""
+"""Lemma 2.8 as measured limits: the velocity of one step of PBD as dt -> 0, and after many steps."""
 
 from __future__ import annotations
 

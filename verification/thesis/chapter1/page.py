@@ -21,7 +21,7 @@ FEW = 4
 
 
 def run(context: Context) -> None:
-    """Complete the searches; the limits of PBD take a second and are made anew."""
+    """Complete the searches; the limits of PBD take a second and are recomputed."""
     form = context.form(prox_regularity.FULL)
     constants, around = prox_regularity.constants(form), prox_regularity.configurations(form)
     context.tables["prox_constants"] = context.rows_of(constants, constants.only(lambda key: key["count"] <= FEW))

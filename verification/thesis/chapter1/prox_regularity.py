@@ -1,4 +1,4 @@
-"""How far the set of non-overlapping discs is from convex: printed, proved and measured constants (chapter 1, 4)."""
+"""Prox-regularity of the set of discs that do not overlap: printed, proved and measured constants (chapter 1, 4)."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ SEED = 31
 
 @dataclass(frozen=True)
 class ProxForm:
-    """Samples of each search; lengths of the straight rows; so many of the arrangements, all if None."""
+    """Samples of each search, lengths of the straight rows, number of arrangements (None: all)."""
 
     samples: int
     counts: tuple[int, ...] = COUNTS

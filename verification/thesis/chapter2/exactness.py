@@ -20,7 +20,7 @@ SCENES = (
     "closing_walls",
     "growing_discs",
 )
-# Kept times of each scene, equally spaced from its start to its end.
+# Output times of each scene, equally spaced from its start to its end.
 KEPT = 24
 
 
@@ -36,7 +36,7 @@ def study() -> Study:
 
 
 def run(key: Key) -> list[Row]:
-    """Return the largest true error of a scene over its kept times, and the largest stated one: one row."""
+    """Return the largest true error of a scene over its output times, and the largest stated one: one row."""
     problem = scene(key["scene"])
     times = np.linspace(0.0, problem.times[-1], KEPT + 1)
     path, seconds = timed(problem, dincl.EventDriven(TOL), times)

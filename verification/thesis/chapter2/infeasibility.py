@@ -30,7 +30,7 @@ WIDTH = 2.0
 
 @dataclass(frozen=True)
 class InfeasibilityForm:
-    """What is scanned.
+    """Steps and strengths of the scan.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""How far the discs fly when the step is large: PBD against the penalty method (Figure 2 of chapter 2)."""
+"""Growth of coordinates at large steps: PBD against the penalty method (Figure 2 of chapter 2)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The methods of the report: a name, a look and a way to make the scheme. One colour per method everywhere."""
+"""The methods of the report: name, style and a function that makes the scheme. One colour per method everywhere."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ RIM = {"markeredgecolor": "black", "markersize": 6.0, "linewidth": 2.0}
 class NamedMethod(Method):
     """A method of the report: ``name`` stands in tables, ``label`` in figures.
 
-    ``costly``: a step calls a solver of a foreign library, so the short studies give it fewer step sizes.
+    ``costly``: a step calls a solver of an external library, so the short studies give it fewer step sizes.
     """
 
     name: str = ""
@@ -210,7 +210,7 @@ EVENT_DRIVEN = _named(
     lambda tol: dincl.EventDriven(tol=tol),
     setting="tol",
 )
-# The yardsticks: programs of others.
+# The baselines: external programs.
 LSODA = _named(
     "lsoda", "penalty by LSODA", "penalty by LSODA", ("#8b5a2b", "h", "--"), lambda tol: Lsoda(tol=tol), setting="tol"
 )

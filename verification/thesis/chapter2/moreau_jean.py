@@ -1,4 +1,4 @@
-"""The theta = 1/2 form of catch-up, which is of second order while nothing touches or parts."""
+"""The theta = 1/2 form of catch-up, which is of second order while no contact begins or ends."""
 
 from __future__ import annotations
 

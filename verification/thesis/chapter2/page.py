@@ -20,12 +20,12 @@ from verification.thesis.chapter2 import figures as plots
 from verification.thesis.chapter2.methods import CATCH_UP, LINEARISED_DAQP, METHODS, PBD
 from verification.thesis.chapter2.runs import scene
 
-# Of each scene [time]; all of them are among the kept times of the reference.
+# Of each scene [time]; all of them are among the output times of the reference.
 SHOWN = {"four_disks": (0.0, 0.5, 1.0, 1.5, 2.0), "ten_disks_corner": (0.0, 1.0, 1.5, 2.0, 3.0)}
 CROWD = "ten_disks_corner"
 # With the two finest steps costly methods would take hours.
 COMPARED = replace(convergence.FULL, costly_steps=8)
-# Made again: runs on this scene, with no finer steps [time], and so many of a study.
+# Recomputed: runs on this scene, with no finer steps [time], and so many of a study.
 QUICK, COARSE, MOST = "four_disks", 0.1 / 2**4, 20
 PROSE = Path(__file__).parent / "prose"
 COLUMNS = read_columns(Path(__file__).parent / "columns.toml")

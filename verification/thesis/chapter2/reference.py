@@ -17,7 +17,7 @@ from verification.thesis.chapter2.runs import about, position_rows, scene, timed
 Floats = NDArray[np.float64]
 # Greatest estimated error [length].
 TOL = 1e-12
-# Between two kept times; the times of the scenes are among them [time].
+# Between two output times; the times of the scenes are among them [time].
 EVERY = 0.25
 
 
@@ -29,7 +29,7 @@ class EventReference(Known):
 
 
 def kept_times(name: str) -> Floats:
-    """Return the times that are kept of a scene, from 0 to its end."""
+    """Return the output times of a scene, from 0 to its end."""
     return np.arange(0.0, scene(name).times[-1] + EVERY / 2, EVERY)
 
 
@@ -45,7 +45,7 @@ def study(scenes: Sequence[str]) -> Study:
 
 
 def run(key: Key) -> list[Row]:
-    """Return the positions of a scene at its kept times: one row for each time and particle."""
+    """Return the positions of a scene at its output times: one row for each time and particle."""
     times = kept_times(key["scene"])
     path, seconds = timed(scene(key["scene"]), dincl.EventDriven(TOL), times)
     rows = position_rows(path, times, dict(key) | about(path, seconds))

@@ -33,7 +33,7 @@ def exact(problem: Scene, t: ArrayLike) -> NDArray[np.float64]:
 def timed(problem: dincl.Problem, scheme: dincl.Scheme, t: NDArray[np.float64]) -> tuple[dincl.Trajectory, float]:
     """Return the run and its seconds; two steps before it pay for loading, compiling and importing.
 
-    A scheme without time steps is run to the first time that is kept before.
+    A scheme without time steps is run to the first output time before.
     """
     warm = 2 * scheme.dt if isinstance(scheme, FixedStep) else float(t[t > 0][0])
     dincl.solve(problem, scheme, t=[min(warm, float(t[-1]))], throw=False)

@@ -1,4 +1,4 @@
-"""Programs of others, as schemes: the yardsticks of the chart of speed against accuracy. One program per file."""
+"""External programs as schemes: the baselines of the chart of speed against accuracy, one program per file."""
 
 from verification.beyond.chart.baselines.chipmunk import Chipmunk
 from verification.beyond.chart.baselines.lsoda import Lsoda

@@ -24,7 +24,7 @@ LONG, THICK = 100.0, 10.0
 
 @dataclass(frozen=True)
 class Chipmunk(dincl.Scheme):
-    """x_{k+1} = x_k + dt (v_k + w_k): v_k from F by impulses at the contacts of x_k, w_k parts those that overlap.
+    """x_{k+1} = x_k + dt (v_k + w_k): v_k from F by impulses at the contacts of x_k, w_k separates those that overlap.
 
     Chipmunk integrates velocities and answers contacts by ``iterations`` sweeps over sequential impulses. A damping of
     0 forgets the velocity of the step before, and a force F/dt on the mass 1 makes it F instead; no friction, no

@@ -1,4 +1,4 @@
-"""The kept states of a program of others, as the outcome of a run."""
+"""Output states of an external program, as the outcome of a run."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class _Lines(Between):
-    """Straight lines from the start through the kept states; nothing is known of x' at a time."""
+    """Straight lines from the start through the output states; nothing is known of x' at a time."""
 
     t: Floats
     x: Floats
@@ -33,7 +33,7 @@ class _Lines(Between):
 
 
 class Kept:
-    """Takes the states of a run at increasing times, and makes the outcome of them."""
+    """States of a run at increasing times, and the outcome that is made of them."""
 
     def __init__(self, problem: dincl.Problem, times: Floats) -> None:
         self.work = dincl.Work(degrees_of_freedom=problem.x0.size)

@@ -1,4 +1,4 @@
-"""LSODA on the penalty form: what a general solver of stiff ordinary differential equations makes of the problem."""
+"""LSODA on the penalty form: a general solver of stiff ordinary differential equations."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class Lsoda(dincl.Scheme):
         object.__setattr__(self, "tol", number("tol", self.tol, positive=True))
 
     def run(self, problem: dincl.Problem, times: Floats) -> dincl.RunOutcome:
-        """Go from step to step of LSODA; kept states come from its dense output."""
+        """Go from step to step of LSODA; output states come from its dense output."""
         kept = Kept(problem, times)
         try:
             with np.errstate(over="ignore", invalid="ignore"):

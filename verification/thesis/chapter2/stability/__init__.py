@@ -1,1 +1,1 @@
-"""Where methods fail: planes of step and one other thing, and single cases with a limit known from theory."""
+"""Where methods fail: maps over the step and another parameter, and single cases with a limit known from theory."""

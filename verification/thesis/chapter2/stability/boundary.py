@@ -1,4 +1,4 @@
-"""The place where something that held stops holding, found by bisection."""
+"""Boundary of a condition, found by bisection."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Crowding: a box that closes on a row of intervals until nothing else fits, and beyond."""
+"""Crowding: a box that closes on a row of intervals until they fill it, and beyond."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ from dincl.study import Key, Row, Study
 
 
 class Found(NamedTuple):
-    """What theory says and what the program found, one number each, whether they agree, and the particulars."""
+    """The number of the theory and the number found, whether they agree, and the particulars."""
 
     expected: float
     found: float
@@ -20,7 +20,7 @@ class Found(NamedTuple):
 
 @dataclass(frozen=True)
 class Case:
-    """One failure.
+    """A failure that theory predicts.
 
     Attributes
     ----------
@@ -57,7 +57,7 @@ def study(cases: Sequence[Case]) -> Study:
 
 @dataclass(frozen=True)
 class _Finder:
-    """Looks for one of the cases; picklable."""
+    """Function that looks for one of the cases; picklable."""
 
     finds: Mapping[str, Callable[[], Found]]
 

@@ -24,7 +24,7 @@ CASES: tuple[Case, ...] = tuple(case for family in FAMILIES for case in getattr(
 
 @dataclass(frozen=True)
 class StabilityForm:
-    """Which planes are mapped, and the cases."""
+    """Planes that are mapped, and cases."""
 
     planes: tuple[Plane, ...] = PLANES
     cases: tuple[Case, ...] = CASES

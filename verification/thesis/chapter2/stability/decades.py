@@ -1,4 +1,4 @@
-"""Six decades of dt: what stays bounded under projections, and what does not under penalties."""
+"""Six decades of dt: methods with projections stay bounded, penalty methods do not."""
 
 from __future__ import annotations
 

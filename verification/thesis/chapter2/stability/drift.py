@@ -60,7 +60,7 @@ def exact(method: str, rate: float, t: Floats) -> Floats:
 
 
 def cell(method: str, dt: float, rate: float) -> dict[str, Any]:
-    """Run until t = 3, or for 30 steps; kept times lie on the steps."""
+    """Run until t = 3, or for 30 steps; output times lie on the steps."""
     steps = max(30, int(np.ceil(3.0 / dt)))
     t = np.round(np.array([0.5, 0.8, 1.0]) * steps) * dt
     return measured(drawn(rate), CONTESTANTS[method].scheme(dt), t, exact(method, rate, t), float(np.abs(START).max()))

@@ -1,4 +1,4 @@
-"""Solvers that answer something else: a local minimum, or that they reached their limit."""
+"""Solvers that find a local minimum only, or reach their limit."""
 
 from __future__ import annotations
 

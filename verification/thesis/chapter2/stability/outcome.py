@@ -1,4 +1,4 @@
-"""The outcome of a run of the maps: as of any map, with the lengths of these scenes."""
+"""Outcome of a run of the maps, by the lengths of these scenes."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def refused(reason: str) -> dict[str, Any]:
 def measured(
     problem: dincl.Problem, scheme: dincl.Scheme, times: ArrayLike, exact: ArrayLike, reach: float = 0.0
 ) -> dict[str, Any]:
-    """Run a scheme, and judge it by the largest error, violation and coordinate at the kept ``times`` (K,).
+    """Run a scheme, and judge it by the largest error, violation and coordinate at the output ``times`` (K,).
 
     ``exact`` has shape (N, d) for a state at rest or (K, N, d); NaN where no state is right. Coordinates may come as
     far as ``reach``; if none is given, as far as the first drift carries, so that falling freely is no instability.

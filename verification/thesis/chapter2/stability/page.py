@@ -23,7 +23,7 @@ TITLES = COLUMNS["sections"]
 PROSE = Path(__file__).parent / "prose"
 # Steps of the picture of the Pacman set [time].
 SHOWN = (0.1, 0.02)
-# So many lines of a map are made again, and so many runs of another study.
+# So many lines of a map are recomputed, and so many runs of another study.
 LINES, MOST = 3, 12
 
 

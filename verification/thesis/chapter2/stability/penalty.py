@@ -1,4 +1,4 @@
-"""The penalty method beyond its stability limit, and the force as printed, which has none and never rests."""
+"""The penalty method beyond its stability limit, and the force as printed, which has no limit and never rests."""
 
 from __future__ import annotations
 

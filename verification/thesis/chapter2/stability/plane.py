@@ -1,4 +1,4 @@
-"""A plane: the outcome of every method over the step and one other thing."""
+"""A plane: the outcome of every method over the step and another parameter."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Plane:
-    """Outcomes over x, the step, and y, the other thing.
+    """Outcomes over x, the step, and y, another parameter.
 
     Attributes
     ----------
