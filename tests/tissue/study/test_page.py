@@ -8,6 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 import tissue
+from tests.browser import WIDTHS, fits, launched, visit
 from tests.tissue.study.figures_stand_in import outcomes
 from tests.tissue.study.test_compare import COMPARE, FACTORS, HEAD, INTERACTION
 from tissue.cli.app import app
@@ -57,6 +58,19 @@ def test_the_page_has_every_answer_with_its_picture_and_loads_nothing(study):
     assert text.count("data:image/webp;base64,") == 4  # each once
     for words in ("All parameters of early, arc", "numba", "runs of each scenario, as planned", "replicates = 16"):
         assert words in text
+
+
+@pytest.mark.slow
+def test_a_browser_shows_the_page_on_a_desk_and_on_a_telephone(study, tmp_path):
+    path = write_page(study, tmp_path / "page.html")
+    with launched() as browser:
+        for width in WIDTHS:
+            with visit(browser, path, width, offline=True) as shown:
+                fits(shown)
+                assert shown.locator("section.answer").count() == 9
+                box = shown.locator(".movie0").first.bounding_box()
+                assert box["width"] > 100
+                assert box["height"] > 30
 
 
 def test_a_page_of_a_study_without_a_plan_or_without_runs(study, monkeypatch, tmp_path):
