@@ -54,7 +54,7 @@ class RunValues:
 
     def shares(self, scenario: str, what: str) -> Floats:
         """Return the share of the cells of each run with an outcome, or a number of each run; empty without runs."""
-        if scenario not in self._stored:
+        if scenario not in self._stored or self._runs(scenario).empty:
             return np.empty(0)
         if what not in get_args(What):
             return self.numbers(scenario, what)
@@ -145,6 +145,8 @@ def correction_text(results: Results, plan: PlannedComparisons) -> str:
         many = f"{plan.count} planned comparisons, 95 % for all together ({how})"
     else:
         many = f"{plan.count} comparisons, 95 % for all together (Bonferroni)"
+    if results.replanned:
+        many += "; they were changed when there were runs"
     return many if results.as_planned else f"{many}; runs still come in or were added: valid at any time"
 
 

@@ -18,7 +18,18 @@ from dincl.study.parts import StoredPart, fingerprint
 from tissue.files.parameter_files import flat
 from tissue.files.parameters import Parameters, preset
 from tissue.study.planned import PlannedComparisons
-from tissue.study.store import COMPARE, COPY, about, note, part, pieces, planned_replicates, stored_part, trajectory
+from tissue.study.store import (
+    COMPARE,
+    COPY,
+    REPLANNED,
+    about,
+    note,
+    part,
+    pieces,
+    planned_replicates,
+    stored_part,
+    trajectory,
+)
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -86,6 +97,11 @@ class Results:
         """The files that are not as they were written; to run the study again computes their runs again."""
         stored = (piece for scenario in self.study.scenarios for piece in self._pieces(scenario))
         return [file for piece in stored for file in self._part(piece).damaged()]
+
+    @property
+    def replanned(self) -> bool:
+        """Whether the comparisons were changed when there were runs, so that they may have been chosen by these."""
+        return REPLANNED in self._noted
 
     @property
     def origin(self) -> dict[str, str]:

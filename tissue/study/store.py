@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import logging
 import os
 from collections.abc import Iterator, Mapping
@@ -37,9 +38,9 @@ ABOUT, COPY, LOCK = "study.json", "study.toml", "study.lock"
 KINDS = ("runs", "cells")
 # What is noted of a study: more than its identity. Behind it stands the checksum of it all.
 NOTED = ("title", "fingerprint", "processors", "replicates", *IDENTITY)
-# What some notes have besides: the comparisons that are planned; and the replicates, as they were planned one after the
-# other, where more than once.
-COMPARE, PLANNED = "compare", "planned"
+# What some notes have besides: the comparisons that are planned; the replicates, as they were planned one after the
+# other, where more than once; and whether the comparisons were changed when there were runs.
+COMPARE, PLANNED, REPLANNED = "compare", "planned", "replanned"
 
 
 def scenario_folder(folder: Path, kind: str, scenario: str) -> Path:
@@ -228,11 +229,19 @@ def _noted(folder: Path, study: TissueStudy, new: dict[str, Any]) -> str:
     if processors and processor() not in processors:
         log.warning("%s: begun on %s, goes on with %s: last bits may differ", folder, processors[0], processor())
     known = list(dict.fromkeys([*processors, processor()]))
-    compare = {} if study.compare is None else {COMPARE: study.compare.as_dict()}
-    planned = list(dict.fromkeys([*([] if old is None else planned_replicates(old)), study.replicates]))
-    grown = {PLANNED: planned} if len(planned) > 1 else {}
     own = {"title": study.title, "fingerprint": mark, "processors": known, "replicates": study.replicates}
-    noted = {**own, **new, **compare, **grown}
+    noted = {**own, **new, **_plans(folder, study, old)}
     write_note(path, {**noted, CHECKSUM: fingerprint(noted)})
     write_text(folder / COPY, study.text)
     return mark
+
+
+def _plans(folder: Path, study: TissueStudy, old: Mapping[str, Any] | None) -> dict[str, Any]:
+    """Return what is noted of comparisons and numbers of runs, and whether they were changed when runs were there."""
+    compare = {} if study.compare is None else {COMPARE: json.loads(json.dumps(study.compare.as_dict()))}
+    if old is None:
+        return compare
+    planned = list(dict.fromkeys([*planned_replicates(old), study.replicates]))
+    grown = {PLANNED: planned} if len(planned) > 1 else {}
+    later = bool(compare) and old.get(COMPARE) != compare[COMPARE] and any(folder.glob("parts/*/part-*.json"))
+    return {**compare, **grown, **({REPLANNED: True} if later or REPLANNED in old else {})}

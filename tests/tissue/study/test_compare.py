@@ -1,5 +1,7 @@
 """The section [compare] of a study: factors, contrasts, messages, and the answers."""
 
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -13,8 +15,9 @@ from tissue.statistics.contrasts import Family, ProportionContrast, p_value
 from tissue.statistics.sequences import bounded
 from tissue.study.answers import scenario_ratios
 from tissue.study.comparing import planned_answers
-from tissue.study.plan import load_study
+from tissue.study.plan import Piece, load_study
 from tissue.study.read import Results
+from tissue.study.store import note
 
 HEAD = """
 title = "Does the time matter, and more inside?"
@@ -164,6 +167,31 @@ def test_other_comparisons_change_no_run(monkeypatch):
     assert planned_answers(Results("out")).empty
     results = tissue.run_study(write(HEAD + FACTORS + COMPARE.replace('"controls_apical"', '"below"')), "out")
     assert set(planned_answers(results)["outcome"]) == {"basal", "below"}
+
+
+def test_comparisons_that_were_changed_later_are_said_to_be():
+    def said():
+        return CliRunner().invoke(app, ["summary", "out"]).stdout
+
+    write(HEAD + FACTORS + COMPARE)
+    tissue.run_study("study.toml", "out")
+    tissue.run_study("study.toml", "out")
+    assert not Results("out").replanned
+    assert "changed" not in said()
+    write(HEAD + FACTORS + COMPARE.replace('"basal"', '"below"'))
+    tissue.run_study("study.toml", "out")
+    write(HEAD + FACTORS + COMPARE)
+    assert tissue.run_study("study.toml", "out").replanned
+    assert "they were changed when there were runs" in said()
+
+
+def test_runs_behind_a_gap_do_not_count():
+    results = tissue.run_study(write((HEAD + FACTORS + COMPARE).replace("replicates = 40", "replicates = 136")), "out")
+    note(Path("out"), Piece("late, arc", 0, 128)).unlink()
+    assert not results.as_planned
+    table = planned_answers(results).set_index(["question", "outcome", "measure"])["runs"]
+    assert table["early - late, arc", "basal", "difference"] == 0
+    assert table["early - late, line", "basal", "difference"] == 136
 
 
 def test_what_was_not_planned_is_valid_at_any_time():
