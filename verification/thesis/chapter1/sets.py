@@ -1,4 +1,4 @@
-"""Sets and paths of chapter 1 in closed form: subgradients on a line, two discs, the outside of the unit disc."""
+"""Sets and paths of chapter 1 in closed form: two discs, the outside of the unit disc."""
 
 from __future__ import annotations
 
@@ -15,22 +15,7 @@ SAMPLES, SEED = 300, 12
 # What is left of numbers of size 1 after some hundred operations.
 ROUNDING = 1e-12
 
-# Exact in binary, so that no slope or place misses an end of an interval by rounding; -0.5, 0, 0.5, 1, 1.5 are places.
-SLOPES = np.arange(-40, 41) / 8
-PLACES = np.arange(-40, 41) / 8
 DOWN = np.array([0.0, -1.0])
-
-
-def subgradients(energy: Callable[[Floats], Floats], x: float) -> Floats:
-    """Return the slopes v with W(y) >= W(x) + v (y - x) at all places y: (1.9), where both sides may be infinite."""
-    here = energy(np.array([x]))[0]
-    bounds = here + SLOPES[:, None] * (PLACES - x)
-    return np.asarray(SLOPES[(energy(PLACES) >= bounds).all(axis=1) & np.isfinite(here)])
-
-
-def unlike(first: Floats, second: Floats) -> int:
-    """Count how many slopes lie in one of two sets only."""
-    return np.setxor1d(first, second).size
 
 
 def apart(y: Floats, least: float = 1.0) -> Floats:

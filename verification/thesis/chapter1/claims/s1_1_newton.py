@@ -6,15 +6,11 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-
-from verification.claims import Evidence, Verdict, at_most, equal, proved
+from verification.claims import Evidence, Verdict, at_most, equal, proved, put_right
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication
-from verification.thesis.chapter1.sets import SLOPES, Floats, subgradients, unlike
 from verification.thesis.text.quoted import claim
 
-WEIGHT = 2.0
 RADIUS, VISCOSITY, WATER = 5e-6, 0.1, 1.0016e-3  # [m], [Pa s], water at 20 °C [Pa s]
 WATER_DENSITY = 1e3  # [kg/m³]
 LITRE, MILLILITRE = 1e-3, 1e-6  # [m³]
@@ -52,24 +48,23 @@ def _impact() -> Evidence:
     )
 
 
-def ball_energy(x: Floats) -> Floats:
-    """Return W of the rubber ball."""
-    return np.where(x >= 0, WEIGHT * x, np.inf)
-
-
 @claim(
     "c1.ball-at-rest", "The ball has ∂W(x) = {mg} for x ≥ 0, and (-∞, 0] at x = 0.", "introduction", Verdict.CORRECTED
 )
 def _ball_at_rest() -> Evidence:
-    """All slopes that support W at 0, at 1 and below the ground."""
-    here, above, below = (subgradients(ball_energy, x) for x in (0.0, 1.0, -0.5))
-    elsewhere = unlike(above, np.array([WEIGHT])) + below.size
-    grid = f"slopes v = -5, -4.875 … 5 in only one of ∂W(0) and {{}}, mg being {WEIGHT:g},"
-    return Evidence(
-        printed=(equal(grid.format("(-∞, 0]"), unlike(here, SLOPES[SLOPES <= 0]), 0),),
-        corrected=(
-            equal(grid.format("(-∞, mg]"), unlike(here, SLOPES[SLOPES <= WEIGHT]), 0),
-            equal("slopes in only one of ∂W(1) and {mg}, and slopes in ∂W(-1/2)", elsewhere, 0),
+    """w = mg; v is a slope at x if W(y) - W(x) >= v (y - x) for all places y; below the ground W is infinite."""
+    return put_right(
+        implication(
+            "mg y ≥ v y at places y > 0 if and only if v ≤ mg, so ∂W(0) = (−∞, mg]",
+            lambda s, w, v, y: ([w > 0, y > 0], (w * y >= v * y) == (v <= s * w)),
+            "∂W(0) = (−∞, 0]",
+            0,
+        ),
+        implication(
+            "places on both sides leave v = mg alone, so ∂W(x) = {mg} for x > 0",
+            lambda s, w, v, d: ([w > 0, d > 0, w * d >= v * d, -s * w * d >= -s * v * d], v == w),
+            "∂W(x) = {mg} for x = 0, too, where there are places above only",
+            0,
         ),
     )
 

@@ -95,11 +95,6 @@ def _penalty() -> Evidence:
     )
 
 
-def indicator(x: Floats) -> Floats:
-    """Return I_S for S = [0, 1]."""
-    return np.where((x >= 0) & (x <= 1), 0.0, np.inf)
-
-
 @claim("c1.indicator", "As n grows, n dist(x, S) tends to the indicator function of S.", "section 1.3", Verdict.PROVED)
 def _indicator() -> Evidence:
     """d = dist(x, S), which is positive outside of the closed S; K is any bound."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from verification.claims import Evidence, Verdict, at_least, at_most, equal, proved
+from verification.claims import Evidence, Verdict, at_least, equal, proved, put_right
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication
 from verification.thesis.chapter1.lemmas import growth_of_distance, sign_values
@@ -29,16 +29,6 @@ def _one_sided() -> Evidence:
 def step_values(x: float) -> tuple[float, float]:
     """Return the least and the largest value of the right-hand side of (1.13)."""
     return (-1.0, 1.0) if x == 0 else (-np.sign(x), -np.sign(x))
-
-
-def steepest(sign: float) -> float:
-    """Return the largest (v - w)(x - y)/(x - y)^2 of sign times (1.13), over x = 0 and x != 0 and all y of the line."""
-    largest = -np.inf
-    for x in (0.0, 1e-8, 0.5):
-        for y in LINE[np.abs(LINE - x) > 0]:
-            ends = ((v - w) * (x - y) / (x - y) ** 2 for v in step_values(x) for w in step_values(y))
-            largest = max(largest, *(sign * end for end in ends))
-    return float(largest)
 
 
 @claim("c1.step-continuity", "(1.13) is upper semicontinuous and one-sided Lipschitz.", "Remark 1.14", Verdict.PROVED)
@@ -73,11 +63,18 @@ def _remark() -> Evidence:
     rests_on=("c1.step-continuity",),
 )
 def _monotone_maps() -> Evidence:
-    plain, turned = (f"x and y to 10⁻⁸ from 0: largest (v - w)(x - y)/(x - y)² of {name}" for name in ("sign", "-sign"))
-    return Evidence(
-        printed=(at_most(plain, steepest(-1.0), 0.0),),
-        corrected=(at_most(turned, steepest(1.0), 0.0), at_least(plain, steepest(-1.0), 1e6)),
+    """h and k are values of sign at x and y, any of [-1, 1] at 0."""
+    monotone = implication(
+        "(v − w)(x − y) ≤ 0 for all values v, w of −sign at any x, y",
+        lambda s, x, y, h, k: ([*sign_values(x, h), *sign_values(y, k)], s * (k - h) * (x - y) <= 0),
+        "(v − w)(x − y) ≤ 0 for all values of sign",
     )
+    steep = implication(
+        "for every L ≥ 0 the values 1 and −1 of sign at ±e, e = 1/(L + 1), have 2 · 2e > L(2e)²",
+        lambda s, L, e: ([L >= 0, e * (L + 1) == 1], s * 2 * 2 * e > L * (2 * e) * (2 * e)),
+        "the same for −sign",
+    )
+    return Evidence(printed=put_right(monotone).printed, corrected=(monotone, steep))
 
 
 @claim(

@@ -5,10 +5,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from verification.claims import Evidence, Verdict, at_most, equal, proved, put_right
-from verification.formal.reals import implication
-from verification.thesis.chapter1.claims.s1_2_constraints import indicator
-from verification.thesis.chapter1.sets import PLACES, ROUNDING, SLOPES, subgradients
+from verification.claims import Evidence, Verdict, at_most, proved, put_right
+from verification.formal.reals import implication, solver_library
+from verification.thesis.chapter1.sets import ROUNDING
 from verification.thesis.text.quoted import claim
 
 
@@ -33,13 +32,17 @@ def _convex_cone() -> Evidence:
 
 @claim("c1.outside", "Outside a convex set its normal cone is empty.", "after Definition 1.16", Verdict.CORRECTED)
 def _outside() -> Evidence:
-    """Definition 1.16 as printed, and with x in C, which is (1.9) for the indicator function."""
-    y = PLACES[np.isfinite(indicator(PLACES))]
-    inside = SLOPES[(SLOPES[:, None] * (y - 1.5) <= 0).all(axis=1)]
-    slopes = "slopes v = -5, -4.875 … 5 in N_C(3/2), C = [0, 1], as defined"
-    return Evidence(
-        printed=(equal(slopes, inside.size, 0),),
-        corrected=(equal(f"{slopes} with x ∈ C", subgradients(indicator, 1.5).size, 0),),
+    """C = [0, 1] and x > 1: v.(y - x) <= 0 for all y of C if it is so at both ends."""
+    return put_right(
+        implication(
+            "no v has v(y − x) ≤ 0 for all y ∈ [0, 1] and x ∈ [0, 1], where x > 1",
+            lambda s, v, x: (
+                [x > 1],
+                solver_library().Not(solver_library().And(s * x <= 1, v * (0 - x) <= 0, v * (1 - x) <= 0)),
+            ),
+            "N_C(x) = ∅ without x ∈ C in Definition 1.16, which v = 0 fulfils everywhere",
+            0,
+        )
     )
 
 
