@@ -12,8 +12,7 @@ from dincl.provenance import closure
 from tests.verification.thesis import evidence
 from tests.verification.thesis.chapter1 import test_claims as test_claims_chapter1
 from tests.verification.thesis.chapter2 import test_claims as test_claims_chapter2
-from tests.verification.thesis.chapter3 import test_claims_methods as test_claims_chapter3_methods
-from tests.verification.thesis.chapter3 import test_claims_model as test_claims_chapter3_model
+from tests.verification.thesis.chapter3 import test_claims as test_claims_chapter3
 from tests.verification.thesis.chapter4 import test_claims as test_claims_chapter4
 from tests.verification.thesis.chapter5 import test_claims as test_claims_chapter5
 from tests.verification.thesis.claim_changes import measured
@@ -35,8 +34,7 @@ def test_of_every_claim_something_is_made_wrong() -> None:
     files = (
         test_claims_chapter1,
         test_claims_chapter2,
-        test_claims_chapter3_methods,
-        test_claims_chapter3_model,
+        test_claims_chapter3,
         test_claims_chapter4,
         test_claims_chapter5,
     )

@@ -47,7 +47,7 @@ def cycles(seed: int) -> tuple[pd.Series, float]:
     "c3.phases",
     "Cycles last 10 to 21 hours, evenly distributed, and mitosis is the last 30 minutes of each.",
     "section 2.2.1, (3.1)",
-    rests_on=MODEL,
+    rests_on=("c3.forces", "c3.basal", "c3.offspring", "c3.enlarged", "c3.box", "c3.mu-unit", "c3.noise"),
     chosen="4 runs of 16 h; ages at the start are uniform on the cycle",
 )
 def _phases() -> Evidence:
