@@ -32,7 +32,7 @@ ORDER = {
     ),
     "verification": (
         "claims formal pytest_plugin page proofs instruments explore.common explore.inclusions explore.tissues explore",
-        "beyond.chart.baselines thesis.introduction thesis.conclusions thesis.appendix",
+        "beyond.chart.baselines thesis.text thesis.introduction thesis.conclusions thesis.appendix",
         "thesis.chapter1 thesis.chapter2 thesis.chapter2.stability",
         "thesis.chapter3 thesis.chapter3.sections thesis.chapter4 thesis.chapter5 thesis.chapter5.sections",
         "thesis.appendix.claims thesis.chapter1.claims thesis.chapter2.claims thesis.chapter3.claims",

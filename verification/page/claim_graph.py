@@ -11,7 +11,7 @@ MAKES_NO_NUMBERS = True
 COLUMN, ROW, BOX, HIGH, EDGE = 190, 26, 150, 20, 8
 
 
-class Box(NamedTuple):
+class ClaimBox(NamedTuple):
     """A claim at its place [dots], with the CSS class of its verdict."""
 
     id: str
@@ -71,10 +71,10 @@ class ClaimGraph:
         return sum(below) / max(len(below), 1)
 
     @property
-    def boxes(self) -> list[Box]:
+    def boxes(self) -> list[ClaimBox]:
         """All boxes."""
         return [
-            Box(name, EDGE + COLUMN * i, EDGE + ROW * k, self.looks.get(name, ""))
+            ClaimBox(name, EDGE + COLUMN * i, EDGE + ROW * k, self.looks.get(name, ""))
             for i, column in enumerate(self.columns)
             for k, name in enumerate(column)
         ]

@@ -207,13 +207,13 @@ def test_chapter_writes_its_charts_from_its_tables(tmp_path, monkeypatch):
     sections = chapter.CHAPTER.sections(context)
     assert len(sections) == 4
     parts = [part for section in sections for part in section.parts]
-    pictures = [part.picture.path for part in parts if part.verdict == "chart"]
+    pictures = [part.picture.path for part in parts if part.kind == "chart"]
     assert len(pictures) == 2
     assert all(Path(path).stat().st_size > 1000 for path in pictures)
-    files = {part.file for part in parts if part.verdict == "grid"}
+    files = {part.file for part in parts if part.kind == "grid"}
     assert files == {"work_precision", "work_reach", "work_times", "work_winners"}
     assert all((context.folder / f"{name}.csv").is_file() for name in files)
-    grids = [part for part in parts if part.verdict == "grid" and part.file == "work_winners"]
+    grids = [part for part in parts if part.kind == "grid" and part.file == "work_winners"]
     winners = [grid.rows["Cheapest"].tolist() for grid in grids if "Cheapest" in grid.rows]
     assert [row for one in winners for row in one] == context.tables["work_winners"]["cheapest"].tolist()
     before = context.tables
