@@ -113,8 +113,8 @@ def held(tables: dict[str, pd.DataFrame]) -> pd.DataFrame:
         for seed, table in tables[plane.name].groupby("method"):
             for name, along, across in zip(names, "xy", "yx", strict=True):
                 line = table[np.isclose(table[across], 1.0, rtol=maps.ROUNDING)].sort_values(along)
-                foretold = float(table["limit"].iloc[0]) if name == "alpha" else np.nan
-                rows.append({"seed": seed, "parameter": name} | _around(line, along) | {"limit": foretold})
+                predicted = float(table["limit"].iloc[0]) if name == "alpha" else np.nan
+                rows.append({"seed": seed, "parameter": name} | _around(line, along) | {"limit": predicted})
     return pd.DataFrame(rows)
 
 

@@ -96,7 +96,7 @@ def rates(table: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def foretold(errors: pd.DataFrame, made: pd.DataFrame) -> pd.DataFrame:
+def predicted(errors: pd.DataFrame, made: pd.DataFrame) -> pd.DataFrame:
     """Return one row for each preset and number of substeps: until when nuclei are predicted, from medians.
 
     Until the last time t [h] such that the error is at most PART of the distance of runs with other noise at all times

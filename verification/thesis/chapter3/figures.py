@@ -174,7 +174,7 @@ def maps(tables: dict[str, pd.DataFrame], path: Path) -> Path:
                 panel.set_yticks(FEW, [str(value) for value in FEW])
         figure.colorbar(shown, ax=panels, label="mean amplitude of the jitter [R_soft]", shrink=0.7, aspect=35)
         line, square = panels[0, 0].lines[0], panels[0, 0].plot([], [], "s", color=LOST, markersize=7)[0]
-        figure.legend([line, square], ["linear limit", "thrown out"], loc="outside lower center", ncols=2)
+        figure.legend([line, square], ["linear limit", "cells lost"], loc="outside lower center", ncols=2)
     return path
 
 

@@ -24,7 +24,7 @@ Floats = NDArray[np.float64]
 PRESETS = ("thesis", "published")
 # A coordinate beyond so many times the largest at the start has left the tissue: 48 h of growth treble it.
 FAR = 10.0
-THROWN = "BEYOND_BOUNDS"
+OUT_OF_BOUNDS = "BEYOND_BOUNDS"
 SUCCESS = Status.SUCCESS.name
 
 
@@ -46,7 +46,7 @@ class Growing:
     made
         Steps made.
     status
-        SUCCESS as long as the state is fit to go on, else the name of a ``Status``, or ``THROWN``.
+        SUCCESS as long as the state is fit to go on, else the name of a ``Status``, or ``OUT_OF_BOUNDS``.
     seconds
         Time spent on the steps made so far.
     pairs
@@ -73,9 +73,9 @@ class Growing:
             self.held, ended = group.states[0], int(group.ended[0])
             self.pairs += group.pairs
             self.made, self.status = (step, SUCCESS) if ended == RUNNING else (ended - 1, Status.NON_FINITE.name)
-        # Where cells are thrown out, what ends the run is a matter of chance: that they are is what counts.
+        # Chance decides how a run ends that loses cells; its status is that it lost them.
         if extent(self.frame().cells) > self.bound:
-            self.status = THROWN
+            self.status = OUT_OF_BOUNDS
         return self.status == SUCCESS
 
     def frame(self) -> Frame:

@@ -18,7 +18,7 @@ from tissue.state.numbers import Numbers
 from verification.thesis.chapter2.stability.plane import Axis, Plane, geometric
 from verification.thesis.chapter3 import frozen, linear
 from verification.thesis.chapter3.frozen import Frozen
-from verification.thesis.chapter3.growing import SUCCESS, THROWN, extent, far_from, growing
+from verification.thesis.chapter3.growing import OUT_OF_BOUNDS, SUCCESS, extent, far_from, growing
 from verification.thesis.chapter3.jitter import substepped, swing
 
 LABELS = {"thesis": "Thesis", "published": "Published"}
@@ -61,7 +61,7 @@ def _grown(method: str, limit: float, **changes: Any) -> dict[str, Any]:
 def _seen(frame: Frame | None, numbers: Numbers, scale: float, status: str) -> dict[str, Any]:
     found = None if frame is None else swing(frame.cells, frame.layers, numbers, scale)
     if found is None:
-        return {"amplitude": np.nan, "status": THROWN if status == SUCCESS else status}
+        return {"amplitude": np.nan, "status": OUT_OF_BOUNDS if status == SUCCESS else status}
     return {"amplitude": float(found.nuclei.mean()), "status": status}
 
 
@@ -129,7 +129,7 @@ def named(plane: Plane, name: str, title: str) -> Study:
     return replace(plane.study(), name=f"{name}_{plane.name}", title=f"{title}: {plane.title}")
 
 
-def thrown(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
+def losses(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
     """Return one row for each preset, from all maps of growing tissues: between which h/mu cells begin to be lost.
 
     ``held`` is the largest below which none were, ``lost`` the least at which some were; beside them the limit of a
@@ -151,7 +151,7 @@ def thrown(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
                 "mitosis": mitotic_limit(preset(name).numbers(), preset(name).start_numbers().height),
                 "held": fine[fine < lost * (1 - ROUNDING)].max(),
                 "lost": lost,
-                "foretold": float((jitters == (resting["scale"] > resting["limit"])).mean()),
+                "predicted": float((jitters == (resting["scale"] > resting["limit"])).mean()),
                 "cells": len(resting),
             }
         )

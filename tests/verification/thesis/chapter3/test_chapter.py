@@ -13,7 +13,7 @@ from verification.page.context import Context
 from verification.page.parts import number
 from verification.page.report import write_report
 from verification.thesis.chapter3.growing import SUCCESS
-from verification.thesis.chapter3.sections import foretold, growth, kernel, stability, substeps
+from verification.thesis.chapter3.sections import growth, kernel, predicted, stability, substeps
 from verification.thesis.chapter3.sections import page as chapter
 
 pytestmark = pytest.mark.slow
@@ -25,7 +25,7 @@ NAMES = [
     "At which step do substeps become unstable?",
     "How long does a substep take?",
 ]
-PARTS = (substeps.PART, foretold.PART, growth.PART, stability.PART, kernel.PART)
+PARTS = (substeps.PART, predicted.PART, growth.PART, stability.PART, kernel.PART)
 
 
 @pytest.fixture(scope="module")
@@ -75,10 +75,10 @@ def test_tables_lie_beside_the_page(made):
     folder = Path(made[1].folder)
     assert {path.stem for path in folder.glob("*.csv")} == {
         *("tissue_substeps", "tissue_errors", "tissue_orders", "tissue_heights", "tissue_enough"),
-        *("tissue_disturbed", "tissue_distances", "tissue_rates", "tissue_foretold"),
+        *("tissue_disturbed", "tissue_distances", "tissue_rates", "tissue_predicted"),
         *("tissue_growth", "tissue_ratios", "tissue_doubling"),
         *(f"tissue_map_{name}" for name in ("steps", "damping", "bending", "springs")),
-        *("tissue_thrown", "tissue_jitter", "tissue_swing", "tissue_limits", "tissue_limits_found"),
+        *("tissue_losses", "tissue_jitter", "tissue_swing", "tissue_limits", "tissue_limits_found"),
         *("tissue_kernel", "tissue_kernel_growth"),
     }
 

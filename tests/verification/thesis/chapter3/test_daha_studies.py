@@ -55,7 +55,7 @@ def test_the_steps_are_those_of_the_quasi_steady_run(rows):
     assert found["rms"].tolist() == pytest.approx([np.sqrt(((x - y) ** 2).sum() / x.shape[1])], rel=1e-10)
 
 
-def test_yardsticks_are_other_runs(rows):
+def test_baselines_are_other_runs(rows):
     assert set(rows["kind"]) == {"step", "run", "pbd", "other noise", "pbd with itself"}
     same = rows[(rows["kind"] == "pbd") & (rows["mu"] == 0.14)].set_index("substeps")["rms"]
     itself, noisy = (rows.loc[rows["kind"] == kind, "rms"].item() for kind in ("pbd with itself", "other noise"))

@@ -12,7 +12,7 @@ from tests.verification.thesis.shortened_tissue import simulated
 from tissue.frames.observables import height
 from verification.thesis.chapter2 import large_steps
 from verification.thesis.chapter3 import bench, disturbed, growing, growth, substeps
-from verification.thesis.chapter3.growing import PRESETS, SUCCESS, THROWN
+from verification.thesis.chapter3.growing import OUT_OF_BOUNDS, PRESETS, SUCCESS
 from verification.thesis.chapter3.intervals import over_seeds
 
 # What runs
@@ -48,7 +48,7 @@ def test_a_disturbance_has_the_size_asked_for():
     np.testing.assert_array_equal(plain.frame().cells.ax, other.frame().cells.ax)
 
 
-def test_thrown_out_cells_end_a_run():
+def test_lost_cells_end_a_run():
     run = growing.growing("thesis", 0, substeps=2)
     assert not run.to(5.0)
     assert run.status != SUCCESS
@@ -115,7 +115,9 @@ def made_up(order=1.0, lost=False):
                 "reference_height": 8.0,
             }
             about = {"preset": "thesis", "seed": seed, "substeps": count, "h": 1 / count, "t": 10.0, "seconds": 0.1}
-            rows.append(about | {"status": SUCCESS if fine else THROWN} | (numbers if fine else dict.fromkeys(numbers)))
+            rows.append(
+                about | {"status": SUCCESS if fine else OUT_OF_BOUNDS} | (numbers if fine else dict.fromkeys(numbers))
+            )
     return pd.DataFrame(rows)
 
 
@@ -163,14 +165,14 @@ def test_rates_of_growth_and_runs_that_part():
     assert found["jumped"].to_dict() == {1e-6: 0.0, 1e-3: 0.5}
 
 
-def test_foretold_as_long_as_the_error_is_below_half_of_other_noise():
+def test_predicted_as_long_as_the_error_is_below_half_of_other_noise():
     errors = pd.DataFrame(
         {"preset": "thesis", "substeps": 20, "t": [0.0, 1.0, 10.0, 20.0], "rms": [9.0, 0.4, 0.6, 0.1]}
     )
     made = disturbed.medians(apart())
-    assert disturbed.foretold(errors, made)["until"].tolist() == [1.0]
-    assert disturbed.foretold(errors.assign(rms=0.4), made)["until"].tolist() == [10.0]
-    assert disturbed.foretold(errors.assign(rms=[0.1, 0.6, 0.1, 0.1]), made)["until"].tolist() == [0.0]
+    assert disturbed.predicted(errors, made)["until"].tolist() == [1.0]
+    assert disturbed.predicted(errors.assign(rms=0.4), made)["until"].tolist() == [10.0]
+    assert disturbed.predicted(errors.assign(rms=[0.1, 0.6, 0.1, 0.1]), made)["until"].tolist() == [0.0]
 
 
 def test_small_disturbances_stay_small():
@@ -206,20 +208,20 @@ def test_the_damping_that_doubles(monkeypatch):
                 ratio = 2 - np.log(mu / (0.04 + 0.001 * seed)) / 3
                 lost = count == 20 and mu < 0.04
                 about = {"preset": "thesis", "seed": seed, "mu": mu, "substeps": count, "t": growth.FULL.end}
-                rows.append(about | {"ratio": np.nan if lost else ratio, "status": THROWN if lost else SUCCESS})
+                rows.append(about | {"ratio": np.nan if lost else ratio, "status": OUT_OF_BOUNDS if lost else SUCCESS})
     made = pd.DataFrame(rows)
     found = growth.doubling(made).set_index("kind")
     assert found.loc["fine", "mu"] == pytest.approx(0.041)
     assert found.loc["as the preset", "mu"] == pytest.approx(0.041)  # on the line through those that were not lost
     ratios = growth.ratios(made).set_index(["substeps", "mu"])
-    assert ratios.loc[(20, 0.025), ["lost", "to"]].tolist() == [3, THROWN]
+    assert ratios.loc[(20, 0.025), ["lost", "to"]].tolist() == [3, OUT_OF_BOUNDS]
     assert np.isnan(ratios.loc[(20, 0.025), "ratio"])
     assert ratios.loc[(80, 0.1), "ratio"] == pytest.approx(2 - np.log(0.1 / 0.041) / 3, abs=1e-3)
     assert np.isnan(growth.doubling(made.assign(ratio=made["ratio"] - 1))["mu"]).all()
 
 
 def test_what_the_text_says_of_growth():
-    # After 12 h: energies as printed grow faster, a smaller damping, too; with 20 substeps it throws cells out.
+    # After 12 h: energies as printed grow faster, a smaller damping, too; with 20 substeps it loses cells.
     ratio = {}
     for name, mu in (("thesis", 0.2), ("published", 0.2), ("published", 0.05)):
         run = simulated(name, 0, 12, **{"numerics.mu": f"{mu} h", "numerics.substeps": 40})

@@ -13,7 +13,7 @@ from verification.page.parts import Section
 from verification.page.prose import fill
 from verification.page.report import Chapter, Finding
 from verification.thesis.chapter3.growing import until
-from verification.thesis.chapter3.sections import catch_up, daha, foretold, growth, judged, kernel, stability, substeps
+from verification.thesis.chapter3.sections import catch_up, daha, growth, judged, kernel, predicted, stability, substeps
 from verification.thesis.chapter3.sections.part import PROSE
 from verification.thesis.chapter3.substeps import ENOUGH
 
@@ -21,7 +21,7 @@ from verification.thesis.chapter3.substeps import ENOUGH
 PARTS = (
     substeps.PART,
     catch_up.PART,
-    foretold.PART,
+    predicted.PART,
     growth.PART,
     stability.PART,
     daha.PART,

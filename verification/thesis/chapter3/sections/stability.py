@@ -26,7 +26,7 @@ def _run_stability(context: Context) -> None:
     tables = {name: context.rows_of(study, study.some(LINES)) for name, study in studies.items()}
     for name, table in tables.items():
         context.tables[f"tissue_map_{name}"] = table
-    context.keep("tissue_thrown", maps.thrown(tables))
+    context.keep("tissue_losses", maps.losses(tables))
     jitter = beyond.study(context.form(beyond.FULL))
     context.keep("tissue_swing", beyond.summary(context.rows_of(jitter, beyond.study(AGAIN), ("t",))))
     found = context.rows_of(limits.study(cases), limits.study(cases).some(FEW)).set_index("case")
@@ -35,11 +35,11 @@ def _run_stability(context: Context) -> None:
 
 
 def _stability(context: Context) -> Section:
-    found, swings, thrown = (context.tables[f"tissue_{name}"] for name in ("limits_found", "swing", "thrown"))
+    found, swings, losses = (context.tables[f"tissue_{name}"] for name in ("limits_found", "swing", "losses"))
     tables = {plane.name: context.tables[f"tissue_map_{plane.name}"] for plane in maps.PLANES}
     swing = context.draw("tissue_jitter", figures_tissue.jitter, swings)
     shown = context.draw("tissue_maps", figures_tissue.maps, tables)
-    said = fill(PROSE / "stability.html", **_limits(found), **_swings(swings), **_thrown(thrown))
+    said = fill(PROSE / "stability.html", **_limits(found), **_swings(swings), **_losses(losses))
     return Section(
         "At which step do substeps become unstable?",
         [
@@ -48,7 +48,7 @@ def _stability(context: Context) -> Section:
             Text(said["linear"]),
             Grid(named(found, COLUMNS["limits_found"]), said["limits"], "tissue_limits_found"),
             Grid(named(found, COLUMNS["limits_particulars"]), said["particulars"], "tissue_limits_found", folded=True),
-            Text(said["thrown"]),
+            Text(said["losses"]),
             Picture(shown, said["maps"]),
             Grid(named(swings, COLUMNS["swing"]), said["table"], "tissue_swing"),
             Follows(said["follows"]),
@@ -61,7 +61,7 @@ def _limits(found: pd.DataFrame) -> dict[str, Any]:
 
 
 def _swings(swings: pd.DataFrame) -> dict[str, Any]:
-    """Return each preset with its own substeps, and the most with which cells of the thesis preset are thrown out."""
+    """Return each preset with its own substeps, and the most with which cells of the thesis preset are lost."""
     own = [preset(name).numbers().substeps for name in swings["preset"]]
     presets = swings[swings["substeps"] == own].set_index("preset")
     lost = swings[(swings["preset"] == "thesis") & (swings["lost"] > 0)]
@@ -72,9 +72,9 @@ def _swings(swings: pd.DataFrame) -> dict[str, Any]:
     }
 
 
-def _thrown(thrown: pd.DataFrame) -> dict[str, Any]:
-    agreeing = 100 * float(np.average(thrown["foretold"], weights=thrown["cells"]))
-    return {"thrown": list(thrown.itertuples()), "foretold": agreeing}
+def _losses(losses: pd.DataFrame) -> dict[str, Any]:
+    agreeing = 100 * float(np.average(losses["predicted"], weights=losses["cells"]))
+    return {"losses": list(losses.itertuples()), "predicted": agreeing}
 
 
 PART = Part(_run_stability, _stability)

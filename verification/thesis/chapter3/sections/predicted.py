@@ -25,14 +25,14 @@ def _run(context: Context) -> None:
     context.keep("tissue_distances", disturbed.medians(apart))
     context.keep("tissue_rates", disturbed.rates(apart))
     context.keep(
-        "tissue_foretold", disturbed.foretold(context.tables["tissue_errors"], context.tables["tissue_distances"])
+        "tissue_predicted", disturbed.predicted(context.tables["tissue_errors"], context.tables["tissue_distances"])
     )
 
 
-def _foretold(context: Context) -> Section:
-    rates, foretold = context.tables["tissue_rates"], context.tables["tissue_foretold"]
+def _predicted(context: Context) -> Section:
+    rates, predicted = context.tables["tissue_rates"], context.tables["tissue_predicted"]
     picture = context.draw("tissue_disturbances", figures_tissue.disturbances, context.tables["tissue_distances"])
-    said = fill(PROSE / "foretold.html", **_chaos(rates), **_until(foretold))
+    said = fill(PROSE / "predicted.html", **_chaos(rates), **_until(predicted))
     return Section(
         "How long can nuclei be predicted?",
         [
@@ -40,7 +40,7 @@ def _foretold(context: Context) -> Section:
             Picture(picture, said["picture"]),
             Text(said["until"]),
             Grid(named(rates, COLUMNS["rates"]), said["rates"], "tissue_rates"),
-            Grid(named(foretold, COLUMNS["foretold"]), said["table"], "tissue_foretold", folded=True),
+            Grid(named(predicted, COLUMNS["predicted"]), said["table"], "tissue_predicted", folded=True),
             Follows(said["follows"]),
         ],
     )
@@ -56,15 +56,15 @@ def _chaos(rates: pd.DataFrame) -> dict[str, Any]:
     }
 
 
-def _until(foretold: pd.DataFrame) -> dict[str, Any]:
+def _until(predicted: pd.DataFrame) -> dict[str, Any]:
     rows = []
     for name in PRESETS:
-        until = foretold[foretold["preset"] == name].set_index("substeps")["until"]
+        until = predicted[predicted["preset"] == name].set_index("substeps")["until"]
         own, finest = preset(name).numbers().substeps, int(until.index.max())
         rows.append(
             {"preset": name, "own": own, "own_until": until[own], "finest": finest, "finest_until": until[finest]}
         )
-    return {"presets": rows, "looked_at": foretold["looked_at"].max()}
+    return {"presets": rows, "looked_at": predicted["looked_at"].max()}
 
 
-PART = Part(_run, _foretold)
+PART = Part(_run, _predicted)
