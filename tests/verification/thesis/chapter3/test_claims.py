@@ -146,7 +146,7 @@ CHANGES: Mapping[str, Wrong] = {
         "printed_edges",
         replaced(lambda edges, mother, new: edges | {(new, mother)} if mother else edges),
     ),
-    "c3.dimensions": of("s2_2_6_energies", "R_SOFT_UM", replaced(1.0), TRUE),
+    "c3.dimensions": of("s2_2_6_energies", "R_SOFT", replaced(1.0), TRUE),
     "c3.forces": of("s2_2_6_energies", "repulsion", times(-1.0)),
     "c3.at-all-times": of("s2_2_7_states", ("HARD", "ENLARGED"), replaced(0.0), TRUE),
     "c3.equal-radii": of("s2_2_7_states", "ENLARGED", replaced(1.66 / 5.0), TRUE),

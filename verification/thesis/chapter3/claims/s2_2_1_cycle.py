@@ -19,12 +19,10 @@ from tissue.state.running import contents, new_state
 from verification.claims import Evidence, Tables, Verdict, at_least, at_most, equal, proved
 from verification.formal.algebra import identity, library
 from verification.thesis.chapter3.claims.s1_3_model import grown
+from verification.thesis.chapter3.printed import DT, G2, LONGEST, MITOSIS, R_SOFT, SHORTEST
 from verification.thesis.chapter3.sampled import MODEL, SEEDS, daha_runs_ending, of_mean, runs_for
 from verification.thesis.text.quoted import claim
 
-# Tables 1 and 2, in μm, hours and 1/h.
-R_SOFT, G2, MITOSIS, SHORTEST, LONGEST = 5.0, 0.5, 0.5, 10.0, 21.0
-DT = 0.1
 # p^div of Table 1; cells after 48 h over those at the start.
 ADDED, TOO_FAST, MODERATE = 0.2, 4.0, 2.5
 # How near the mean cycle of 50 cells or so in a run comes to that of (3.1) [h].

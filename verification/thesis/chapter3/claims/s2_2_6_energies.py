@@ -17,13 +17,11 @@ from tissue.state.cells import COORDINATES, Cells
 from verification.claims import Evidence, Verdict, at_most, equal, proved, put_right
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication, solver_library
+from verification.thesis.chapter3.printed import AA, AX, AXB, BX, R_SOFT, XX
 from verification.thesis.chapter3.sampled import of_mean
 from verification.thesis.chapter3.terms import STEP, Point, bending, junction, repulsion, slope, spring
 from verification.thesis.text.quoted import claim
 
-# Table 2; lengths in R_soft.
-AA, AX, BX, XX, AXB = 5.0, 2.0, 2.0, 1.0, 15.0
-R_SOFT_UM = 5.0
 SEEDS = tuple(range(3))
 # Force over overlap: (α_i + α_j)/R² with R = 2 R_soft and α = 1, in src/core/compute_forces.jl of SteffenPL/sEMTor.jl.
 PUBLISHED_REPULSION = 0.5
@@ -68,8 +66,8 @@ def push(d: float) -> float:
 def _dimensions() -> Evidence:
     """One cell, in units of R_soft and in um: a number without unit is the same in both."""
     a, x, b = (0.0, 8.0), (0.5, 3.0), (0.0, 0.0)
-    bent = [bending(scaled(a, unit), scaled(x, unit), scaled(b, unit), AXB) for unit in (R_SOFT_UM, 1.0)]
-    printed, right = (terms(R_SOFT_UM, squared=squared) / terms(1.0, squared=squared) for squared in (False, True))
+    bent = [bending(scaled(a, unit), scaled(x, unit), scaled(b, unit), AXB) for unit in (R_SOFT, 1.0)]
+    printed, right = (terms(R_SOFT, squared=squared) / terms(1.0, squared=squared) for squared in (False, True))
     off = max(abs(push(d) - PUBLISHED_REPULSION * (2 - d)) for d in (0.7, 1.0, 1.5, 1.9))
     before = float(np.mean(grown("thesis")))
     higher = f"height after 48 h over the height at the start, μ = 0.2 h (denominators as printed: {before:.2f})"

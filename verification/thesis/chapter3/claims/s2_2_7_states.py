@@ -21,16 +21,17 @@ from tissue.state.cells import COORDINATES, Cells
 from tissue.state.numbers import numbers_pointer
 from tissue.state.running import contents, new_state
 from verification.claims import Evidence, Verdict, at_least, at_most, equal
+from verification.thesis.chapter3.printed import AX, ENLARGED, HARD, R_SOFT
 from verification.thesis.chapter3.terms import spring
 from verification.thesis.text.quoted import claim
 
-# Table 2 and (3.7), in μm; (3.4) in units of R_soft.
-R_SOFT, HARD, OFFSET, ENLARGED = 5.0, 1.66, 0.05, 0.7
+# Of (3.7) [μm].
+OFFSET = 0.05
 ROUNDING, TOL = 1e-9, 1e-6
 # Rest lengths that are off by this [R_soft], as they are between G2 and the hour after.
 OFF = 0.5
-# A spring of the cytoskeleton: stiffness of Table 2, initial rest length of 1.5 R_soft.
-STIFFNESS, REST = 2.0, 1.5
+# Initial rest length of a spring of the cytoskeleton [R_soft].
+REST = 1.5
 STARTS, WEIGHTS, STEPS = (1.8, 2.2, 3.0, 4.0), (0.3, 1.0, 3.0), 400
 
 
@@ -162,7 +163,7 @@ def regularised(d: float, weight: float, power: int) -> float:
     """Return one step of Remark 3.2 for the length d of a single spring (3.9), with |z − z^k|^power."""
 
     def total(z: float) -> float:
-        return spring(z, REST, STIFFNESS) + weight * abs(z - d) ** power
+        return spring(z, REST, AX) + weight * abs(z - d) ** power
 
     found = minimize_scalar(total, bounds=(1.0, 6.0), method="bounded", options={"xatol": 1e-10}).x
     return d if total(d) <= total(found) else float(found)

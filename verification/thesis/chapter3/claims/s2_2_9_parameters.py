@@ -15,17 +15,14 @@ from verification.claims import Evidence, Verdict, at_least, equal, proved
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication
 from verification.thesis.chapter3.intervals import over_seeds
+from verification.thesis.chapter3.printed import CELLS, G2, HEIGHT, MITOSIS, R_SOFT, SPACING, WIDTH
 from verification.thesis.chapter3.sampled import MODEL, SEEDS, runs_for
 from verification.thesis.text.quoted import claim
 
 MANY = 12
-# Table 1 in μm: soft radius, height and width at the start, number of cells, distance of their apical points.
-R_SOFT, HEIGHT, WIDTH, CELLS, SPACING = 5.0, 50.0, 40.0, 60, 1.66
 # The first height of Figure 16, and of the published program SteffenPL/sEMTor.jl (src/core/parameters.jl, line 18:
 # size = [N_init/3, 8]), both in R_soft.
 FIRST_HEIGHT, PUBLISHED_HEIGHT = 8.0, 8.0
-# Table 2, in minutes.
-G2, MITOSIS = 30.0, 30.0
 TOL = 1e-6
 # z of a 99.9 % interval.
 Z = 3.29
@@ -193,7 +190,7 @@ def _offspring() -> Evidence:
 
 def text_rule(age: np.ndarray, cycle: float) -> np.ndarray:
     """(3.4): whether the radius is the enlarged one."""
-    return age >= cycle - MITOSIS / 60
+    return age >= cycle - MITOSIS
 
 
 @claim(
@@ -207,4 +204,6 @@ def text_rule(age: np.ndarray, cycle: float) -> np.ndarray:
 def _enlarged() -> Evidence:
     ages = (np.arange(60 * 60 * 14) + 0.5) / 3600
     minutes, what = float(text_rule(ages, 14.0).sum()) / 60, "time with the radius 0.7 R^soft by (3.4) [min]"
-    return Evidence(printed=(equal(what, minutes, G2 + MITOSIS, 1.0),), corrected=(equal(what, minutes, MITOSIS, 1.0),))
+    return Evidence(
+        printed=(equal(what, minutes, 60 * (G2 + MITOSIS), 1.0),), corrected=(equal(what, minutes, 60 * MITOSIS, 1.0),)
+    )

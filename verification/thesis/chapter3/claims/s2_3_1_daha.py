@@ -12,12 +12,11 @@ import dincl
 from dincl.minimise import DampedArrowHurwicz, Stationary, minimise
 from verification.claims import Evidence, Verdict, at_least, at_most, equal, proved
 from verification.formal.algebra import identity, library
+from verification.thesis.chapter3.printed import ALPHA, BETA, EPS, GAMMA, C
 from verification.thesis.text.quoted import claim
 
 Floats = NDArray[np.float64]
 ROUNDING, TOL = 1e-12, 1e-8
-# Table 4.
-ALPHA, BETA, GAMMA, C, EPS = 1e-4, 0.25, 1e-3, 2.0, 1e-6
 # Factors of c = 2: 1 and 2 are the last but two and the last but one.
 DAMPINGS = (0.1, 0.5, 1.0, 2.0, 10.0)
 # What counts as more, where a parameter is doubled.

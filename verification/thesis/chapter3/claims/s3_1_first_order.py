@@ -16,12 +16,11 @@ from verification.claims import Evidence, Verdict, at_least, at_most, equal, pro
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication
 from verification.thesis.chapter3.linear import own_hessians
+from verification.thesis.chapter3.printed import ALPHA, AX, AXB, BETA, DT, GAMMA, MU, SUBSTEPS, USUAL, C
 from verification.thesis.text.quoted import claim
 
 Floats = NDArray[np.float64]
 SEED = 36
-# Tables 3 to 5 in units of R_soft and hours, and section 3.1.
-DT, MU, ALPHA, USUAL, SUBSTEPS = 0.1, 0.15, 1e-4, 7500, 20
 # Sections 3 and 3.4: seconds of DAHA and of PBD for the same task; the damping that is said to be predicted [h].
 DAHA_SECONDS, PBD_SECONDS, TOLD = (27.0, 28.0), 0.08, 0.14
 # Of integrations with a tolerance of 1e-10, of numbers that are printed with four digits, and of rounding.
@@ -30,7 +29,7 @@ SAMPLES = 50_000
 # Ten standard errors of a variance from that many samples.
 SPREAD = 10 * math.sqrt(2 / SAMPLES)
 # 2 alpha (1/u^2 + 1/v^2 + 1/(u v)) for straightness with u = v = 1, and 4 alpha max(1, |1 - l/d|)/l for both springs.
-LIPSCHITZ = 2 * 15 * 3 + 2 * 4 * 2 * 1.5 / 2.5
+LIPSCHITZ = 2 * AXB * 3 + 2 * 4 * AX * 1.5 / 2.5
 
 
 @claim(
@@ -73,7 +72,7 @@ def _scaled() -> Evidence:
 def daha_step() -> float:
     """Return what is left of z - a after a step of DAHA with Table 4, W = |z - a|^2, over what was there; a = 0."""
     spring = dincl.Problem([[1.0, 1.0]], lambda _t, x: -2 * x)
-    method = DampedArrowHurwicz(ALPHA, 0.25, 1e-3, 2.0, 1.0, Stationary(TOL), 1)
+    method = DampedArrowHurwicz(ALPHA, BETA, GAMMA, C, 1.0, Stationary(TOL), 1)
     return float(minimise(spring, method, throw=False).x[0, 0])
 
 

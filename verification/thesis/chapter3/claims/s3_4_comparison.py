@@ -13,22 +13,14 @@ from tissue.quasi_steady.daha import TissueArrowHurwicz
 from tissue.quasi_steady.frozen import particles
 from tissue.quasi_steady.judge import local_minimum
 from verification.claims import Comparison, Evidence, Tables, Verdict, at_least, at_most, equal
-from verification.thesis.chapter3.daha import (
-    COMPARED,
-    DOUBLED_CASE,
-    OWN,
-    PBD_SUBSTEPS,
-    PRINTED,
-    TERMINATING,
-    THEORY,
-    TIMES,
-)
+from verification.thesis.chapter3.daha import COMPARED, DOUBLED_CASE, OWN, PRINTED, TERMINATING, THEORY, TIMES
 from verification.thesis.chapter3.intervals import CONFIDENCE
 from verification.thesis.chapter3.judged import TOL, begun, floored
+from verification.thesis.chapter3.printed import SUBSTEPS, USUAL
 from verification.thesis.chapter3.sampled import SEEDS, daha_runs_ending, needed, of_column, of_mean, row_of
 from verification.thesis.text.quoted import claim
 
-USUAL, SHARE, DISTANCE, SUBSTEPS = 7500, 0.25, 0.06, min(PBD_SUBSTEPS)
+SHARE, DISTANCE = 0.25, 0.06
 # "Roughly every fourth", "close to", "almost optimal": what is taken as such.
 ROUGHLY, CLOSE, ALMOST = 0.1, 0.25, 1.5
 # Time steps in 10 h, each with SUBSTEPS gradients of PBD.

@@ -13,10 +13,11 @@ from tissue.frames.frame import Frame
 from tissue.frames.observables import ab_positions
 from tissue.runs.simulate import simulate
 from verification.claims import Evidence, Tables, Verdict, at_least, at_most, equal
-from verification.thesis.chapter3.claims.s3_4_comparison import DAHA, FLOOR, SHARE, SUBSTEPS
+from verification.thesis.chapter3.claims.s3_4_comparison import DAHA, FLOOR, SHARE
 from verification.thesis.chapter3.daha import COMPARED, DOUBLED_CASE, TERMINATING, TIMES
 from verification.thesis.chapter3.growing import PRESETS
 from verification.thesis.chapter3.intervals import CONFIDENCE
+from verification.thesis.chapter3.printed import SUBSTEPS
 from verification.thesis.chapter3.sampled import (
     MODEL,
     SEEDS,
