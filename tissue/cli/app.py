@@ -18,7 +18,7 @@ from dincl.study import progress
 from tissue.cli.messages import RUN_FAILED, messages
 from tissue.cli.parameters import list_parameters
 from tissue.cli.studies import figures, page, study, summarise
-from tissue.files.parameter_files import PRESETS
+from tissue.files.parameter_files import BASES, PRESETS
 
 if TYPE_CHECKING:
     from tissue.files.parameters import Parameters
@@ -108,7 +108,7 @@ def movie(
 
 
 def _parameters(file: str) -> Parameters:
-    from tissue.files.parameters import BASES, load, preset
+    from tissue.files.parameters import load, preset
 
     if file in PRESETS:
         return preset(file)

@@ -13,6 +13,7 @@ from dincl.errors import InvalidProblem
 
 FOLDER = Path(__file__).parent / "presets"
 PRESETS = ("thesis", "corrected", "published", "chick", "gastrulation", "cuboidal")
+BASES = ", ".join(f'"{name}"' for name in PRESETS[:-1]) + f' or "{PRESETS[-1]}"'
 # What stands for the name of a type of cells in the names of its keys.
 TYPE = "NAME"
 

@@ -23,7 +23,7 @@ from tissue.files.keys import all_keys, optional_sections
 from tissue.files.layer import curve_of
 from tissue.files.messages import known_keys, known_only, problems, refuse, unknown
 from tissue.files.own_modules import bring, imported, placed
-from tissue.files.parameter_files import FOLDER, PRESETS, general, merged, nested, read, written
+from tissue.files.parameter_files import BASES, FOLDER, PRESETS, general, merged, nested, read, written
 from tissue.files.plain_numbers import to_exchange, to_lattice, to_numbers, to_start_numbers
 from tissue.files.scenario import CellGroup, Scenario
 from tissue.files.sections import (
@@ -46,8 +46,6 @@ from tissue.plugins import DivisionRule
 from tissue.state.basal_curve import LINE, BasalCurve
 from tissue.state.numbers import Daha, Numbers, StartNumbers
 from tissue.state.space import SPATIAL, Exchange
-
-BASES = ", ".join(f'"{name}"' for name in PRESETS[:-1]) + f' or "{PRESETS[-1]}"'
 
 
 class Parameters(BaseModel):
@@ -102,8 +100,7 @@ class Parameters(BaseModel):
         Parameters
         ----------
         changes
-            Values as in a file by keys with section: {"numerics.mu": "0.1 h", "tissue.cells": 30}; those of a type have
-            its name, {"types.soft.cells": 5}.
+            Values as in a file by keys with section: {"numerics.mu": "0.1 h", "types.soft.cells": 5}.
 
         Raises
         ------
@@ -261,16 +258,11 @@ def based_on(base: Any, folder: Path, above: tuple[Path, ...] = ()) -> Parameter
 
 
 def preset(name: str) -> Parameters:
-    """Return the parameters of a preset.
+    """Return the parameters of a preset; raises InvalidProblem if there is none of this name.
 
     "thesis" is as printed with misprints corrected, but for the energies; "corrected" is "thesis" with the energies
     without dimension, and nothing else; "published" is as in the published runs; "chick", "gastrulation" and "cuboidal"
     are of the public TypeScript program.
-
-    Raises
-    ------
-    InvalidProblem
-        If there is no preset of this name.
     """
     if not isinstance(name, str) or name not in PRESETS:
         raise InvalidProblem(f"preset {describe(name)}: must be {BASES}")

@@ -111,7 +111,7 @@ def _events() -> str:
 
 
 def _parts(arrays: Arrays) -> Parts:
-    """Return the state that the arrays are."""
+    """Make a state of the arrays."""
     cells = Cells(**{name: arrays[f"cells.{name}"] for name in Cells._fields})
     layers = CellLayers(arrays["layers.apical"], arrays["layers.basal"])
     emt = Emt(**{name: arrays[f"emt.{name}"] for name in Emt._fields})

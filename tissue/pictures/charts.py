@@ -10,7 +10,6 @@ from typing import Any, Literal
 import numpy as np
 import pandas as pd
 
-from tissue.pictures.emt import EMT_COLOURS
 from tissue.pictures.sheet import GREY, Axes, Figure, Line2D, Patch, style
 from tissue.statistics.categories import What, in_time, kept_times, time_column, timed
 from tissue.statistics.proportions import LEVEL
@@ -44,7 +43,6 @@ ENVIRONMENTS = {
     "table5_35": ("#2fa89a", "heterogeneous, 35 % [P]"),
     "table5_7": ("#7fcabf", "heterogeneous, 7 % [P]"),
 }
-EVENT_COLOURS = EMT_COLOURS
 POSITION = "$y_{AB}$"
 PERCENT = f"{100 * LEVEL:g} %"
 INTERVALS = f"{PERCENT} Wilson intervals on the effective number of cells"

@@ -129,7 +129,7 @@ class _Steps:
         self._found: list[tuple[int, bool, float, float]] = []
 
     def run(self, watch: Callable[[float], None] | None) -> QuasiSteadyRun:
-        """Return all steps, and the states at the output times."""
+        """Make all steps; return the run with its states at the output times."""
         frames, made, detail, status = [self._frame(0.0)], 0, "", Status.SUCCESS
         for wanted in output_steps(self._parameters):
             while status and made < wanted:
@@ -154,7 +154,7 @@ class _Steps:
         return Frame(t, *contents(self._state), checkpoint=checkpoint)
 
     def _step(self, t: float) -> tuple[Status, str]:
-        """Return one step dt to time t, through a minimum; how it ended, and the particulars of a failure in words."""
+        """Make one step dt to time t, through a minimum; return how it ended, and a failure in words."""
         numbers, named = self._parameters.numbers(), self._parameters.named_numbers()
         if is_full(self._state, t):
             self._state = grown(self._state)

@@ -72,7 +72,7 @@ class Batch:
                     yield step * dt
 
     def runs(self, watch: Callable[[float], None] | None = None) -> list[Run]:
-        """Return the runs to their ends; ``watch`` gets the time [h] of each state of the first one as it is kept.
+        """Make the runs to their ends; ``watch`` gets the time [h] of each saved state of the first one.
 
         Where a function of a user fails, all that go on end with what they have: which of them it was, is not known.
         """

@@ -43,7 +43,7 @@ class Group:
 
     Attributes
     ----------
-    stores
+    states
         The tissues, up to WIDTH.
     forces
         Those of users that act, with their strengths, in the order of their names.
@@ -90,7 +90,7 @@ class Group:
         return made, end
 
     def make_substeps(self) -> bool:
-        """Return all substeps of one dt with rules that stand still; whether no cell of the first tissue is lost."""
+        """Make all substeps of one dt without rules; return whether no cell of the first tissue is lost."""
         with answered():
             move_all(self._step)
         return bool(find_lost(self.states[0]) < 0)
@@ -101,7 +101,7 @@ class Group:
         return int(self._workspaces.pairs[0])
 
     def _place(self) -> None:
-        """Make room for the substeps, and tell the kernel where everything is."""
+        """Make room for the substeps, and collect for the kernel where everything is."""
         width = len(self.ended)
         addresses = [state.address for state in self.states]
         states = np.array(addresses + addresses[-1:] * (width - len(addresses)))

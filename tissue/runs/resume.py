@@ -151,7 +151,7 @@ def _kinds(parameters: Parameters, cells: Cells, past: TissueCheckpoint) -> Inte
 
 
 def _placed(parameters: Parameters, start: Frame, cells: Cells, random: Streams) -> Crowd:
-    """Return the groups where the parameters have them."""
+    """Return the groups at the places that the parameters give them."""
     groups, n = parameters.groups(), len(cells.x)
     if 0 < groups[0].scenario.cells > n - 2:
         raise InvalidProblem(
