@@ -87,7 +87,7 @@ def to_start_numbers(parameters: Parameters, curve: BasalCurve) -> StartNumbers:
 
 # At the boundary of an open sheet neighbours are apart by the range of nuclei at most, or by twice the largest distance
 # of basal points. With 2/3 R_soft the edge of a sheet frays into fingers: its junctions grow longer than that.
-LEAST_REACH, REACH = SOFT, 2.0
+LEAST_EDGE, EDGE = SOFT, 2.0
 
 
 def to_lattice(parameters: Parameters) -> Lattice:
@@ -109,6 +109,6 @@ def to_exchange(parameters: Parameters) -> Exchange:
     largest, space = parameters.tissue.max_basal_distance, parameters.space
     return Exchange(
         margin=space.flip_margin,
-        reach=max(LEAST_REACH, REACH * reduced(largest, parameters.cell.soft_radius)),
+        longest=max(LEAST_EDGE, EDGE * reduced(largest, parameters.cell.soft_radius)),
         new_rest=MEAN if space.new_rest == "mean" else PRESENT,
     )

@@ -12,7 +12,7 @@ from dincl.compiled.lanes import floored
 from tissue.kernels.surface_workspace import MANY, SurfaceWorkspace
 from tissue.state.cells import Floats, Integers
 
-# How much wider than the reach a bin is, of rounding: coordinates are below 1e6.
+# How much wider than the cutoff a bin is, of rounding: coordinates are below 1e6.
 ROUNDING = 1e-9
 MOST_BINS = 1 << 20
 
@@ -20,15 +20,15 @@ Three = tuple[int, int, int]
 
 
 @inner
-def sort_in_bins(work: SurfaceWorkspace, n: int, reach: float) -> Three:
-    """Sort n nuclei by counting: whoever is nearer than ``reach`` is in bins beside each other. How many on each axis.
+def sort_in_bins(work: SurfaceWorkspace, n: int, cutoff: float) -> Three:
+    """Sort n nuclei by counting: whoever is nearer than ``cutoff`` is in bins beside each other. How many on each axis.
 
     Bins go on along y first, then along z; in a bin the cells keep their order.
     """
-    reach *= 1.0 + ROUNDING
+    cutoff *= 1.0 + ROUNDING
     along_x, along_z = work.along_x.length, work.along_z.length
-    many_x, many_y = how_many(work.x, n, along_x, reach), how_many(work.y, n, 0.0, reach)
-    many_z = how_many(work.z, n, along_z, reach)
+    many_x, many_y = how_many(work.x, n, along_x, cutoff), how_many(work.y, n, 0.0, cutoff)
+    many_z = how_many(work.z, n, along_z, cutoff)
     while many_x * many_y * many_z > max(2 * n, 1):
         largest = max(many_x, many_y, many_z)
         if many_x == largest:
@@ -39,24 +39,24 @@ def sort_in_bins(work: SurfaceWorkspace, n: int, reach: float) -> Three:
             many_z = (many_z + 1) // 2
     for i in range(n):
         work.bin[i] = 0
-    _add_axis(work.bin, work.x, n, many_x, along_x / many_x if along_x > 0.0 else reach)
-    _add_axis(work.bin, work.z, n, many_z, along_z / many_z if along_z > 0.0 else reach)
-    _add_axis(work.bin, work.y, n, many_y, reach)
+    _add_axis(work.bin, work.x, n, many_x, along_x / many_x if along_x > 0.0 else cutoff)
+    _add_axis(work.bin, work.z, n, many_z, along_z / many_z if along_z > 0.0 else cutoff)
+    _add_axis(work.bin, work.y, n, many_y, cutoff)
     _count(work, n, many_x * many_y * many_z)
     return many_x, many_y, many_z
 
 
 @inner
-def how_many(at: Floats, n: int, length: float, reach: float) -> int:
+def how_many(at: Floats, n: int, length: float, cutoff: float) -> int:
     """Return how many bins of this width an axis takes: those that fit into the period, or as far as there are
     nuclei.
     """
     if length > 0.0:
-        return max(1, int(min(length / reach, MOST_BINS)))
+        return max(1, int(min(length / cutoff, MOST_BINS)))
     low, high = 1e300, -1e300
     for i in range(n):
         low, high = min(low, at[i]), max(high, at[i])
-    return int(min((high - low) / reach, MOST_BINS)) + 2 if high >= low else 1
+    return int(min((high - low) / cutoff, MOST_BINS)) + 2 if high >= low else 1
 
 
 @inner

@@ -48,7 +48,7 @@ def list_before(work: Workspace, i: int) -> int:
 
 @inner
 def list_ranges(work: Workspace, i: int, boxes: bool) -> int:
-    """Return the same with boxes or without, where speed does not matter."""
+    """Find the cells near cell i, with boxes or without, where speed does not matter: how many ranges hold them."""
     if boxes:
         return list_before(work, i)
     work.begin[0], work.end[0] = work.first[i], i
@@ -116,10 +116,10 @@ def next_window(work: Workspace, i: int, j: int, ahead: Any, share: float, extra
     before it: so each pair whose discs overlap is in the windows. One cell out of order makes windows longer, never
     wrong. ``j`` and ``ahead``, F_i, are those of the cell before, 0 and -1e300 for the first one.
     """
-    x, reach = load(work.x, i), share * load(work.radius, i) + extra
-    ahead = maximum(ahead, x + reach)
+    x, extent = load(work.x, i), share * load(work.radius, i) + extra
+    ahead = maximum(ahead, x + extent)
     store(work.front, i, ahead)
-    return _first_beyond(work.front, x - reach, j, i), ahead
+    return _first_beyond(work.front, x - extent, j, i), ahead
 
 
 @inner
@@ -167,9 +167,9 @@ def _surround(work: Workspace, p: int, begin: int, end: int, share: float, extra
     right, left = spread(work.x, -1e300), spread(work.x, -1e300)
     top, bottom = right, right
     for i in range(begin, end):
-        x, y, reach = load(work.x, i), load(work.y, i), share * load(work.radius, i) + extra
-        right, left = maximum(x + reach, right), maximum(reach - x, left)
-        top, bottom = maximum(y + reach, top), maximum(reach - y, bottom)
+        x, y, extent = load(work.x, i), load(work.y, i), share * load(work.radius, i) + extra
+        right, left = maximum(x + extent, right), maximum(extent - x, left)
+        top, bottom = maximum(y + extent, top), maximum(extent - y, bottom)
     store(work.right, p, right)
     store(work.left, p, left)
     store(work.top, p, top)

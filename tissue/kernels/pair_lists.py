@@ -112,8 +112,8 @@ def refresh_lists(work: SurfaceWorkspace, n: int, wide: SurfaceWorkspace, rows: 
 def make_lists(work: SurfaceWorkspace, n: int) -> None:
     """Both lists, from where the nuclei are now."""
     soft, hard = SOFT + SKIN, 2.0 * largest_radius(work, n) + SKIN
-    work.reach[0] = max(soft, hard) if work.repulsion != 0.0 else hard
-    list_pairs(work, n, work.reach[0])
+    work.cutoff[0] = max(soft, hard) if work.repulsion != 0.0 else hard
+    list_pairs(work, n, work.cutoff[0])
     for i in range(n):
         work.made_x[i], work.made_y[i], work.made_z[i] = work.x[i], work.y[i], work.z[i]
     work.state[FRESH] = 1
@@ -129,13 +129,13 @@ def largest_radius(work: SurfaceWorkspace, n: int) -> float:
 
 
 @inner
-def list_pairs(work: SurfaceWorkspace, n: int, reach: float) -> None:
-    """List the nuclei that are nearer than ``reach``, and of these the hard balls whose gap is below the skin.
+def list_pairs(work: SurfaceWorkspace, n: int, cutoff: float) -> None:
+    """List the nuclei that are nearer than ``cutoff``, and of these the hard balls whose gap is below the skin.
 
     Rows that may find no room are left out: they are found when they are asked for.
     """
     work.state[FRESH] = 0
-    work.state[MANY], work.state[MANY + 1], work.state[MANY + 2] = sort_in_bins(work, n, reach)
+    work.state[MANY], work.state[MANY + 1], work.state[MANY + 2] = sort_in_bins(work, n, cutoff)
     begin_hard(work, n)
     whole, end, room = 0, 0, len(work.listed) - n - QUAD_WIDTH
     for b in range(work.state[MANY] * work.state[MANY + 1] * work.state[MANY + 2]):
@@ -144,7 +144,7 @@ def list_pairs(work: SurfaceWorkspace, n: int, reach: float) -> None:
             for p in range(work.start[b], work.start[b + 1]):
                 fits = end + p <= room - QUAD_WIDTH
                 into = end if fits else room
-                last = _list_row(work, p, ranges, reach, into, SKIN)
+                last = _list_row(work, p, ranges, cutoff, into, SKIN)
                 if fits:
                     work.row[p], work.row_end[p], whole = into, last, p + 1
                     end = fill_up(work, last, n)
@@ -159,7 +159,7 @@ def row_of(work: SurfaceWorkspace, p: int, n: int) -> tuple[int, int]:
     if p < work.state[WHOLE]:
         return work.row[p], work.row_end[p]
     into = len(work.listed) - n - QUAD_WIDTH
-    end = _list_row(work, p, find_beside(work, work.bin[work.order[p]]), work.reach[0], into, NO_BALLS)
+    end = _list_row(work, p, find_beside(work, work.bin[work.order[p]]), work.cutoff[0], into, NO_BALLS)
     fill_up(work, end, n)
     return into, end
 
@@ -174,8 +174,8 @@ def fill_up(work: SurfaceWorkspace, end: int, n: int) -> int:
 
 
 @inner
-def _list_row(work: SurfaceWorkspace, p: int, ranges: int, reach: float, into: int, margin: float) -> int:
-    """List the places before p that are nearer than ``reach``, from ``into`` on: where they end.
+def _list_row(work: SurfaceWorkspace, p: int, ranges: int, cutoff: float, into: int, margin: float) -> int:
+    """List the places before p that are nearer than ``cutoff``, from ``into`` on: where they end.
 
     Of these find the hard balls whose gap is below the margin.
     """
@@ -187,7 +187,7 @@ def _list_row(work: SurfaceWorkspace, p: int, ranges: int, reach: float, into: i
             dx, dy = nearest(load_eight(x, q) - x[p], length_x, by_x), load_eight(y, q) - y[p]
             dz = nearest(load_eight(z, q) - z[p], length_z, by_z)
             square = fma(dx, dx, fma(dy, dy, dz * dz))
-            near = positive_bits(reach * reach - square)
+            near = positive_bits(cutoff * cutoff - square)
             if end - q < WIDTH:
                 near &= (1 << (end - q)) - 1
             if near:

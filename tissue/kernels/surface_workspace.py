@@ -107,7 +107,7 @@ class SurfaceWorkspace(NamedTuple):
     found: Integers  # (m, 2): pairs of cells whose balls may meet, as found for the list; then of those out of range
     hard_row: Integers  # (n + 1,): where the pairs of cell i begin
     hard: Integers  # the cells j < i whose balls may meet that of cell i, increasing
-    reach: Floats  # (1,): of the soft pairs
+    cutoff: Floats  # (1,): of the soft pairs
     out_of_range: Integers  # (n,): cells whose nuclei have gone farther than the lists allow
     far: Integers  # (n,): of each cell whether it was pushed far, see ``balls``
     displaced: Integers  # (n,): those that were
@@ -178,7 +178,7 @@ def _common(m: int, edges: int) -> dict[str, Any]:
     whole = {"junctions": (edges, 2), "neighbours": (edges, 2), "sizes": 3, "order": m, "bin": m, "start": 2 * m + 1}
     whole |= {"begin": NEAR, "end": NEAR, "row": m, "row_end": m, "found": (pairs, 2), "hard_row": m + 1, "hard": pairs}
     whole |= {"out_of_range": m, "far": m, "displaced": m, "state": MANY + 3, "counts": len(SURFACE_COUNTERS)}
-    floats = {"rest": edges, "k_aa": edges, "reach": 1, "at": 4 * (m + 1), "pushed": 4 * (m + 1)}
+    floats = {"rest": edges, "k_aa": edges, "cutoff": 1, "at": 4 * (m + 1), "pushed": 4 * (m + 1)}
     floats |= dict.fromkeys(("place_x", "place_y", "place_z", "place_radius"), m + WIDTH)
     curve: dict[str, Any] = {"bent": 0, "along": 0.0, "tangent_x": 0.0, "tangent_y": 0.0}
     made: dict[str, Any] = curve | {name: np.zeros(shape, np.int64) for name, shape in whole.items()}

@@ -55,7 +55,7 @@ class Workspace(NamedTuple):
     runs: Floats  # how far a basal point that moves by itself goes in a substep
     soft: Floats  # R_soft and strength of the repulsion, which matter where they differ
     stiff_xx: Floats
-    reach: Floats  # max_basal of the cell: of two neighbours the mean
+    limit: Floats  # max_basal of the cell: of two neighbours the mean
     in_apical: Floats  # whether a cell is in the apical layer: 1 or 0
     # Of the junction of a cell with the one before it in the apical layer: whether there is one, 1 or 0
     joined: Floats

@@ -78,8 +78,8 @@ def _sweep_listed(work: SurfaceWorkspace, n: int) -> tuple[int, bool]:
 
 @inner
 def _sweep_with_more(work: SurfaceWorkspace, n: int) -> tuple[int, bool]:
-    """Return the same over the pairs that are listed, those of nuclei out of range, and all of nuclei that meet all, in
-    the same order.
+    """Sweep over the pairs that are listed, those of nuclei out of range, and all of nuclei that meet all, in the order
+    of all pairs; the result is as of ``_sweep_listed``.
     """
     hard, row, displaced, corrections, gone = work.hard, work.hard_row, work.displaced, 0, False
     begin = 0
@@ -112,9 +112,9 @@ def _part(work: SurfaceWorkspace, i: int, j: int) -> bool:
     x, y, z, radius = work.x, work.y, work.z, work.radius
     length_x, by_x, length_z, by_z = periods(work)
     dx, dy, dz = nearest(x[i] - x[j], length_x, by_x), y[i] - y[j], nearest(z[i] - z[j], length_z, by_z)
-    square, reach = dx * dx + dy * dy + dz * dz, radius[i] + radius[j]
-    if square < reach * reach:
-        part = 0.5 * (reach / math.sqrt(square) - 1.0)
+    square, contact = dx * dx + dy * dy + dz * dz, radius[i] + radius[j]
+    if square < contact * contact:
+        part = 0.5 * (contact / math.sqrt(square) - 1.0)
         x[i], y[i], z[i] = x[i] + part * dx, y[i] + part * dy, z[i] + part * dz
         x[j], y[j], z[j] = x[j] - part * dx, y[j] - part * dy, z[j] - part * dz
         return True

@@ -25,20 +25,20 @@ def order_basal(work: Workspace, n: int) -> None:
     layer are neighbours, and come last.
     """
     x, inside_at, ends = work.along, work.held, work.ends
-    reach, reach_before = spread(x, 0.0), spread(x, 0.0)  # of the same two
+    limit, limit_before = spread(x, 0.0), spread(x, 0.0)  # of the same two
     first, second, joined = spread(x, -NOWHERE), spread(x, NOWHERE), spread(x, 0.0)  # of the two before
     made, corrections = spread(x, 1.0), spread(x, 0.0)
     for i in range(n):
         inside, at = load(inside_at, i), load(x, i)
         push = maximum(fma(0.5, first, -0.5 * at), 0.0)
         ordered = first - push
-        pull = maximum(fma(0.5, ordered - second, -0.25 * (reach_before + reach)), 0.0)
+        pull = maximum(fma(0.5, ordered - second, -0.25 * (limit_before + limit)), 0.0)
         store(ends, i, second + pull)
         corrections = corrections + where_positive(inside * push, made) + where_positive(inside * pull, made)
         first, second = either(inside, at + push, first), either(inside * joined, ordered - pull, second)
-        reach_before, reach = either(inside, reach, reach_before), either(inside, load(work.reach, i), reach)
+        limit_before, limit = either(inside, limit, limit_before), either(inside, load(work.limit, i), limit)
         joined = maximum(inside, joined)
-    pull = maximum(fma(0.5, first - second, -0.25 * (reach_before + reach)), 0.0)
+    pull = maximum(fma(0.5, first - second, -0.25 * (limit_before + limit)), 0.0)
     end_before, end = second + pull, first - pull
     for i in range(n - 1, -1, -1):
         inside = load(inside_at, i)
@@ -53,10 +53,10 @@ def order_basal(work: Workspace, n: int) -> None:
 def _close(work: Workspace, n: int) -> None:
     """(C4), then (C2), for the last and the first cell of a ring."""
     first, last = at_ends(work.held, work.along, n)
-    reach, reach_before = at_ends(work.held, work.reach, n)
+    limit, limit_before = at_ends(work.held, work.limit, n)
     gap = first + work.curve.ring - last
     push = maximum(-0.5 * gap, 0.0)
-    pull = maximum(0.5 * (gap + 2.0 * push - 0.5 * (reach_before + reach)), 0.0)
+    pull = maximum(0.5 * (gap + 2.0 * push - 0.5 * (limit_before + limit)), 0.0)
     move_ends(work.held, work.along, n, push - pull, pull - push)
     made = spread(work.along, 1.0)
     store(work.counts, 1, load(work.counts, 1) + where_positive(push, made) + where_positive(pull, made))

@@ -72,11 +72,11 @@ def _separate_from(work: Workspace, i: int, begin: int, end: int, at: Plane, don
     x, y, radius, (x_i, y_i), (pushed, corrections) = work.x, work.y, work.radius, at, done
     radius_i, one = load(radius, i), spread(x, 1.0)
     for j in range(begin, end):
-        dx, dy, reach = x_i - load(x, j), y_i - load(y, j), radius_i + load(radius, j)
+        dx, dy, contact = x_i - load(x, j), y_i - load(y, j), radius_i + load(radius, j)
         square = dx * dx + dy * dy
-        overlap = reach * reach - square
+        overlap = contact * contact - square
         if positive_bits(overlap):
-            part = where_positive(overlap, 0.5 * (reach / root(square) - 1.0))
+            part = where_positive(overlap, 0.5 * (contact / root(square) - 1.0))
             x_i, y_i = x_i + part * dx, y_i + part * dy
             x_j, y_j = load(x, j) - part * dx, load(y, j) - part * dy
             store(x, j, x_j)

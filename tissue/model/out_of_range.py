@@ -37,7 +37,7 @@ def _is_listed(work: SurfaceWorkspace, i: int, j: int) -> bool:
     length_x, by_x, length_z, by_z = periods(work)
     x, y, z = work.made_x, work.made_y, work.made_z
     dx, dy, dz = nearest(x[i] - x[j], length_x, by_x), y[i] - y[j], nearest(z[i] - z[j], length_z, by_z)
-    listed: bool = work.reach[0] * work.reach[0] - fma(dx, dx, fma(dy, dy, dz * dz)) > 0.0
+    listed: bool = work.cutoff[0] * work.cutoff[0] - fma(dx, dx, fma(dy, dy, dz * dz)) > 0.0
     return listed
 
 
@@ -77,8 +77,8 @@ def list_out_of_range(work: SurfaceWorkspace, n: int, wide: SurfaceWorkspace, ro
         for row in range(rows):
             dx, dy = nearest(load(wide.x, row) - work.x[i], length_x, by_x), load(wide.y, row) - work.y[i]
             dz = nearest(load(wide.z, row) - work.z[i], length_z, by_z)
-            reach = load(wide.radius, row) + (work.radius[i] + 2.0 * SKIN)
-            near = positive_bits(reach * reach - fma(dx, dx, fma(dy, dy, dz * dz)))
+            cutoff = load(wide.radius, row) + (work.radius[i] + 2.0 * SKIN)
+            near = positive_bits(cutoff * cutoff - fma(dx, dx, fma(dy, dy, dz * dz)))
             while near:
                 j = WIDTH * row + lowest_bit(near)
                 if j < n and j != i:

@@ -103,9 +103,9 @@ def _push_row(work: Workspace, wide: Workspace, row: int, begin: int, end: int, 
         dx, dy = x_i - load_wide(work.x, j), y_i - load_wide(work.y, j)
         square = fma(dx, dx, dy * dy)
         if work.mixed:
-            reach = load(wide.soft, row) + load_wide(work.soft, j)
+            cutoff = load(wide.soft, row) + load_wide(work.soft, j)
             k = load(wide.stiff_xx, row) + load_wide(work.stiff_xx, j)
-            weight = where_positive(square, repelling_within(square, reach, k, work.mixed))
+            weight = where_positive(square, repelling_within(square, cutoff, k, work.mixed))
         else:
             weight = where_positive(square, repelling(square))
         push_x, push_y = fma(weight, dx, push_x), fma(weight, dy, push_y)
@@ -161,8 +161,8 @@ def _push_pairs(work: Workspace, i: int, begin: int, end: int, push: Plane) -> P
         dx, dy = load(work.x, j) - x_i, load(work.y, j) - y_i
         square = fma(dx, dx, dy * dy)
         if work.mixed:
-            reach, k = load(work.soft, i) + load(work.soft, j), load(work.stiff_xx, i) + load(work.stiff_xx, j)
-            weight = repelling_within(square, reach, k, work.mixed)
+            cutoff, k = load(work.soft, i) + load(work.soft, j), load(work.stiff_xx, i) + load(work.stiff_xx, j)
+            weight = repelling_within(square, cutoff, k, work.mixed)
         else:
             weight = repelling(square)
         sum_x, sum_y = fma(weight, dx, sum_x), fma(weight, dy, sum_y)
@@ -178,12 +178,12 @@ def repelling(square: Lane) -> Lane:
 
 
 @inner
-def repelling_within(square: Lane, reach: Lane, both: Lane, power: int) -> Lane:
+def repelling_within(square: Lane, cutoff: Lane, both: Lane, power: int) -> Lane:
     """Compute k (R/d - 1) where two soft discs overlap, else 0, from d^2, R and k_i + k_j; with the power of the
     springs.
     """
-    share = 2.0 / reach
+    share = 2.0 / cutoff
     k = 0.5 * both * share
     if power == 2:
         k = k * share
-    return k * maximum(0.5 * reach * twice_rsqrt(square) - 1.0, 0.0)
+    return k * maximum(0.5 * cutoff * twice_rsqrt(square) - 1.0, 0.0)

@@ -38,13 +38,13 @@ def exchange(
     pz: Floats,
     judge: int,
     factor: float,
-    reach: float,
+    longest: float,
     rule: int,
 ) -> int:
     """Flip until the judge is content; the number of flips.
 
     Lengths are compared by their squares: the other diagonal must be below ``factor`` times the edge. Edges from a
-    boundary to a ghost count as long as ``reach``, for IN_SPACE; other judges leave boundaries alone.
+    boundary to a ghost count as long as ``longest``, for IN_SPACE; other judges leave boundaries alone.
     """
     flips, visited, begin, waiting = 0, 0, 0, 0
     while visited < 3 * network.triangles[0] or waiting > 0:
@@ -57,7 +57,7 @@ def exchange(
         else:
             h = take(network, begin)
             begin, waiting = beyond(network, begin + 1), waiting - 1
-        if _is_preferred(surface, network, px, py, pz, h, judge, factor, reach) and is_flippable(surface, network, h):
+        if _is_preferred(surface, network, px, py, pz, h, judge, factor, longest) and is_flippable(surface, network, h):
             h = flip(network, h)
             set_rest(network, h, rest_after_flip(surface, network, px, py, pz, h, rule))
             waiting = list_around(network, h, begin, waiting)
@@ -75,14 +75,14 @@ def _is_preferred(
     h: int,
     judge: int,
     factor: float,
-    reach: float,
+    longest: float,
 ) -> bool:
     """Return whether the judge prefers the other diagonal of h."""
     i, j = network.corner[h], network.corner[following(h)]
     left, right = other_diagonal(network, h)
     if judge == IN_SPACE:
-        before = squared_distance(surface, px, py, pz, i, j) if min(i, j) >= 0 else reach
-        after = squared_distance(surface, px, py, pz, left, right) if min(left, right) >= 0 else reach
+        before = squared_distance(surface, px, py, pz, i, j) if min(i, j) >= 0 else longest
+        after = squared_distance(surface, px, py, pz, left, right) if min(left, right) >= 0 else longest
         # An edge between cells that is given up has no margin: one that comes has had it.
         return after < (before if min(left, right) < 0 else factor * before)
     if min(i, j, left, right) < 0:
@@ -124,14 +124,14 @@ def _product(surface: Surface, network: Network, i: int, j: int, k: int) -> floa
 
 @kernel
 def relax(
-    surface: Surface, network: Network, px: Floats, py: Floats, pz: Floats, margin: float, reach: float, rule: int
+    surface: Surface, network: Network, px: Floats, py: Floats, pz: Floats, margin: float, longest: float, rule: int
 ) -> int:
     """Flip edges of length l whose other diagonal is shorter than (1 - margin) l in space, until there is none.
 
-    At the boundary of a patch an edge longer than ``reach`` is given up, and a notch is filled if the closing edge is
-    shorter than (1 - margin) ``reach``. The flips are made that ``is_flippable`` allows, so nothing ever crosses.
+    At the boundary of a patch an edge longer than ``longest`` is given up, and a notch is filled if the closing edge is
+    shorter than (1 - margin) ``longest``. The flips are made that ``is_flippable`` allows, so nothing ever crosses.
 
-    It ends. Take the sum of (l^2 - reach^2) over all edges between cells, with the reach 0 if there is no boundary,
+    It ends. Take the sum of (l^2 - longest^2) over all edges between cells, longest = 0 if there is no boundary,
     where their number never changes. A flip inside replaces l^2 by a smaller number; an edge that is given up takes a
     term > 0 out, one that fills a notch brings a term < 0. So the sum falls with each flip, also as computed, since
     the length of a pair is always the same number; no network comes twice, and there are finitely many.
@@ -142,7 +142,7 @@ def relax(
         The points, where ``follow`` has brought the network.
     margin
         From 0 to 1.
-    reach
+    longest
         Of edges at a boundary; of no meaning without.
     rule
         Of the rest lengths of new junctions: PRESENT or MEAN.
@@ -152,7 +152,7 @@ def relax(
     int
         The number of flips.
     """
-    return exchange(surface, network, px, py, pz, IN_SPACE, (1.0 - margin) ** 2, reach * reach, rule)
+    return exchange(surface, network, px, py, pz, IN_SPACE, (1.0 - margin) ** 2, longest * longest, rule)
 
 
 @kernel

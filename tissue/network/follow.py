@@ -90,7 +90,7 @@ def _put_row(network: Network) -> int:
 
 @inner
 def _aim(surface: Surface, network: Network, px: Floats, py: Floats, pz: Floats) -> bool:
-    """Return where all vertices go: the chart of the points; whether all are numbers."""
+    """Set where all vertices go, the chart of the points; return whether all are numbers."""
     work = network.work
     for i in range(-GHOSTS, network.out.size - GHOSTS):
         if network.out[i] >= 0:
@@ -255,7 +255,7 @@ def _aside(surface: Surface, begin: Place, end: Place, attempt: int) -> Place:
 
 @inner
 def _in_order(network: Network) -> int:
-    """Return the queue in the order of the numbers, ghosts first; how many are in it."""
+    """Sort the queue by number, ghosts first; return how many are in it."""
     count = 0
     for i in range(-GHOSTS, network.out.size - GHOSTS):
         if network.work.waiting[i]:

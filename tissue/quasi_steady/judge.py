@@ -24,7 +24,7 @@ from tissue.state.numbers import Numbers
 Ends = tuple[Integers, Integers]
 
 # How far a disc reaches beyond its radius when pairs are listed [R_soft], and how often the lists may be completed.
-REACH, MOST_ROUNDS = 0.5, 20
+SEARCH_RADIUS, MOST_ROUNDS = 0.5, 20
 # Tolerance of grad W - J^T multipliers; with less, searches that end at the kink of W stop for want of digits of W.
 SLOPE = 1e-10
 # Tolerance of gaps and of multipliers times gaps: min(multiplier, gap) is its root where both are small.
@@ -201,8 +201,8 @@ class _Pairs:
         self._codes: Integers = np.zeros(0, dtype=np.int64)
 
     def add(self, x: Floats) -> None:
-        """Take the pairs within REACH around x (n, 2) into the list."""
-        self._codes = np.union1d(self._codes, self._near(x, REACH))
+        """Take the pairs within SEARCH_RADIUS around x (n, 2) into the list."""
+        self._codes = np.union1d(self._codes, self._near(x, SEARCH_RADIUS))
 
     def complete(self, x: Floats) -> bool:
         """Return whether all pairs that overlap at x (n, 2) are in the list."""
@@ -213,8 +213,8 @@ class _Pairs:
         i, j = np.divmod(self._codes, len(self._radius))
         return i, j
 
-    def _near(self, x: Floats, reach: float) -> Integers:
-        start, partner = neighbour_pairs(np.ascontiguousarray(x), self._radius + reach)
+    def _near(self, x: Floats, margin: float) -> Integers:
+        start, partner = neighbour_pairs(np.ascontiguousarray(x), self._radius + margin)
         codes: Integers = np.repeat(np.arange(len(x)), np.diff(start)) * len(x) + partner
         return codes
 

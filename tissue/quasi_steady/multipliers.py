@@ -21,7 +21,7 @@ from tissue.state.numbers import Daha
 # Pairs of hard discs per cell that may overlap soon, or did and still push: more mean that the tissue has collapsed.
 MOST = 32
 # Gap up to which pairs are listed [R_soft]: nuclei may move by half of this before they are listed again.
-REACH = 0.1
+LISTED_GAP = 0.1
 
 
 class Multipliers(NamedTuple):
@@ -89,12 +89,12 @@ def hold_basal(
 
 @inner
 def list_pairs(work: Workspace, n: int, multipliers: Multipliers) -> bool:
-    """Hold the pairs that have a multiplier or a gap of at most REACH; False if they have no room.
+    """Hold the pairs that have a multiplier or a gap of at most LISTED_GAP; False if they have no room.
 
-    Until a nucleus moves by REACH / 2 no other pair can overlap, so that its multiplier stays zero.
+    Until a nucleus moves by LISTED_GAP / 2 no other pair can overlap, so that its multiplier stays zero.
     """
     x, y, radius = work.x, work.y, work.radius
-    boxes = find_near(work, n, 1.0, 0.5 * REACH)
+    boxes = find_near(work, n, 1.0, 0.5 * LISTED_GAP)
     for i in range(n):
         work.before_x[i], work.before_y[i] = x[i], y[i]
         multipliers.last[i] = -1
@@ -105,21 +105,21 @@ def list_pairs(work: Workspace, n: int, multipliers: Multipliers) -> bool:
     for i in range(n):
         for k in range(list_ranges(work, i, boxes)):
             for j in range(work.begin[k], min(work.end[k], i)):
-                reach = radius[i] + radius[j]
-                near = math.hypot(x[i] - x[j], y[i] - y[j]) <= reach + REACH
+                contact = radius[i] + radius[j]
+                near = math.hypot(x[i] - x[j], y[i] - y[j]) <= contact + LISTED_GAP
                 if near and not _is_held(multipliers, i, j):
                     if multipliers.pairs[0] == len(multipliers.i):
                         return False
-                    _add(multipliers, i, j, reach * reach, 0.0)
+                    _add(multipliers, i, j, contact * contact, 0.0)
     return True
 
 
 @inner
 def is_stale(work: Workspace, n: int) -> bool:
-    """Return whether a nucleus moved by more than REACH / 2 since it was listed."""
+    """Return whether a nucleus moved by more than LISTED_GAP / 2 since it was listed."""
     for i in range(n):
         dx, dy = work.x[i] - work.before_x[i], work.y[i] - work.before_y[i]
-        if dx * dx + dy * dy > 0.25 * REACH * REACH:
+        if dx * dx + dy * dy > 0.25 * LISTED_GAP * LISTED_GAP:
             return True
     return False
 

@@ -36,7 +36,7 @@ class Exchange(NamedTuple):
     """How cells exchange neighbours, see ``tissue.network``."""
 
     margin: float = 0.0  # the other diagonal must be shorter by this part
-    reach: float = math.inf  # of edges at a boundary [R_soft]
+    longest: float = math.inf  # of edges at a boundary [R_soft]
     new_rest: int = 0  # rule of the rest length of a junction between new neighbours: PRESENT or MEAN
 
 

@@ -115,10 +115,10 @@ def move_surface(step: StepInput) -> int:
     cells, space, how = state.cells, state.space, state.space.exchange
     done = follow(space.surface, space.apical, cells.ax, cells.ay, cells.az, how.new_rest)
     if done != STUCK:
-        relax(space.surface, space.apical, cells.ax, cells.ay, cells.az, how.margin, how.reach, how.new_rest)
+        relax(space.surface, space.apical, cells.ax, cells.ay, cells.az, how.margin, how.longest, how.new_rest)
         done = follow(space.surface, space.basal, cells.bx, cells.by, cells.bz, how.new_rest)
     if done != STUCK:
-        relax(space.surface, space.basal, cells.bx, cells.by, cells.bz, how.margin, how.reach, how.new_rest)
+        relax(space.surface, space.basal, cells.bx, cells.by, cells.bz, how.margin, how.longest, how.new_rest)
     space.torn[0] = done == STUCK
     return int(n)
 

@@ -64,7 +64,7 @@ def _copy(state: TissueState, k: int, width: int, work: Workspace, numbers: Numb
         place, own = width * i + k, numbers_of(numbers, cells.kind[i])
         _copy_cell(state, i, work, place, own, numbers.power, scale)
         work.soft[place], work.stiff_xx[place] = own.soft_radius, scale * own.repulsion
-        work.reach[place] = own.max_basal
+        work.limit[place] = own.max_basal
         if work.bent:
             at = evaluate(work.curve, cells.along[i])
             work.along[place], work.tangent_x[place], work.tangent_y[place] = cells.along[i], at[2], at[3]
