@@ -26,13 +26,7 @@ LIVELY = {"cell.min_cycle": "1 h", "cell.max_cycle": "3 h", "cell.g2": "0.4 h", 
 NO_FORCES = {f"cell.alpha_{name}": 0 for name in ("aa", "ax", "bx", "xx", "axb")}
 SMALL_DISCS = {"cell.hard_radius": "1e-6 R_soft", "cell.enlarged_radius": "1e-6 R_soft"}
 COORDINATES = Forces._fields
-EVENTS = ("birth", "cycle", "id", "mother", "radius", "stiff_aa")
 each_preset = pytest.mark.parametrize("name", SHORT)
-
-
-def same_events(a, b):
-    """Whether the same cells were born at the same times."""
-    return all(np.array_equal(getattr(a.cells, name), getattr(b.cells, name)) for name in EVENTS)
 
 
 def finite(frame):
@@ -50,26 +44,6 @@ def test_bad_seed(seed):
 
 
 # Streams do not depend on positions
-
-
-@pytest.mark.parametrize(
-    "change",
-    [
-        {"numerics.substeps": 80},
-        {"numerics.mu": "0.3 h"},
-        {"cell.alpha_axb": 1},
-        {"rules.spring_power": 2},
-        {"tissue.max_basal_distance": "2 R_soft"},
-        {"start.nuclei": "own_basal"},
-    ],
-)
-def test_same_divisions_whatever_the_forces(change):
-    parameters = SHORT["thesis"].changed(LIVELY)
-    a, b = simulate(parameters).final, simulate(parameters.changed(change)).final
-    assert not np.array_equal(a.cells.y, b.cells.y)
-    if "start.nuclei" in change:  # another number of draws at the start
-        return
-    assert same_events(a, b)
 
 
 def test_listed_times_are_kept_besides_start_and_end():

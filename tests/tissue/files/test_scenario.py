@@ -82,13 +82,9 @@ def test_a_chance_at_a_fixed_time_is_written_as_such():
         ("6 h to 24 h, 170 %", "the probability must be 100 % at most"),
         ("24 h to 6 h", "the first time must be the earlier one"),
         ("6 h to 24 h, often", "behind the comma must stand a probability such as 70 %"),
-        ("18 h,", "behind the comma must stand a probability such as 70 %"),
         ("18 h, 50 %, 20 %", "behind the comma must stand a probability such as 70 %"),
         ("18 h, -50 %", "behind the comma must stand a probability such as 70 %"),
-        ("18 h, 101 %", "the probability must be 100 % at most"),
-        ("18, 50 %", "the unit is missing"),
         ("never, 50 %", "it must consist of a number and a unit"),
-        ("", "it must consist of a number and a unit"),
     ],
 )
 def test_bad_timings_are_named(raw, reason):

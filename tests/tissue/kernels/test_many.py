@@ -6,15 +6,12 @@ import pytest
 import dincl
 from dincl.compiled.lanes import WIDTH
 from dincl.status import Status
-from tests.tissue import kernel_calls as kernels
 from tests.tissue.bits import same_end
-from tests.tissue.kernel_calls import aged, distance, together
+from tests.tissue.kernel_calls import aged, together
 from tests.tissue.states import numbers
 from tissue.files.parameters import preset
-from tissue.runs.group import Group
 from tissue.runs.run import RunFailed
 from tissue.runs.simulate import simulate, simulate_many
-from tissue.step.advance import FULL
 
 # Cells divide all the time, so that replicates soon differ in their numbers of cells.
 LIVELY = {"cell.min_cycle": "1 h", "cell.max_cycle": "3 h", "cell.g2": "0.4 h", "cell.mitosis": "0.4 h"}
@@ -62,17 +59,6 @@ def test_a_failed_run_is_told():
     with pytest.raises(RunFailed) as failure:
         simulate_many(wild, range(3))
     assert failure.value.run.seed == 0
-
-
-def test_full_before_anything_is_drawn():
-    states = [aged(8, k) for k in range(WIDTH)]
-    states[5].cells.birth[0] = -states[5].cells.cycle[0]
-    kept, random = [kernels.held(state, 8) for state in states], [kernels.generators(0) for _ in range(WIDTH)]
-    group = Group(kept, numbers(), [kernels.Random(*pair) for pair in random])
-    assert group.call(0, 3) == (0, FULL)
-    for k, state in enumerate(states):
-        assert distance(kernels.taken(kept[k]).cells, state.cells) == 0.0
-    assert random[5][0].random() == kernels.generators(0)[0].random()
 
 
 @pytest.mark.parametrize("seeds", [[-1], [0, 1.5]])

@@ -104,24 +104,6 @@ def test_forces_are_the_slope_of_the_energy(seed, power, part, curve):
 
 @anywhere
 @each_power
-@each_part
-def test_no_part_pushes_or_turns_the_tissue_as_a_whole(seed, power, part):
-    drawn, network = wild(seed, 25)
-    state, given = only(part, drawn, numbers(power=power))
-    on = forces(state, network, given)
-    largest = np.abs(on).max()
-    assert largest > 0
-    assert abs(sum(on.x + on.ax + on.bx)) < 1e-12 * largest
-    assert abs(sum(on.y + on.ay + on.by)) < 1e-12 * largest
-    torque = sum(
-        getattr(state, px) * getattr(on, py) - getattr(state, py) * getattr(on, px)
-        for px, py in (("x", "y"), ("ax", "ay"), ("bx", "by"))
-    )
-    assert abs(sum(torque)) < 1e-11 * largest
-
-
-@anywhere
-@each_power
 def test_moved_and_turned_the_energy_is_the_same_and_the_forces_turn_along(seed, power):
     state, network = wild(seed, 25)
     given, angle = numbers(power=power), 0.7 + seed
