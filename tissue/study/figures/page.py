@@ -135,7 +135,10 @@ def _movie(results: Results, scenario: str) -> tuple[str, float, str] | None:
         table = results.trajectory(scenario, int(first["replicate"]))
         states = frames(table, sorted(table["time_h"].unique()), parameters)
     else:
-        states = measurable(simulate(parameters, int(first["seed"]), throw=False).frames)
+        dt = parameters.numerics.dt.value
+        keep = max(1, round(parameters.t_end / dt / (PICTURES - 1))) * dt
+        often = parameters.changed({"numerics.keep": f"{keep:.12g} h"})
+        states = measurable(simulate(often, int(first["seed"]), throw=False).frames)
     chosen = [states[k] for k in np.unique(np.linspace(0, len(states) - 1, PICTURES).round().astype(int))]
     images = [Image.fromarray(still) for still in stills(chosen, parameters)]
     size = PIXELS, round(images[0].height * PIXELS / images[0].width)
