@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from io import BytesIO
 from os import PathLike
 from typing import TYPE_CHECKING
 
@@ -67,6 +68,21 @@ def movie(
 def write_images(images: Iterator[NDArray[np.uint8]], count: int, path: str | PathLike[str]) -> None:
     """Write ``count`` images (h, w, 3) by the ending of the path: .png for one, or a movie as ``movie`` does."""
     _save(map(Image.fromarray, images), count, path)
+
+
+def small_movie(
+    images: Iterable[NDArray[np.uint8]], width: int, times: tuple[int, int], quality: int
+) -> tuple[bytes, float]:
+    """Make a WebP movie for a page: its bytes, and the ratio of its width to its height.
+
+    ``width`` in pixels; ``times`` [ms] that each picture and the last one are shown; ``quality`` from 0 to 100.
+    """
+    found = [Image.fromarray(image) for image in images]
+    size = width, round(found[0].height * width / found[0].width)
+    first, *others = (image.resize(size, Image.Resampling.LANCZOS) for image in found)
+    file, shown = BytesIO(), [times[0]] * len(others) + [times[1]]
+    first.save(file, "webp", save_all=True, append_images=others, duration=shown, loop=0, quality=quality)
+    return file.getvalue(), size[0] / size[1]
 
 
 def _save(images: Iterator[Image.Image], count: int, path: str | PathLike[str]) -> None:

@@ -5,17 +5,16 @@ from __future__ import annotations
 from base64 import b64encode
 from collections.abc import Iterable, Mapping
 from html import escape
-from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
-from PIL import Image
 
 from dincl.errors import InvalidProblem
 from dincl.files import write_text
 from tissue.frames.observables import measurable
+from tissue.pictures.movie import small_movie
 from tissue.pictures.picture import stills
 from tissue.pictures.sheet import Figure, png, style
 from tissue.runs.simulate import simulate
@@ -140,12 +139,8 @@ def _movie(results: Results, scenario: str) -> tuple[str, float, str] | None:
         often = parameters.changed({"numerics.keep": f"{keep:.12g} h"})
         states = measurable(simulate(often, int(first["seed"]), throw=False).frames)
     chosen = [states[k] for k in np.unique(np.linspace(0, len(states) - 1, PICTURES).round().astype(int))]
-    images = [Image.fromarray(still) for still in stills(chosen, parameters)]
-    size = PIXELS, round(images[0].height * PIXELS / images[0].width)
-    images = [image.resize(size, Image.Resampling.LANCZOS) for image in images]
-    file, shown = BytesIO(), [EACH] * (len(images) - 1) + [LAST]
-    images[0].save(file, "webp", save_all=True, append_images=images[1:], duration=shown, loop=0, quality=QUALITY)
-    return b64encode(file.getvalue()).decode(), size[0] / size[1], f"replicate {first['replicate']}"
+    shown, ratio = small_movie(stills(chosen, parameters), PIXELS, (EACH, LAST), QUALITY)
+    return b64encode(shown).decode(), ratio, f"replicate {first['replicate']}"
 
 
 def _figures(results: Results) -> Iterable[str]:
