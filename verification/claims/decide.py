@@ -19,6 +19,8 @@ from verification.claims.evidence import Evidence
 
 # Errors of a solver that does not converge; the claim is then open.
 UNSOLVED = (RuntimeError, ArithmeticError, np.linalg.LinAlgError)
+# Before the name of a reading: the column of its verdict, empty for claims that have one reading only.
+READING = "reading: "
 
 
 def decide_all(
@@ -44,7 +46,8 @@ def decide_all(
     for claim in claims:
         if claim.needs:
             found[claim.id] = evidence_row(claim, tables)
-    return pd.DataFrame([_row(claim) | found[claim.id] for claim in claims])
+    table = pd.DataFrame([_row(claim) | found[claim.id] for claim in claims])
+    return table.fillna(dict.fromkeys(readings(table), ""))
 
 
 def _study(claims: Sequence[Claim], reads: Sequence[Path]) -> Study:
@@ -54,8 +57,8 @@ def _study(claims: Sequence[Claim], reads: Sequence[Path]) -> Study:
         {"id": claim.id, "module": claim.check.__module__, "made_by": digest(provenance(claim.check, files=files))}
         for claim in claims
     )
-    unsolved = {"unsolved": [error.__name__ for error in UNSOLVED]}
-    return Study("claims_decided", "Claims", ("id", "module", "made_by"), runs, _alone, settings=unsolved)
+    settings = {"unsolved": [error.__name__ for error in UNSOLVED], "readings": READING}
+    return Study("claims_decided", "Claims", ("id", "module", "made_by"), runs, _alone, settings=settings)
 
 
 def _alone(key: Key) -> list[Row]:
@@ -63,7 +66,7 @@ def _alone(key: Key) -> list[Row]:
 
 
 def evidence_row(claim: Claim, tables: Tables) -> Row:
-    """Return id, verdict, evidence and seconds of one claim."""
+    """Return id, verdict, evidence and seconds of one claim; the verdict of each reading has a column of its own."""
     start = time.perf_counter()
     try:
         evidence = claim.decide(tables)
@@ -78,6 +81,8 @@ def evidence_row(claim: Claim, tables: Tables) -> Row:
         "seed": "" if evidence.seed is None else str(evidence.seed),
         "runs_needed": "" if evidence.runs_needed is None else str(evidence.runs_needed),
         "seconds": time.perf_counter() - start,
+        "readings": "\n".join(f"{name}: {each.measured}" for name, each in evidence.readings.items()),
+        **{f"{READING}{name}": claim.verdict(each).value for name, each in evidence.readings.items()},
     }
 
 
@@ -110,6 +115,11 @@ def refuse_one_id_for_two(claims: Iterable[Claim]) -> None:
     twice = [name for name, count in Counter(claim.id for claim in claims).items() if count > 1]
     if twice:
         raise InvalidProblem(f"claim ids {', '.join(twice)} are given twice: each must be unique")
+
+
+def readings(table: pd.DataFrame) -> list[str]:
+    """Return the columns with the verdicts of readings."""
+    return [column for column in table if column.startswith(READING)]
 
 
 def differing(table: pd.DataFrame) -> pd.DataFrame:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from enum import Enum
 
 Interval = tuple[float, float]
@@ -69,7 +69,7 @@ class Comparison:
         if math.isinf(self.high):
             return f"≥ {self.low:.4g}"
         middle = (self.low + self.high) / 2
-        return f"{middle:.6g} ± {self.high - middle:.1g}"
+        return f"{middle:.6g} ± {self.high - middle:.2g}"
 
 
 def equal(
@@ -161,6 +161,9 @@ class Evidence:
     runs_needed
         Of a claim about frequencies or means: number of simulations that would show a difference of the size that was
         measured (or stated).
+    readings
+        Where the source can be read in several ways: the same comparisons under each reading, by its name. The other
+        fields are those of the reading that decides.
     """
 
     remark: str = ""
@@ -168,6 +171,7 @@ class Evidence:
     corrected: tuple[Comparison | FormalProof, ...] = ()
     seed: int | None = None
     runs_needed: int | None = None
+    readings: Mapping[str, Evidence] = field(default_factory=dict)
 
     @property
     def verdict(self) -> Verdict:

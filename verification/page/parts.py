@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 
 from verification.claims import Verdict
+from verification.claims.decide import READING, readings
 from verification.page.claim_graph import ClaimGraph
 from verification.page.sources import link
 
@@ -105,6 +106,7 @@ class Statements:
     @property
     def rows(self) -> list[dict[str, Any]]:
         """One dictionary for each claim, with the CSS class of its verdict and the addresses of check and runs."""
+        columns = readings(self.table)
         return [
             row
             | {
@@ -115,6 +117,7 @@ class Statements:
                 "wrong": self.wrong[row["id"]],
                 # A sentence made of the comparisons says them all.
                 "compared": row["printed"] not in row["measured"],
+                "by_reading": _by_reading(row, columns),
             }
             for row in self.table.to_dict("records")
         ]
@@ -122,6 +125,13 @@ class Statements:
 
 def _names(listed: str) -> list[str]:
     return listed.split(", ") if listed else []
+
+
+def _by_reading(row: Mapping[str, Any], columns: Sequence[str]) -> list[tuple[str, str, str]]:
+    """Return name, verdict and numbers of each reading; nothing for a claim with one reading."""
+    measured = dict(line.split(": ", 1) for line in row["readings"].splitlines())
+    found = [(column.removeprefix(READING), row[column]) for column in columns if row[column]]
+    return [(name, verdict, measured[name]) for name, verdict in found]
 
 
 @dataclass(frozen=True)
