@@ -84,6 +84,7 @@ SECTIONS = [
     AGAIN,
     "How many claims hold",
     "Corrections that change results",
+    "How verdicts depend on the reading of the model",
     "Errata of notation",
     "All claims",
     *TITLES.values(),

@@ -9,7 +9,7 @@ from typing import Any
 import pandas as pd
 
 from verification.claims import Effect, Verdict
-from verification.claims.decide import decide_all, differing
+from verification.claims.decide import READING, decide_all, differing, readings
 from verification.claims.graph import corrected_below
 from verification.page import kept
 from verification.page.claim_graph import ClaimGraph
@@ -19,6 +19,7 @@ from verification.page.parts import VERDICTS, Grid, SearchField, Section, Statem
 from verification.page.prose import fill
 from verification.page.report import Chapter, Finding
 from verification.page.sources import write_source
+from verification.thesis.chapter4.frequencies import READINGS, RULE
 from verification.thesis.register import chapter_of, register
 from verification.thesis.text.errata import errata
 
@@ -34,6 +35,7 @@ TITLES = {
 }
 COLUMNS = read_columns(Path(__file__).parent / "columns.toml")
 COUNTS = "How many claims hold"
+BEFORE = "corrected"  # the reading that decided until now
 WRONG = (Verdict.CORRECTED.value, Verdict.REFUTED.value)  # as printed
 # The most serious first; what only concerns notation changes no result.
 SERIOUS = [effect.value for effect in Effect if effect is not Effect.NOTATION]
@@ -56,7 +58,7 @@ def sections(context: Context) -> Sequence[Section]:
     table = context.tables["claims"]
     slips = context.tables["claims_errata"]
     said = fill(PROSE / "statements.html", **_values(table), errata=len(slips))
-    found = [_counts(table, said), _corrections(table, said), _errata(slips, said)]
+    found = [_counts(table, said), _corrections(table, said), *_readings(table), _errata(slips, said)]
     found.append(Section("All claims", [SearchField()]))
     wrong = corrected_below(register())
     for number, title in TITLES.items():
@@ -104,6 +106,23 @@ def _corrections(table: pd.DataFrame, said: Mapping[str, str]) -> Section:
             Grid(shown[steps], said["proofs"], "claims", folded=True),
         ],
     )
+
+
+def _readings(table: pd.DataFrame) -> list[Section]:
+    """Return the rule by which a reading of the model decides, and the claims that the readings decide differently."""
+    columns = readings(table)
+    if not columns:
+        return []
+    of_model = table[(table[columns] != "").all(axis=1)]
+    differ = of_model[of_model[columns].nunique(axis=1) > 1]
+    before = f"{READING}{READINGS[BEFORE]}"
+    changed = [
+        (row["id"], row[before], row["verdict"]) for _, row in differ[differ[before] != differ["verdict"]].iterrows()
+    ]
+    names = {column: column.removeprefix(READING).capitalize() for column in columns}
+    said = fill(PROSE / "readings.html", rule=RULE, count=len(of_model), changed=changed, before=READINGS[BEFORE])
+    grid = Grid(headed(differ, {**COLUMNS["readings"], **names}), said["table"], "claims")
+    return [Section("How verdicts depend on the reading of the model", [Text(said["rule"]), grid])]
 
 
 def _errata(table: pd.DataFrame, said: Mapping[str, str]) -> Section:

@@ -15,6 +15,7 @@ from verification.beyond.chart import cheapest, work_precision
 from verification.claims import Verdict
 from verification.page.kept import STUDIES
 from verification.thesis.chapter4 import kept
+from verification.thesis.chapter4.frequencies import RULE
 from verification.thesis.chapter4.studies import preset_of
 from verification.thesis.chapter5 import sampling
 from verification.thesis.register import register
@@ -35,7 +36,7 @@ def page() -> str:
         keep_trailing_newline=True,
     )
     environment.filters |= {"percent": percent, "signed": signed}
-    return environment.get_template("results.md").render(claims=claims(), emt=emt(), w1=w1(), chart=chart())
+    return environment.get_template("results.md").render(claims=claims(), emt=emt(), w1=w1(), chart=chart(), rule=RULE)
 
 
 def claims() -> dict[str, Any]:

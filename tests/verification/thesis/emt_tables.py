@@ -8,29 +8,24 @@ from typing import Any
 import pandas as pd
 
 from verification.thesis.chapter4 import kept
-from verification.thesis.chapter4.claims.s4_7_results import ANSWERS
-from verification.thesis.chapter4.frequencies import DECIDES
+from verification.thesis.chapter4.frequencies import CONDITIONAL, OUTCOMES
 from verification.thesis.chapter4.studies import PRESETS, preset_of
 
-KEPT = {
-    f"emt_complete_{name}": kept.read(name)
-    for name in ("answers", "categories", "conditional", "outside", "printed", "ranking", "ratios", "since")
-}
+READ = ("categories", "conditional", "orders", "outside", "printed", "ranking", "ratios", "since")
+KEPT = {f"emt_complete_{name}": kept.read(name) for name in READ}
 
 Frames = Mapping[str, pd.DataFrame]
 
 
-def answers(question: str, **verdicts: str) -> Frames:
-    """What each preset says of a question; those that are not given do not decide."""
-    rows = [
-        {"id": question, "preset": preset, "verdict": verdicts.get(preset, "not decided"), "needed": float("nan")}
-        for preset in PRESETS
-    ]
-    return {ANSWERS: pd.DataFrame(rows)}
+def without_early_extrusion() -> Frames:
+    """As if no cell with an event before 12 h left."""
+    table = KEPT[CONDITIONAL]
+    early = table["given"].str.startswith("t_") & (table["high_edge"] <= 12)
+    return {**KEPT, CONDITIONAL: table.assign(count=table["count"].where(~early, 0))}
 
 
 def deciding_as(tables: Frames, preset: str) -> Frames:
-    """As if the model that decides gave what another one does."""
+    """As if the reading that decides of outcomes gave what another one does."""
     ending = PRESETS[preset]
 
     def changed(table: pd.DataFrame) -> pd.DataFrame:
@@ -38,8 +33,8 @@ def deciding_as(tables: Frames, preset: str) -> Frames:
             return table
         owner = table["study"].map(preset_of)
         mine = table[owner == preset]
-        as_deciding = mine.assign(study=mine["study"].str.removesuffix(ending) + PRESETS[DECIDES])
-        return pd.concat([table[owner != DECIDES], as_deciding], ignore_index=True)
+        as_deciding = mine.assign(study=mine["study"].str.removesuffix(ending) + PRESETS[OUTCOMES])
+        return pd.concat([table[owner != OUTCOMES], as_deciding], ignore_index=True)
 
     return {name: changed(table) for name, table in tables.items()}
 

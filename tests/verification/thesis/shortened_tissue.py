@@ -77,7 +77,7 @@ DAHA = (
         (0.14,),
         end=1.0,
     ),
-    daha_ends.EndsForm(1, grown=1, end=1.0),
+    daha_ends.EndsForm(1),
     judged.JudgedForm(2, (1.0,)),
     catch_up.CatchUpForm(1, (20, 40, 160), (40, 80), 160),
     daha_limits.DahaLimitsForm(few_factors()),

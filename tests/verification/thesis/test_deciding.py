@@ -138,4 +138,4 @@ def test_only_the_chapters_that_make_the_tables_are_run(tmp_path: Path, monkeypa
         tables = selection.tables_for(CLAIMS, Context(tmp_path, False, here))
     assert made == ["Numerical experiments with first-order PBD"]
     assert tables["orders"]["order"].tolist() == [1.0]
-    assert np.isin(["emt_complete_ratios", "emt_complete_answers"], list(tables)).all()
+    assert np.isin(["emt_complete_ratios", "emt_complete_orders"], list(tables)).all()

@@ -23,8 +23,8 @@ from tissue.study.run import run_study
 from verification.beyond.space.counted import counted, with_intervals
 from verification.beyond.space.edge import INNER, are_inner
 from verification.page.kept import DATA, keep
+from verification.thesis.chapter4.frequencies import more
 from verification.thesis.chapter4.kept import read
-from verification.thesis.chapter4.ratio_claims import more
 
 FILE = DATA / "space_isolated.parquet"
 STUDY = "space_published"
@@ -52,6 +52,7 @@ class EmtComparison(NamedTuple):
     second: str
 
 
+WORDS = {True: "holds", False: "does not hold", None: "not decided"}
 COMPARISONS = (
     EmtComparison("[P] almost guarantees basal extrusion (4.1.1)", "basal", "[BP]", "[A]"),
     EmtComparison("[A] drives cells out (4.1.2)", "basal", "[A]", "[S]"),
@@ -110,7 +111,7 @@ def _compared(ratios: pd.DataFrame) -> Iterator[dict[str, object]]:
         for tissue in TISSUES:
             first, second = (rows.loc[(tissue, name, one.side)] for name in (one.first, one.second))
             difference = Difference(as_ratio(first), as_ratio(second))
-            verdict = more(one.says, difference, int(min(first["runs"], second["runs"]))).verdict
+            verdict = WORDS[more(one.says, difference).comparison.true]
             told |= {tissue: f"{difference}: {verdict}", f"{tissue}_verdict": verdict}
         yield told
 

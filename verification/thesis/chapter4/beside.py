@@ -2,34 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from pathlib import Path
 
 import pandas as pd
 
+from verification.page.columns import read_columns
 from verification.page.prose import percents
+from verification.thesis.chapter4.frequencies import READINGS
 from verification.thesis.chapter4.studies import PRESETS, preset_of
 
 MAKES_NO_NUMBERS = True
 
-LABELS = {preset: preset.capitalize() for preset in PRESETS}
+COLUMNS = read_columns(Path(__file__).parent / "columns.toml")
+LABELS = {preset: READINGS[preset].capitalize() for preset in PRESETS}
 RATIO = ["value", "low", "high"]
-# Between what a comparison is of and its numbers.
-BEFORE_NUMBERS = r": (?=importance|[-+]?\d+(?:\.\d+)? % \[)"
 
 
-def beside(table: pd.DataFrame, keys: Mapping[str, str], shown: Mapping[str, str]) -> pd.DataFrame:
-    """A row for each value of the keys, and a column for each preset and each of what is shown; with their headings.
+def beside(table: pd.DataFrame, name: str) -> pd.DataFrame:
+    """Return a row for each value of the keys, with columns for each reading, under the headings of ``columns.toml``.
 
-    The table has a column "side" with the headings of what stands beside each other, or "preset" with those of the
-    presets, or "study", whose ending says the preset and is taken off.
+    The table has a column "side" with the headings of what stands beside each other, or "preset", or "study", whose
+    ending says the preset and is taken off.
     """
-    table = _sided(table)
+    table, keys, shown = _sided(table), COLUMNS[name], COLUMNS[f"{name}_shown"]
     rows = table[list(keys)].drop_duplicates()
     for side, mine in table.groupby("side", sort=False):
-        named = {name: f"{side} {text}".strip() for name, text in shown.items()}
+        named = {column: f"{side} {text}".strip() for column, text in shown.items()}
         rows = rows.merge(mine[[*keys, *shown]].rename(columns=named), on=list(keys), how="left")
     texts = rows.select_dtypes(exclude="number").columns
-    return rows.assign(**{name: rows[name].fillna("") for name in texts}).rename(columns=keys)
+    return rows.assign(**{column: rows[column].fillna("") for column in texts}).rename(columns=dict(keys))
 
 
 def _sided(table: pd.DataFrame) -> pd.DataFrame:
@@ -66,10 +67,3 @@ def ranked(table: pd.DataFrame) -> pd.DataFrame:
     """The importance of factors with its interval as a text, in a column "number"."""
     rows = table[RATIO].itertuples(index=False, name=None)
     return table.assign(number=[f"{value:.4f} [{low:.4f}, {high:.4f}]" for value, low, high in rows])
-
-
-def comparisons(answers: pd.DataFrame) -> pd.DataFrame:
-    """One row for each comparison of each preset: what is compared, and what was found."""
-    lines = answers.assign(line=answers["measured"].str.split("\n")).explode("line")
-    parts = lines["line"].str.split(BEFORE_NUMBERS, n=1, regex=True)
-    return lines.assign(compared=parts.str[0], found=parts.str[1].fillna(""))

@@ -16,8 +16,7 @@ from tissue.statistics.proportions import LEVEL, quantile
 from tissue.statistics.ratios import ratio
 from tissue.study.read import Results
 from verification.thesis.chapter4.differences import AS_PRINTED, NAME, PUBLISHED, ROWS, SEPARATOR, SETTINGS, design
-from verification.thesis.chapter4.printed import END, OF, PRINTED, Printed
-from verification.thesis.chapter4.ratio_claims import PRINTED_LEVEL, against_printed, agrees
+from verification.thesis.chapter4.printed import END, OF, PRINTED, PRINTED_LEVEL, Printed, against_printed, agrees
 
 # At which time [h] and by which rule of basal extrusion cells are counted, by the ends of both presets.
 COUNTS: Mapping[str, tuple[float, Rule]] = {"thesis": (END, "thesis"), "published": (54.0, "published")}

@@ -16,12 +16,14 @@ from tissue.study.plan import TissueStudy
 from tissue.study.read import Results
 from verification.page.context import Context
 from verification.page.parts import Picture
-from verification.thesis.chapter4 import headings, kept, studies
+from verification.thesis.chapter4 import kept, studies
+from verification.thesis.chapter4.beside import COLUMNS
 
 MAKES_NO_NUMBERS = True
 
 # Figures of single runs, which want every state of some.
 EXAMPLES = (11, 16)
+CHECKED = (13, 15, 17, 18, 19)  # over these the runs of the page are laid
 THESIS = "Plunder's thesis"
 
 
@@ -65,7 +67,7 @@ class Pictures:
             name + studies.PRESETS[preset]
             for preset in presets
             for name, kind in kinds.items()
-            if kind == RUNS or (number in headings.CHECKED and not self.context.full)
+            if kind == RUNS or (number in CHECKED and not self.context.full)
         ]
         return {name: studies.place(name, self.made[name], self.folder) for name in names if name in self.made}
 
@@ -75,14 +77,13 @@ class Pictures:
             source = "single runs of this page"
         elif _is_of_runs(number):
             source = f"from {runs} runs of this page"
-        elif where and number in headings.CHECKED:
+        elif where and number in CHECKED:
             here = " and ".join(preset for preset in presets if preset in map(studies.preset_of, where))
             counted = "the" if "categories" in needed(FIGURES[number]).values() else runs  # not all are in the figure
             source += f", with {counted} runs of this page ({here} preset) laid over them"
         which = " and ".join(presets) + (" presets beside each other" if len(presets) > 1 else " preset")
-        return (
-            f"{headings.FIGURES[number]}: {which}, {source}. Counterpart of Figure {number} of chapter 4 of {THESIS}."
-        )
+        what = COLUMNS["figures"][str(number)]
+        return f"{what}: {which}, {source}. Counterpart of Figure {number} of chapter 4 of {THESIS}."
 
 
 def _is_of_runs(number: int) -> bool:

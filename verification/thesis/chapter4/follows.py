@@ -99,7 +99,8 @@ def _together(rows: pd.DataFrame) -> Ratio:
 
 def questions(answers: pd.DataFrame) -> dict[str, Any]:
     """The questions by their verdicts: those with one verdict in all presets, and the others."""
-    verdicts = answers.pivot(index="id", columns="preset", values="verdict")
+    whole = answers.drop_duplicates(["id", "preset"])
+    verdicts = whole.pivot(index="id", columns="preset", values="verdict")
     same = verdicts.nunique(axis=1) == 1
     found = {text: list(verdicts.index[same & (verdicts["thesis"] == text)]) for text in answers["verdict"].unique()}
     return {"same": found, "other": list(verdicts.index[~same])}
@@ -107,7 +108,7 @@ def questions(answers: pd.DataFrame) -> dict[str, Any]:
 
 def controls(table: pd.DataFrame, ratios: pd.DataFrame) -> dict[str, Any]:
     """Scenarios with more apical extrusion than the control cells of their study, by the ends of both intervals."""
-    apical = ratios[ratios["what"] == "apical"]
+    apical = ratios[(ratios["what"] == "apical") & ratios["study"].isin(table["study"])]
     highest = table.set_index("study")["apical_high"]
     above = apical["low"] > apical["study"].map(highest)
     worst = table.loc[table["apical"].idxmax()]

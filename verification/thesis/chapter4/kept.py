@@ -30,7 +30,7 @@ TABLES: dict[str, Callable[[Mapping[str, Results]], pd.DataFrame]] = {
     "conditional": summaries.conditional,
     "outside": summaries.outside,
     "controls": summaries.controls,
-    "answers": summaries.answered,
+    "orders": summaries.orders,
     "ranking": summaries.ranking,
 }
 # Only of the complete form, with the study that each is of.

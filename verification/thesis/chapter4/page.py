@@ -11,6 +11,7 @@ from verification.page.prose import fill
 from verification.page.report import Chapter, Finding
 from verification.thesis.chapter4 import kept, studies
 from verification.thesis.chapter4 import sections as page
+from verification.thesis.chapter4.questions import ANSWERS, answered
 
 PROSE = Path(__file__).parent / "prose"
 # The factors of the ranking in words.
@@ -35,6 +36,7 @@ def run(context: Context) -> None:
         complete = {f"{kept.COMPLETE_PREFIX}{name}": context.tables[f"emt_{name}"] for name in kept.COMPLETE}
     for name, table in complete.items():
         context.keep(name, table)
+    context.keep(ANSWERS, answered(context.tables))
 
 
 def sections(context: Context) -> Sequence[Section]:
@@ -48,7 +50,7 @@ def findings(context: Context) -> Sequence[Finding]:
     mine = ranking[ranking["preset"] == "published"].sort_values("value", ascending=False)
     first, second, third, *_ = mine.itertuples()
     said = fill(PROSE / "learned_emt.html", names=FACTORS, first=first, second=second, third=third)
-    return [Finding(said["factors"], page.POSITIONS)]
+    return [Finding(said["factors"], page.TITLES["positions"])]
 
 
 CHAPTER = Chapter(

@@ -7,14 +7,17 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
+from dincl.checks import describe
+from dincl.errors import InvalidProblem
 from tissue.statistics.categories import Rule, What, kept_times, outcome
-from tissue.statistics.ratios import ratio
+from tissue.statistics.comparisons import Difference
+from tissue.statistics.ratios import Ratio, ratio
 from tissue.study.read import Results
-from verification.thesis.chapter4.ratio_claims import PRINTED_LEVEL, against_printed, agrees
 from verification.thesis.chapter4.studies import PRESETS
 
 # Runs of each scenario of Figures 10 and 12; the end of the runs of the thesis [h].
 OF, END = 400, 48.0
+PRINTED_LEVEL = 0.99  # at which a measured ratio agrees with a printed one
 RULES: dict[str, Rule] = {"thesis": "thesis", "corrected": "thesis", "published": "published"}
 
 
@@ -72,3 +75,32 @@ def _row(printed: Printed, cells: pd.DataFrame, t: float, rule: Rule) -> dict[st
         "high": high,
         "agrees": agrees(difference),
     }
+
+
+def against_printed(measured: Ratio, printed: float, of: int) -> Difference:
+    """Return a measured ratio minus a printed one of ``of`` independent cells, which has its own chance error.
+
+    They agree if ``agrees`` says so. A printed ratio is taken as the nearest one that ``of`` cells can have.
+
+    Parameters
+    ----------
+    measured
+        From the runs.
+    printed
+        From 0 to 1.
+    of
+        Cells it was printed for: n_rep = 400 for Figures 10 to 14 of chapter 4, 100 for Figure 15 of chapter 4.
+
+    Returns
+    -------
+    Difference
+    """
+    if not 0 <= printed <= 1:
+        raise InvalidProblem(f"printed = {describe(printed)}: must be a ratio from 0 to 1")
+    return Difference(measured, Ratio(round(printed * of), of))
+
+
+def agrees(difference: Difference, level: float = PRINTED_LEVEL) -> bool:
+    """Return whether the interval of the difference contains 0."""
+    low, high = difference.interval(level)
+    return low <= 0 <= high

@@ -9,17 +9,19 @@ import pandas as pd
 
 from tissue.statistics.comparisons import Difference
 from tissue.statistics.ratios import Ratio
+from verification.page.columns import headed
 from verification.page.context import Context
 from verification.page.parts import Follows, Grid, Section, Text
 from verification.page.prose import fill, listed, percents
-from verification.thesis.chapter4 import differences_in_words as words
 from verification.thesis.chapter4 import kept
+from verification.thesis.chapter4.beside import COLUMNS
 from verification.thesis.chapter4.differences import AS_PRINTED, PUBLISHED, ROWS
 from verification.thesis.chapter4.effects import COUNTING
-from verification.thesis.chapter4.ratio_claims import CLAIM_LEVEL
+from verification.thesis.chapter4.frequencies import CLAIM_LEVEL
 
 PROSE = Path(__file__).parent / "prose"
 AGREES = " ✓"
+SIDES = ("printed", "published")
 # Of pairs of rows those are shown whose interval is this far from 0, by the half of it.
 CLEAR = 2.0
 # So many of the largest average effects stand beside a ratio.
@@ -33,7 +35,7 @@ def section(context: Context) -> Section:
     said = fill(PROSE / "differences.html", found=told, rows=len(ROWS))
     name = f"{kept.COMPLETE_PREFIX}changed"
     return Section(
-        "Which difference makes which ratio",
+        COLUMNS["sections"]["differences"],
         [
             Text(said["asked"]),
             Grid(meanings(), said["meanings"], name),
@@ -48,8 +50,8 @@ def section(context: Context) -> Section:
 
 def meanings() -> pd.DataFrame:
     """What each row is, as printed and as published."""
-    lines = [(row, *words.ROWS[row]) for row in ROWS] + [(COUNTING, *words.COUNTING)]
-    return pd.DataFrame(lines, columns=["Difference", "In the model as printed", "In the published runs"])
+    lines = [{"row": row} | {side: COLUMNS[f"rows_{side}"][row] for side in SIDES} for row in (*ROWS, COUNTING)]
+    return headed(pd.DataFrame(lines), COLUMNS["meanings"])
 
 
 def answers(told: list[dict[str, Any]]) -> pd.DataFrame:
@@ -91,7 +93,12 @@ def averages(effects: pd.DataFrame) -> pd.DataFrame:
 
 def _headings(table: pd.DataFrame) -> pd.Series:
     pairs = zip(table["scenario"], table["what"], strict=True)
-    return pd.Series([words.in_words(*pair) for pair in pairs], index=table.index)
+    return pd.Series([in_words(*pair) for pair in pairs], index=table.index)
+
+
+def in_words(scenario: str, what: str) -> str:
+    """A ratio, such as "[A] without INM leaves basally"."""
+    return f"{scenario.replace('no INM', 'without INM')} {COLUMNS['outcomes'][what]}"
 
 
 def _points(row: Any) -> str:
@@ -118,7 +125,7 @@ def found(changed: pd.DataFrame, effects: pd.DataFrame) -> list[dict[str, Any]]:
         start = bare.loc[AS_PRINTED]
         told.append(
             {
-                "ratio": words.in_words(str(scenario), str(what)),
+                "ratio": in_words(str(scenario), str(what)),
                 "printed": f"{100 * start['printed']:.0f} %",
                 "bare": percents((start["value"], start["low"], start["high"])),
                 "agrees": bool(start["agrees"]),

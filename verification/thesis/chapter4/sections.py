@@ -10,15 +10,18 @@ import pandas as pd
 from tissue.statistics.comparisons import Difference
 from tissue.statistics.proportions import corrected
 from tissue.statistics.ratios import as_ratio
+from verification.page.columns import headed
 from verification.page.context import Context
 from verification.page.parts import Follows, Grid, Section, Text
 from verification.page.prose import fill
-from verification.thesis.chapter4 import follows, headings, kept, section_differences, sensitivity
-from verification.thesis.chapter4.beside import beside, comparisons, printed, ranked, with_ratios
+from verification.thesis.chapter4 import follows, kept, section_differences, sensitivity
+from verification.thesis.chapter4.beside import COLUMNS, beside, printed, ranked, with_ratios
 from verification.thesis.chapter4.figures import Pictures
-from verification.thesis.chapter4.ratio_claims import PRINTED_LEVEL
+from verification.thesis.chapter4.frequencies import RULE
+from verification.thesis.chapter4.printed import PRINTED_LEVEL
+from verification.thesis.chapter4.questions import ANSWERS, QUESTIONS
 
-POSITIONS = "Position at the onset, timing, and what matters most"
+TITLES = COLUMNS["sections"]
 PROSE = Path(__file__).parent / "prose"
 MARKED = {"INM": "with INM", "no INM": "without INM"}
 
@@ -48,10 +51,6 @@ def _complete(context: Context, name: str) -> pd.DataFrame:
     return context.tables[f"{kept.COMPLETE_PREFIX}{name}"]
 
 
-def _named(table: pd.DataFrame, headings: dict[str, str]) -> pd.DataFrame:
-    return table[list(headings)].rename(columns=headings)
-
-
 def _isolated(context: Context, pictures: Pictures) -> Section:
     table = _complete(context, "printed")
     agreeing = table.groupby(["preset", "time_h"], sort=False)["agrees"].agg(["sum", "size"])
@@ -63,10 +62,10 @@ def _isolated(context: Context, pictures: Pictures) -> Section:
         basal=follows.isolated(_complete(context, "ratios")),
     )
     return Section(
-        "Isolated cells",
+        TITLES["isolated"],
         [
             Text(said["agreeing"]),
-            Grid(beside(printed(table), *headings.PRINTED), said["table"], "emt_complete_printed"),
+            Grid(beside(printed(table), "printed"), said["table"], "emt_complete_printed"),
             *pictures.of(10, 11, 12, 13, 14),
             Follows(said["follows"]),
         ],
@@ -78,21 +77,21 @@ def _groups(context: Context, pictures: Pictures) -> Section:
     shown = table[table["study"].str.startswith("figure15") & (table["what"] == "basal")]
     said = _said_of_groups(context)
     return Section(
-        "Groups of cells with the same events",
+        TITLES["groups"],
         [
             Text(said["effective"]),
             *pictures.of(15, 16),
-            Grid(beside(with_ratios(shown), *headings.PROGRAMS), said["table"], "emt_complete_ratios", folded=True),
+            Grid(beside(with_ratios(shown), "programs"), said["table"], "emt_complete_ratios", folded=True),
             Follows(said["groups_follow"]),
         ],
     )
 
 
 def _heterogeneous(context: Context, pictures: Pictures) -> Section:
-    rows = beside(with_ratios(_complete(context, "categories")), *headings.CATEGORIES)
+    rows = beside(with_ratios(_complete(context, "categories")), "categories")
     said = _said_of_groups(context)
     return Section(
-        "Heterogeneous groups",
+        TITLES["mixed"],
         [
             *pictures.of(17, 18, 19),
             Grid(rows, said["categories"], "emt_complete_categories", folded=True),
@@ -117,12 +116,12 @@ def _positions(context: Context, pictures: Pictures) -> Section:
         found=follows.positions(_complete(context, "conditional"), ranking),
     )
     return Section(
-        POSITIONS,
+        TITLES["positions"],
         [
             Text(said["first_fifth"]),
             Text(said["outside"]),
             *pictures.of(20, 21, 22),
-            Grid(beside(ranked(ranking), *headings.RANKING), said["table"], "emt_complete_ranking"),
+            Grid(beside(ranked(ranking), "ranking"), said["table"], "emt_complete_ranking"),
             Follows(said["follows"]),
         ],
     )
@@ -139,14 +138,14 @@ def _first_fifth(conditional: pd.DataFrame) -> list[dict[str, Any]]:
 
 def _questions(context: Context) -> Section:
     table = _complete(context, "answers")
-    said = fill(PROSE / "questions.html", found=follows.questions(table))
-    compared = beside(comparisons(table), *headings.COMPARISONS)
+    said = fill(PROSE / "questions.html", found=follows.questions(table), of=len(QUESTIONS), rule=RULE)
+    whole = table.drop_duplicates(["preset", "id"])
     return Section(
-        "The eight questions",
+        TITLES["questions"],
         [
             Text(said["verdicts"]),
-            Grid(beside(table, *headings.ANSWERS), said["answers"], "emt_complete_answers"),
-            Grid(compared, said["comparisons"], "emt_complete_answers", folded=True),
+            Grid(beside(whole, "answers"), said["answers"], ANSWERS),
+            Grid(beside(table, "comparisons"), said["comparisons"], ANSWERS, folded=True),
             Follows(said["follows"]),
         ],
     )
@@ -164,10 +163,10 @@ def _sensitivity(context: Context) -> Section:
         all=len(table),
     )
     return Section(
-        "Sensitivity to the mechanics",
+        TITLES["sensitivity"],
         [
             Text(said["ratio"]),
-            Grid(_named(table, headings.SENSITIVITY), said["table"], "emt_complete_sensitivity"),
+            Grid(headed(table, COLUMNS["sensitivity"]), said["table"], "emt_complete_sensitivity"),
             Follows(said["follows"]),
         ],
     )
@@ -177,8 +176,8 @@ def _controls(context: Context) -> Section:
     table = _complete(context, "controls")
     said = fill(PROSE / "controls.html", found=follows.controls(table, _complete(context, "ratios")))
     parts = table.rename(columns={"apical": "value", "apical_low": "low", "apical_high": "high"})
-    grid = Grid(beside(with_ratios(parts, 3), *headings.CONTROLS), said["table"], "emt_complete_controls")
-    return Section("Control cells", [Text(said["rim"]), grid, Follows(said["follows"])])
+    grid = Grid(beside(with_ratios(parts, 3), "controls"), said["table"], "emt_complete_controls")
+    return Section(TITLES["controls"], [Text(said["rim"]), grid, Follows(said["follows"])])
 
 
 def _short(context: Context, pictures: Pictures) -> Section:
@@ -196,9 +195,9 @@ def _short(context: Context, pictures: Pictures) -> Section:
         level=PRINTED_LEVEL,
         apart=list(apart.itertuples()),
     )
-    rows = beside(with_ratios(context.tables["emt_ratios"]), *headings.RATIOS)
+    rows = beside(with_ratios(context.tables["emt_ratios"]), "ratios")
     return Section(
-        "The runs of this page beside the complete studies",
+        TITLES["short"],
         [Text(said["runs"]), Grid(rows, said["table"], "emt_ratios", folded=True), Follows(said["follows"])],
     )
 

@@ -15,7 +15,7 @@ from tissue.study.identity import identity
 from tissue.study.plan import TissueStudy, load_study
 from tissue.study.read import Results
 from tissue.study.run import carry_out
-from verification.thesis.chapter4 import differences, sensitivity
+from verification.thesis.chapter4 import differences, open_programs, sensitivity
 
 NAMES = ("figure10", "figure12", "figure14", "figure15", "table5_63", "table5_35", "table5_7", "questions")
 
@@ -57,15 +57,14 @@ CORRECTED |= {"table5_63": 4000, "table5_35": 16000, "table5_7": 4000}
 FURTHER = {sensitivity.NAME: sensitivity.study} | {
     f"{differences.NAME}_{kind}": partial(differences.study, kind) for kind in differences.SETTINGS
 }
+PRESETS = {"thesis": "", "corrected": "_corrected", "published": "_published"}
+# Studies that are made here, and do not come with the package.
+MADE = FURTHER | {name: partial(open_programs.study, name) for name in open_programs.MORE}
 FULL = EmtForm(
-    dict.fromkeys((*NAMES, *(f"{name}_published" for name in NAMES), *FURTHER))
+    dict.fromkeys((*NAMES, *(f"{name}_published" for name in NAMES), *MADE))
     | {f"{name}_corrected": replicates for name, replicates in CORRECTED.items()},
     {f"{name}_corrected": differences.values_of("corrected", differences.ENERGIES) for name in CORRECTED},
 )
-# What the questions are asked of, beside "questions" where it is. Of one name in two of them the later one counts:
-# [AxB] with 12 h between the events, not with 18 h.
-QUESTIONED = ("figure12", "figure14", "figure15", "table5_63", "table5_35", "table5_7")
-PRESETS = {"thesis": "", "corrected": "_corrected", "published": "_published"}
 
 
 def preset_of(name: str) -> str:
@@ -86,8 +85,8 @@ def chosen(form: EmtForm) -> dict[str, TissueStudy]:
 
 
 def _study(name: str, replicates: int | None) -> TissueStudy:
-    if name in FURTHER:
-        return FURTHER[name]()
+    if name in MADE:
+        return MADE[name]()
     name = name.removesuffix(PRESETS["corrected"])
     return load_study(name) if replicates is None else shortened(name, replicates)
 

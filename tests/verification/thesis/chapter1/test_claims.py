@@ -58,6 +58,11 @@ def with_result(change: Callable[[Any], Any]) -> Change:
     return lambda f: lambda *given: change(f(*given))
 
 
+def opposite(ends: tuple[float, float]) -> tuple[float, float]:
+    """The ends of the interval -F(x)."""
+    return -ends[1], -ends[0]
+
+
 def ratios(basal: int) -> dict[str, pd.DataFrame]:
     """400 isolated cells a scenario; ``basal`` of those with protrusions leave basally."""
     counts = {"[A]": (60, 100), "[B]": (0, 40), "[S]": (0, 170), "[BP]": (basal, 30)}
@@ -92,11 +97,12 @@ CHANGES: dict[str, Wrong] = {
     "c1.absolutely-continuous": Wrong("chapter1.s2_solutions", "largest_rise", times(0.1)),
     "c1.no-classical": Wrong("chapter1.s2_solutions", "speed", times(0.0)),
     "c1.almost-everywhere": Wrong("chapter1.s2_solutions", "cantor", replaced(lambda x: x), TRUE),
-    "c1.generalise": Wrong("chapter1.s2_1_inclusions", "cones_from", replaced(lambda least, most: 1), TRUE),
+    "c1.generalise": Wrong("chapter1.s2_1_inclusions", "step_values", replaced(lambda x: (0.0, 0.0)), TRUE),
     "c1.sweeping-unique": Wrong(
         "chapter1.s3_cones", "swept_from", lambda f: lambda start, h, end: f(0.0, h, end), TRUE
     ),
     "c1.prox-constant": Wrong("chapter1.s4_1_prox", "printed_constant", replaced(lambda n, d: 0.01 / n), TRUE),
+    "c1.one-sided-word": Wrong("chapter1.s4_2_hypomonotone", "step_values", with_result(opposite), TRUE),
     "c1.support": Wrong("chapter1.s4_4_supports", "ellipse_support", times(1.2)),
     "c1.single-valued": Wrong("chapter1.s4_4_supports", "by_limsup", replaced(s4_4_supports.by_singletons), TRUE),
     "c1.sum-of-cones": Wrong("chapter1.s4_4_supports", "support_of_cone", less_for_many),

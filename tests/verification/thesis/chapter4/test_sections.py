@@ -10,13 +10,24 @@ from tissue.statistics.comparisons import Difference
 from tissue.statistics.proportions import corrected
 from tissue.statistics.ratios import Ratio, as_ratio
 from verification.page.context import Context
-from verification.thesis.chapter4 import differences, effects, follows, headings, kept, section_differences, studies
-from verification.thesis.chapter4.beside import beside, comparisons, printed, ranked, with_ratios
+from verification.thesis.chapter4 import (
+    differences,
+    effects,
+    follows,
+    kept,
+    open_programs,
+    section_differences,
+    studies,
+)
+from verification.thesis.chapter4.beside import COLUMNS, LABELS, beside, printed, ranked, with_ratios
 from verification.thesis.chapter4.claims import s4_1_isolated
-from verification.thesis.chapter4.figures import Pictures
+from verification.thesis.chapter4.figures import CHECKED, Pictures
+from verification.thesis.chapter4.questions import ANSWERS as ANSWERED
+from verification.thesis.chapter4.questions import QUESTIONS, answered
 from verification.thesis.chapter4.sections import sections
 
 TABLES = {name: kept.read(name) for name in kept.COMPLETE}
+ANSWERS = answered(kept.tables())
 BASAL = TABLES["ratios"][TABLES["ratios"]["what"] == "basal"].set_index(["study", "scenario"])
 
 
@@ -34,7 +45,7 @@ class Noted(Nowhere):
 @pytest.mark.parametrize("full", [False, True])
 def test_figures_are_drawn_of_complete_tables_where_those_have_what_is_needed(tmp_path, full):
     context = Context(tmp_path, full, Noted(), tables=kept.tables())
-    captions = [picture.caption for picture in Pictures(context, tmp_path).of(*headings.FIGURES)]
+    captions = [picture.caption for picture in Pictures(context, tmp_path).of(*map(int, COLUMNS["figures"]))]
     numbers = [
         int(re.search(r"Counterpart of Figure (\d+) of chapter 4 of Plunder's thesis", one)[1]) for one in captions
     ]
@@ -46,14 +57,14 @@ def test_figures_are_drawn_of_complete_tables_where_those_have_what_is_needed(tm
     assert both == set(numbers) - ({16} if full else {14, 16, 22})
     for number, presets, where, tables, _ in context.executor.drawn:
         assert list(presets) == (["thesis", "published"] if number in both else ["thesis"])
-        assert bool(where) == (number in from_runs or (number in headings.CHECKED and not full))
+        assert bool(where) == (number in from_runs or (number in CHECKED and not full))
         assert bool(tables) != (full and number in from_runs)
     assert full or "from 256 runs of this page" in captions[0]
 
 
 @pytest.mark.slow
 def test_each_section_ends_with_what_follows(tmp_path):
-    context = Context(tmp_path, False, Noted(), tables=kept.tables())
+    context = Context(tmp_path, False, Noted(), tables=kept.tables() | {ANSWERED: ANSWERS})
     ratios = TABLES["ratios"]
     context.tables["emt_ratios"] = ratios[ratios["study"].isin(studies.SHORT.replicates)]
     for section in sections(context):
@@ -62,31 +73,37 @@ def test_each_section_ends_with_what_follows(tmp_path):
 
 
 def test_presets_stand_beside_each_other():
-    table = beside(with_ratios(BASAL.reset_index()), *headings.RATIOS)
-    assert list(table)[3:6] == ["Thesis [95 %]", "Thesis effective cells", "Thesis runs"]
-    assert len(table) == len(BASAL) / len(studies.PRESETS)
+    rows = BASAL.drop(index=list(open_programs.MORE), level="study", errors="ignore").reset_index()
+    table = beside(with_ratios(rows), "ratios")
+    assert list(table)[3:6] == ["Printed energies [95 %]", "Printed energies effective cells", "Printed energies runs"]
+    assert len(table) == len(rows) / len(studies.PRESETS)
     row = table[(table["Study"] == "figure12") & (table["Scenario"] == "[B] no INM")].iloc[0]
-    for preset, ending in (("Thesis", ""), ("Corrected", "_corrected"), ("Published", "_published")):
+    for preset, ending in (
+        ("Printed energies", ""),
+        ("Corrected energies", "_corrected"),
+        ("Published program", "_published"),
+    ):
         wanted = BASAL.loc[(f"figure12{ending}", "[B] no INM")]
         assert row[f"{preset} [95 %]"].startswith(f"{100 * wanted['value']:.1f} % [")
         assert row[f"{preset} runs"] == wanted["runs"]
-    alone = beside(with_ratios(BASAL.loc[["figure10"]].reset_index()), *headings.PROGRAMS)
-    assert list(alone) == ["Scenario", "Thesis [95 %]", "Thesis effective cells"]
+    alone = beside(with_ratios(BASAL.loc[["figure10"]].reset_index()), "programs")
+    assert list(alone) == ["Scenario", "Printed energies [95 %]", "Printed energies effective cells"]
 
 
 def test_no_printed_ratio_factor_or_comparison_is_lost():
-    shown = beside(printed(TABLES["printed"]), *headings.PRINTED)
-    assert list(shown)[3:] == ["Thesis, 48 h", "Corrected, 48 h", "Published, 48 h", "Published, 54 h"]
+    shown = beside(printed(TABLES["printed"]), "printed")
+    assert list(shown)[3:] == [
+        f"{LABELS[name]}, {t} h"
+        for name, t in zip(("thesis", "corrected", "published", "published"), (48, 48, 48, 54), strict=True)
+    ]
     cells = shown.iloc[:, 3:].to_numpy().ravel()
     assert len(cells) == len(TABLES["printed"])
     assert sum("off by" in text for text in cells) == (~TABLES["printed"]["agrees"]).sum()
-    assert len(beside(ranked(TABLES["ranking"]), *headings.RANKING)) == TABLES["ranking"]["factor"].nunique()
-    answers = TABLES["answers"]
-    compared = beside(comparisons(answers), *headings.COMPARISONS)
-    lines = answers["measured"].str.count("\n").sum() + len(answers)
-    assert len(compared) == lines / len(studies.PRESETS)
-    assert (compared[["Thesis preset", "Corrected preset", "Published preset"]] != "").all(axis=None)
-    assert beside(answers, *headings.ANSWERS)[""].tolist() == [f"Q{k}" for k in range(1, 9)]
+    assert len(beside(ranked(TABLES["ranking"]), "ranking")) == TABLES["ranking"]["factor"].nunique()
+    compared = beside(ANSWERS, "comparisons")
+    assert len(compared) == len(ANSWERS[["id", "compared"]].drop_duplicates())
+    whole = ANSWERS.drop_duplicates(["preset", "id"])
+    assert beside(whole, "answers")[""].tolist() == list(QUESTIONS)
 
 
 def test_who_leaves_in_every_preset_is_counted():
@@ -125,9 +142,9 @@ def test_groups_are_compared_with_holms_correction():
 
 
 def test_every_question_has_one_place():
-    found = follows.questions(TABLES["answers"])
+    found = follows.questions(ANSWERS)
     names = [name for names in found["same"].values() for name in names] + found["other"]
-    assert sorted(names) == [f"Q{k}" for k in range(1, 9)]
+    assert sorted(names) == sorted(QUESTIONS)
 
 
 def test_apical_extrusion_is_set_beside_that_of_control_cells():

@@ -11,6 +11,9 @@ from verification.formal.reals import implication
 from verification.thesis.chapter1.lemmas import growth_of_distance, sign_values
 from verification.thesis.text.quoted import claim
 
+# Places on both sides of 0, the nearest as near as numbers that are squared allow.
+LINE = np.concatenate([sign * np.logspace(-8, 1, 40) for sign in (-1.0, 1.0)])
+
 
 @claim(
     "c1.one-sided",
@@ -21,6 +24,11 @@ from verification.thesis.text.quoted import claim
 def _one_sided() -> Evidence:
     """E' = 2 (x' - y') (x - y) <= 2 L E for E = |x - y|^2; K = L t."""
     return proved(*growth_of_distance())
+
+
+def step_values(x: float) -> tuple[float, float]:
+    """Return the least and the largest value of the right-hand side of (1.13)."""
+    return (-1.0, 1.0) if x == 0 else (-np.sign(x), -np.sign(x))
 
 
 @claim("c1.step-continuity", "(1.13) is upper semicontinuous and one-sided Lipschitz.", "Remark 1.14", Verdict.PROVED)
@@ -115,7 +123,7 @@ def cones_from(least: float, most: float) -> int:
 )
 def _generalise() -> Evidence:
     """In R, a value of F - N is a force plus {0}, a half-line or the line; that of (1.13) at 0, and at 0 of [0, oo)."""
-    step, wall = cones_from(-1.0, 1.0), cones_from(0.0, np.inf)
+    step, wall = cones_from(*step_values(0.0)), cones_from(0.0, np.inf)
     return Evidence(
         printed=(at_least("forces f for which the value [-1, 1] of (1.13) at 0 is f plus a cone", step, 1),),
         corrected=(equal("forces f for which the value [0, ∞) of -N([0, ∞), 0) is f plus a cone", wall, 1),),

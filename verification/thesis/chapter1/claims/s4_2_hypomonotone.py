@@ -3,9 +3,10 @@
 
 from __future__ import annotations
 
-from verification.claims import Evidence, Verdict, proved, put_right
+from verification.claims import Evidence, Verdict, at_most, equal, proved
 from verification.formal.reals import implication
-from verification.thesis.chapter1.lemmas import cones, sign_values
+from verification.thesis.chapter1.claims.s2_1_inclusions import LINE, step_values
+from verification.thesis.chapter1.lemmas import cones
 from verification.thesis.text.quoted import claim
 
 
@@ -33,6 +34,16 @@ def _sum_of_all() -> Evidence:
     return proved(*cones())
 
 
+def spread(sign: float) -> float:
+    """Measure how far apart solutions s t of sign times (1.13) are at t = 1 that all start at 0."""
+    ends = []
+    for s in (-1.0, -0.5, 0.0, 0.5, 1.0):
+        allowed = (sorted(sign * end for end in step_values(s * t)) for t in (0.25, 0.5, 1.0))
+        if all(low <= s <= high for low, high in allowed):
+            ends.append(s)
+    return max(ends) - min(ends)
+
+
 @claim(
     "c1.one-sided-word",
     "Solutions of ẋ ∈ F(x) are unique if F is one-sided semicontinuous.",
@@ -42,24 +53,15 @@ def _sum_of_all() -> Evidence:
     chosen="semicontinuous is read as in Definition 1.10",
 )
 def _one_sided_word() -> Evidence:
-    """h and k are values of sign at x and y, so those of -sign are -h and -k."""
-    unique = implication(
-        "solutions x, y of ẋ ∈ −sign(x), one-sided Lipschitz, have (x − y)(ẋ − ẏ) ≤ 0 and do not come apart",
-        lambda s, x, y, h, k: ([*sign_values(x, h), *sign_values(y, k)], (x - y) * (s * k - s * h) <= 0),
-        "(x − y)(ẋ − ẏ) ≤ 0 for solutions of ẋ ∈ sign(x)",
+    low, high = step_values(0.0)
+    beyond = sum(not low <= -end <= high for y in LINE for end in step_values(y))
+    return Evidence(
+        printed=(at_most("spread at t = 1 of solutions of ẋ ∈ sign(x) from 0, semicontinuous", spread(-1.0), 0.0),),
+        corrected=(
+            at_most("spread at t = 1 of solutions of ẋ ∈ -sign(x) from 0, one-sided Lipschitz", spread(1.0), 0.0),
+            equal("values of sign near 0 outside its value at 0, which is [-1, 1],", beyond, 0),
+        ),
     )
-    semicontinuous = implication(
-        "sign is semicontinuous at 0, too: its values near 0 lie in [−1, 1], its value at 0",
-        lambda s, x, h: (sign_values(x, h), h * h <= s),
-        "h² ≤ ½ for its values h",
-        0.5,
-    )
-    two = implication(
-        "but x = t and x = −t both solve ẋ ∈ sign(x) from 0",
-        lambda s, t, h, k: ([t > 0, *sign_values(t, h), *sign_values(-t, k)], [h == s, k == -s]),
-        "ẋ ∈ −sign(x)",
-    )
-    return Evidence(printed=put_right(unique).printed, corrected=(unique, semicontinuous, two))
 
 
 @claim("c1.hypomonotone", "Normals of prox-regular sets are monotone up to a quadratic term.", "(1.28)", Verdict.PROVED)

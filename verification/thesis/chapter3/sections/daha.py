@@ -30,11 +30,9 @@ def _run(context: Context) -> None:
     context.keep("tissue_daha_distances", daha.distances(table))
     context.keep("tissue_daha_speed", daha.speed(table, form.end))
     context.keep("tissue_daha_fits", daha_fit.fitted(table))
-    ends, growth = (make(context.form(daha_ends.FULL)) for make in (daha_ends.study, daha_ends.heights_study))
-    shown = context.rows_of(ends, ends.only(lambda key: key["seed"] == 0))
-    context.keep("tissue_daha_shares", daha_ends.shares(shown))
-    heights = context.rows_of(growth, growth.some(1))
-    context.keep("tissue_daha_heights", daha_ends.heights(heights))
+    ends = daha_ends.study(context.form(daha_ends.FULL))
+    again = ends.only(lambda key: key["seed"] == 0)
+    context.keep("tissue_daha_shares", daha_ends.shares(context.rows_of(ends, again)))
     maps = {}
     for plane in context.form(daha_limits.FORM).planes:
         study = daha_limits.study(plane)
@@ -45,8 +43,8 @@ def _run(context: Context) -> None:
 
 
 def _daha(context: Context) -> Section:
-    names = ("iterations", "failures", "shares", "heights", "distances", "speed", "fits", "held")
-    made, failed, shares, heights, apart, speed, fits, held = (context.tables[f"tissue_daha_{name}"] for name in names)
+    names = ("iterations", "failures", "shares", "distances", "speed", "fits", "held")
+    made, failed, shares, apart, speed, fits, held = (context.tables[f"tissue_daha_{name}"] for name in names)
     maps = {plane.name: context.tables[f"tissue_daha_{plane.name}"] for plane in daha_limits.PLANES}
     table = context.tables["tissue_daha"]
     counts = context.draw("tissue_daha_iterations", figures_daha.iterations, table, daha.PRINTED)
@@ -74,7 +72,6 @@ def _daha(context: Context) -> Section:
             Grid(named(failed, COLUMNS["daha_failures"]), said["failures"], "tissue_daha_failures"),
             Text(said["fourth"]),
             Grid(named(shares, COLUMNS["daha_shares"]), said["shares"], "tissue_daha_shares"),
-            Grid(named(heights, COLUMNS["daha_heights"]), said["heights"], "tissue_daha_heights"),
             Text(said["damping"]),
             Text(said["distance"]),
             Picture(fitted, said["fitted"]),

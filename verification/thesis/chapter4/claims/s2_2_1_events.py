@@ -82,12 +82,10 @@ def contracted(relaxes: bool) -> float:
     Verdict.CORRECTED,
 )
 def _rest_length() -> Evidence:
-    printed, right = contracted(relaxes=False), contracted(relaxes=True)
+    what = f"length of a freed spring at rest {HOURS:g} h after [A], over the one before,"
     return Evidence(
-        f"{HOURS:g} h after [A] a freed spring that began at rest has {printed:.2f} of its length if (3.2) applies no "
-        f"more, {right:.2f} if it does, with η* = 0: without (3.2) nothing contracts, against Figures 5 and 6.",
-        printed=(at_most("length over the one before, without (3.2)", printed, SHORTER),),
-        corrected=(at_most("length over the one before, with (3.2) and η* = 0", right, SHORTER),),
+        printed=(at_most(f"{what} without (3.2)", contracted(relaxes=False), SHORTER),),
+        corrected=(at_most(f"{what} with (3.2) and η* = 0", contracted(relaxes=True), SHORTER),),
     )
 
 
@@ -112,13 +110,11 @@ def _free() -> Evidence:
     steps = np.diff(cells.bx[layer])
     everyone = int((np.abs(cells.by) > ROUNDING).sum())
     return Evidence(
-        f"6 h after [B] {off} of {GROUP} basal points have left the x-axis, so (C3) for all i puts this state outside "
-        f"of S; the vertices of ℬ lie on it to {held:.0e}, in order (least step {steps.min():.2g} R_soft).",
-        printed=(at_most("basal points that break (C3) as printed, for all i", everyone, 0),),
+        printed=(at_most("basal points that break (C3) as printed, for all i, 6 h after [B]", everyone, 0),),
         corrected=(
-            equal("free basal points off the line", off, GROUP),
-            at_most("|y(B)| of the vertices of ℬ", held, 0.0, ROUNDING),
-            at_least("least step along the layer", float(steps.min()), 0.0, 1e-6),
+            equal(f"basal points off the x-axis, of {GROUP} that are free", off, GROUP),
+            at_most("|y(B)| of the vertices of ℬ [R_soft]", held, 0.0, ROUNDING),
+            at_least("least step from vertex to vertex along ℬ [R_soft]", float(steps.min()), 0.0, 1e-6),
         ),
         seed=SEED,
     )
@@ -149,11 +145,9 @@ def _bent() -> Evidence:
         bend(run_with({"emt.s": time, "numerics.t_end": "18 h"}).frames[9:]) for time in ("never", "6 h")
     )
     return Evidence(
-        f"From 3 h after [S] the springs of {GROUP} cells enclose {180 - loose:.0f}° on average, {180 - straight:.0f}° "
-        "without [S].",
         printed=(
-            at_least("mean bend after [S] [degrees]", loose, BEND),
-            at_least("bend with [S] over that without", loose / straight, TIMES),
+            at_least(f"180° minus the mean angle of the springs of {GROUP} cells from 3 h after [S] [°]", loose, BEND),
+            at_least("the same bend over that of cells without [S]", loose / straight, TIMES),
         ),
         seed=SEED,
     )
@@ -172,13 +166,12 @@ def _constant() -> Evidence:
     last = run.final.cells
     group = last.emt >= 0
     daughters = int(np.isin(last.mother, last.id[group]).sum())
-    renewed, all_cells = int((last.birth[group] > 0).sum()), len(last.x)
+    renewed = int((last.birth[group] > 0).sum())
     return Evidence(
-        f"In 48 h a tissue of {len(run.frames[0].cells.x)} cells grows to {all_cells}; its EMT cells stay "
-        f"{counts[-1]}, have {daughters} daughters, and {renewed} of them began a new cycle.",
         printed=(
-            equal("least number of EMT cells", min(counts), GROUP),
-            equal("greatest number of EMT cells", max(counts), GROUP),
+            at_least("cells of the tissue after 48 h", len(last.x), len(run.frames[0].cells.x) + 1),
+            equal("least number of EMT cells in 48 h", min(counts), GROUP),
+            equal("greatest number of EMT cells in 48 h", max(counts), GROUP),
             equal("daughters of EMT cells", daughters, 0),
             equal("EMT cells with a new cycle", renewed, GROUP),
         ),

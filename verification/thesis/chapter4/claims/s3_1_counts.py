@@ -6,7 +6,7 @@ from __future__ import annotations
 from itertools import permutations, product
 
 from tissue.statistics.categories import EVENTS
-from verification.claims import Evidence, Verdict, at_least, at_most, equal
+from verification.claims import Comparison, Evidence, Verdict, at_least, at_most, equal
 from verification.thesis.text.quoted import claim
 
 # The footnote on possible orders: counts as printed, and the orders that it lists.
@@ -25,17 +25,15 @@ MINUTES, FASTER, MEASURED = 45, 300, 27 / 0.08
 
 @claim(
     "c4.selections",
-    "The number of sets of events in which [P] comes only with [B].",
+    "There are twelve sets of events in which [P] comes only with [B].",
     "(Q2)",
 )
 def _selections() -> Evidence:
     chosen = [events for events in product((False, True), repeat=4) if events[1] or not events[3]]
     with_p = sum(events[3] for events in chosen)
     return Evidence(
-        f"{len(chosen)} selections of A, B, S, P have [P] only beside [B]: {len(chosen) - with_p} without [P], "
-        f"{with_p} with it.",
         printed=(
-            equal("selections", len(chosen), 12),
+            equal("selections of A, B, S, P with [P] only beside [B]", len(chosen), 12),
             equal("selections without [P]", len(chosen) - with_p, 2**3),
             equal("selections with [P]", with_p, 2**2),
         ),
@@ -50,42 +48,37 @@ def _orders() -> list[str]:
 
 @claim(
     "c4.orders",
-    "The number of orders of one to four events in which [P] follows [B].",
+    "There are 29 orders of one to four events in which [P] follows [B].",
     "(Q4), footnote 1",
     Verdict.CORRECTED,
 )
 def _count_orders() -> Evidence:
     found = _orders()
     counts = {k: sum(len(order) == k for order in found) for k in STEPS}
-    return Evidence(
-        f"{len(found)} orders have [P] after [B]: {', '.join(f'{n} of {k}' for k, n in counts.items())} events. "
-        f"The footnote counts {STEPS[3]} of three, lists {sum(len(order) == 3 for order in LISTED)}, and has "
-        f"{STEPS[4]} of four.",
-        printed=(
-            equal("orders", len(found), 29),
-            *(equal(f"orders of {k} events", counts[k], wanted) for k, wanted in STEPS.items()),
-        ),
-        corrected=(
-            equal("orders", len(found), 34),
-            *(equal(f"orders of {k} events", counts[k], wanted) for k, wanted in RIGHT.items()),
-        ),
-    )
+
+    def compare(every: int, by_length: dict[int, int]) -> tuple[Comparison, ...]:
+        return (
+            equal("orders with [P] after [B]", len(found), every),
+            *(equal(f"orders of {k} events", counts[k], wanted) for k, wanted in by_length.items()),
+        )
+
+    return Evidence(printed=compare(29, STEPS), corrected=compare(34, RIGHT))
 
 
 @claim(
     "c4.orders-listed",
-    "The list of all possible orders.",
+    "The footnote lists all possible orders of the events.",
     "footnote 1",
     Verdict.CORRECTED,
+    rests_on=("c4.orders",),
 )
 def _listed_orders() -> Evidence:
     found = set(_orders())
     wrong, lacking = sorted(set(LISTED) - found), sorted(found - set(LISTED))
     return Evidence(
-        f"Listed though [P] comes before [B]: {', '.join(wrong)}; not listed: {', '.join(lacking)}.",
         printed=(
-            equal("listed orders that are not possible", len(wrong), 0),
-            equal("possible orders that are not listed", len(lacking), 0),
+            equal(f"listed orders with [P] before [B], {', '.join(wrong)}", len(wrong), 0),
+            equal(f"possible orders that are not listed, {', '.join(lacking)}", len(lacking), 0),
         ),
         corrected=(equal("differences from the corrected list", len(set(INSTEAD) ^ found), 0),),
     )
@@ -95,12 +88,14 @@ def _listed_orders() -> Evidence:
     "c4.samples",
     "The numbers of runs and of categories give a thousand runs for each category.",
     "section 3.3.3",
+    arithmetic=True,
 )
 def _samples() -> Evidence:
-    each = [runs / categories for runs, categories in RUNS_PER_CATEGORIES]
     return Evidence(
-        f"n^rep/n^D is {each[0]:g} at the lower ends, 10⁴ runs and 10 categories, and {each[1]:g} at the upper ends.",
-        printed=tuple(equal(f"runs per category, case {k + 1}", n, 1000) for k, n in enumerate(each)),
+        printed=tuple(
+            equal(f"runs per category, n^rep = {runs} and n^D = {categories}", runs / categories, 1000)
+            for runs, categories in RUNS_PER_CATEGORIES
+        )
     )
 
 
@@ -108,28 +103,25 @@ def _samples() -> Evidence:
     "c4.ten-per-cent",
     "The shares of Figure 10 and of section 4.1.2 for [A] add up.",
     "section 4.1.2, Figure 10",
+    arithmetic=True,
 )
 def _ten_per_cent() -> Evidence:
-    neither = 100 - APICAL - BELOW
-    return Evidence(
-        f"100 − {APICAL} (apically extruded) − {BELOW} (below all control cells) leaves {neither} %.",
-        printed=(equal("cells that are neither [%]", neither, 10),),
-    )
+    what = f"100 − {APICAL} (apically extruded) − {BELOW} (below all control cells) [%]"
+    return Evidence(printed=(equal(what, 100 - APICAL - BELOW, 10),))
 
 
 @claim(
     "c4.speed-up",
     "45 min at the new speed are ten days at the former one.",
     "footnote 2",
+    arithmetic=True,
 )
 def _speed_up() -> Evidence:
     """300 is rounded down: 'over 300 times' in the introduction, 27 s against 0.08 s in chapter 3."""
     low, high = (faster * MINUTES / 60 / 24 for faster in (FASTER, MEASURED))
     return Evidence(
-        f"{FASTER} times {MINUTES} min are {low:.1f} days; {MEASURED:.0f} times, by the runtimes of chapter 3, "
-        f"{high:.1f} days.",
         printed=(
-            at_most("time at the former speed, 300 times [days]", low, 10),
-            at_least("time at the former speed by the runtimes of chapter 3 [days]", high, 10),
+            at_most(f"{FASTER} times {MINUTES} min [days]", low, 10),
+            at_least(f"{MEASURED:.0f} times, by the runtimes of chapter 3, {MINUTES} min [days]", high, 10),
         ),
     )

@@ -85,13 +85,12 @@ def _partition(tables: Tables) -> Evidence:
     printed, right = members(POINTS, False, False), members(POINTS, True, True)
     unit = (POINTS >= 0) & (POINTS <= 1)
     return Evidence(
-        f"{int((printed[unit] != 1).sum())} point of [0, 1], y^AB = 0, lies in no D_k, and {found['outside']} of "
-        f"{found['of']} cells of the runs begin outside of (0, 1]; with 0 in D_1 and two unbounded intervals each "
-        "position lies in one set.",
         printed=(
             at_most("points of [0, 1] that are not in one D_k", int((printed[unit] != 1).sum()), 0),
-            at_most("onsets outside of all D_k", int(found["outside"]), 0),
+            at_most(f"onsets outside of all D_k, of {found['of']} in the runs", int(found["outside"]), 0),
         ),
-        corrected=(at_most("positions that are not in one set", int((right != 1).sum()), 0),),
+        corrected=(
+            at_most("positions not in one set, with 0 in D_1 and two unbounded intervals", int((right != 1).sum()), 0),
+        ),
         runs_needed=cells_for_one(found["outside"] / found["of"]),
     )

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from tissue.state.cells import Floats
 from verification.claims import Evidence, Verdict, at_most, equal, proved
-from verification.formal.algebra import identity
+from verification.formal.algebra import identity, library
 from verification.thesis.text.quoted import claim
 
 SEED = 333
@@ -30,17 +30,15 @@ def share_sum(sets: int) -> float:
 
 @claim(
     "c4.categories-count",
-    "The number of categories of event times.",
+    "The event times are divided into n^D + 1 categories D_1 to D_{n^D}.",
     "section 3.3.3",
     Verdict.CORRECTED,
 )
 def _count() -> Evidence:
-    printed, right = share_sum(SETS + 1), share_sum(SETS)
+    what = f"total chance of sets with a chance of 1/n^D each, n^D = {SETS},"
     return Evidence(
-        f"D_1 to D_{{n^D}} are n^D sets, each with a chance of about 1/n^D: n^D + 1 of them, with n^D = {SETS}, would "
-        f"have a chance of {printed:.2f} together, n^D of them {right:.2f}.",
-        printed=(equal("total chance of n^D + 1 sets", printed, 1.0, ROUNDING),),
-        corrected=(equal("total chance of n^D sets", right, 1.0, ROUNDING),),
+        printed=(equal(f"{what} n^D + 1 sets", share_sum(SETS + 1), 1.0, ROUNDING),),
+        corrected=(equal(f"{what} n^D sets", share_sum(SETS), 1.0, ROUNDING),),
     )
 
 
@@ -51,9 +49,10 @@ def accepted(outcomes: Floats, inside: Floats) -> Floats:
 
 @claim(
     "c4.sampling",
-    "The name of the method by which (4.12) draws from a category.",
+    "(4.12) draws from a category by inverse transform sampling.",
     "section 3.3.3",
     Verdict.CORRECTED,
+    rests_on=("c4.conditional",),
 )
 def _sampling() -> Evidence:
     """Inverse transform sampling makes each uniform number a draw from the category, and rejects none."""
@@ -65,10 +64,7 @@ def _sampling() -> Evidence:
         kept.append(len(chosen) / RUNS)
         off = max(off, abs(estimate(hits[:, 0], inside) - float(chosen.mean())))
     return Evidence(
-        f"For three categories (4.12) uses {', '.join(f'{100 * share:.0f}' for share in kept)} % of the draws, where "
-        f"inverse transform sampling uses all. The mean over the draws that rejection sampling accepts is the same to "
-        f"{off:.0e}.",
-        printed=(equal("least share of the draws that (4.12) uses", min(kept), 1.0),),
+        printed=(equal("least share of the draws that (4.12) uses for a category", min(kept), 1.0),),
         corrected=(
             at_most("(4.12) minus the mean by rejection sampling", off, 0.0, ROUNDING),
             at_most("share of the draws minus P[D_k]", float(np.abs(kept - CHANCE).max()), NEAR),
@@ -122,11 +118,9 @@ def _conditional() -> Evidence:
         error = np.sqrt(wanted * (1 - wanted) / inside.sum())
         worst = max(worst, abs(estimate(hits[:, 0], inside) - wanted) / error)
     return Evidence(
-        f"In a model with known chances (4.9) and (4.11) are P[extruded | D_k] to {formula:.0e}; (4.12) with {RUNS} "
-        f"runs is {worst:.1f} standard errors off at most.",
         printed=(
             at_most("(4.9) and (4.11) minus the chance of the model", formula, 0.0, ROUNDING),
-            at_most("(4.12) minus the chance, in standard errors", worst, ERRORS),
+            at_most(f"(4.12) by {RUNS} runs minus the chance [standard errors]", worst, ERRORS),
         ),
         seed=SEED,
     )
@@ -137,7 +131,8 @@ def _conditional() -> Evidence:
     "The mean over the cells of a group and the ratio over all cells of a category estimate one number.",
     "(4.10), Remark 4.1",
     Verdict.NOT_REFUTED,
-    tried_on="a model with three categories and known chances",
+    rests_on=("c4.conditional",),
+    tried_on="a model with three categories and known chances, whose cells differ by place and share their luck",
 )
 def _average() -> Evidence:
     """The cells of a run depend on each other: errors by the scatter of ten parts of the runs."""
@@ -151,25 +146,27 @@ def _average() -> Evidence:
             apart.append(np.mean(each) - estimate(hits[part], inside))
         worst = max(worst, abs(np.mean(apart)) / (np.std(apart, ddof=1) / np.sqrt(len(apart))))
     return Evidence(
-        f"In a model whose cells differ by place and depend on each other the mean of the cells' ratios and A/B, all "
-        f"cells of a category together, differ by {worst:.1f} standard errors at most.",
-        printed=(at_most("(4.10) by (4.12) minus A/B, in standard errors", float(worst), ERRORS),),
+        printed=(at_most("(4.10) by (4.12) minus A/B [standard errors]", float(worst), ERRORS),),
         seed=SEED,
     )
 
 
 @claim(
     "c4.total",
-    "The ratios of the categories, weighted by their chances, make up the ratio of extruded cells.",
+    "With equally distributed event times the ratios of the categories, weighted by their chances, make up the ratio "
+    "of extruded cells.",
     "(4.7), (4.10)",
     Verdict.PROVED,
+    rests_on=("c4.conditional",),
 )
 def _total() -> Evidence:
-    """h of the n cells of one category are out, of N cells in all: the sum over categories is linear."""
+    """e = E[delta_i 1_{D_k}(T_i)] of a cell with P[T_i in D_k] = p + d in a category with P[D_k] = p, d = 0."""
+    e, p, d = library().symbols("e p d", positive=True)
     return proved(
         identity(
-            "(n_k/N)(h_k/n_k) = h_k/N, so Σ_k P[D_k] r(D_k) = Σ_k h_k/N = r for categories that hold all cells",
-            lambda s, n, N, h: n / N * (h / n) ** s - h / N,
-            "n_k/h_k",
+            "P[D_k] E[δ_i 1_k]/P[T_i ∈ D_k] = E[δ_i 1_k] for each cell and category, so "
+            "Σ_k P[D_k] r(D_k) = 1/N Σ_i Σ_k E[δ_i 1_k] = 1/N Σ_i E[δ_i] = r",
+            lambda s: p * e / (p + (1 - s) * d) - e,
+            "cells whose times have other chances",
         )
     )

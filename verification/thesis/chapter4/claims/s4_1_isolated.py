@@ -3,29 +3,26 @@
 from __future__ import annotations
 
 import math
-from functools import partial
 
 from tissue.statistics.comparisons import Difference
 from tissue.statistics.ratios import Ratio, as_ratio
-from verification.claims import Evidence, Tables, Verdict, at_most
+from verification.claims import Comparison, Evidence, Tables, Verdict, at_most
 from verification.thesis.chapter4.frequencies import (
-    DECIDES,
+    ALIKE,
+    CLAIM_LEVEL,
+    PERCENT,
     RATIOS,
+    Sized,
     alike,
+    evidence,
     exclusive,
-    hull,
-    in_models,
+    in_readings,
+    minus,
     more,
-    most_runs,
-    needed,
-    of_event,
     ratio_of,
-    runs_for_bound,
-    runs_for_margin,
-    shares,
-    told,
+    share,
 )
-from verification.thesis.chapter4.ratio_claims import ALIKE, CLAIM_LEVEL
+from verification.thesis.chapter4.studies import PRESETS
 from verification.thesis.text.quoted import claim
 
 PRINTED, SINCE = "emt_complete_printed", "emt_complete_since"
@@ -43,6 +40,7 @@ FEW, SOME = 0.2, 0.01
     "sections 4.1, 4.2.1, Figures 10, 12",
     Verdict.CORRECTED,
     needs=(PRINTED,),
+    rests_on=("c3.dimensions",),
     chosen="the ends of the runs, 48 h and 54 h, for the text gives none; what chapter 3 leaves open as in the "
     "published runs",
 )
@@ -54,16 +52,15 @@ def _printed(tables: Tables) -> Evidence:
     lines = (f"{name} preset at {t:g} h {row['sum']} of {row['size']}" for (name, t), row in counts.iterrows())
     what = "printed ratios outside of the joint 99 % interval"
     return Evidence(
-        f"Of the six printed ratios these agree with the measured ones: {'; '.join(lines)}. With the printed energies "
-        "fewer cells leave basally.",
+        f"Printed ratios that agree with the measured ones: {'; '.join(lines)}.",
         printed=(at_most(f"{what}, model as printed", int(off["thesis"]), 0),),
         corrected=(at_most(f"{what}, published runs", int(off["published"]), 0),),
     )
 
 
-def lead(tables: Tables, suffix: str, event: str) -> Difference:
-    """Basal extrusion with protrusions minus that by another event."""
-    return Difference(of_event(tables, suffix, "[BP]", "basal"), of_event(tables, suffix, event, "basal"))
+def of_event(tables: Tables, preset: str, event: str, what: str) -> Ratio:
+    """Return how often an isolated cell with INM and one event ends so, Figure 10."""
+    return ratio_of(tables, preset, "figure10", event, what)
 
 
 @claim(
@@ -71,17 +68,16 @@ def lead(tables: Tables, suffix: str, event: str) -> Difference:
     "Far more isolated cells leave basally with protrusions than by any other single event.",
     "section 4.1.1, Figure 10",
     needs=(RATIOS,),
-    chosen="far more: by at least half of all cells; the evidence has the largest margin for which it holds",
+    chosen="far more: by at least half of all cells",
 )
 def _protrusions(tables: Tables) -> Evidence:
-    found = {event: in_models(partial(lead, tables, event=event)) for event in ("[A]", "[B]", "[S]")}
-    return Evidence(
-        f"Basal extrusion by [BP] minus that by {'; '.join(f'{event} {told(each)}' for event, each in found.items())}.",
-        printed=tuple(
-            hull(f"[BP] minus {event}", [each[DECIDES].interval(CLAIM_LEVEL)], HALF, math.inf)
-            for event, each in found.items()
-        ),
-        runs_needed=most_runs(runs_for_margin(each[DECIDES], HALF) for each in found.values()),
+    def lead(preset: str, event: str) -> Difference:
+        return minus(of_event(tables, preset, each, "basal") for each in ("[BP]", event))
+
+    return in_readings(
+        lambda preset: evidence(
+            [more(f"basal extrusion, [BP] minus {event}", lead(preset, event), HALF) for event in ("[A]", "[B]", "[S]")]
+        )
     )
 
 
@@ -92,21 +88,12 @@ def _protrusions(tables: Tables) -> Evidence:
     needs=(RATIOS,),
 )
 def _remain(tables: Tables) -> Evidence:
+    def remain(preset: str, event: str) -> Sized:
+        out, below = (of_event(tables, preset, event, what) for what in ("apical", "below"))
+        left = Ratio(out.of - out.count - below.count, out.of)
+        return share(f"cells with {event} neither above the tissue nor below all control cells", left, HALF)
 
-    def remain(suffix: str, event: str) -> Ratio:
-        out, below = (of_event(tables, suffix, event, what) for what in ("apical", "below"))
-        return Ratio(out.of - out.count - below.count, out.of)
-
-    found = {event: in_models(partial(remain, event=event)) for event in ("[B]", "[S]")}
-    return Evidence(
-        "Neither above the tissue nor below all control cells are: "
-        f"{'; '.join(f'{event} {shares(each)}' for event, each in found.items())}.",
-        printed=tuple(
-            hull(f"share of {event} that remains", [each[DECIDES].interval(CLAIM_LEVEL)], HALF, math.inf)
-            for event, each in found.items()
-        ),
-        runs_needed=most_runs(runs_for_bound(each[DECIDES].value, HALF) for each in found.values()),
-    )
+    return in_readings(lambda preset: evidence([remain(preset, event) for event in ("[B]", "[S]")]))
 
 
 @claim(
@@ -115,23 +102,22 @@ def _remain(tables: Tables) -> Evidence:
     "sections 4.1, 4.1.2",
     Verdict.CORRECTED,
     needs=(RATIOS,),
+    rests_on=("c4.contained",),
 )
 def _mostly_basally(tables: Tables) -> Evidence:
     """The ratios are of the same cells."""
 
-    def apart(suffix: str, first: str, second: str) -> Difference:
-        return exclusive(*(of_event(tables, suffix, "[A]", what) for what in (first, second)))
+    def compare(preset: str) -> Evidence:
+        basal, apical, below = (of_event(tables, preset, "[A]", what) for what in ("basal", "apical", "below"))
+        return evidence(
+            [more("cells with [A], basal minus apical extrusion", exclusive(basal, apical))],
+            [
+                more("cells with [A], below all control cells minus apically extruded", exclusive(below, apical)),
+                more("cells with [A], apical minus basal extrusion", exclusive(apical, basal)),
+            ],
+        )
 
-    below = in_models(partial(apart, first="below", second="apical"))
-    out = in_models(partial(apart, first="apical", second="basal"))
-    basal = in_models(partial(apart, first="basal", second="apical"))
-    return Evidence(
-        f"Cells with [A] below all control cells minus apically extruded ones {told(below)}; apically minus basally "
-        f"extruded ones {told(out)}.",
-        printed=(more("basal minus apical extrusion", basal),),
-        corrected=(more("below all control cells minus apical", below), more("apical minus basal extrusion", out)),
-        runs_needed=most_runs(runs_for_margin(each[DECIDES], 0.0) for each in (below, out)),
-    )
+    return in_readings(compare)
 
 
 @claim(
@@ -139,35 +125,18 @@ def _mostly_basally(tables: Tables) -> Evidence:
     "Isolated cells with [A], [B] or [BP] leave apically, too, those with [BP] rarely.",
     "sections 4.1.1, 4.1.3",
     needs=(RATIOS,),
-    chosen=f"a small number: up to {FEW:.0%}; it holds for each limit above the interval",
+    chosen=f"too: {SOME:.0%} of the cells, at least; a small number: up to {FEW:.0%}",
 )
 def _apical(tables: Tables) -> Evidence:
-    events = ("[A]", "[B]", "[BP]")
-    found = {event: in_models(partial(of_event, tables, event=event, what="apical")) for event in events}
-    ranges = {"[A]": (SOME, math.inf), "[B]": (SOME, math.inf), "[BP]": (SOME, FEW)}
-    return Evidence(
-        f"Apical extrusion: {'; '.join(f'{event} {shares(each)}' for event, each in found.items())}.",
-        printed=tuple(
-            hull(f"apical extrusion by {event}", [found[event][DECIDES].interval(CLAIM_LEVEL)], *ranges[event])
-            for event in events
-        ),
-        runs_needed=most_runs(
-            runs_for_bound(found[event][DECIDES].value, end) for event in events for end in ranges[event]
-        ),
+    most = {"[A]": math.inf, "[B]": math.inf, "[BP]": FEW}
+    return in_readings(
+        lambda preset: evidence(
+            [
+                share(f"apical extrusion, {event}", of_event(tables, preset, event, "apical"), SOME, high)
+                for event, high in most.items()
+            ]
+        )
     )
-
-
-def early_minus_late(tables: Tables, suffix: str) -> Difference:
-    """Basal extrusion by [A☒B] minus that by [B☒A], at the end of the runs."""
-    early, late = (ratio_of(tables, f"figure14{suffix}", name, "basal") for name in PROGRAMS)
-    return Difference(early, late)
-
-
-def since_a(tables: Tables, suffix: str) -> Difference:
-    """The same difference, of each program so many hours after its [A]."""
-    rows = tables[SINCE].set_index(["study", "scenario"])
-    early, late = (as_ratio(rows.loc[(f"figure14{suffix}", name)]) for name in PROGRAMS)
-    return Difference(early, late)
 
 
 @claim(
@@ -176,19 +145,20 @@ def since_a(tables: Tables, suffix: str) -> Difference:
     "section 4.3, Table 3",
     Verdict.CORRECTED,
     needs=(RATIOS, SINCE),
-    chosen="the programs of Table 3 with the longest delays; the end of the runs, and 24 h after [A]",
+    chosen=f"the programs of Table 3 with the longest delays; alike: within {ALIKE:.0%} of the cells; "
+    "the end of the runs, and 24 h after [A]",
 )
 def _timing(tables: Tables) -> Evidence:
     """Whether the end shows a difference, and whether counting from [A] on makes it smaller."""
-    end, relative = in_models(partial(early_minus_late, tables)), in_models(partial(since_a, tables))
-    (least, most), (low, high) = (each[DECIDES].interval(CLAIM_LEVEL) for each in (end, relative))
-    return Evidence(
-        f"Basal extrusion by [A☒B] minus that by [B☒A]: at the end of the runs {told(end)}; 24 h after [A] "
-        f"{told(relative)}. At the end they are alike for no margin below {100 * least:.0f} points.",
-        printed=(alike("[A☒B] minus [B☒A] at the end", end, margin=ALIKE),),
-        corrected=(
-            more("[A☒B] minus [B☒A] at the end", end),
-            hull("by how much less 24 h after [A]", [(least - high, most - low)], 0.0, math.inf),
-        ),
-        runs_needed=most_runs((runs_for_margin(end[DECIDES], ALIKE), needed(end))),
-    )
+    rows = tables[SINCE].set_index(["study", "scenario"])
+
+    def compare(preset: str) -> Evidence:
+        at_end = minus(ratio_of(tables, preset, "figure14", name, "basal") for name in PROGRAMS)
+        since = minus(as_ratio(rows.loc[("figure14" + PRESETS[preset], name)]) for name in PROGRAMS)
+        (least, most), (low, high) = (each.interval(CLAIM_LEVEL) for each in (at_end, since))
+        less = (PERCENT * (least - high), PERCENT * (most - low))
+        smaller = Comparison("the same, end minus 24 h after [A] [points]", sum(less) / 2, 0.0, math.inf, less)
+        what = "basal extrusion at the end, [A☒B] minus [B☒A]"
+        return evidence([alike(what, at_end)], [more(what, at_end), Sized(smaller, None)])
+
+    return in_readings(compare)

@@ -2,94 +2,74 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from functools import partial
+import math
 
-from tissue.statistics.comparisons import Difference
 from tissue.statistics.ratios import Ratio
-from verification.claims import Evidence, Interval, Tables, Verdict, at_least, at_most
+from verification.claims import Evidence, Tables, Verdict
 from verification.thesis.chapter4.frequencies import (
     CATEGORIES,
-    DECIDES,
+    CLAIM_LEVEL,
     RATIOS,
-    category,
-    in_models,
+    Estimate,
+    Sized,
+    averaged,
+    counted,
+    estimated,
+    evidence,
+    in_readings,
+    minus,
+    mixed,
     more,
-    needed,
-    ratio_of,
-    told,
+    own,
 )
-from verification.thesis.chapter4.ratio_claims import CLAIM_LEVEL
 from verification.thesis.text.quoted import claim
 
-# The middle row of Table 5, whose cells Figure 22 shows.
-MIDDLE = "table5_35"
+# Of the sentence "almost double"; and a difference that is none.
+ALMOST_TWICE, LITTLE = 1.5, 0.05
+POINT = 0.01  # a gain: the thesis prints whole per cents
+KINDS = ("[A]", "[B]", "[A] and [B]")
+GROUP_35 = "the group '35 % [P]'; homogeneous: the same events, each cell at its own time"
 
 
-def mixed(tables: Tables, study: str, events: str, inm: str) -> Ratio:
-    """Cells with these events, in any order, in a group of Table 5."""
-    names = ("[AB]", "[BA]") if events == "[A] and [B]" else (events,)
-    return category(tables, study, *(f"{name}{inm}" for name in names))
-
-
-def like(tables: Tables, suffix: str, events: str, inm: str) -> Ratio:
-    """Cells with these events at any time in a group in which all have them."""
-    return ratio_of(tables, f"questions{suffix}", f"{events} at any time{inm}, 10 cells", "basal")
-
-
-def against_like(tables: Tables, events: str, inm: str, sign: int) -> dict[str, Difference]:
-    """Mixed minus homogeneous groups, or the other way round."""
-
-    def find(suffix: str) -> Difference:
-        sides = (mixed(tables, f"{MIDDLE}{suffix}", events, inm), like(tables, suffix, events, inm))
-        more_often, less_often = sides[::sign]
-        return Difference(more_often, less_often)
-
-    return in_models(find)
-
-
-def _mixed(tables: Tables, inm: str, sign: int, kinds: tuple[str, ...]) -> Evidence:
-    found = {events: against_like(tables, events, inm, sign) for events in kinds}
-    what = "mixed minus homogeneous" if sign > 0 else "homogeneous minus mixed"
-    lines = "; ".join(f"{events}{inm} {told(each)}" for events, each in found.items())
-    return Evidence(
-        f"Basal extrusion in groups of ten, {what}, 35 % [P]: {lines}.",
-        printed=tuple(more(f"{events}{inm}, {what}", each) for events, each in found.items()),
-        runs_needed=needed(*found.values()),
-    )
+def gain(tables: Tables, preset: str, events: str, inm: str, group: str, sign: int = 1, least: float = 0.0) -> Sized:
+    """Compare a mixed group, '35 % [P]', with cells alone or in a group of their like; ``sign`` -1: the reverse."""
+    sides = (mixed(tables, preset, "table5_35", events, inm), own(tables, preset, events, inm, group))
+    names = ("mixed", "homogeneous" if group else "alone")
+    what = f"basal extrusion of {events}{inm}, {' minus '.join(names[::sign])}"
+    return more(what, minus(sides[::sign]), least)
 
 
 @claim(
     "c4.mixed-with-inm",
-    "Cells with INM leave basally less often in a mixed group than among cells with the same events.",
+    "Cells with INM and [A], with or without [B], leave basally less often in a mixed group than alone, and than among "
+    "cells with the same events.",
     "section 4.5.1",
     needs=(CATEGORIES, RATIOS),
-    chosen="the group '35 % [P]'; homogeneous: the same events, each cell at its own time",
+    chosen=GROUP_35,
 )
 def _with_inm(tables: Tables) -> Evidence:
-    return _mixed(tables, "", -1, ("[A]", "[A] and [B]"))
+    return in_readings(
+        lambda preset: evidence(
+            [
+                gain(tables, preset, events, "", group, -1)
+                for events in ("[A]", "[A] and [B]")
+                for group in (", 10 cells", "")
+            ]
+        )
+    )
 
 
 @claim(
     "c4.mixed-without-inm",
     "Cells without INM leave basally more often in a mixed group than among cells with the same events.",
     "section 4.5.2",
-    Verdict.CORRECTED,
     needs=(CATEGORIES, RATIOS),
-    chosen="the group '35 % [P]'; homogeneous: the same events, each cell at its own time",
+    chosen=GROUP_35,
 )
 def _no_inm(tables: Tables) -> Evidence:
-    every = _mixed(tables, " no INM", 1, ("[A]", "[B]", "[A] and [B]"))
-    return replace(every, corrected=_mixed(tables, " no INM", 1, ("[A]",)).printed)
-
-
-def gains(tables: Tables) -> dict[str, Interval]:
-    """Mixed minus homogeneous groups, for the kinds of cells of Figures 17 to 19, in the model that decides."""
-    return {
-        f"{events}{inm}": against_like(tables, events, inm, 1)[DECIDES].interval(CLAIM_LEVEL)
-        for inm in ("", " no INM")
-        for events in ("[A]", "[B]", "[A] and [B]")
-    }
+    return in_readings(
+        lambda preset: evidence([gain(tables, preset, events, " no INM", ", 10 cells") for events in KINDS])
+    )
 
 
 @claim(
@@ -98,24 +78,33 @@ def gains(tables: Tables) -> dict[str, Interval]:
     "section 4.7, (Q5)",
     Verdict.CORRECTED,
     needs=(CATEGORIES, RATIOS),
-    chosen="the group '35 % [P]'; most: more than half of [A], [B] and both, with and without INM",
+    rests_on=("c4.mixed-with-inm", "c4.mixed-without-inm"),
+    chosen=f"{GROUP_35}; most: more than half of [A], [B] and both, with and without INM; to gain: one point or more",
 )
 def _q5_mixed(tables: Tables) -> Evidence:
-    """How many kinds gain: those beyond chance at least, and all but those that lose beyond chance at most."""
-    found = gains(tables)
-    gain, lose = ([kind for kind, (low, high) in found.items() if sign * low > 0 < sign * high] for sign in (1, -1))
-    least, most = len(gain), len(found) - len(lose)
-    sizes = (against_like(tables, "[A] and [B]", inm, 1) for inm in ("", " no INM"))
-    return Evidence(
-        f"Of {len(found)} kinds in groups of ten {', '.join(gain)} leave more often in a mixed group than among their "
-        f"like, {', '.join(lose)} less often, beyond chance; so at least {least} and at most {most} gain.",
-        printed=(at_least("kinds that gain", (least + most) / 2, len(found) // 2 + 1, interval=(least, most)),),
-        corrected=(
-            at_least("[A] without INM, mixed minus homogeneous", found["[A] no INM"][0], 0.0),
-            *(at_most(f"{kind}, mixed minus homogeneous", found[kind][1], 0.0) for kind in ("[A]", "[A] and [B]")),
-        ),
-        runs_needed=needed(*sizes),
-    )
+    def compare(preset: str) -> Evidence:
+        kinds = [(events, inm) for inm in ("", " no INM") for events in KINDS]
+        gains = [gain(tables, preset, *kind, ", 10 cells", least=POINT) for kind in kinds]
+        most = counted("kinds that gain", [each.comparison for each in gains], len(kinds) // 2 + 1)
+        return evidence(
+            [Sized(most, None)],
+            [
+                gain(tables, preset, "[A]", " no INM", ", 10 cells"),
+                *(gain(tables, preset, events, "", ", 10 cells", -1) for events in ("[A]", "[A] and [B]")),
+            ],
+        )
+
+    return in_readings(compare)
+
+
+def lead(what: str, first: Ratio, second: Ratio, factor: float) -> Sized:
+    """Compare: the first ratio is larger than so many times the second."""
+    (low_1, high_1), (low_2, high_2) = (each.interval(CLAIM_LEVEL) for each in (first, second))
+    value = first.value - factor * second.value
+    below = math.hypot(first.value - low_1, factor * (high_2 - second.value))
+    above = math.hypot(high_1 - first.value, factor * (second.value - low_2))
+    found = Estimate(value, (value - below, value + above), min(first.size, second.size))
+    return estimated(what, found, 0.0, math.inf)
 
 
 @claim(
@@ -124,28 +113,24 @@ def _q5_mixed(tables: Tables) -> Evidence:
     "section 4.5.2, Figure 18",
     Verdict.CORRECTED,
     needs=(CATEGORIES, RATIOS),
-    chosen="the group '35 % [P]'; alone and in a homogeneous group: [A] at any time, as in the mixed one",
+    rests_on=("c4.mixed-without-inm",),
+    chosen=f"the group '35 % [P]'; alone and in a homogeneous group: [A] at any time, as in the mixed one; "
+    f"almost twice: {ALMOST_TWICE:g} times; no more often: by less than {LITTLE:.0%} of the cells",
 )
 def _double(tables: Tables) -> Evidence:
-    def beside(suffix: str, cells: str) -> Difference:
-        like_them = ratio_of(tables, f"questions{suffix}", f"[A] at any time no INM{cells}", "basal")
-        return Difference(mixed(tables, f"{MIDDLE}{suffix}", "[A]", " no INM"), like_them)
+    def compare(preset: str) -> Evidence:
+        mine = mixed(tables, preset, "table5_35", "[A]", " no INM")
+        alone = own(tables, preset, "[A]", " no INM", "")
+        what = "basal extrusion of [A] no INM, mixed minus"
+        return evidence(
+            [lead(f"{what} {ALMOST_TWICE:g} times alone", mine, alone, ALMOST_TWICE)],
+            [
+                estimated(f"{what} alone", averaged([minus((mine, alone))]), -math.inf, LITTLE),
+                gain(tables, preset, "[A]", " no INM", ", 10 cells"),
+            ],
+        )
 
-    alone, group = (in_models(partial(beside, cells=cells)) for cells in ("", ", 10 cells"))
-    less = {preset: Difference(each.second, each.first) for preset, each in alone.items()}
-    return Evidence(
-        f"Basal extrusion of cells with [A] and without INM, 35 % [P]: mixed minus alone {told(alone)}; mixed minus "
-        f"homogeneous {told(group)}.",
-        printed=(more("mixed minus alone", alone),),
-        corrected=(more("alone minus mixed", less), more("mixed minus homogeneous", group)),
-        runs_needed=needed(alone, group),
-    )
-
-
-def crowded_out(tables: Tables, suffix: str, events: str) -> Difference:
-    """Basal extrusion of cells without INM, among few cells with [P] minus that among many."""
-    few, many = (mixed(tables, f"table5_{percent}{suffix}", events, " no INM") for percent in (7, 63))
-    return Difference(few, many)
+    return in_readings(compare)
 
 
 @claim(
@@ -155,11 +140,8 @@ def crowded_out(tables: Tables, suffix: str, events: str) -> Difference:
     needs=(CATEGORIES,),
 )
 def _competition(tables: Tables) -> Evidence:
-    events = ("[A]", "[B]", "[A] and [B]")
-    found = {name: in_models(partial(crowded_out, tables, events=name)) for name in events}
-    return Evidence(
-        "Basal extrusion of cells without INM among 7 % with [P] minus that among 63 %: "
-        f"{'; '.join(f'{name} {told(each)}' for name, each in found.items())}.",
-        printed=tuple(more(f"{name} no INM, 7 % [P] minus 63 % [P]", each) for name, each in found.items()),
-        runs_needed=needed(*found.values()),
-    )
+    def crowded_out(preset: str, events: str) -> Sized:
+        few, many = (mixed(tables, preset, f"table5_{percent}", events, " no INM") for percent in (7, 63))
+        return more(f"basal extrusion of {events} no INM, among 7 % [P] minus among 63 % [P]", minus((few, many)))
+
+    return in_readings(lambda preset: evidence([crowded_out(preset, events) for events in KINDS]))

@@ -3,60 +3,55 @@
 from __future__ import annotations
 
 import math
-from functools import partial
-
-import pandas as pd
 
 from tissue.statistics.comparisons import Difference
-from tissue.statistics.proportions import LEVEL
 from tissue.statistics.ratios import Ratio, as_ratio
-from verification.claims import Evidence, Interval, Tables, Verdict
+from verification.claims import Comparison, Evidence, Tables, Verdict
 from verification.thesis.chapter4.frequencies import (
-    BESIDE,
+    ALIKE,
+    CLAIM_LEVEL,
     CONDITIONAL,
-    DECIDES,
+    KINDS,
+    PERCENT,
+    RATIOS,
+    Sized,
     alike,
-    hull,
-    in_models,
+    between,
+    bins,
+    evidence,
+    in_readings,
     more,
-    most_runs,
-    needed,
     runs_by_width,
-    runs_for_bound,
-    runs_for_margin,
-    shares,
+    share,
 )
-from verification.thesis.chapter4.ratio_claims import ALIKE, CLAIM_LEVEL
+from verification.thesis.chapter4.questions import RANKING, onset_first
 from verification.thesis.chapter4.studies import PRESETS
-from verification.thesis.chapter4.summaries import POPULATIONS
 from verification.thesis.text.quoted import claim
 
-RANKING = "emt_complete_ranking"
 # The middle row of Table 5, whose cells Figure 22 shows.
 MIDDLE = "table5_35"
-KINDS = ("INM", "no INM")
-# Section 4.6: the rates in the most basal fifth.
-LEAST, MOST = 0.7, 0.8
-# Fewer cells of an interval tell nothing.
-FEWEST = 100
+FEWEST = 100  # cells of an interval; fewer tell nothing
+# Section 4.6: the rates in the most basal fifth of the tissue.
+STUDY, FIFTH, LEAST, MOST = "table5_7", 0.2, 0.7, 0.8
 
 
-def rows(tables: Tables, study: str, given: str, inm: str) -> pd.DataFrame:
-    """Basal extrusion by intervals of an event time, or of the position at the onset."""
-    table = tables[CONDITIONAL]
-    chosen = table[(table["study"] == study) & (table["given"] == given) & (table["inm"] == inm)]
-    return chosen[chosen["of"] >= FEWEST].sort_values("low_edge")
-
-
-def first_minus_last(tables: Tables, suffix: str, given: str, inm: str) -> Difference:
-    """Between the first and the last interval."""
-    found = rows(tables, f"{MIDDLE}{suffix}", given, inm)
+def first_minus_last(tables: Tables, preset: str, given: str, inm: str) -> Difference:
+    """Return the difference between the first and the last interval."""
+    found = bins(tables, preset, MIDDLE, given, inm)
+    found = found[found["of"] >= FEWEST]
     return Difference(as_ratio(found.iloc[0]), as_ratio(found.iloc[-1]))
 
 
-def by_kind(tables: Tables, given: str) -> list[dict[str, Difference]]:
-    """The same for cells with INM and for those without it, by model."""
-    return [in_models(partial(first_minus_last, tables, given=given, inm=inm)) for inm in KINDS]
+def early_minus_late(tables: Tables, preset: str, event: str) -> list[tuple[str, Difference]]:
+    """Return the difference between 6 h to 9 h and 21 h to 24 h, of cells with INM and of those without."""
+    return [
+        (
+            f"basal extrusion, [{event}] at 6 h to 9 h minus at 21 h to 24 h, {inm}",
+            first_minus_last(tables, preset, given, inm),
+        )
+        for given in (f"t_{event.lower()}_h",)
+        for inm in KINDS
+    ]
 
 
 @claim(
@@ -64,36 +59,18 @@ def by_kind(tables: Tables, given: str) -> list[dict[str, Difference]]:
     "In a mixed group early [A] extrudes more cells than late [A]; early and late [B] are alike, "
     "and so are early and late [P].",
     "section 4.5.3, Figure 20",
-    Verdict.OPEN,
     needs=(CONDITIONAL,),
-    chosen=f"the group '35 % [P]'; independent: alike within {ALIKE:.0%}, on which the verdict for [B] depends",
+    rests_on=("c4.figure-20",),
+    chosen=f"the group '35 % [P]', [A] and [B] of cells without [P]; alike: within {ALIKE:.0%} of the cells",
 )
 def _timing(tables: Tables) -> Evidence:
-    a, b, p = (by_kind(tables, f"t_{event}_h") for event in "abp")
-    within = [runs_for_margin(each[DECIDES], ALIKE) for kinds in (b, p) for each in kinds]
-    most = max(abs(end) for kinds in (b, p) for each in kinds for end in each[DECIDES].interval(CLAIM_LEVEL))
-    return Evidence(
-        "Basal extrusion of cells with an event at 6 h to 9 h minus at 21 h to 24 h, with and without INM: "
-        f"[A] {_points(a)}; [B] {_points(b)}; [P] {_points(p)}. Alike for margins above {100 * most:.1f} points.",
-        printed=(
-            more("early minus late [A]", *a),
-            alike("early [B]", *b, margin=ALIKE),
-            alike("early [P]", *p, margin=ALIKE),
-        ),
-        runs_needed=most_runs((needed(*a), *within)),
-    )
+    def compare(preset: str) -> Evidence:
+        found = {event: early_minus_late(tables, preset, event) for event in "ABP"}
+        return evidence(
+            [more(*each) for each in found["A"]] + [alike(*each) for event in "BP" for each in found[event]]
+        )
 
-
-def _points(found: list[dict[str, Difference]]) -> str:
-    """Of the model that decides, then of the others; of each with and without INM."""
-    models = {DECIDES: ""} | BESIDE
-    lines = {name: ", ".join(f"{100 * each[preset].value:+.1f}" for each in found) for preset, name in models.items()}
-    return f"{lines.pop('')} points ({'; '.join(f'{name} {line}' for name, line in lines.items())})"
-
-
-def lead(first: Interval, second: Interval) -> Interval:
-    """The first number minus the second."""
-    return first[0] - second[1], first[1] - second[0]
+    return in_readings(compare)
 
 
 @claim(
@@ -105,20 +82,21 @@ def lead(first: Interval, second: Interval) -> Interval:
 )
 def _onset(tables: Tables) -> Evidence:
     """How much the first interval differs from the last, by the position and by the time of [A] or [B]."""
-    onset, *times = (by_kind(tables, given) for given in ("onset_ab", "t_a_h", "t_b_h"))
-    pairs = [
-        (each[DECIDES], max((time[k][DECIDES] for time in times), key=lambda fall: fall.interval(CLAIM_LEVEL)[1]))
-        for k, each in enumerate(onset)
-    ]
-    leads = [lead(each.interval(CLAIM_LEVEL), time.interval(CLAIM_LEVEL)) for each, time in pairs]
-    fewest = [min(side.size for found in pair for side in (found.first, found.second)) for pair in pairs]
-    return Evidence(
-        "From the lowest to the highest position at the onset basal extrusion falls by "
-        f"{_points(onset)} with and without INM; from early to late [A] by {_points(times[0])}, [B] by "
-        f"{_points(times[1])}.",
-        printed=(hull("fall by position minus fall by time", leads, 0.0, math.inf),),
-        runs_needed=most_runs(runs_by_width(*found, CLAIM_LEVEL) for found in zip(fewest, leads, strict=True)),
-    )
+
+    def compare(preset: str) -> Evidence:
+        return evidence([_onset_lead(tables, preset, inm, given) for inm in KINDS for given in ("t_a_h", "t_b_h")])
+
+    return in_readings(compare)
+
+
+def _onset_lead(tables: Tables, preset: str, inm: str, given: str) -> Sized:
+    """Compare the fall of basal extrusion from low to high positions with that from early to late events."""
+    onset, time = (first_minus_last(tables, preset, each, inm) for each in ("onset_ab", given))
+    what = f"fall of basal extrusion by position minus by time of [{given[2].upper()}], {inm} [points]"
+    first, second = (each.interval(CLAIM_LEVEL) for each in (onset, time))
+    ends = (PERCENT * (first[0] - second[1]), PERCENT * (first[1] - second[0]))
+    fewest = min(side.size for each in (onset, time) for side in (each.first, each.second))
+    return Sized(Comparison(what, sum(ends) / 2, 0.0, math.inf, ends), runs_by_width(fewest, ends, CLAIM_LEVEL))
 
 
 @claim(
@@ -129,47 +107,29 @@ def _onset(tables: Tables) -> Evidence:
     chosen="the group '35 % [P]', all cells; what a factor tells: the loss of a classifier without it",
 )
 def _predictor(tables: Tables) -> Evidence:
-    """By permutation importance in the group '35 % [P]'."""
-    table, lines, leads = tables[RANKING], {}, {}
-    for preset in PRESETS:
-        found = table[(table["preset"] == preset) & (table["factor"] != "P")].set_index("factor")
-        onset, others = found.loc["onset"], found.drop(index="onset").sort_values("value")
-        leads[preset] = lead((onset["low"], onset["high"]), (others["low"].max(), others["high"].max()))
-        lines[preset] = f"{onset['value']:.3f} nats against {others['value'].iloc[-1]:.3f} of {others.index[-1]}"
-    beside = "; ".join(f"{name} {lines[preset]}" for preset, name in BESIDE.items())
-    return Evidence(
-        "The position at the onset has the greatest importance for basal extrusion beside [P]: "
-        f"{lines[DECIDES]} ({beside}).",
-        printed=(
-            hull("importance of the onset minus that of the next factor [nats]", [leads[DECIDES]], 0.0, math.inf),
-        ),
-        runs_needed=runs_by_width(table.loc[table["preset"] == DECIDES, "cells"].max(), leads[DECIDES], LEVEL),
-    )
+    return in_readings(lambda preset: evidence([onset_first(tables, preset)]))
 
 
 @claim(
     "c4.most-basal",
-    "Seven or eight of ten cells without [P] that begin EMT in the lowest fifth leave basally.",
+    "Seven or eight of ten cells without [P] and without INM that begin EMT in the lowest fifth leave basally.",
     "section 4.6, Figure 21",
     Verdict.OPEN,
-    needs=(CONDITIONAL,),
+    needs=(CONDITIONAL, RATIOS),
+    chosen="the group '7 % [P]', in which the rates are highest",
 )
 def _most_basal(tables: Tables) -> Evidence:
-    """Figure 21 does not say of which group and of which cells it is: all are taken."""
-    found = [
-        as_ratio(row)
-        for study in POPULATIONS
-        for inm in KINDS
-        for _, row in rows(tables, f"{study}{PRESETS[DECIDES]}", "onset_ab", inm).iterrows()
-        if row["high_edge"] <= 0.2 + 1e-9
-    ]
-    intervals = [each.interval(CLAIM_LEVEL) for each in found]
-    values = [each.value for each in found]
-    return Evidence(
-        f"In the two lowest tenths {100 * min(values):.0f} % to {100 * max(values):.0f} % leave basally, by the group "
-        "of Table 5, with or without INM; the text does not say of which.",
-        printed=(hull("basal extrusion in the most basal fifth", intervals, LEAST, MOST),),
-    )
+    """Runs that would decide it: cells that would, over those of a run."""
+    table = tables[RATIOS]
+
+    def compare(preset: str) -> Evidence:
+        found = between(tables, preset, STUDY, "onset_ab", "no INM", 0, FIFTH)
+        rates = share("basal extrusion in the most basal fifth", found, LEAST, MOST)
+        made = table.loc[table["study"] == STUDY + PRESETS[preset], "runs"].max()
+        runs = None if rates.runs is None else math.ceil(rates.runs * made / found.size)
+        return evidence([rates._replace(runs=runs)])
+
+    return in_readings(compare)
 
 
 @claim(
@@ -180,14 +140,17 @@ def _most_basal(tables: Tables) -> Evidence:
     chosen="cells without [P], as the figure shows",
 )
 def _lower_half(tables: Tables) -> Evidence:
+    def compare(preset: str) -> Evidence:
+        table = bins(tables, preset, MIDDLE, "onset_ab", "no INM")
+        lower = table[table["high_edge"] <= 0.5 + 1e-9]["count"].sum()
+        return evidence(
+            [
+                share(
+                    "basally extruded cells that began in the lower half",
+                    Ratio(int(lower), int(table["count"].sum())),
+                    0.5,
+                )
+            ]
+        )
 
-    def lower(suffix: str) -> Ratio:
-        table = rows(tables, f"{MIDDLE}{suffix}", "onset_ab", "no INM")
-        return Ratio(int(table[table["high_edge"] <= 0.5 + 1e-9]["count"].sum()), int(table["count"].sum()))
-
-    found = in_models(lower)
-    return Evidence(
-        f"Of the basally extruded cells without [P] and INM began EMT in the lower half: {shares(found)}.",
-        printed=(hull("from the lower half", [found[DECIDES].interval(CLAIM_LEVEL)], 0.5, math.inf),),
-        runs_needed=runs_for_bound(found[DECIDES].value, 0.5),
-    )
+    return in_readings(compare)

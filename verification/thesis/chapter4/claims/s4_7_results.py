@@ -2,112 +2,121 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from collections.abc import Callable
 
-import pandas as pd
-
-from tissue.statistics.comparisons import Difference
-from tissue.statistics.ratios import Ratio, as_ratio
-from verification.claims import Comparison, Evidence, Tables, Verdict
+from tissue.statistics.ratios import Ratio
+from verification.claims import Evidence, Tables, Verdict
 from verification.thesis.chapter4.frequencies import (
     CATEGORIES,
     CONDITIONAL,
-    DECIDES,
+    RATIOS,
+    between,
     category,
-    hull,
-    in_models,
+    evidence,
+    in_readings,
+    minus,
     more,
-    most_runs,
-    needed,
-    runs_for_bound,
-    shares,
-    told,
+    pooled,
+    share,
 )
-from verification.thesis.chapter4.questions import QUESTIONS
-from verification.thesis.chapter4.ratio_claims import CLAIM_LEVEL
-from verification.thesis.chapter4.summaries import POPULATIONS
+from verification.thesis.chapter4.questions import ORDERS, POPULATIONS, RANKING, answer
 from verification.thesis.text.quoted import claim
 
-ANSWERS = "emt_complete_answers"
-TRUTH = {"holds": 1.0, "does not hold": 0.0, "not decided": float("nan")}
 # 'Get extruded': one cell in a hundred, at least. 'Favourable': the lower half of the scale, as in Figure 22.
 SOME, FAVOURABLE = 0.01, 0.5
-# Of (Q2) only the first half: the second one is a claim of its own.
-PARTS = {"Q2": "Yes, without INM all cell events with [A], [B] or [P] lead to extrusion."}
+MOST = "of the comparisons in verification/thesis/chapter4/questions.py more than half have to hold"
+ALL = "all comparisons in verification/thesis/chapter4/questions.py have to hold"
+# By question: the statement, what it reads, and what is chosen. The second halves of (Q2) and (Q5) are claims of their
+# own, c4.q2-inm and c4.q5-mixed.
 STATED = {
-    "Q2": "Without INM cells with [A], with [B] and with [P] are extruded, more often than cells without event.",
-    "Q5": "The answer to question 5, both halves together, by claims about ratios. The second half: c4.q5-mixed.",
+    "Q1": (
+        "Cells with the same events leave basally more often alone than in a mixed group.",
+        (RATIOS, CATEGORIES),
+        MOST,
+    ),
+    "Q2": (
+        "Without INM cells with [A], with [B] and with [P] are extruded, more often than cells without event.",
+        (CATEGORIES,),
+        ALL,
+    ),
+    "Q3": (
+        "Early [A] extrudes more cells than late [A]; early and late [B] are alike, and so are early and late [P].",
+        (CONDITIONAL,),
+        f"{MOST}: the answer says mostly",
+    ),
+    "Q4": (
+        "With [A] at the same time [AB] and [BA] extrude alike; the order matters more where the times differ.",
+        (ORDERS,),
+        f"{ALL}; the same time: the same interval of 3 h; 2,000 runs of each group",
+    ),
+    "Q5": (
+        "Cells leave basally more often alone than in a group of cells with the same events at the same times.",
+        (RATIOS,),
+        f"{MOST}, without pairs of which all cells leave, or none",
+    ),
+    "Q6": (
+        "Each program with [B] and without [P] extrudes more cells without INM than with INM.",
+        (RATIOS,),
+        ALL,
+    ),
+    "Q7": (
+        "Of cells without [P] those in the most basal fifth leave basally more often, and the position at the onset "
+        "tells more than the events and their times.",
+        (CONDITIONAL, RANKING),
+        f"{ALL}; what a factor tells: the loss of a classifier without it",
+    ),
+    "Q8": (
+        "The more cells of a group have [P], the fewer of the others leave basally, with INM and without on average.",
+        (CATEGORIES,),
+        "the mean of cells with [A], [B] and both, with INM and without, in '7 % [P]' and in '63 % [P]'",
+    ),
 }
-# What the model says that decides; the others are open.
-RECORDED = dict.fromkeys(("Q1", "Q2", "Q7"), Verdict.HOLDS)
-
-
-def truth(verdict: str) -> Comparison:
-    """What the model says that decides: 0, does not hold, or 1, holds; else nothing."""
-    return Comparison("the answer holds", TRUTH[verdict], 1.0, 1.0)
 
 
 def _answer(question: str) -> Callable[[Tables], Evidence]:
-    """What the heterogeneous and the isolated studies say of an answer of section 4.7."""
+    """Return the check of an answer of section 4.7."""
 
     def check(tables: Tables) -> Evidence:
-        """The verdicts of the models on one question."""
-        table = tables[ANSWERS]
-        mine = table[table["id"] == question].set_index("preset")
-        said = ", ".join(f"{preset} preset: {row['verdict']}" for preset, row in mine.iterrows())
-        deciding = mine.loc[DECIDES]
-        return Evidence(
-            f"{said}; the numbers are in the chapter on EMT",
-            printed=(truth(deciding["verdict"]),),
-            runs_needed=None if pd.isna(deciding["needed"]) else int(deciding["needed"]),
-        )
+        return in_readings(lambda preset: answer(tables, question, preset).evidence)
 
     return check
 
 
+# Claims that the answers use.
+RESTS_ON = {"Q4": ("c4.timing",), "Q6": ("c4.without-inm",), "Q7": ("c4.predictor",), "Q8": ("c4.competition",)}
 ANSWERED = tuple(
     claim(
         f"c4.{name.lower()}",
-        STATED.get(
-            name, f"The answer to question {name[1:]}, by claims about ratios of basal extrusion with intervals."
-        ),
+        statement,
         f"section 4.7, ({name})",
-        RECORDED.get(name, Verdict.OPEN),
-        needs=(ANSWERS,),
-        chosen="the claims that an answer is taken to make, in tissue/study/questions.py",
+        needs=needs,
+        rests_on=RESTS_ON.get(name, ()),
+        chosen=chosen,
     )(_answer(name))
-    for name, question in QUESTIONS.items()
+    for name, (statement, needs, chosen) in STATED.items()
 )
 
 
-def pooled(ratios: Sequence[Ratio]) -> Ratio:
-    """The cells of several groups together."""
-    return Ratio(sum(r.count for r in ratios), sum(r.of for r in ratios), sum(r.size for r in ratios))
+def of_kind(tables: Tables, preset: str, events: str) -> Ratio:
+    """Return basal extrusion of cells with INM and these events in the three groups of Table 5."""
+    return pooled([category(tables, preset, study, events) for study in POPULATIONS])
 
 
-def of_kind(tables: Tables, suffix: str, events: str) -> Ratio:
-    """Basal extrusion of cells with INM and these events in the three groups of Table 5."""
-    return pooled([category(tables, f"{study}{suffix}", events) for study in POPULATIONS])
-
-
-def onsets(tables: Tables, suffix: str) -> tuple[Ratio, Ratio]:
-    """Of cells with INM and without [P], those that began EMT in the lower half, and the others, of these groups."""
-    table = tables[CONDITIONAL]
-    studies = [f"{study}{suffix}" for study in POPULATIONS]
-    rows = table[table["study"].isin(studies) & (table["given"] == "onset_ab") & (table["inm"] == "INM")]
-    low = rows["high_edge"] <= FAVOURABLE + 1e-9
-    lower, upper = (pooled([as_ratio(row) for _, row in rows[side].iterrows()]) for side in (low, ~low))
+def onsets(tables: Tables, preset: str) -> tuple[Ratio, Ratio]:
+    """Return basal extrusion of cells with INM and without [P] that began EMT in the lower half, and of the others."""
+    halves = ((0.0, FAVOURABLE), (FAVOURABLE, 1.0))
+    lower, upper = (
+        pooled([between(tables, preset, study, "onset_ab", "INM", *half) for study in POPULATIONS]) for half in halves
+    )
     return lower, upper
 
 
-def favourable(tables: Tables, suffix: str) -> Ratio:
-    """Cells with [B] alone that began in the lower half: all that left, of their expected number."""
-    alone = of_kind(tables, suffix, "[B]")
-    low, high = onsets(tables, suffix)
-    share = low.of / (low.of + high.of)
-    return Ratio(alone.count, round(share * alone.of), share * alone.size)
+def favourable(tables: Tables, preset: str) -> Ratio:
+    """Return basal extrusion of cells with [B] alone that began in the lower half: all that left, of their number."""
+    alone = of_kind(tables, preset, "[B]")
+    low, high = onsets(tables, preset)
+    part = low.of / (low.of + high.of)
+    return Ratio(alone.count, round(part * alone.of), part * alone.size)
 
 
 @claim(
@@ -116,26 +125,22 @@ def favourable(tables: Tables, suffix: str) -> Ratio:
     "section 4.7, (Q2)",
     Verdict.CORRECTED,
     needs=(CATEGORIES, CONDITIONAL),
+    rests_on=("c4.q2",),
     chosen=f"favourable: the lower half at the onset, in which cells with [B] are as often as those with [A];"
     f" get extruded: {SOME:.0%} of the cells, at least; each limit between [B] and [A] decides alike",
 )
 def _with_inm(tables: Tables) -> Evidence:
-    p, a, b = (in_models(partial(of_kind, tables, events=events)) for events in ("[BP]", "[A]", "[B]"))
-    low = in_models(partial(favourable, tables))
-    by_onset = in_models(lambda suffix: Difference(*onsets(tables, suffix)))
+    def compare(preset: str) -> Evidence:
+        others = [share(f"basal extrusion by {e}", of_kind(tables, preset, e), SOME) for e in ("[BP]", "[A]")]
+        low, by_b = favourable(tables, preset), "basal extrusion by [B] from the lower half"
+        by_onset = minus(onsets(tables, preset))
+        return evidence(
+            [*others, share(by_b, low, SOME)],
+            [
+                *others,
+                share(by_b, low, high=SOME),
+                more("basal extrusion without [P], began in the lower minus in the upper half", by_onset),
+            ],
+        )
 
-    def leave(what: str, found: Mapping[str, Ratio], least: float, most: float) -> Comparison:
-        return hull(what, [found[DECIDES].interval(CLAIM_LEVEL)], least, most)
-
-    others = (leave("basal extrusion by [BP]", p, SOME, math.inf), leave("by [A]", a, SOME, math.inf))
-    return Evidence(
-        f"With INM, in the groups of Table 5: [B] {shares(b)}, {low[DECIDES].of} of them from the lower half; "
-        f"[A] {a[DECIDES]}; [BP] {p[DECIDES]}; without [P], lower minus upper half {told(by_onset)}.",
-        printed=(*others, leave("by [B] from the lower half", low, SOME, math.inf)),
-        corrected=(
-            *others,
-            leave("by [B] from the lower half", low, -math.inf, SOME),
-            more("began in the lower minus in the upper half", by_onset),
-        ),
-        runs_needed=most_runs((needed(by_onset), *(runs_for_bound(each[DECIDES].value, SOME) for each in (p, a, low)))),
-    )
+    return in_readings(compare)

@@ -8,23 +8,21 @@ from itertools import product
 import numpy as np
 
 import dincl
-from tissue.statistics.comparisons import Difference, runs_needed
-from verification.claims import Comparison, Evidence, Tables, Verdict, at_least, at_most, equal, proved
+from tissue.statistics.comparisons import Difference
+from verification.claims import Evidence, Tables, Verdict, at_least, at_most, equal, proved
 from verification.thesis.chapter1.sets import ROUNDING, Floats
-from verification.thesis.chapter4.claims.s4_6_conditional import by_kind
+from verification.thesis.chapter4.claims.s4_6_conditional import early_minus_late
 from verification.thesis.chapter4.frequencies import (
+    ALIKE,
     CONDITIONAL,
-    DECIDES,
     RATIOS,
     alike,
+    evidence,
+    in_readings,
     more,
-    most_runs,
-    needed,
     ratio_of,
-    runs_for_margin,
+    share,
 )
-from verification.thesis.chapter4.ratio_claims import ALIKE, CLAIM_LEVEL
-from verification.thesis.chapter4.studies import PRESETS
 from verification.thesis.chapter5.claims.s1_introduction import mass_rates
 from verification.thesis.text.quoted import claim
 
@@ -142,25 +140,25 @@ def _scenarios() -> Evidence:
     "introduction, Part II",
     needs=(RATIOS,),
     rests_on=("c4.protrusions",),
-    chosen="isolated cells with one event, with INM, by the model as printed, with corrected energies and as published",
+    chosen="isolated cells with one event, with INM",
 )
 def _protrusions(tables: Tables) -> Evidence:
     """[BP] against the best other event, by basal extrusion; and the most of apical extrusion without [P]."""
-    comparisons: list[Comparison] = []
-    runs = 0
-    for preset, suffix in PRESETS.items():
-        study = f"figure10{suffix}"
-        with_p = ratio_of(tables, study, PROTRUSIONS, "basal")
-        most = max((ratio_of(tables, study, event, "basal") for event in OTHERS), key=lambda ratio: ratio.value)
-        risk = max((ratio_of(tables, study, event, "apical") for event in OTHERS), key=lambda ratio: ratio.value)
-        more = Difference(with_p, most)
-        runs = max(runs, runs_needed(with_p.value, most.value, level=CLAIM_LEVEL) or 0)
-        name = f"basal with [P] less the most without, {preset} model"
-        comparisons += [
-            at_least(name, more.value, 0.0, interval=more.interval(CLAIM_LEVEL)),
-            at_least(f"apical without [P], {preset} model", risk.value, 0.01, interval=risk.interval(CLAIM_LEVEL)),
-        ]
-    return Evidence(printed=tuple(comparisons), runs_needed=runs)
+
+    def compare(preset: str) -> Evidence:
+        with_p = ratio_of(tables, preset, "figure10", PROTRUSIONS, "basal")
+        most, risk = (
+            max((ratio_of(tables, preset, "figure10", event, what) for event in OTHERS), key=lambda ratio: ratio.value)
+            for what in ("basal", "apical")
+        )
+        return evidence(
+            [
+                more("basal extrusion with [P] minus the most without", Difference(with_p, most)),
+                share("most apical extrusion without [P]", risk, 0.01),
+            ]
+        )
+
+    return in_readings(compare)
 
 
 @claim(
@@ -173,13 +171,11 @@ def _protrusions(tables: Tables) -> Evidence:
     chosen=f"cells without [P] of the group '35 % [P]'; relevant: more than {ALIKE:.0%}",
 )
 def _timing(tables: Tables) -> Evidence:
-    found = by_kind(tables, "t_a_h")
-    name = "basal ratio, [A] at 6 h to 9 h less [A] at 21 h to 24 h, with and without INM"
-    return Evidence(
-        printed=(alike(name, *found, margin=ALIKE),),
-        corrected=(more(name, *found),),
-        runs_needed=most_runs((needed(*found), *(runs_for_margin(each[DECIDES], ALIKE) for each in found))),
-    )
+    def compare(preset: str) -> Evidence:
+        found = early_minus_late(tables, preset, "A")
+        return evidence([alike(*each) for each in found], [more(*each) for each in found])
+
+    return in_readings(compare)
 
 
 @claim(
