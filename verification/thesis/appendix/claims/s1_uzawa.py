@@ -18,7 +18,7 @@ from verification.thesis.text.quoted import claim
     Verdict.CORRECTED,
 )
 def _first_order() -> Evidence:
-    """Two unknowns; others alike."""
+    """Take two unknowns; others alike."""
     sp = library()
     x, f = (sp.Matrix(sp.symbols(f"{name}:2")) for name in "xf")
     a, b, c = sp.symbols("a b c")
@@ -42,7 +42,7 @@ def _first_order() -> Evidence:
     chosen="the factor ½, so that this is another matter than the energy",
 )
 def _lagrangian() -> Evidence:
-    """One row: the slope of L in lambda must be B x - g."""
+    """Take one row: the slope of L in lambda must be B x - g."""
     return put_right(
         identity(
             "½xᵀAx − fᵀx + λᵀ(Bx − g) has the slope Bx − g in λ, so its supremum over λ is infinite if Bx ≠ g",
@@ -61,7 +61,7 @@ def _lagrangian() -> Evidence:
     chosen="read as: not both at once",
 )
 def _indefinite() -> Evidence:
-    """The quadratic form of (A.1) at (0, lambda), for three unknowns and two constraints; others alike."""
+    """Evaluate the quadratic form of (A.1) at (0, lambda), for three unknowns and two constraints; others alike."""
     sp = library()
     A, B, level = (
         sp.Matrix(*size, sp.symbols(f"{name}:{size[0] * size[1]}"))
@@ -84,7 +84,7 @@ def _indefinite() -> Evidence:
     Verdict.PROVED,
 )
 def _dual() -> Evidence:
-    """S = B A^-1 B^T = C C^T with two constraints; lambda* solves S lambda* = B A^-1 f - g, which is (A.1)."""
+    """Take two constraints and S = B A^-1 B^T = C C^T; lambda* solves S lambda* = B A^-1 f - g, which is (A.1)."""
     sp = library()
     C = sp.Matrix(2, 2, sp.symbols("c:4", real=True))
     level, exact = (sp.Matrix(sp.symbols(f"{name}:2", real=True)) for name in "ml")
@@ -118,7 +118,7 @@ def _dual() -> Evidence:
     chosen="“The gradient of F is given by” is followed by nothing: 2(BA⁻¹Bᵀλ - BA⁻¹f + g)",
 )
 def _ascent() -> Evidence:
-    """x = A^-1 (f - B^T lambda) in the second form."""
+    """Insert x = A^-1 (f - B^T lambda) into the second form."""
     return put_right(
         identity(
             "Bx_{k+1} − g = BA⁻¹f − BA⁻¹Bᵀλ_k − g",
@@ -139,7 +139,7 @@ def _ascent() -> Evidence:
     tried_on="the unit circle and the point (2, 1), from starts near the solution",
 )
 def _nonlinear() -> Evidence:
-    """At the solution x = (2, 1)/√5, λ = (√5 - 1)/2 the steps of 0.1 stand still; a power of their slope contracts."""
+    """Show that steps of 0.1 stand still at x = (2, 1)/√5, λ = (√5 - 1)/2, and a power of their slope contracts."""
     sp = library()
     x, y, level, step = sp.symbols("x y lambda h")
     exact = {x: 2 / sp.sqrt(5), y: 1 / sp.sqrt(5), level: (sp.sqrt(5) - 1) / 2}

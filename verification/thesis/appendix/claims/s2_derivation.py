@@ -19,7 +19,7 @@ from verification.thesis.text.quoted import claim
     rests_on=("c5.pair-force",),
 )
 def _order() -> Evidence:
-    """One pair and one coordinate, as for c5.pair-force."""
+    """Take one pair and one coordinate, as for c5.pair-force."""
     return put_right(pair_force("the force on X_i by X_k is K(X_k, X_i)/N", "it is K(X_i, X_k)/N"))
 
 
@@ -30,7 +30,7 @@ def _order() -> Evidence:
     Verdict.PROVED,
 )
 def _constraint() -> Evidence:
-    """(A.7) in both directions: what is left of U - Phi[v] is G^-1 times the rate of g."""
+    """Prove (A.7) in both directions: U - Phi[v] is G^-1 times the rate of g."""
     p, (U,) = particle(), matrices("U,")
     return proved(
         identity(
@@ -50,7 +50,7 @@ def _constraint() -> Evidence:
     rests_on=("c5.derivation-constraint",),
 )
 def _rate() -> Evidence:
-    """d^2 g/dt^2 for U = Phi[v], Omega being the rate of Phi[v] with v held."""
+    """Derive d^2 g/dt^2 for U = Phi[v], Omega being the rate of Phi[v] with v held."""
     p = particle()
     return proved(
         identity(
@@ -63,7 +63,7 @@ def _rate() -> Evidence:
 
 
 def others(statement: str, printed: str, inserted: bool) -> FormalProof:
-    """Prove (A.12), or what (A.13) makes of it: K is the sum of K(X_k, X_i), the printed order its negative."""
+    """Prove (A.12), or (A.13), which follows from it: K is the sum of K(X_k, X_i), the printed order its negative."""
     p, (own, pull) = particle(), matrices("F1 K")
 
     def residual(s: Any) -> Any:
@@ -105,7 +105,7 @@ def _insert() -> Evidence:
     rests_on=("c5.derivation-multipliers",),
 )
 def _back() -> Evidence:
-    """Omega[y', y''], as printed, is another word than Omega[y', y']."""
+    """Treat Omega[y', y''], as printed, as another word than Omega[y', y']."""
     p, (other,) = particle(), matrices("W,")
     return put_right(
         others("λ_i with K(X_k, X_i) solves (5.6a)", "with K(X_i, X_k)", False),
@@ -130,7 +130,7 @@ def _back() -> Evidence:
     chosen="λ_i of (A.12) with K(X_k, X_i); those of (A.14), which Proposition 5.1 names, see c5.derivation-back",
 )
 def _equivalent() -> Evidence:
-    """With the multipliers of (A.12) equation (5.6a) holds, and (5.6b) is (5.11a)."""
+    """Insert the multipliers of (A.12) into (5.6a) and (5.6b)."""
     p = particle()
     return proved(
         identity(

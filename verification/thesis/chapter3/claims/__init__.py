@@ -1,1 +1,1 @@
-"""Statements of the text, one file for each part of it; file names begin with the section."""
+"""Claims of the thesis, one file for each part; file names begin with the section."""

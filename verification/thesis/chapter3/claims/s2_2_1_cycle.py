@@ -129,7 +129,7 @@ def _passive(tables: Tables) -> Evidence:
     rests_on=("c3.springs",),
 )
 def _equilibrium() -> Evidence:
-    """A straight cell of the height h, the nucleus at y above B: W^ax + W^bx >= 0 is 0 at y = h - R."""
+    """Take a straight cell of height h, its nucleus at y above B: W^ax + W^bx >= 0 is 0 at y = h - R."""
     h, y, a, b, R, rest = library().symbols("h y a b R eta", positive=True)
 
     def residuals(s: Any) -> Any:
@@ -179,7 +179,7 @@ def _slice() -> Evidence:
 
 
 def printed_edges(edges: set[tuple[int, int]], mother: int, new: int) -> set[tuple[int, int]]:
-    """Section 2.2.5: add (i, N + 1), and connect the former right neighbour of i with N + 1."""
+    """Add (i, N + 1), and connect the former right neighbour of i with N + 1, as in section 2.2.5."""
     right = {edge for edge in edges if edge[0] == mother}
     return (edges - right) | {(mother, new)} | {(new, k) for _, k in right}
 
@@ -192,7 +192,7 @@ def printed_edges(edges: set[tuple[int, int]], mother: int, new: int) -> set[tup
     chosen="rest lengths of the new cell and of its junction: those of the mother, and R^soft/3",
 )
 def _division() -> Evidence:
-    """Every cell of a chain divides once, in turn; by the thesis, and by the rule of the simulation."""
+    """Divide every cell of a chain once, in turn, by the thesis and by the rule of the simulation."""
     frame = simulate(preset("thesis").changed({"numerics.t_end": "2 h"}), 0).final
     numbers, n = preset("thesis").numbers()._replace(two_daughters=1.0), len(frame.cells.x)
     crossed = different = 0

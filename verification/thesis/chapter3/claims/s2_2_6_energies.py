@@ -64,7 +64,7 @@ def push(d: float) -> float:
     chosen="PBD with μ = 0.2 h, which is said to be similar, stands for DAHA; lengths in R^soft",
 )
 def _dimensions() -> Evidence:
-    """One cell, in units of R_soft and in um: a number without unit is the same in both."""
+    """Compare the terms of one cell in units of R_soft and in um: a number without unit is the same in both."""
     a, x, b = (0.0, 8.0), (0.5, 3.0), (0.0, 0.0)
     bent = [bending(scaled(a, unit), scaled(x, unit), scaled(b, unit), AXB) for unit in (R_SOFT, 1.0)]
     printed, right = (terms(R_SOFT, squared=squared) / terms(1.0, squared=squared) for squared in (False, True))
@@ -114,7 +114,7 @@ def _spring() -> Evidence:
     Verdict.PROVED,
 )
 def _straight() -> Evidence:
-    """c = u.v and k = u x v for u = A - X, v = B - X n = |u||v|: n^2 = c^2 + k^2, W = alpha (c/n + 1)."""
+    """Write c = u.v, k = u x v, n = |u||v| for u = A - X, v = B - X: n^2 = c^2 + k^2, W = alpha (c/n + 1)."""
     z3 = solver_library()
     return proved(
         identity(
@@ -159,7 +159,7 @@ def _straightness() -> Evidence:
     Verdict.CORRECTED,
 )
 def _repulsion() -> Evidence:
-    """The force f = -dW/dd of two nuclei at the distance d < 2R; W = alpha (d - 2R)^2/(2R)."""
+    """Take the force f = -dW/dd of two nuclei at the distance d < 2R; W = alpha (d - 2R)^2/(2R)."""
     return put_right(
         implication(
             "−dW/dd = α(2R − d)/R > 0 for d < 2R with +α: nuclei are pushed apart",

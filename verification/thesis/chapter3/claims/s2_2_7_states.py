@@ -44,7 +44,7 @@ STARTS, WEIGHTS, STEPS = (1.8, 2.2, 3.0, 4.0), (0.3, 1.0, 3.0), 400
     arithmetic=True,
 )
 def _at_all_times() -> Evidence:
-    """Two discs of radius R at the distance d are projected to the distance d + max(2R - d, 0), by Example 2.5."""
+    """Project two discs of radius R from the distance d to d + max(2R - d, 0), by Example 2.5."""
     born, asked = 2 * OFFSET, 2 * HARD
     return Evidence(
         printed=(
@@ -102,7 +102,7 @@ def next_state(frame: Frame, rest: float) -> Cells:
     chosen="60 cells after 1 h; rest lengths of both springs 0.5 R^soft longer",
 )
 def _state() -> Evidence:
-    """Equal Z^k and P^k: both are functions of positions and ages, which the two states share."""
+    """Compare states of equal Z^k and P^k, which are functions of positions and ages."""
     numbers = preset("thesis").numbers()
     frame = simulate(preset("thesis").changed({"numerics.t_end": "1 h"}), 0).final
     cells, one, other = frame.cells, next_state(frame, 0.0), next_state(frame, OFF)
@@ -138,7 +138,7 @@ def moving() -> tuple[str, ...]:
     chosen="60 cells after 1 h, all moved by 0.7 R^soft along the basal layer",
 )
 def _not_unique() -> Evidence:
-    """The whole tissue moved along the basal layer: as low, and as feasible."""
+    """Move the whole tissue along the basal layer."""
     parameters = preset("thesis").changed({"numerics.t_end": "1 h"})
     frame, numbers = simulate(parameters, 0).final, parameters.numbers()
     cells, by = frame.cells, 0.7

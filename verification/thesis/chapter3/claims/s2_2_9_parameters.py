@@ -63,7 +63,7 @@ def _layers() -> Evidence:
     Verdict.PROVED,
 )
 def _relative() -> Evidence:
-    """Energies v, w of two states, multiplied by c."""
+    """Multiply the energies v, w of two states by c."""
     return proved(
         implication(
             "W(z) ≤ W(z′) gives cW(z) ≤ cW(z′) for every common factor c > 0: the minima are the same",
@@ -80,7 +80,7 @@ def _relative() -> Evidence:
     Verdict.PROVED,
 )
 def _diffusion() -> Evidence:
-    """One coordinate and one step from x: independent steps add their variances, so n of them have 2 D n dt."""
+    """Take one coordinate and one step from x: independent steps add their variances, so n of them have 2 D n dt."""
     sp = library()
     x, u = sp.symbols("x u", real=True)
     D, h = sp.symbols("D h", positive=True)
@@ -100,7 +100,7 @@ def _diffusion() -> Evidence:
 
 @claim("c3.box", "The tissue is 50 μm high and 40 μm wide at the start.", "Table 1", Verdict.CORRECTED, arithmetic=True)
 def _box() -> Evidence:
-    """Table 1 against Figure 16 and the published program; by elimination the other value is the width."""
+    """Compare Table 1 with Figure 16 and the published program; the other value is then the width."""
     return Evidence(
         printed=(equal("50 μm over R_soft, for the first height of Figure 16", HEIGHT / R_SOFT, FIRST_HEIGHT, TOL),),
         corrected=(
@@ -120,7 +120,7 @@ def _box() -> Evidence:
     arithmetic=True,
 )
 def _row() -> Evidence:
-    """The entries of Table 1 against each other, and against the published width, N_init/3 in R_soft."""
+    """Compare the entries of Table 1 with each other, and with the published width, N_init/3 in R_soft."""
     wide, narrow = CELLS * SPACING, CELLS // 2 * SPACING
     return Evidence(
         printed=(equal("width of 60 points at 1.66 μm, 40 μm printed [μm]", wide, WIDTH, SPACING),),
@@ -174,7 +174,7 @@ def singles(two: float) -> tuple[int, int]:
     chosen="sections 2.1 and 2.2.5 keep a second daughter in 20 % of the divisions; intervals of 99.9 %",
 )
 def _offspring() -> Evidence:
-    """By the rule of sections 2.1 and 2.2.5, against what the table says of the same number."""
+    """Compare the rule of sections 2.1 and 2.2.5 with the table."""
     ends, single = singles(0.2)
     share = single / ends
     half = Z * math.sqrt(share * (1 - share) / ends)
@@ -189,7 +189,7 @@ def _offspring() -> Evidence:
 
 
 def text_rule(age: np.ndarray, cycle: float) -> np.ndarray:
-    """(3.4): whether the radius is the enlarged one."""
+    """Return whether the radius is the enlarged one, by (3.4)."""
     return age >= cycle - MITOSIS
 
 

@@ -36,7 +36,7 @@ REST = np.array([1.0, 2.0])
     chosen="the multiplier is a given function of time, so that its misprinted update does not matter",
 )
 def _discretised() -> Evidence:
-    """Both quotients of (3.25) for a path with the derivatives v, a, b, d at the present: no terms below h^2."""
+    """Expand both quotients of (3.25) for a path with the derivatives v, a, b, d at the present: no terms below h^2."""
     sp = library()
 
     def residuals(s: Any, z: Any, v: Any, a: Any, b: Any, d: Any, c: Any, h: Any) -> Any:

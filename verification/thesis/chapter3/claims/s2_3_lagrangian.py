@@ -32,18 +32,18 @@ def states() -> Floats:
 
 
 def apart(nuclei: Floats) -> bool:
-    """(C1) as printed."""
+    """Return whether (C1) holds, as printed."""
     return all(math.dist(one, other) >= 2 * HARD for one, other in combinations(nuclei.tolist(), 2))
 
 
 def lined_up(basal: Floats) -> bool:
-    """(C2), (C3) and (C4) as printed."""
+    """Return whether (C2), (C3) and (C4) hold, as printed."""
     steps = [(math.dist(basal[i], basal[j]), basal[j, 0] - basal[i, 0]) for i, j in pairwise(range(CELLS))]
     return all(length <= MOST and step >= 0 for length, step in steps) and not basal[:, 1].any()
 
 
 def in_all(z: Floats) -> bool:
-    """Whether z lies in each S_j of (C1), (C4) and (C2), sets of the program, and (C3) holds."""
+    """Return whether z lies in each S_j of (C1), (C4) and (C2), sets of the program, and (C3) holds."""
     chain = np.arange(2 * CELLS, 3 * CELLS)
     sets = (
         dincl.NonOverlap(HARD, among=np.arange(CELLS)),
@@ -62,7 +62,7 @@ def in_all(z: Floats) -> bool:
     chosen="1000 random states of 5 cells; equal hard radii, as in Proposition 1.22; for others see c3.equal-radii",
 )
 def _set() -> Evidence:
-    """Nuclei and basal points of different states are put together, and midpoints are taken."""
+    """Put nuclei and basal points of different states together, and take midpoints."""
     z, split = states(), 2 * CELLS
     nuclei = [one[:CELLS] for one in z if apart(one[:CELLS])]
     basal = [one[split:] for one in z if lined_up(one[split:])]
@@ -92,7 +92,7 @@ def _set() -> Evidence:
     chosen="the basal line counts as one constraint for each cell",
 )
 def _count() -> Evidence:
-    """By induction: one more cell brings a pair with each of the N before, an edge of two constraints, and (C3)."""
+    """Use induction: one more cell brings a pair with each of the N before, an edge of two constraints, and (C3)."""
     return proved(
         identity(
             "M = N(N − 1)/2 + 2(N − 1) + N is 1 for one cell and grows by N + 2 + 1 with the cell N + 1",
@@ -142,7 +142,7 @@ def _squared() -> Evidence:
     Verdict.PROVED,
 )
 def _saddle() -> Evidence:
-    """m = min(0, g(z)) of one row; sup over lambda of W + lambda m is W for m = 0 and infinite for m < 0."""
+    """Take m = min(0, g(z)) of one row; sup over lambda of W + lambda m is W for m = 0 and infinite for m < 0."""
     return proved(
         implication(
             "ℒ = W for every λ where g ≥ 0", lambda s, W, level, m, L: ([m == 0, W + level * m == L], s * W == L), "−W"
@@ -163,7 +163,7 @@ def _saddle() -> Evidence:
     chosen="multipliers ≤ 0 for (3.21), ≥ 0 for (3.23), as their signs ask for",
 )
 def _rest() -> Evidence:
-    """One component and one row: w of grad W, j of grad g; a minimum has w = l j, l >= 0, g >= 0, l g = 0."""
+    """Take one component and one row: w of grad W, j of grad g; a minimum has w = l j, l >= 0, g >= 0, l g = 0."""
     z3 = solver_library()
     return proved(
         implication(

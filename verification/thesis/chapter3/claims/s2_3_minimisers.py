@@ -64,7 +64,7 @@ def first_method(side: float, turn: float) -> tuple[float, float]:
     "step is from z_0 to z_1, though “n > 0” is printed",
 )
 def _method() -> Evidence:
-    """Method 3.3 with the printed signs and with both consistent ones."""
+    """Run Method 3.3 with the printed signs and with both consistent ones."""
     printed, (negative, below), (positive, above) = first_method(1, -1)[0], first_method(1, 1), first_method(-1, -1)
     return Evidence(
         printed=(equal("x at the end, signs as printed", printed, 0.0, TOL),),
@@ -172,7 +172,7 @@ def _damped_multiplier() -> Evidence:
     rests_on=("c3.solved",),
 )
 def _rescaled() -> Evidence:
-    """(3.25) for dtau and for 1; w = grad W - sum lambda grad g, q = sum g lambda grad g."""
+    """Compare (3.25) for dtau and for 1; w = grad W - sum lambda grad g, q = sum g lambda grad g."""
     return proved(
         identity(
             "(3.25) with Δτ = 1 and αΔτ², γΔτ², cΔτ for α, γ, c has the same next state for all states and forces",
@@ -194,7 +194,7 @@ def _rescaled() -> Evidence:
     tried_on="two discs, W = ‖z‖²/2, linearised",
 )
 def _attractive() -> Evidence:
-    """s^3 + C s^2 + GAMMA lambda J s + ALPHA BETA J at contact, J = 8, lambda = 1/4, has no root x + iy with x >= 0."""
+    """Exclude roots x + iy, x >= 0, of s^3 + C s^2 + GAMMA lambda J s + ALPHA BETA J: contact, J = 8, lambda = 1/4."""
     return proved(
         implication(
             "s³ + 2s² + 0.002s + 0.0002 has no root with a real part ≥ 0: the contact of two discs attracts (Table 4)",

@@ -56,7 +56,7 @@ def _speedup() -> Evidence:
     Verdict.PROVED,
 )
 def _scaled() -> Evidence:
-    """The chain rule for z~(t) = z(t/delta)."""
+    """Apply the chain rule to z~(t) = z(t/delta)."""
     sp = library()
     t, tau, delta = sp.symbols("t tau delta", positive=True)
     z = sp.Function("z")
@@ -154,7 +154,7 @@ def _well_posed() -> Evidence:
     chosen="50,000 steps without forces at μ = 0.15 h",
 )
 def _noise() -> Evidence:
-    """The variance of a coordinate after one step of (3.33), factor/mu sqrt(2 D dt) N(0, 1), over that of (3.35)."""
+    """Sample the variance of one step of (3.33), factor/mu sqrt(2 D dt) N(0, 1), over the variance 2 D dt of (3.35)."""
     normal = np.random.default_rng(0).normal(size=SAMPLES)
     printed, right = (float((factor / MU * normal).var()) for factor in (1.0, MU))
     return Evidence(
@@ -201,7 +201,7 @@ def _mu() -> Evidence:
     chosen="the formulas, which the thesis leaves to the reader",
 )
 def _projections() -> Evidence:
-    """b, a: the distance of the pair before and in any other state, p = their product of differences, m = |move|^2."""
+    """Write b, a for the distances of a pair before and in any other state, p for their inner product, m = |move|^2."""
     return proved(
         identity(
             "both moves x, y of a pair have |x|² + |y|² = |x − y|²/2 + |x + y|²/2",
@@ -238,7 +238,7 @@ def _projections() -> Evidence:
     tried_on="a spring of any stiffness",
 )
 def _substeps() -> Evidence:
-    """n substeps of the explicit Euler method for z' = -k z/mu, with n to infinity."""
+    """Let n substeps of the explicit Euler method for z' = -k z/mu go to infinity."""
     sp = library()
     n, k, mu, h = sp.symbols("n k mu h", positive=True)
     return proved(
