@@ -45,6 +45,7 @@ from dincl.projection import (
 from dincl.projection.project import project
 from dincl.schemes import (
     PBD,
+    XPBD,
     Auto,
     CatchUp,
     EventDriven,
@@ -63,6 +64,7 @@ from dincl.work import Work
 
 __all__ = [
     "PBD",
+    "XPBD",
     "ActiveSet",
     "ArrowHurwicz",
     "Auto",

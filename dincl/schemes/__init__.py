@@ -6,9 +6,11 @@ from dincl.schemes.catch_up import CatchUp, LinearisedCatchUp, MidpointCatchUp
 from dincl.schemes.event_driven import EventDriven
 from dincl.schemes.pbd import PBD, SecondOrderPBD
 from dincl.schemes.penalty import Penalty
+from dincl.schemes.xpbd import XPBD
 
 __all__ = [
     "PBD",
+    "XPBD",
     "Auto",
     "CatchUp",
     "EventDriven",

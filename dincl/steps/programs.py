@@ -19,6 +19,7 @@ from dincl.system.arrays import COINCIDENT, MISSED, OK, PYTHON, SETS, TOO_FAR, f
 MOST_SEARCHES = 60
 # Linearisations for one projection onto a curved set; a y that violates by less than this part of tol is its own.
 MOST_RELINEARISATIONS, NEGLIGIBLE = 60, 1e-3
+FAILED_LIST, SAME_LIST, NEW_LIST = range(3)
 
 
 @inner
@@ -116,24 +117,33 @@ def carry_bounds(place: int, t: float, around: Floats, later: float) -> None:
 
 
 @inner
-def list_sorted(place: int, t: float, x: Floats, radius: float, margin: float) -> bool:
-    """List every row that matters within ``radius`` of x, in the order of the cloud; false on failure.
+def list_near(place: int, t: float, x: Floats, radius: float, margin: float) -> int:
+    """List every row that matters within ``radius`` of x, in the order of the table.
 
-    A new list is made for ``margin`` times the radius, see ``dincl.neighbours``.
+    Returns FAILED_LIST, SAME_LIST, or NEW_LIST: a list for ``margin`` times the radius, see ``dincl.neighbours``.
     """
     system = system_at(place)
     sets, near = system.sets, system.near
     if distance_from_search(sets, x, near) + radius <= near.radius[0]:
-        return True
+        return SAME_LIST
     if near.search == 0:
         find_candidates(system.rows, sets, t, x, margin * radius, near)
     else:
         near.radius[0] = margin * radius
         if call_drift(near.search, t, x, near.reference, x.size, sets.shift.shape[1], near.radius) != 0:
-            return False
+            return FAILED_LIST
         note_search(sets, t, x, margin * radius, near)
-    sort_candidates(system.rows, x, sets.shift.shape[1], near)
-    return True
+    return NEW_LIST
+
+
+@inner
+def list_sorted(place: int, t: float, x: Floats, radius: float, margin: float) -> bool:
+    """List every row that matters within ``radius`` of x, in the order of the cloud; false on failure."""
+    listed = list_near(place, t, x, radius, margin)
+    if listed == NEW_LIST:
+        system = system_at(place)
+        sort_candidates(system.rows, x, system.sets.shift.shape[1], system.near)
+    return listed != FAILED_LIST
 
 
 @inner

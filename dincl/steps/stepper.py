@@ -94,6 +94,14 @@ class CompiledStepper(Stepper):
         return cls(problem, step, setting, system=system, swept=swept, v0=v0)
 
     @classmethod
+    def correcting(cls, problem: Problem, step: Any, setting: Sequence[float]) -> CompiledStepper:
+        """Bind a scheme that corrects one row of the table after another, with a multiplier for each."""
+        system = CompiledProblem(problem, programs=False)
+        program, n = system.arrays.program, problem.x0.size
+        arrays = ProjectionArrays(0, program.y, np.zeros(n), program.z, np.zeros(4))
+        return cls(problem, step, setting, system=system, projection=arrays)
+
+    @classmethod
     def projecting(cls, problem: Problem, step: Any, projection: Projection, *, linearised: bool) -> CompiledStepper:
         """Bind a scheme that projects onto S, or onto its linearisation, in each step."""
         from dincl.steps.catch_up import nearest_point

@@ -100,7 +100,8 @@ class CompiledProblem:
     ) -> None:
         """Without ``programs``, no program is solved for the rows in the table, which takes less memory."""
         self.problem, self.units, self.solver = problem, units, solver
-        all_rows = selection is not None or solver is None or len(problem.x0) <= MOST_PARTICLES
+        events = solver is None and programs
+        all_rows = selection is not None or events or len(problem.x0) <= MOST_PARTICLES
         if selection is None:
             selection = select(problem.constraints, 0.0, problem.x0, np.inf if all_rows else 0.0)
         self.selection = selection
@@ -220,7 +221,10 @@ class CompiledProblem:
         self._counted = (drifts, builds, iterations, calls, python)
         work.drift_evaluations += drifts - before[0]
         work.neighbour_builds += builds - before[1]
-        work.solver_iterations += round(iterations - before[2])
+        if self._programs:
+            work.solver_iterations += round(iterations - before[2])
+        else:
+            work.constraint_projections += round(iterations - before[2])
         work.solver_calls += round(calls - before[3])
         work.callbacks += python - before[4]
         if calls > 0 and self.name not in work.back_ends:

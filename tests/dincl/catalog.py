@@ -32,6 +32,7 @@ def spring(dt):
 FIRST_ORDER = [
     pytest.param(dincl.PBD, id="PBD"),
     pytest.param(lambda dt: dincl.PBD(dt, sweeps=4), id="PBD-4-sweeps"),
+    pytest.param(lambda dt: dincl.XPBD(dt, sweeps=8), id="XPBD-8-sweeps"),
     pytest.param(lambda dt: dincl.CatchUp(dt, dincl.Daqp(1e-10)), id="CatchUp"),
     pytest.param(lambda dt: dincl.LinearisedCatchUp(dt, dincl.Daqp(1e-10)), id="LinearisedCatchUp"),
     pytest.param(lambda dt: dincl.MidpointCatchUp(dt, dincl.Daqp(1e-10)), id="MidpointCatchUp"),

@@ -119,6 +119,7 @@ BAD_PROBLEMS = {
     "dt negative": (lambda: dincl.Penalty(dt=-0.1, strength=1.0), "dt = -0.1"),
     "dt text": (lambda: dincl.PBD(dt="0.1"), "dt = '0.1'"),
     "sweeps": (lambda: dincl.PBD(dt=0.1, sweeps=0), "sweeps = 0: must be an integer from 1 to 1000000"),
+    "compliance": (lambda: dincl.XPBD(dt=0.1, compliance=-1.0), "compliance = -1.0: must be a finite number >= 0"),
     "strength": (lambda: dincl.Penalty(dt=0.1, strength=math.inf), "strength = inf"),
     "exponent": (lambda: dincl.Penalty(dt=0.1, strength=1.0, exponent=3), "exponent = 3: must be 1 or 2"),
     "projection by name": (lambda: dincl.CatchUp(dt=0.1, projection="ipopt"), "projection = 'ipopt'"),

@@ -11,6 +11,7 @@ DT, TOL = 1 / 16, 1e-8
 SCHEMES = {
     "PBD": lambda s, t, tol: dincl.PBD(DT * t),
     "PBD with sweeps": lambda s, t, tol: dincl.PBD(DT * t, sweeps=3),
+    "XPBD": lambda s, t, tol: dincl.XPBD(DT * t, sweeps=3, compliance=t / 32),
     "SecondOrderPBD": lambda s, t, tol: dincl.SecondOrderPBD(DT * t),
     "Penalty": lambda s, t, tol: dincl.Penalty(DT * t, 3 / t),
     "CatchUp, ActiveSet": lambda s, t, tol: dincl.CatchUp(DT * t, dincl.ActiveSet(TOL * s)),

@@ -9,6 +9,7 @@ from tests.dincl.own_constraints import AngleLimit, AngleLimitByHand
 
 SCHEMES = [
     pytest.param(dincl.PBD(0.02, sweeps=2), id="PBD"),
+    pytest.param(dincl.XPBD(0.02, sweeps=2), id="XPBD"),
     pytest.param(dincl.SecondOrderPBD(0.02), id="SecondOrderPBD"),
     pytest.param(dincl.Penalty(0.002, strength=20.0), id="Penalty"),
     pytest.param(dincl.CatchUp(0.02, dincl.ActiveSet(1e-10)), id="CatchUp"),
