@@ -21,7 +21,7 @@ from verification.page.kept import STUDIES
 
 MAKES_NO_NUMBERS = True
 # Those of EMT and of curved layers keep sums only, by commands of their own.
-NAMES = ("experiments", "moving", "speed", "failures", "geometry", "tissue", "space", "meanfield")
+NAMES = ("experiments", "moving", "speed", "iterations", "failures", "geometry", "tissue", "space", "meanfield")
 
 
 def main(folder: Path, names: Collection[str] = NAMES) -> None:

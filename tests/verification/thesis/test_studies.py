@@ -32,7 +32,7 @@ def test_each_knows_what_it_was_made_by(file: Path) -> None:
 
 
 def test_an_unknown_chapter_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="chapter 'emt': must be one of experiments, moving, speed"):
+    with pytest.raises(ValueError, match="chapter 'emt': must be one of experiments, moving, speed, iterations"):
         studies.main(tmp_path, ["emt"])
 
 

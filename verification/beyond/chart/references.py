@@ -67,7 +67,7 @@ def _rows(name: str, known: Known) -> list[Row]:
 
 def reference(table: pd.DataFrame, name: str) -> Known:
     """Return the reference of a scene, from the table of ``study``."""
-    return _stacked(table[table["scene"] == name])
+    return stacked(table[table["scene"] == name])
 
 
 def _computed(scene: Scene) -> Known:
@@ -76,10 +76,10 @@ def _computed(scene: Scene) -> Known:
 
 
 def _from_file(path: Path) -> Known:
-    return _stacked(read_sealed(path))
+    return stacked(read_sealed(path))
 
 
-def _stacked(table: pd.DataFrame) -> Known:
+def stacked(table: pd.DataFrame) -> Known:
     """Return positions with their error at each time; the columns that hold numbers are the axes of the scene."""
     ordered = table.sort_values(["t", "particle"])
     t = np.unique(ordered["t"].to_numpy())

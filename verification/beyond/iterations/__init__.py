@@ -1,0 +1,1 @@
+"""Iterations or smaller steps: PBD and XPBD at equal cost."""
