@@ -16,16 +16,17 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class XPBD(FixedStep):
-    """Gauss-Seidel sweeps over x_k + dt F(t_k, x_k) that accumulate a multiplier mu_j >= 0 for each row.
+    """x_{k+1} = x_k + dt F(t_k, x_k) + sum_j mu_j grad g_j, with a multiplier mu_j >= 0 for each row.
 
-    A sweep visits the rows near x one after another and changes
+    Gauss-Seidel sweeps start with x = x_k + dt F(t_k, x_k), visit the rows near x one after another and change
 
         mu_j by max(-mu_j, -(g_j(x) + (c/dt) mu_j) / (|grad g_j(x)|^2 + c/dt)),  x by this times grad g_j(x).
 
-    All mu_j are 0 at the start of a step. With compliance c = 0 many sweeps converge to a nearest point of S(t_{k+1})
-    (to its nearest point where S is convex), while the sweeps of PBD stop at some point of S. With c > 0 they converge
-    to a step of the implicit Euler method for x' = F + (1/c) sum_j max(0, -g_j) grad g_j, the ``Penalty`` of strength
-    1/c and exponent 2, which is stable for all dt.
+    All mu_j are 0 at the start of a step. For distances and half-spaces one sweep with compliance c = 0 is a step of
+    PBD (Method 2.3). With c = 0 many sweeps converge to a nearest point of S(t_{k+1}), where S is convex to the nearest
+    one, while the sweeps of PBD stop at some point of S. With c > 0 they converge to a step of the implicit Euler
+    method for x' = F + (1/c) sum_j max(0, -g_j) grad g_j, the ``Penalty`` of strength 1/c and exponent 2, which is
+    stable for all dt.
 
     Parameters
     ----------
