@@ -122,12 +122,12 @@ class Context:
         self.tables[name] = table
         write(table, self.folder / f"{name}.parquet")
 
-    def draw(self, name: str, figure: Callable[..., Path], *arguments: Any) -> Path:
+    def draw(self, name: str, figure: Callable[..., Path], *arguments: Any, ending: str = ".png") -> Path:
         """Let a worker draw ``figure(*arguments, path)``; the path, where it is once the drawings are done.
 
         What was drawn of the same arguments before is left.
         """
-        path, wanted = self.out / "figures" / f"{name}.png", digest(pickle.dumps((figure, arguments)))
+        path, wanted = self.out / "figures" / f"{name}{ending}", digest(pickle.dumps((figure, arguments)))
         if self._drawn.get(name) != wanted:
             self.drawings.append(self.executor.submit(figure, *arguments, path))
             self._drawn[name] = wanted

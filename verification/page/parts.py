@@ -135,11 +135,35 @@ def _by_reading(row: Mapping[str, Any], columns: Sequence[str]) -> list[tuple[st
 
 
 @dataclass(frozen=True)
+class Method:
+    """Paragraphs on how something was measured; they open on a click."""
+
+    texts: Sequence[Text]
+    kind: str = field(default="method", init=False)
+
+
+Part = Text | Follows | Picture | Chart | Grid | ClaimGraph | SearchField | Statements | Method
+
+
+@dataclass(frozen=True)
 class Section:
     """A heading with its parts."""
 
     title: str
-    parts: Sequence[Text | Follows | Picture | Chart | Grid | ClaimGraph | SearchField | Statements]
+    parts: Sequence[Part]
+
+    @property
+    def ordered(self) -> Sequence[Part]:
+        """The parts in the order of a page: pictures, the result, tables, then how it was measured.
+
+        A section without pictures stays as it is.
+        """
+        if not any(isinstance(part, Picture | Chart) for part in self.parts):
+            return self.parts
+        kinds: tuple[tuple[type, ...], ...] = ((Picture, Chart), (Follows,), (Grid,))
+        found: list[Part] = [part for kind in kinds for part in self.parts if isinstance(part, kind)]
+        texts = [part for part in self.parts if isinstance(part, Text)]
+        return [*found, Method(texts)] if texts else found
 
 
 def cell(value: object) -> tuple[str, str]:

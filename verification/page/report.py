@@ -16,10 +16,11 @@ from verification.page.render import render_page
 
 @dataclass(frozen=True)
 class Finding:
-    """What was learned: one sentence of HTML with its number, and the title of the section that shows it."""
+    """One sentence of HTML with its number, the title of its section, and a picture for the first page."""
 
     html: str
     section: str
+    picture: Path | None = None
 
 
 @dataclass(frozen=True)
@@ -83,11 +84,16 @@ class _Written:
     drawings: Sequence[Future[Path]]
 
     @property
-    def linked(self) -> list[tuple[str, str]]:
-        """Each finding with the address of its section."""
+    def linked(self) -> list[tuple[str, str, str]]:
+        """Each finding with the address of its section, and the file of its picture or ""."""
         titles = [section.title for section in self.sections]
         return [
-            (found.html, f"{self.chapter.file}#section-{titles.index(found.section) + 1}") for found in self.findings
+            (
+                found.html,
+                f"{self.chapter.file}#section-{titles.index(found.section) + 1}",
+                found.picture.name if found.picture else "",
+            )
+            for found in self.findings
         ]
 
 
@@ -133,7 +139,7 @@ class _Pages:
     def write_index(self, facts: Sequence[tuple[str, str]]) -> Path:
         """Write the first page, as far as it is known; it reloads itself until ``facts`` complete it."""
         ready = [self._ready[chapter.name] for chapter in self._chapters if chapter.name in self._ready]
-        findings = [found for written in ready for found in written.linked]
+        findings = [(written.chapter.title, *found) for written in ready for found in written.linked]
         known = {"ready": set(self._ready), "agreements": list(self._context.agreements.values()), "facts": facts}
         values = {"chapters": self._chapters, "findings": findings, "here": ""}
         return render_page("index.html", self._context.out / "index.html", **values, **known)

@@ -11,7 +11,7 @@ import pandas as pd
 from verification.claims import Effect, Verdict
 from verification.claims.decide import READING, decide_all, differing, readings
 from verification.claims.graph import corrected_below
-from verification.page import kept
+from verification.page import cards, kept
 from verification.page.claim_graph import ClaimGraph
 from verification.page.columns import headed, read_columns
 from verification.page.context import Context
@@ -152,7 +152,8 @@ def findings(context: Context) -> Sequence[Finding]:
         serious=int(wrong["effect"].isin([effect for effect in SERIOUS if effect != Effect.PROOF.value]).sum()),
         open=total.get(Verdict.OPEN.value, 0),
     )
-    return [Finding(said["counts"], COUNTS)]
+    counts = {verdict: int(total.get(verdict.value, 0)) for verdict in Verdict}
+    return [Finding(said["counts"], COUNTS, context.draw("card_claims", cards.verdicts, counts))]
 
 
 CHAPTER = Chapter(

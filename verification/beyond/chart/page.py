@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,12 +17,13 @@ from verification.instruments.budget import GRACE, CpuSeconds
 from verification.instruments.chart import TARGETS
 from verification.instruments.cheapest import LEAST_SPREAD, RESOLVED, UNDECIDED
 from verification.instruments.measure import BRIEF, REPEATS
+from verification.page import cards
 from verification.page.columns import Columns, headed, read_columns
 from verification.page.context import Context
 from verification.page.parts import Chart, Follows, Grid, Picture, Section, Text, number
 from verification.page.prose import fill
 from verification.page.report import Chapter, Finding
-from verification.thesis.chapter2.methods import EVENT_DRIVEN, METHODS, PBD
+from verification.thesis.chapter2.methods import EVENT_DRIVEN, LINEARISED_ACTIVE, METHODS, MIDPOINT_ACTIVE, PBD
 
 COLUMNS = read_columns(Path(__file__).parent / "columns.toml")
 TITLES = COLUMNS["sections"]
@@ -38,6 +40,8 @@ AGAIN = work_precision.Form(
 TEN, MODERATE = "ten_disks_corner", 1e-4
 # Errors up to this one are fine.
 FINE = 1e-6
+# The methods on the first page.
+CARD = (PBD, LINEARISED_ACTIVE, MIDPOINT_ACTIVE, EVENT_DRIVEN)
 PROSE = Path(__file__).parent / "prose"
 
 
@@ -142,7 +146,15 @@ def findings(context: Context) -> Sequence[Finding]:
         pbd=int((alone == PBD.label).sum()),
         ten=list(ten.itertuples()),
     )
-    return [Finding(said[name], TITLES["cheapest"]) for name in ("winners", "ten") if said[name]]
+    runs = context.tables[STUDY]
+    mine = runs[(runs["scene"] == TEN) & (runs["status"] == "SUCCESS")]
+    shown = {one.label.removesuffix(" with ActiveSet"): mine[mine["method"] == one.name] for one in CARD}
+    labels = ("CPU time [s]", "largest error, ten discs")
+    picture = context.draw(
+        "card_speed", cards.lines, shown, "cpu_seconds", "largest", labels, [one.colour for one in CARD]
+    )
+    found = [Finding(said[name], TITLES["cheapest"]) for name in ("winners", "ten") if said[name]]
+    return [replace(found[0], picture=picture), *found[1:]]
 
 
 CHAPTER = Chapter(

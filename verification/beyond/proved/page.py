@@ -11,6 +11,7 @@ import pandas as pd
 
 from verification.beyond.proved import proofs as proved
 from verification.beyond.proved import random_scenes
+from verification.page import cards
 from verification.page.columns import headed, read_columns
 from verification.page.context import Context
 from verification.page.parts import Follows, Grid, Section, Text
@@ -78,7 +79,11 @@ def sections(context: Context) -> Sequence[Section]:
 
 def findings(context: Context) -> Sequence[Finding]:
     """Say what a proof costs, and what the stated errors are worth."""
-    return [Finding(_said(context)["learned"], TITLES["bounds"])]
+    done = context.tables["proved_scenes"].query("why == ''").drop_duplicates("scene", keep="last")
+    digits = [-math.log10(bound) for bound in done["bound"]]
+    ends = [(value, value) for value in digits]
+    picture = context.draw("card_proved", cards.bars, list(done["scene"]), digits, ends, "proved digits")
+    return [Finding(_said(context)["learned"], TITLES["bounds"], picture)]
 
 
 CHAPTER = Chapter(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from verification.page import cards
 from verification.page.context import Context
 from verification.page.parts import Section
 from verification.page.prose import fill
@@ -14,6 +15,10 @@ from verification.thesis.chapter4 import sections as page
 from verification.thesis.chapter4.questions import ANSWERS, answered
 
 PROSE = Path(__file__).parent / "prose"
+# The first page shows so many factors, by short names.
+CARD = 5
+SHORT = {"A": "[A]", "B": "[B]", "S": "[S]", "P": "protrusions", "inm": "INM", "onset": "place at the onset"}
+SHORT |= {f"{event} time": f"time of [{event}]" for event in "ABSP"}
 # The factors of the ranking in words.
 FACTORS = {
     "A": "the loss of apical adhesion [A]",
@@ -50,7 +55,12 @@ def findings(context: Context) -> Sequence[Finding]:
     mine = ranking[ranking["preset"] == "published"].sort_values("value", ascending=False)
     first, second, third, *_ = mine.itertuples()
     said = fill(PROSE / "learned_emt.html", names=FACTORS, first=first, second=second, third=third)
-    return [Finding(said["factors"], page.TITLES["positions"])]
+    most = mine.head(CARD)
+    names = [SHORT[factor] for factor in most["factor"]]
+    ends = list(zip(most["low"], most["high"], strict=True))
+    label = "log loss of a prediction without it [nats]"
+    picture = context.draw("card_emt", cards.bars, names, list(most["value"]), ends, label)
+    return [Finding(said["factors"], page.TITLES["positions"], picture)]
 
 
 CHAPTER = Chapter(

@@ -12,6 +12,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from verification.instruments.charts import draw_outcomes, edges, outcome_handles
+from verification.page import cards
 from verification.page.sheet import GREY, Axes, Figure, polygon, sheet
 from verification.thesis.chapter2.stability.contestants import CONTESTANTS
 from verification.thesis.chapter2.stability.decades import METHODS
@@ -44,6 +45,15 @@ def plane(table: pd.DataFrame, drawn: Plane, path: Path) -> Path:
             panel.set_xlabel(drawn.x.label)
             panel.tick_params(labelbottom=True)
         _legend(figure, panels.flat[: len(drawn.methods)])
+    return path
+
+
+def card(table: pd.DataFrame, drawn: Plane, method: str, path: Path) -> Path:
+    """Draw the map of one method for the first page."""
+    with cards.card(path) as panel:
+        _cells(panel, table[table["method"] == method], drawn)
+        _lines(panel, method, drawn)
+        panel.set(xlabel=drawn.x.label, ylabel=drawn.y.label, title=drawn.methods[method])
     return path
 
 

@@ -20,6 +20,9 @@ from verification.thesis.chapter2.stability.plane import Plane
 
 COLUMNS = read_columns(Path(__file__).parent / "columns.toml")
 TITLES = COLUMNS["sections"]
+# The map on the first page.
+CARD = next(plane for plane in catalogue.PLANES if plane.name == "penalty")
+SPRINGS = "penalty_springs"
 PROSE = Path(__file__).parent / "prose"
 # Steps of the picture of the Pacman set [time].
 SHOWN = (0.1, 0.02)
@@ -122,7 +125,8 @@ def findings(context: Context) -> Sequence[Finding]:
     cases = {row.case: row for row in table.itertuples()}
     counts = {"count": len(table), "agreeing": int(table["agrees"].sum())}
     said = fill(PROSE / "learned.html", **counts, stiff=cases.get("drift-pbd"), crowd=cases.get("collapse"))
-    return [Finding(said["cases"], TITLES["cases"])]
+    picture = context.draw("card_failures", figures_stability.card, context.tables[_name(CARD)], CARD, SPRINGS)
+    return [Finding(said["cases"], TITLES["cases"], picture)]
 
 
 CHAPTER = Chapter(

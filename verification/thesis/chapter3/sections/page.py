@@ -3,8 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
 
 from tissue.files.parameters import preset
+from tissue.pictures.movie import write_images
+from tissue.pictures.picture import stills
 from tissue.quasi_steady.run import simulate_quasi_steady
 from tissue.runs.simulate import simulate
 from tissue.study.outcomes import outcomes
@@ -54,7 +60,18 @@ def findings(context: Context) -> Sequence[Finding]:
     table = context.tables["tissue_enough"]
     last = table[table["t"] == table["t"].max()]
     said = fill(PROSE / "learned.html", enough=ENOUGH, t=last["t"].iloc[0], rows=list(last.itertuples()))
-    return [Finding(said["height"], substeps.TITLE)]
+    picture = context.draw("card_tissue", grow, ending=".webp")
+    return [Finding(said["height"], substeps.TITLE, picture)]
+
+
+def grow(path: Path) -> Path:
+    """Write a movie of a growing tissue for the first page, at half of the usual size."""
+    parameters = preset("thesis").changed({"tissue.cells": 24, "numerics.keep": "2 h"})
+    frames = simulate(parameters, seed=0).frames
+    path.parent.mkdir(parents=True, exist_ok=True)
+    images = (np.asarray(Image.fromarray(still).reduce(2)) for still in stills(frames, parameters))
+    write_images(images, len(frames), path)
+    return path
 
 
 CHAPTER = Chapter(
