@@ -135,6 +135,7 @@ class PagesInABrowser:
         with visit(browser, f"{(made[0].parent / 'statements.html').as_uri()}#{name}") as page:
             assert page.locator(f"[id='{name}']").get_attribute("open") == ""
             assert page.locator(f"[id='{name}'] p").first.evaluate(IN_SIGHT)
+            page.locator("details:has(td a) > summary").first.click()
             page.locator("td a:visible").first.click()
             assert page.locator(":target.claim[open] p").first.evaluate(IN_SIGHT)
 

@@ -163,5 +163,5 @@ CHAPTER = Chapter(
     run,
     sections,
     findings,
-    place=12,
+    place=13,
 )

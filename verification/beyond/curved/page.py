@@ -131,6 +131,6 @@ CHAPTER = Chapter(
     run,
     sections,
     findings,
-    place=9,
+    place=10,
     tables=("curved_",),
 )

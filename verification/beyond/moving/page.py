@@ -81,6 +81,6 @@ CHAPTER = Chapter(
     run,
     sections,
     findings,
-    place=4,
+    place=5,
     tables=("moving_",),
 )

@@ -93,6 +93,6 @@ CHAPTER = Chapter(
     run,
     sections,
     findings,
-    place=6,
+    place=7,
     tables=("proved_",),
 )

@@ -97,6 +97,6 @@ CHAPTER = Chapter(
     run,
     sections,
     findings,
-    place=5,
+    place=6,
     tables=("prox_", "consistency"),
 )

@@ -70,6 +70,6 @@ CHAPTER = Chapter(
     run,
     sections,
     findings,
-    place=8,
+    place=9,
     tables=("emt_",),
 )

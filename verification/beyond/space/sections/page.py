@@ -196,6 +196,6 @@ CHAPTER = Chapter(
     run,
     sections,
     findings,
-    place=10,
+    place=11,
     tables=("space_",),
 )

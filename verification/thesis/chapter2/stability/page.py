@@ -136,6 +136,6 @@ CHAPTER = Chapter(
     run,
     sections,
     findings,
-    place=3,
+    place=4,
     tables=("stability_",),
 )

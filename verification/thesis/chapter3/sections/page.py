@@ -81,7 +81,7 @@ CHAPTER = Chapter(
     run,
     sections,
     findings,
-    place=7,
+    place=8,
     prepare=compile_kernels,
     tables=("tissue_",),
 )

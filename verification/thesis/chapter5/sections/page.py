@@ -42,6 +42,6 @@ CHAPTER = Chapter(
     run,
     sections,
     findings,
-    place=11,
+    place=12,
     tables=("meanfield_",),
 )
