@@ -40,6 +40,8 @@ LEAST_SHARE, ROUNDING = 0.1, 16 * float(np.finfo(float).eps)
 NOT_TRIED = "not tried: another method had reached the error"
 # Runs in all, after the first two of each method.
 MOST_ROUNDS = 40
+# Another method is tried if the best forecast is so many times the cost of the first two runs of the first method.
+WORTH = 4.0
 
 
 @dataclass(frozen=True)
@@ -79,14 +81,21 @@ class Choice:
         self, problem: Problem, times: NDArray[np.float64], error: float, methods: Sequence[Candidate]
     ) -> None:
         self._problem, self._times, self._error = problem, times, error
-        for method in methods:
-            warm_up(problem, method, times, error)
         self.pilots = [Pilot(problem, method, times, error) for method in methods if method.order]
-        for pilot in self.pilots:
-            pilot.refine()
-            pilot.refine()
         # Of each method that takes the error itself: its forecast, and the seconds that it was tried for.
         self._events = [(method, left_out(method, error, NOT_TRIED), 0.0) for method in methods if not method.order]
+        for method in methods if not self.pilots else ():
+            warm_up(problem, method, times, error)
+
+    def begin(self, worth: float = 0.0) -> None:
+        """Make the first two runs of each method while the best forecast is ``worth`` so many times their cost."""
+        for pilot in self.pilots:
+            begun = [one for one in self.pilots if one.steps or one.why]
+            spent = sum(begun[0].seconds[:2]) if begun else 0.0
+            if pilot not in begun and self.forecasts[0].seconds >= worth * spent:
+                warm_up(self._problem, pilot.candidate, self._times, self._error)
+                pilot.refine()
+                pilot.refine()
 
     @property
     def forecasts(self) -> list[Forecast]:
@@ -96,6 +105,7 @@ class Choice:
 
     def refine(self) -> None:
         """Refine until the next run would be the one of the best method."""
+        self.begin()
         for _ in range(MOST_ROUNDS):
             self.try_events()
             best = self.forecasts[0]
@@ -107,6 +117,7 @@ class Choice:
     def run(self) -> RunOutcome:
         """Run the best method, and return its result with its estimated error."""
         for _ in range(MOST_ROUNDS):
+            self.begin(WORTH)
             self.try_events()
             best = self.forecasts[0]
             if not np.isfinite(best.seconds):
@@ -132,6 +143,7 @@ class Choice:
         limit = MOST_SHARE * min([pilot.forecast().seconds for pilot in self.pilots], default=np.inf)
         for k, (method, forecast, tried) in enumerate(self._events):
             if not np.isfinite(forecast.seconds) and limit > 2 * tried:
+                warm_up(self._problem, method, self._times, self._error)
                 self._events[k] = (method, event_driven(self._problem, method, self._times, self._error, limit), limit)
 
     def _completed(self, outcome: RunOutcome, error: NDArray[np.float64] | None, scheme: Scheme) -> RunOutcome:

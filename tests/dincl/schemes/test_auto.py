@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import dincl
-from dincl.schemes.pilots import FARTHEST, SAFETY, Candidate, Pilot, event_driven
+from dincl.schemes.pilots import AIM, FARTHEST, LEAST_RUNS, SAFETY, Candidate, Pilot, event_driven
 
 SCENES = [dincl.scenes.sliding_disc(), dincl.scenes.stack(), dincl.scenes.four_disks(), dincl.scenes.closing_walls()]
 
@@ -22,21 +22,30 @@ def pilot(errors, order, wanted=1e-6, dt=1.0):
 
 
 @pytest.mark.parametrize("order", [1, 2])
-def test_richardson_finds_error_and_order(order):
+def test_error_and_order_follow_from_the_differences(order):
+    """Differences of runs of order p fall by 2^p; the finest one, taken as of order one, is the error."""
     made = pilot([2.0 ** (-order * k) for k in range(5)], order, wanted=1e-4)
-    error, least, most = made.estimate()
-    assert error == pytest.approx(2.0 ** (-order * 4), rel=1e-9)
-    assert least == most == pytest.approx(order)
+    error, observed = made.estimate()
+    finest = 2.0 ** (-order * 4)
+    assert error == pytest.approx((2**order - 1) * finest, rel=1e-9)
+    assert error >= finest
+    assert observed == pytest.approx(order)
     steps = 1.0 / made.forecast().setting
-    assert steps == pytest.approx(128 * (SAFETY * error / 1e-4) ** (1 / order), rel=1e-2)
+    assert steps == pytest.approx(128 * (SAFETY * error / (AIM * 1e-4)) ** (1 / order), rel=1e-2)
     assert made.forecast().seconds == pytest.approx(1e-3 * steps, rel=0.1)
     assert made.forecast().low <= made.forecast().error <= made.forecast().high
 
 
 def test_runs_that_agree_by_chance_are_not_believed():
-    """The last difference is tiny, the one before is not: the estimate rests on both."""
-    made = pilot([1.0, 0.5, 0.5 + 1e-12], 1)
+    """The last difference is tiny, the ones before are not: the estimate rests on all."""
+    made = pilot([1.0, 0.5, 0.25, 0.25 + 1e-12], 1)
     assert made.estimate()[0] > 0.1
+    assert not made.is_done()
+
+
+def test_few_runs_decide_nothing():
+    made = pilot([1e-9, 1e-10, 1e-11], 1, wanted=1e-4)
+    assert len(made.steps) < LEAST_RUNS
     assert not made.is_done()
 
 
@@ -44,6 +53,14 @@ def test_an_error_that_is_reached_costs_nothing_more():
     made = pilot([4.0**-k for k in range(12)], 2, wanted=1e-4)
     assert made.is_done()
     assert made.forecast().seconds == 0.0
+
+
+def test_other_methods_are_begun_only_where_they_can_save_something():
+    """A point that moves freely to 1e-2 is solved by the first runs of the first method."""
+    free = dincl.Problem([[0.0, 1.0]], dincl.drifts.constant((1.0, 0.0)), [dincl.HalfSpace((0, 1))])
+    path = dincl.solve(free, dincl.Auto(1e-2), t=[1.0])
+    assert path.stats.steps == 8 + 16 + 32 + 45
+    assert type(path.scheme) is dincl.MidpointCatchUp
 
 
 @pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.name)
