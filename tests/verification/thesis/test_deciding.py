@@ -1,5 +1,6 @@
 """Claims are chosen by chapter, name and cost, decided in parallel and resumed; another verdict fails the command."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from dincl import study
 from tests.executors import Here, Nowhere
 from verification import cli
 from verification.claims import Claim, Correction, Cost, Effect, Evidence, Tables, Verdict, decide, equal
+from verification.page import parts
 from verification.page.chapters import CHAPTERS
 from verification.page.context import Context
 from verification.thesis import register, selection
@@ -83,6 +85,22 @@ def test_rows_say_what_was_found_and_are_not_computed_twice(tmp_path: Path) -> N
     assert table["runs_needed"].tolist() == ["", "", "40"]
     assert again["verdict"].tolist() == ["holds", "refuted, holds when corrected", "refuted"]
     assert decide.differing(again)["id"].tolist() == ["c2.table"]
+
+
+def test_each_reading_has_a_column_and_is_shown() -> None:
+    def in_two_ways() -> Evidence:
+        return replace(right(), readings={"one way": right(), "other way": wrong()})
+
+    claims = (CLAIMS[0], Claim("c1.ways", "Unity.", in_two_ways))
+    table = pd.DataFrame([decide.evidence_row(claim, {}) for claim in claims]).fillna("")
+    assert decide.readings(table) == ["reading: one way", "reading: other way"]
+    assert table["reading: other way"].tolist() == ["", "refuted, holds when corrected"]
+    alone, both = (parts._by_reading(row, decide.readings(table)) for row in table.to_dict("records"))
+    assert alone == []
+    assert both == [
+        ("one way", "holds", "one is one"),
+        ("other way", "refuted, holds when corrected", "one is not two"),
+    ]
 
 
 @pytest.mark.usefixtures("few")

@@ -121,7 +121,7 @@ def favourable(tables: Tables, preset: str) -> Ratio:
 
 @claim(
     "c4.q2-inm",
-    "Which cells with INM leave basally: those with [P], and well placed ones with [A] or with [B].",
+    "Cells with INM leave basally if they have [P], or [A] or [B] and a favourable place.",
     "section 4.7, (Q2)",
     Verdict.CORRECTED,
     needs=(CATEGORIES, CONDITIONAL),
