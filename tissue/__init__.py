@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from tissue.runs.run import Run, RunFailed
     from tissue.runs.simulate import simulate, simulate_many
     from tissue.study.run import run_study
+    from tissue.study.simplify import simplify
 
 __all__ = [
     "DivisionRule",
@@ -29,6 +30,7 @@ __all__ = [
     "preset",
     "register",
     "run_study",
+    "simplify",
     "simulate",
     "simulate_many",
 ]
@@ -47,6 +49,7 @@ _HOMES = {
     "preset": "files.parameters",
     "register": "runs.registration",
     "run_study": "study.run",
+    "simplify": "study.simplify",
     "simulate": "runs.simulate",
     "simulate_many": "runs.simulate",
 }

@@ -38,7 +38,7 @@ ORDER = {
         "thesis.appendix.claims thesis.chapter1.claims thesis.chapter2.claims thesis.chapter3.claims",
         "thesis.chapter4.claims thesis.chapter5.claims thesis.conclusions.claims thesis.introduction.claims",
         "beyond.moving beyond.proved beyond.chart beyond.iterations beyond.curved beyond.space beyond.space.sections",
-        "beyond thesis cli command",
+        "beyond.needs beyond thesis cli command",
     ),
 }  # fmt: skip
 # Imports that go up today: (importing room, imported room) -> number of imports. The lists may only shrink.

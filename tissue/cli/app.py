@@ -17,6 +17,7 @@ from dincl.files import check_writable, replacing, write_text
 from dincl.study import progress
 from tissue.cli.messages import RUN_FAILED, messages
 from tissue.cli.parameters import list_parameters
+from tissue.cli.simplify import simplify
 from tissue.cli.studies import figures, page, study, summarise
 from tissue.files.parameter_files import BASES, PRESETS
 
@@ -34,6 +35,7 @@ app.command()(resolve_name(PAGE))
 app.command()(study)
 app.command()(figures)
 app.command()(page)
+app.command()(simplify)
 app.command("parameters")(list_parameters)
 app.command("summary")(summarise)
 File = Annotated[str, typer.Argument(metavar="FILE", help=f"A parameter file, or a preset: {', '.join(PRESETS)}.")]

@@ -115,8 +115,9 @@ SHAPE: dict[str, KeyCheck] = {
     "scenarios": Tables('at least one table, such as [scenarios."[A]"], of sections of parameters', least=1),
     "factors": FactorTables(),
     "compare": CompareTable("a table: outcomes, and the factor effect, or contrasts"),
+    "simplify": CompareTable("a table: outcome, scenarios, tolerance, at, runs"),  # see tissue.study.simplify
 }
-OPTIONAL: dict[str, Any] = {"trajectories": (), "overrides": {}, "factors": {}, "compare": None}
+OPTIONAL: dict[str, Any] = {"trajectories": (), "overrides": {}, "factors": {}, "compare": None, "simplify": None}
 
 
 def checked(tables: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
