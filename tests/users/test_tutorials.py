@@ -17,7 +17,7 @@ APART = {
     f"{name}.md"
     for name in ("own_problem", "own_scheme", "moving_sets", "cell_types", "own_event", "own_force", "space")
 }
-HERE = {f"{name}.md" for name in ("first_steps", "solve", "claims", "meanfield", "tissue", "emt_study")}
+HERE = {f"{name}.md" for name in ("first_steps", "solve", "claims", "meanfield", "tissue", "emt_study", "simplify")}
 
 
 def test_every_tutorial_is_run():
@@ -61,6 +61,14 @@ def test_a_small_study_is_planned_run_and_drawn(tmp_path):
     answers = tmp_path / "results" / "constriction" / "figures" / "answer_3.png"
     assert answers.read_bytes().startswith(b"\x89PNG")
     assert "not shown" in found["printed"]
+
+
+@pytest.mark.slow
+def test_the_simplest_model_is_found(tmp_path):
+    found = play(PAGES / "simplify.md", tmp_path)
+    words = ("height_um of [A] at 36 h, within 6 um", "within 3 um", "Left out", "no noise", "counted work")
+    assert [word for word in words if word not in found["printed"]] == []
+    assert (tmp_path / "results" / "height" / "bias.png").read_bytes().startswith(b"\x89PNG")
 
 
 @pytest.mark.xslow

@@ -71,7 +71,8 @@ def _title(found: Simplified) -> str:
 
 def _row(found: Simplified, row: dict[str, Any]) -> tuple[str, ...]:
     verdict = f"{row['verdict']}: {row['reason']}" if row["reason"] else row["verdict"]
-    cost = f"{row['cpu']:.2f}", f"{row['work']:.2f}"
+    # Runs that fail end early, so their cost says nothing.
+    cost = ("", "") if row["reason"] else (f"{row['cpu']:.2f}", f"{row['work']:.2f}")
     return row["model"], verdict, _bias(found, row), *cost, str(row["runs"]), _missing(row)
 
 

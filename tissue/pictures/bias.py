@@ -47,6 +47,7 @@ def draw_bias(table: pd.DataFrame, tolerance: float, unit: str, answer: str, pat
             f"Shaded: the tolerance, {scale * tolerance:g} {unit}. An interval within it: enough; outside: not enough"
         )
         caption(figure, f"{within}. Coloured bar, the answer: {answer}." if answer else f"{within}.")
+        path.parent.mkdir(parents=True, exist_ok=True)
         write(figure, path)
     return path
 
