@@ -59,7 +59,13 @@ def _said(found: Simplified) -> str:
         return "\n".join([*said, "No simplification is shown to be enough: take the full model."])
     cpu, work = found.saving
     saved = f"{cpu:.1f} times less CPU time, {work:.1f} times less counted work"
-    return "\n".join([*said, f"Enough: {', '.join(found.answer)}. A run takes {saved}."])
+    said.append(f"Enough: {', '.join(found.answer)}. A run takes {saved}.")
+    alone = rows[(rows["verdict"] == "enough") & (rows["cpu"] < 1 / cpu)].sort_values("cpu")
+    if len(alone):  # elimination drops by bias, not by cost
+        said.append(
+            f"Alone, {alone['model'].iloc[0]} is enough and cheaper: {1 / alone['cpu'].iloc[0]:.1f} times less."
+        )
+    return "\n".join(said)
 
 
 def _title(found: Simplified) -> str:

@@ -163,5 +163,5 @@ CHAPTER = Chapter(
     run,
     sections,
     findings,
-    place=13,
+    place=14,
 )

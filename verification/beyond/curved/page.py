@@ -131,6 +131,6 @@ CHAPTER = Chapter(
     run,
     sections,
     findings,
-    place=10,
+    place=11,
     tables=("curved_",),
 )

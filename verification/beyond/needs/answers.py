@@ -1,4 +1,4 @@
-"""The simplest models that answer questions on an isolated cell of chapter 4, and on the height of the tissue.
+"""The simplest models that answer questions on cells of chapter 4, isolated and in groups, and on the height.
 
 ``python -m verification.beyond.needs.answers`` makes the table again, in a quarter of an hour of two cores, and writes
 ``verification/data/needs_answers.parquet``. Interrupted, it goes on from the runs in FOLDER.
@@ -16,12 +16,29 @@ from tissue.study.simplify import simplify
 from verification.page.kept import DATA, keep
 
 FILE, FOLDER = DATA / "needs_answers.parquet", Path("results/needs")
-# Isolated cells of Table 1 of chapter 4 with one event at 12 h, in the model as printed. Shares are parts, heights um.
-STUDY = "figure10"
-QUESTIONS: dict[str, dict[str, Any]] = {
-    "basal extrusion after [A]": {"outcome": "basal", "scenarios": ["[A]"], "tolerance": 0.03},
-    "apical extrusion after [A]": {"outcome": "apical", "scenarios": ["[A]"], "tolerance": 0.05, "runs": 2048},
-    "height at 48 h": {"outcome": "height_um", "scenarios": ["[B]"], "tolerance": 2.0, "at": "48 h"},
+# A study that comes with the program, in the model as printed, and what is asked of it; shares are parts, heights um.
+QUESTIONS: dict[str, tuple[str, dict[str, Any]]] = {
+    "basal extrusion after [A]": ("figure10", {"outcome": "basal", "scenarios": ["[A]"], "tolerance": 0.03}),
+    "apical extrusion after [A]": (
+        "figure10",
+        {"outcome": "apical", "scenarios": ["[A]"], "tolerance": 0.05, "runs": 2048},
+    ),
+    "basal extrusion of a group": (
+        "questions",
+        {"outcome": "basal", "scenarios": ["[A] and [B] at any time, 10 cells"], "tolerance": 0.05},
+    ),
+    "effect of INM on a group": (
+        "questions",
+        {
+            "outcome": "basal",
+            "scenarios": ["[A] and [B] at any time no INM, 10 cells", "[A] and [B] at any time, 10 cells"],
+            "tolerance": 0.05,
+        },
+    ),
+    "height at 48 h": (
+        "figure10",
+        {"outcome": "height_um", "scenarios": ["[B]"], "tolerance": 2.0, "at": "48 h"},
+    ),
 }
 
 
@@ -32,11 +49,12 @@ def main() -> None:
 
 def answer(name: str) -> pd.DataFrame:
     """Return the table of ``simplify`` for a question; ``answer``: whether a row is the simplest model."""
-    found = simplify(STUDY, out=FOLDER / name.replace(" ", "_"), **QUESTIONS[name])
+    study, asked = QUESTIONS[name]
+    found = simplify(study, out=FOLDER / name.replace(" ", "_"), **asked)
     question, rows = found.question, found.table
     is_answer = (rows["model"] == found.model) & (rows["step"] == "together")
-    asked = {"question": name, "tolerance": question.tolerance, "shares": question.shares}
-    return rows.assign(**asked, answer=is_answer)
+    what = {"question": name, "tolerance": question.tolerance, "shares": question.shares}
+    return rows.assign(**what, answer=is_answer)
 
 
 def table() -> pd.DataFrame:

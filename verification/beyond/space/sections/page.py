@@ -196,6 +196,6 @@ CHAPTER = Chapter(
     run,
     sections,
     findings,
-    place=11,
+    place=12,
     tables=("space_",),
 )

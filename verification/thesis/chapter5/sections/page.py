@@ -42,6 +42,6 @@ CHAPTER = Chapter(
     run,
     sections,
     findings,
-    place=12,
+    place=13,
     tables=("meanfield_",),
 )
