@@ -124,7 +124,7 @@ def test_without_simplifications_that_are_enough_the_full_model_stays() -> None:
     found = simplify("study.toml", tolerance=1e-6, runs=64)
     assert found.answer == ()
     assert found.saving == (1.0, 1.0)
-    rows = found.table.set_index("model").loc["dt twice as long"]
+    rows = found.table.set_index("model").loc["one length of cycles"]
     assert rows["verdict"] == "open"
     assert rows["missing"] > 64
 
