@@ -45,6 +45,7 @@ CONTESTANTS = {
     "pbd": _as(methods.PBD, "PBD", lambda dt: dincl.PBD(dt=dt)),
     "pbd_4": Contestant("PBD with 4 sweeps", lambda dt: dincl.PBD(dt=dt, sweeps=4), "#e8834a", "H"),
     "pbd_16": _as(methods.PBD_16, "PBD with 16 sweeps", lambda dt: dincl.PBD(dt=dt, sweeps=16)),
+    "xpbd_16": Contestant("XPBD with 16 sweeps", lambda dt: dincl.XPBD(dt=dt, sweeps=16), "#b35900", "X"),
     "second_order": Contestant("second-order PBD", lambda dt: dincl.SecondOrderPBD(dt=dt), "#5d3a9b", "*"),
     "catch_up_ipopt": _catch_up(methods.CATCH_UP, dincl.Ipopt(tol=TOL)),
     "catch_up_daqp": _catch_up(methods.CATCH_UP_DAQP, dincl.Daqp(tol=TOL)),

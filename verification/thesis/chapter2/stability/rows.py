@@ -159,6 +159,7 @@ PLANE = Plane(
         "pbd",
         "pbd_4",
         "pbd_16",
+        "xpbd_16",
         "second_order",
         "catch_up_daqp",
         "linearised_gauss_seidel",

@@ -173,7 +173,7 @@ def _protrusions(tables: Tables) -> Evidence:
 def _timing(tables: Tables) -> Evidence:
     def compare(preset: str) -> Evidence:
         found = early_minus_late(tables, preset, "A")
-        return evidence([alike(*each) for each in found], [more(*each) for each in found])
+        return evidence([alike(*each, ALIKE) for each in found], [more(*each) for each in found])
 
     return in_readings(compare)
 
