@@ -135,14 +135,14 @@ def _by_reading(row: Mapping[str, Any], columns: Sequence[str]) -> list[tuple[st
 
 
 @dataclass(frozen=True)
-class Method:
+class HowMeasured:
     """Paragraphs on how something was measured; they open on a click."""
 
     texts: Sequence[Text]
     kind: str = field(default="method", init=False)
 
 
-Part = Text | Follows | Picture | Chart | Grid | ClaimGraph | SearchField | Statements | Method
+Part = Text | Follows | Picture | Chart | Grid | ClaimGraph | SearchField | Statements | HowMeasured
 
 
 @dataclass(frozen=True)
@@ -163,7 +163,7 @@ class Section:
         kinds: tuple[tuple[type, ...], ...] = ((Picture, Chart), (Follows,), (Grid,))
         found: list[Part] = [part for kind in kinds for part in self.parts if isinstance(part, kind)]
         texts = [part for part in self.parts if isinstance(part, Text)]
-        return [*found, Method(texts)] if texts else found
+        return [*found, HowMeasured(texts)] if texts else found
 
 
 def cell(value: object) -> tuple[str, str]:

@@ -66,7 +66,7 @@ class Question(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Answer:
+class QuestionAnswer:
     """Comparisons of an answer in one reading of the model.
 
     Attributes
@@ -89,10 +89,10 @@ class Answer:
         return evidence([Sized(count, most_runs(open_ones) if count.true is None else None)])
 
 
-def answer(tables: Tables, question: str, preset: str) -> Answer:
+def answer(tables: Tables, question: str, preset: str) -> QuestionAnswer:
     """Return the answer to a question of ``QUESTIONS`` in one reading."""
     asked = QUESTIONS[question]
-    return Answer(tuple(asked.compare(tables, preset)), asked.mostly)
+    return QuestionAnswer(tuple(asked.compare(tables, preset)), asked.mostly)
 
 
 def answered(tables: Tables) -> pd.DataFrame:

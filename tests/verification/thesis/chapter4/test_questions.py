@@ -5,7 +5,7 @@ import pytest
 from tests.verification.thesis.emt_tables import KEPT, exchanged, of_more_cells, with_counts
 from verification.claims import Comparison, Verdict
 from verification.thesis.chapter4.frequencies import CATEGORIES, RATIOS, READINGS, Sized
-from verification.thesis.chapter4.questions import QUESTIONS, Answer, answer, answered
+from verification.thesis.chapter4.questions import QUESTIONS, QuestionAnswer, answer, answered
 
 
 def parts(held: int, refuted: int, undecided: int) -> tuple[Sized, ...]:
@@ -29,7 +29,7 @@ def parts(held: int, refuted: int, undecided: int) -> tuple[Sized, ...]:
 def test_an_answer_holds_if_all_or_most_of_its_comparisons_do(
     counts: tuple[int, int, int], mostly: bool, verdict: Verdict
 ) -> None:
-    found = Answer(parts(*counts), mostly).evidence
+    found = QuestionAnswer(parts(*counts), mostly).evidence
     assert found.verdict is verdict
     assert found.runs_needed == (99 + sum(counts) if verdict is Verdict.OPEN else None)
 
