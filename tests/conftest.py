@@ -1,5 +1,6 @@
 """The test room: floating-point faults raise, randomness is seeded, slow tests wait for their flags."""
 
+import contextlib
 import gc
 import os
 import subprocess
@@ -17,6 +18,10 @@ from hypothesis.internal.conjecture import providers
 from hypothesis.internal.constants_ast import Constants
 
 from tests.browser import launched
+
+# First of all: z3 aborts when it prints a number if VTK has rendered in this process before z3 was loaded.
+with contextlib.suppress(ImportError):
+    import z3  # noqa: F401
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
