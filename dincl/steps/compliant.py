@@ -4,12 +4,22 @@ from typing import Any
 
 from dincl.compiled import inner
 from dincl.neighbours import ROW_MARGIN
-from dincl.rows.table import CALLBACK, GRADIENTS, call_python, evaluate_row
+from dincl.rows.table import CALLBACK, DISPLACEMENTS, GRADIENTS, call_python, evaluate_row
 from dincl.solvers.envelope_factor import add_row
 from dincl.steps.catch_up import drift_step, finish_step
 from dincl.steps.loop import step_function, stepping_at
-from dincl.steps.programs import FAILED_LIST, list_near
-from dincl.system.arrays import COINCIDENT, OK, PYTHON, SETS, SystemArrays, farthest, longest, system_at
+from dincl.steps.programs import FAILED_LIST, MOST_SEARCHES, NEW_LIST, SAME_LIST, list_near
+from dincl.system.arrays import (
+    COINCIDENT,
+    OK,
+    PYTHON,
+    SETS,
+    TOO_FAR,
+    SystemArrays,
+    farthest,
+    longest,
+    system_at,
+)
 
 
 @inner
@@ -37,34 +47,50 @@ def correct_row(system: SystemArrays, t: float, r: int, compliance: float) -> in
 
 
 @inner
-def sweep_with_multipliers(place: int, t: float, around: Any, radius: float, compliance: float) -> int:
-    """Correct every row that z can violate within ``radius`` of ``around``, once: OK or why not."""
+def correct_listed_rows(place: int, t: float, sweeps: int, compliance: float) -> int:
+    """Sweep over the listed rows, from z = y and multipliers of zero: OK or why not."""
     system = system_at(place)
-    distance = farthest(system.program.z, around, system.sets.shift.shape[1])
-    if list_near(place, t, around, max(radius, 2.0 * distance), ROW_MARGIN) == FAILED_LIST:
-        return PYTHON
-    listed = system_at(place)  # a new list may have replaced arrays
-    if call_python(listed.sets, t, listed.program.z, GRADIENTS) != 0:
+    near, program = system.near, system.program
+    for k in range(program.z.size):
+        program.z[k] = program.y[k]
+    for r in range(program.multiplier.size):
+        program.multiplier[r] = 0.0
+    for _ in range(sweeps):
+        if call_python(system.sets, t, program.z, GRADIENTS) != 0:
+            return SETS
+        for q in range(near.number[0]):
+            code = correct_row(system, t, near.row[q], compliance)
+            if code != OK:
+                return code
+    return OK
+
+
+@inner
+def sweep_with_multipliers(place: int, t: float, around: Any, radius: float, sweeps: int, compliance: float) -> int:
+    """Sweep over the rows near ``around``, again with more rows if z leaves the region that they are listed for."""
+    system = system_at(place)
+    if call_python(system.sets, t, around, DISPLACEMENTS) != 0:
         return SETS
-    for q in range(listed.near.number[0]):
-        code = correct_row(listed, t, listed.near.row[q], compliance)
+    if list_near(place, t, around, radius, ROW_MARGIN) == FAILED_LIST:
+        return PYTHON
+    for _ in range(MOST_SEARCHES):
+        code = correct_listed_rows(place, t, sweeps, compliance)
         if code != OK:
             return code
-    return OK
+        distance = farthest(system.program.z, around, system.sets.shift.shape[1])
+        listed = list_near(place, t, around, distance, ROW_MARGIN)
+        if listed != NEW_LIST:
+            return OK if listed == SAME_LIST else PYTHON
+    return TOO_FAR
 
 
 @step_function
 def xpbd(t: float, x: Any, after: Any, place: int, d: int, setting: Any) -> int:
     """Sweep over x + h F(t, x) with the sets at t + h; setting = h, sweeps, compliance [time]."""
     run, h = stepping_at(place), setting[0]
-    system, code = system_at(run.place), drift_step(run, t, run.x, setting[0])
-    radius = 2.0 * h * longest(run.rate, system.sets.shift.shape[1])
-    for k in range(run.x.size):
-        run.projection.z[k] = run.projection.y[k]
-    for r in range(system.program.multiplier.size):
-        system.program.multiplier[r] = 0.0
-    for _ in range(int(setting[1])):
-        if code == OK:
-            code = sweep_with_multipliers(run.place, t + h, run.x, radius, setting[2] / h)
+    code = drift_step(run, t, run.x, h)
+    if code == OK:
+        radius = 2.0 * h * longest(run.rate, system_at(run.place).sets.shift.shape[1])
+        code = sweep_with_multipliers(run.place, t + h, run.x, radius, int(setting[1]), setting[2] / h)
     finish_step(run)
     return code

@@ -16,8 +16,8 @@ def draw_nothing(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(Context, "draw", _put_dot)
 
 
-def _put_dot(context: Context, name: str, *_: Any) -> Path:
-    path = context.out / "figures" / f"{name}.png"
+def _put_dot(context: Context, name: str, *_: Any, ending: str = ".png") -> Path:
+    path = context.out / "figures" / f"{name}{ending}"
     path.parent.mkdir(parents=True, exist_ok=True)
     Image.new("1", (1, 1)).save(path)
     return path

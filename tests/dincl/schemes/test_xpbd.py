@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import dincl
+from tests.dincl.catalog import SCENES
 
 DT = 0.02
 WALLS = [dincl.HalfSpace(normal=(0, 1), radius=0.5), dincl.HalfSpace(normal=(1, 0), radius=0.5)]
@@ -35,6 +36,14 @@ def test_it_is_the_formula(rng, sweeps, compliance):
     expected = literal_step(problem, DT, sweeps, compliance)
     assert np.abs(expected - problem.x0).max() > 0.02
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-14)
+
+
+@pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.name)
+@pytest.mark.parametrize("dt", [0.1, 0.02])
+def test_one_sweep_is_a_step_of_pbd(scene, dt):
+    """Also where sets turn, close and grow, and push particles that no drift moves."""
+    one, other = (dincl.solve(scene, make(dt), t=scene.times).x for make in (dincl.XPBD, dincl.PBD))
+    np.testing.assert_allclose(one, other, rtol=0, atol=1e-12)
 
 
 def test_many_sweeps_find_the_nearest_point_where_those_of_pbd_find_another():

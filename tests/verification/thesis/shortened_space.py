@@ -16,7 +16,9 @@ SPACE = (
 def shorten_space(patch: pytest.MonkeyPatch) -> None:
     """Fewer cells, and an hour of what else takes days."""
     patch.setattr(choices, "SHEET", choices.SHEET | SHORT | {"types.isolated.cells": 2})
+    patch.setattr(choices, "EVENTS", {"[A]": {"types.isolated.a": "0.5 h"}})
     patch.setattr(strip, "COMMON", strip.COMMON | {"numerics.t_end": "1 h", "numerics.keep": "1 h"})
+    patch.setattr(strip, "EVENTS", {"[A]": {"types.isolated.a": "0.5 h"}})
     small = {name: {**changes, "tissue.cells": 36} for name, changes in substeps.TISSUES.items()}
     patch.setattr(substeps, "TISSUES", small)
     patch.setattr(substeps, "KEPT", {"numerics.t_end": "1 h", "numerics.keep": ["0.2 h", "1 h"]})
