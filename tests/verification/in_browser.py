@@ -11,7 +11,11 @@ from urllib.parse import unquote, urlsplit
 import pytest
 
 from tests.browser import HEIGHT, WIDTHS, draw_all, fits, visit
+from tests.verification.live import cheapest, choose, listed
 from tests.verification.page import Page
+from verification.beyond.chart import work_precision
+from verification.beyond.chart.figures import COSTS
+from verification.beyond.chart.references import SCENES
 from verification.page.chapters import CHAPTERS
 from verification.page.parts import VERDICTS
 
@@ -30,8 +34,6 @@ FIRST_RUN = """() => {
     const canvas = view.canvas_view.el.getBoundingClientRect(), {x_scale, y_scale} = view.frame_view;
     return [canvas.x + x_scale.compute(runs.x[0]), canvas.y + y_scale.compute(runs.y[0]), runs.method[0]];
 }"""
-FAMILIES = """() => Bokeh.documents[0].roots()[0].below.find(part => part.type === "Legend").items
-    .map(item => [item.label.value, item.renderers.every(shape => shape.visible)])"""
 
 
 def leads_somewhere(link: str) -> None:
@@ -141,6 +143,9 @@ class PagesInABrowser:
 
     def test_chart_is_a_picture_where_scripts_do_not_run(self, made, browser):
         with visit(browser, made[0].parent / "speed.html", java_script_enabled=False) as page:
+            assert page.locator("figure img").count() == len(SCENES)
+            assert page.locator("noscript").first.is_visible()
+        with visit(browser, made[0].parent / "meanfield.html", java_script_enabled=False) as page:
             assert page.locator("noscript img").first.is_visible()
 
     def test_folded_table_opens_by_a_click_a_link_and_on_paper(self, made, browser):
@@ -174,7 +179,7 @@ class PagesInABrowser:
             assert (width,) == struct.unpack(">I", drawn[16:20])
             assert width > shown
 
-    def test_chart_tells_what_is_under_the_pointer_and_hides_a_family(self, made, browser):
+    def test_chart_tells_what_is_under_the_pointer(self, made, browser):
         with visit(browser, made[0].parent / "speed.html") as page:
             draw_all(page)
             chart = page.locator("figure > div").first
@@ -182,10 +187,28 @@ class PagesInABrowser:
                 page.set_viewport_size({"width": width, "height": HEIGHT})
                 chart.scroll_into_view_if_needed()
                 tells(page, width)
-            (name, visible), *others = page.evaluate(FAMILIES)[1:]
-            assert visible
-            chart.locator(".bk-Legend").get_by_text(name, exact=True).first.click()
-            assert page.evaluate(FAMILIES)[1:] == [[name, False], *others]
+
+    def test_chart_names_the_cheapest_methods_that_the_instrument_names(self, made, browser):
+        table = made[1].tables["work_precision"]
+        with visit(browser, made[0].parent / "speed.html") as page:
+            draw_all(page)
+            for scene in SCENES:
+                one = work_precision.chart(table, scene, work_precision.FULL)
+                for error in work_precision.ERRORS:
+                    for cost in COSTS:
+                        choose(page, scene, error, cost)
+                        assert listed(page) == cheapest(one, error, cost), (scene, error, cost)
+                choose(page, scene, "largest", "cpu_seconds", ["event-driven"])
+                assert listed(page) == cheapest(one, "largest", "cpu_seconds", ["event-driven"]), scene
+
+    def test_chart_shows_the_scene_of_a_section(self, made, browser):
+        with visit(browser, made[0].parent / "speed.html", TELEPHONE) as page:
+            draw_all(page)
+            page.locator("a[href='#scene=stack']").click()
+            page.wait_for_function("document.querySelector('[name=scene]').value === 'stack'")
+            assert page.locator("[name=scene]").evaluate(IN_SIGHT)
+            page.locator(".live input").first.uncheck()
+            assert page.url.endswith("#scene=stack&norm=largest&cost=cpu_seconds&without=PBD")
 
     def test_finger_on_a_chart_moves_the_page(self, made, browser):
         with visit(browser, made[0].parent / "speed.html", TELEPHONE, has_touch=True, is_mobile=True) as page:

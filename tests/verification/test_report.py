@@ -46,6 +46,7 @@ SECTIONS = [
     "Do discs overlap less with PBD than with the best penalty method?",
     "Which methods stand large steps?",
     AGAIN,
+    "Choose a scene, an error and a cost",
     "Which method is the cheapest?",
     "Up to how many discs does the event-driven scheme pay?",
     *(f"Speed against accuracy: {make().title.lower()}" for make in SCENES.values()),

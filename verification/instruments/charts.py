@@ -23,8 +23,9 @@ Floats = NDArray[np.float64]
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000", "#6f6f6f")
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
 COSTS = {"cpu_seconds": "CPU time of integration [s]", "output_seconds": "CPU time of output [s]"}
-# Why a method has no point on a chart, by the status of its first run; of any other status: it failed.
-NOTHING = {"SUCCESS": "not counted", "OUT_OF_BUDGET": "too slow", "REFUSED": "refused", "LEFT_OUT": "left out"}
+# Why a method has no point on a chart, by the status of its coarsest run; of any other status: it failed.
+NOT_COUNTED = "not counted"
+NOTHING = {"OUT_OF_BUDGET": "too slow", "REFUSED": "refused", "LEFT_OUT": "left out"}
 # The colours and words of what belongs to no method.
 FRONT: Mapping[str, Any] = {"color": "#d9d9d9", "linewidth": 9.0, "label": "efficient front"}
 CROSS: dict[str, Any] = {"marker": "x", "mew": 1.6, "linestyle": "none"}
@@ -84,17 +85,24 @@ def draw_orders(
 
 def draw_work_precision(table: pd.DataFrame, looks: Looks, error: str, cost: str, ax: Axes | None) -> Axes:
     """Draw error against cost, coarse settings left."""
-    panel = own_axes(ax)
+    panel, why = own_axes(ax), absent(table)
     for label, look in styles(looks).items():
         rows = table[table["method"] == label].sort_values("setting", ascending=False)
         if not _line(panel, rows, cost, accuracy(rows, error), look, label + made_of(rows)):
-            panel.plot([], [], label=f"{label}: {NOTHING.get(rows['status'].iloc[0], 'failed')}", **look)
+            panel.plot([], [], label=f"{label}: {why.get(label, NOT_COUNTED)}", **look)
         _failures(panel, rows, cost, look)
     _front(panel, front(table, error, cost), cost)
     _floor(panel, table, error)
     panel.set(xlabel=cost_label(cost), ylabel=error_label(error))
     _legend(panel)
     return panel
+
+
+def absent(table: pd.DataFrame) -> dict[str, str]:
+    """Return why a method has no run that finished, by its label."""
+    ordered = table.sort_values("setting", ascending=False, kind="stable").groupby("method", sort=False)["status"]
+    none = {method: status for method, status in ordered if "SUCCESS" not in set(status)}
+    return {method: NOTHING.get(status.iloc[0], "failed") for method, status in none.items()}
 
 
 def made_of(rows: pd.DataFrame) -> str:

@@ -52,7 +52,7 @@ def accuracy(rows: pd.DataFrame, error: str) -> pd.Series:
 def runs_of(rows: pd.DataFrame, error: str, cost: str) -> Runs:
     """Return the runs of one method on one problem."""
     done = rows[(rows["status"] == "SUCCESS") & rows[cost].notna()].sort_values("setting", ascending=False)
-    return Runs(accuracy(done, error).to_numpy(float), done[cost].to_numpy(float), _spreads(done, cost))
+    return Runs(accuracy(done, error).to_numpy(float), done[cost].to_numpy(float), spreads(done, cost))
 
 
 def cost_of(runs: Runs, target: float) -> Price:
@@ -76,7 +76,7 @@ def cost_of(runs: Runs, target: float) -> Price:
     return Price(value, float(spreads[pair].max()), float(costs[pair].max()))
 
 
-def _spreads(rows: pd.DataFrame, cost: str) -> NDArray[np.float64]:
+def spreads(rows: pd.DataFrame, cost: str) -> NDArray[np.float64]:
     """Return the spread of costs: 0 for counted work; of the repeats for times, at least LEAST_SPREAD."""
     if cost != "cpu_seconds":
         return np.ones(len(rows))

@@ -53,12 +53,15 @@ class Picture:
 
 @dataclass(frozen=True)
 class Chart:
-    """Interactive chart: its HTML, the script that its page needs once, and a picture for readers without scripts."""
+    """Interactive chart: its HTML, the script that its page needs once, and a picture for readers without scripts.
+
+    Without a picture the page refers to the figures below the chart.
+    """
 
     html: str
     script: str
     caption: str
-    picture: Picture
+    picture: Picture | None = None
     kind: str = field(default="chart", init=False)
 
 

@@ -14,11 +14,16 @@ from dincl.files import write_text
 
 
 def render_page(template: str, path: Path, **values: Any) -> Path:
-    """Fill a template of this folder and put the page in place; ``made`` is the time, ``safe`` marks HTML as such."""
+    """Fill a template of this folder and put the page in place; ``made`` is the time."""
     made = datetime.now().astimezone().strftime("%Y-%m-%d %H:%M")
     path.parent.mkdir(parents=True, exist_ok=True)
-    write_text(path, _environment().get_template(template).render(made=made, safe=Markup, **values))
+    write_text(path, render(template, made=made, **values))
     return path
+
+
+def render(template: str, **values: Any) -> str:
+    """Return a template of this folder, filled; ``safe`` marks HTML as such."""
+    return _environment().get_template(template).render(safe=Markup, **values)
 
 
 @cache

@@ -205,9 +205,9 @@ def test_chapter_writes_its_charts_from_its_tables(tmp_path, monkeypatch):
     kept = {"work_references", "work_precision", "work_times", "work_winners", "work_reach"}
     assert context.tables.keys() == kept
     sections = chapter.CHAPTER.sections(context)
-    assert len(sections) == 4
+    assert len(sections) == 5
     parts = [part for section in sections for part in section.parts]
-    pictures = [part.picture.path for part in parts if part.kind == "chart"]
+    pictures = [part.path for part in parts if part.kind == "picture"]
     assert len(pictures) == 2
     assert all(Path(path).stat().st_size > 1000 for path in pictures)
     files = {part.file for part in parts if part.kind == "grid"}

@@ -63,7 +63,12 @@ def run(context: Context) -> None:
 
 def sections(context: Context) -> Sequence[Section]:
     """Write which method is the cheapest, how far the event-driven scheme pays, and a section for each scene."""
-    return [_summary(context), _reach(context), *(_scene(context, name) for name in _form(context).scenes)]
+    return [
+        _live(context),
+        _summary(context),
+        _reach(context),
+        *(_scene(context, name) for name in _form(context).scenes),
+    ]
 
 
 def _named(table: pd.DataFrame, columns: Columns) -> pd.DataFrame:
@@ -75,6 +80,18 @@ def _named(table: pd.DataFrame, columns: Columns) -> pd.DataFrame:
 
 def _form(context: Context) -> work_precision.Form:
     return context.form(work_precision.FULL)
+
+
+def _live(context: Context) -> Section:
+    from verification.instruments import interactive
+
+    table, form = context.tables[STUDY], _form(context)
+    charts = {name: work_precision.chart(table, name, form) for name in form.scenes}
+    certain = form.budget.certain() * context.pace(STUDY)
+    short = {method.label: method.short for method in METHODS.values()}
+    html = interactive.draw_chart(charts, figures_work_precision.COSTS, certain, short)
+    said = fill(PROSE / "live.html")
+    return Section(TITLES["live"], [Chart(html, interactive.script(), said["live"])])
 
 
 def _summary(context: Context) -> Section:
@@ -113,19 +130,16 @@ def _reach(context: Context) -> Section:
 
 
 def _scene(context: Context, name: str) -> Section:
-    from verification.instruments import interactive
-
     table, times, winners = (context.tables[one] for one in (STUDY, "work_times", "work_winners"))
     path = context.draw(f"work_precision_{name}", figures_work_precision.draw_chart, table, name, _form(context))
-    mine, one = winners[winners["scene"] == name], work_precision.chart(table, name, _form(context))
+    mine = winners[winners["scene"] == name]
     asked = mine[(mine["target"] == MODERATE) & mine["cost"].notna()]
-    said = fill(PROSE / "work_scene.html", first=next(asked.itertuples(), None))
-    html = interactive.draw_work_precision(one.table, one.looks, one.errors[0], "cpu_seconds")
+    said = fill(PROSE / "work_scene.html", scene=name, first=next(asked.itertuples(), None))
     return Section(
         f"{TITLES['scene']}: {SCENES[name]().title.lower()}",
         [
             Grid(_named(mine, COLUMNS["winners"]), said["winners"], "work_winners"),
-            Chart(html, interactive.script(), said["interactive"], Picture(path, said["chart"])),
+            Picture(path, said["chart"]),
             Grid(_named(times[times["scene"] == name], TIMES), said["times"], "work_times"),
             Grid(_named(table[table["scene"] == name], COLUMNS["runs"]), said["runs"], STUDY, folded=True),
             Follows(said["follows"]),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -35,6 +36,11 @@ class NamedMethod(Method):
 
     name: str = ""
     costly: bool = False
+
+    @property
+    def short(self) -> str:
+        """Return the label for the end of a line: the scheme and its solver."""
+        return re.sub(r" catch-up with| with| of strength", "", self.label)
 
     def make(self, setting: float) -> dincl.Scheme:
         """Return the scheme with dt or tol = ``setting``."""

@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from verification.instruments.budget import CpuSeconds
+from verification.instruments.chart import WorkPrecision
 from verification.page.context import Context
 from verification.page.parts import Chart, Follows, Grid, Picture, Section, Text
 from verification.page.prose import fill
@@ -50,17 +52,19 @@ def _section(context: Context) -> Section:
 
 
 def _interactive(table: pd.DataFrame) -> tuple[str, str]:
-    """Return a chart for each model, and the script that they need."""
-    from verification.instruments.interactive import draw_work_precision, script
+    """Return the chart of all models, and the script that it needs."""
+    from verification.instruments.interactive import draw_chart, script
 
-    runs = table.rename(columns={"error": "final", "seconds": "cpu_seconds"})
-    runs = runs.assign(method=runs["method"].map(LABELS), status="SUCCESS", overlap=np.nan, reference_error=0.0)
-    looks = {one.label: {"family": one.family} | dict(one.look) for one in METHODS.values()}
-    charts = []
+    # As everywhere a finer run has a smaller setting: 1/N and 1/cells.
+    fineness = table["setting"].where(table["method"].isin(cost.TOLERATED), 1 / table["setting"])
+    runs = table.rename(columns={"error": "final", "seconds": "cpu_seconds"}).assign(setting=fineness)
+    runs = runs.assign(method=runs["method"].map(LABELS), status="SUCCESS", spread=np.nan, reference_error=0.0)
+    charts = {}
     for name, mine in runs.groupby("model", sort=False):
-        there = {label: look for label, look in looks.items() if label in set(mine["method"])}
-        charts.append(f"<p>{TITLES[name]}</p>{draw_work_precision(mine, there, 'final', 'cpu_seconds')}")
-    return "\n".join(charts), script()
+        there = [one for one in METHODS.values() if one.label in set(mine["method"])]
+        looks = {one.label: {"family": one.family} | dict(one.look) for one in there}
+        charts[str(name)] = WorkPrecision(mine, ("final",), CpuSeconds(cost.FULL.enough), looks, TITLES[name])
+    return draw_chart(charts, ("cpu_seconds", "unknowns")), script()
 
 
 def _values(times: pd.DataFrame, sides: pd.DataFrame) -> dict[str, Any]:
