@@ -1,4 +1,4 @@
-"""What users may add to a tissue: events, forces, observables; and the registry of what was added."""
+"""Registry of events, forces and observables that users add to a tissue."""
 
 from __future__ import annotations
 

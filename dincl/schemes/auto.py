@@ -84,8 +84,6 @@ class Choice:
         self.pilots = [Pilot(problem, method, times, error) for method in methods if method.order]
         # Of each method that takes the error itself: its forecast, and the seconds that it was tried for.
         self._events = [(method, left_out(method, error, NOT_TRIED), 0.0) for method in methods if not method.order]
-        for method in methods if not self.pilots else ():
-            warm_up(problem, method, times, error)
 
     def begin(self, worth: float = 0.0) -> None:
         """Make the first two runs of each method while the best forecast is ``worth`` so many times their cost."""

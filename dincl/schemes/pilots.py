@@ -37,7 +37,7 @@ NEAREST = 1.4
 LEAST_RUNS, MOST_DIFFERENCES = 4, 3
 # On random scenes the error was below this many times its estimate in 95 of 100 cases (``Pilot.estimate``).
 SAFETY = 1.6
-# In 90 of 100 it was more than this part of it.
+# In 90 of 100 it was more than the estimate divided by this.
 TYPICAL = 8.0
 # The estimate falls with an order between this part of the order in smooth motion and all of it.
 LEAST_ORDER = 0.7

@@ -100,6 +100,7 @@ class CompiledProblem:
     ) -> None:
         """Without ``programs``, no program is solved for the rows in the table, which takes less memory."""
         self.problem, self.units, self.solver = problem, units, solver
+        # Without a solver the programs are those of an event-driven run, which needs every row.
         events = solver is None and programs
         all_rows = selection is not None or events or len(problem.x0) <= MOST_PARTICLES
         if selection is None:

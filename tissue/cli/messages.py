@@ -1,4 +1,4 @@
-"""What commands print: tables, and messages with exit codes where they cannot go on."""
+"""Output of commands: tables, and messages with exit codes where they cannot go on."""
 
 from __future__ import annotations
 

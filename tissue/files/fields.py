@@ -1,4 +1,4 @@
-"""What the values of a parameter file may be: a ``Check`` reads a value, or says what is allowed."""
+"""Checks of values in parameter files: a ``Check`` reads a value, or says what is allowed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a key of a parameter file says of itself, and where to look it up."""
+"""Description of a key of a parameter file, and where to look it up."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is wrong with a parameter file, in lines that name key, value and what is allowed."""
+"""Messages about parameter files, which name key, value and what is allowed."""
 
 from __future__ import annotations
 

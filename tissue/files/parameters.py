@@ -238,7 +238,7 @@ def _loaded(path: Path, above: tuple[Path, ...]) -> Parameters:
 
 
 class NoBase(ValueError):
-    """What a file names as its base cannot be used; the message is a line for the errors of the file."""
+    """Base of a parameter file that cannot be used; the message is a line for the errors of the file."""
 
 
 def based_on(base: Any, folder: Path, above: tuple[Path, ...] = ()) -> Parameters:

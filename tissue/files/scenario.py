@@ -15,7 +15,7 @@ from tissue.state.cells import Emt, Flags, emt_cells
 
 
 class Scenario(NamedTuple):
-    """Of which EMT cells are drawn; made from the parameters of a file by ``Parameters.scenario``."""
+    """Numbers and chances that EMT cells are drawn from; ``Parameters.scenario`` makes it from a file."""
 
     cells: int  # N^EMT
     inm: float  # probability of interkinetic nuclear movement

@@ -26,7 +26,7 @@ _QUANTITY = re.compile(rf" *{_NUMBER} *(?:{_UNIT})? *")
 
 @dataclass(frozen=True)
 class Dimension:
-    """What a quantity measures.
+    """Kind of a quantity.
 
     Attributes
     ----------

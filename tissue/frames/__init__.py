@@ -1,1 +1,1 @@
-"""The tissue at one time: saved states, what is measured of them, and sections through them."""
+"""The tissue at one time: saved states, their measurements, and sections through them."""

@@ -41,7 +41,7 @@ Parts = tuple[float, Cells, CellLayers, BasalCurve, TissueCheckpoint, Sheets | N
 
 
 def save(parts: Parts, path: str | PathLike[str]) -> None:
-    """As ``Frame.save``, of the fields of the frame."""
+    """Save the fields of a frame, see ``Frame.save``."""
     arrays, file_path = checked("frame", parts), checked_path("path", path)
     try:
         with replacing(file_path) as partial, partial.open("wb") as file:
@@ -93,7 +93,7 @@ def _arrays(parts: Parts) -> Arrays:
 
 
 def load(path: str | PathLike[str]) -> Parts:
-    """As ``Frame.load``; the fields of the frame."""
+    """Load the fields of a frame, see ``Frame.load``."""
     file_path = checked_path("path", path)
     try:
         with file_path.open("rb") as file, np.load(file, allow_pickle=False) as held:

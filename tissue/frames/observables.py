@@ -1,4 +1,4 @@
-"""What is measured of a tissue at one time: height, widths, the apical-basal scale, phases; lengths in R_soft."""
+"""Measurements of a tissue at one time: height, widths, the apical-basal scale, phases; lengths in R_soft."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ class Widths(NamedTuple):
 
 
 class Areas(NamedTuple):
-    """Of the cross-section of a tube."""
+    """Measurements of the cross-section of a tube."""
 
     lumen: float  # what it encloses
     tissue: float

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class Draws(NamedTuple):
-    """What the cells of a group are drawn."""
+    """Draws of the cells of a group."""
 
     times: Floats  # (events, m): when events begin [h]
     moves: Flags  # (m,): whether they have INM
@@ -27,7 +27,7 @@ class Draws(NamedTuple):
 
 
 class Crowd(NamedTuple):
-    """What is known of each cell of a tissue by its type; (n,), or (events, n)."""
+    """Properties of each cell of a tissue by its type; (n,), or (events, n)."""
 
     kind: Integers
     moves: Flags

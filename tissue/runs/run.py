@@ -1,4 +1,4 @@
-"""What a simulation returns: the saved states, how it ended, and the counted work."""
+"""Result of a simulation: the saved states, how it ended, and the counted work."""
 
 from __future__ import annotations
 

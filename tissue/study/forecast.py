@@ -1,4 +1,4 @@
-"""What a study can decide, and how long it takes, before it is run."""
+"""Forecast of a study before it is run: what it can decide, and how long it takes."""
 
 from __future__ import annotations
 

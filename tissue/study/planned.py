@@ -1,4 +1,4 @@
-"""What a study file plans: factors, whose levels are crossed into scenarios, and the comparisons of ``[compare]``."""
+"""Plan of a study file: factors, whose levels are crossed into scenarios, and the comparisons of ``[compare]``."""
 
 from __future__ import annotations
 

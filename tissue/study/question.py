@@ -25,7 +25,7 @@ KEYS = ("outcome", "scenarios", "tolerance", "at", "runs")
 
 @dataclass(frozen=True)
 class ModelQuestion:
-    """What is asked of the model: an outcome of one scenario, or of the first minus the second of two.
+    """Question to the model: an outcome of one scenario, or of the first minus the second of two.
 
     Attributes
     ----------

@@ -18,7 +18,7 @@ AND = " + "
 
 
 class NotApplicableError(Exception):
-    """What the simplification leaves out, the parameters do not have; the message is the reason."""
+    """Raised where the parameters lack what the simplification leaves out; the message is the reason."""
 
 
 @dataclass(frozen=True)

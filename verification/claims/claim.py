@@ -181,10 +181,10 @@ class Claim:
         """Return the verdict on the claim: examples that agree do not show that a general claim holds."""
         return self._restricted(evidence.verdict)
 
-    def _restricted(self, kind: Verdict) -> Verdict:
+    def _restricted(self, verdict: Verdict) -> Verdict:
         """Return the verdict on the claim for a verdict on the cases of its check."""
         of_examples = {Verdict.HOLDS: Verdict.NOT_REFUTED, Verdict.PROVED: Verdict.PROVED_INSTANCE}
-        return of_examples.get(kind, kind) if self.tried_on else kind
+        return of_examples.get(verdict, verdict) if self.tried_on else verdict
 
 
 def claim(
@@ -199,6 +199,7 @@ def claim(
     correction: Correction | None = None,
     chosen: str = "",
     tried_on: str = "",
+    arithmetic: bool = False,
     cost: Cost = Cost.SECONDS,
 ) -> Callable[[Callable[..., Evidence]], Claim]:
     """State what a check decides, above the check.
@@ -221,6 +222,7 @@ def claim(
             correction=correction,
             chosen=chosen,
             tried_on=tried_on,
+            arithmetic=arithmetic,
             cost=cost,
         )
 

@@ -55,7 +55,7 @@ class Comparison:
         return False if most < self.low or self.high < least else None
 
     def __str__(self) -> str:
-        """Return claim, technique and tool, what was decided, certificate and rejected variant, in one line."""
+        """Return the quantity with its value and interval, and the required range, in one line."""
         found = f"{self.what} {self.value:.4g}"
         if self.interval is not None:
             found += f" [{self.interval[0]:.4g}, {self.interval[1]:.4g}]"
@@ -134,7 +134,7 @@ class FormalProof:
     given: str = ""
 
     def __str__(self) -> str:
-        """Statement, technique and tool, what was decided, certificate and rejected variant, in one line."""
+        """Return statement, technique and tool, what was decided, certificate and rejected variant, in one line."""
         found = {True: "proved", False: "refuted", None: "not decided"}[self.true]
         parts = (
             f", certificate: {self.certificate}" if self.certificate else "",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from graphlib import TopologicalSorter
 from typing import NamedTuple
 
 MAKES_NO_NUMBERS = True
@@ -52,17 +53,15 @@ class ClaimGraph:
     @property
     def columns(self) -> list[list[str]]:
         """Ids by the length of the longest chain of claims below; within a column near the claims below."""
-        edges = [(below, name) for name, found in self.rests_on.items() for below in found]
-        depth = {name: 0 for edge in edges for name in edge}
-        for _ in depth:  # no chain is longer than there are claims
-            for below, name in edges:
-                depth[name] = max(depth[name], depth[below] + 1)
+        sorter = TopologicalSorter({name: below for name, below in self.rests_on.items() if below})
+        sorter.prepare()
         columns: list[list[str]] = []
         rows: dict[str, int] = {}
-        for level in range(max(depth.values(), default=-1) + 1):
-            mine = [(self._mean_row(name, rows), name) for name in depth if depth[name] == level]
-            columns.append([name for _, name in sorted(mine)])
+        while sorter.is_active():
+            ready = sorter.get_ready()
+            columns.append(sorted(ready, key=lambda name: (self._mean_row(name, rows), name)))
             rows |= {name: k for k, name in enumerate(columns[-1])}
+            sorter.done(*ready)
         return columns
 
     def _mean_row(self, name: str, rows: Mapping[str, int]) -> float:

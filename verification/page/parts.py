@@ -157,14 +157,14 @@ class Section:
 
     @property
     def ordered(self) -> Sequence[Part]:
-        """The parts in the order of a page: pictures, the result, tables, then how it was measured.
+        """The parts in the order of a page: pictures, the result, tables, others, then how it was measured.
 
         A section without pictures stays as it is.
         """
         if not any(isinstance(part, Picture | Chart) for part in self.parts):
             return self.parts
-        kinds: tuple[tuple[type, ...], ...] = ((Picture, Chart), (Follows,), (Grid,))
-        found: list[Part] = [part for kind in kinds for part in self.parts if isinstance(part, kind)]
+        kinds = ((Picture, Chart), (Follows,), (Grid,), (ClaimGraph, SearchField, Statements, HowMeasured))
+        found = [part for kind in kinds for part in self.parts if isinstance(part, kind)]
         texts = [part for part in self.parts if isinstance(part, Text)]
         return [*found, HowMeasured(texts)] if texts else found
 

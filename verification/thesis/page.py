@@ -140,19 +140,10 @@ def corrections(table: pd.DataFrame) -> pd.DataFrame:
 def findings(context: Context) -> Sequence[Finding]:
     """Count the claims that hold and those that are wrong as printed."""
     table = context.tables["claims"]
-    total, wrong = table["verdict"].value_counts(), table[table["verdict"].isin(WRONG)]
-    said = fill(
-        PROSE / "learned.html",
-        count=len(table),
-        proved=total.get(Verdict.PROVED.value, 0),
-        instances=total.get(Verdict.PROVED_INSTANCE.value, 0),
-        holds=total.get(Verdict.HOLDS.value, 0),
-        not_refuted=total.get(Verdict.NOT_REFUTED.value, 0),
-        wrong=len(wrong),
-        serious=int(wrong["effect"].isin([effect for effect in SERIOUS if effect != Effect.PROOF.value]).sum()),
-        open=total.get(Verdict.OPEN.value, 0),
-    )
-    counts = {verdict: int(total.get(verdict.value, 0)) for verdict in Verdict}
+    values, wrong = _values(table), table[table["verdict"].isin(WRONG)]
+    serious = wrong["effect"].isin([effect for effect in SERIOUS if effect != Effect.PROOF.value])
+    said = fill(PROSE / "learned.html", **values | {"wrong": len(wrong), "serious": int(serious.sum())})
+    counts = {verdict: values[verdict.name.lower()] for verdict in Verdict}
     return [Finding(said["counts"], COUNTS, context.draw("card_claims", cards.verdicts, counts))]
 
 

@@ -17,7 +17,7 @@ from verification.page.context import Context
 from verification.page.parts import Follows, Grid, Picture, Section, Text
 from verification.page.prose import fill
 from verification.page.report import Chapter, Finding
-from verification.page.sheet import sheet
+from verification.page.sheet import Axes, sheet
 
 PROSE = Path(__file__).parent / "prose" / "iterations.html"
 COLUMNS = read_columns(Path(__file__).parent / "columns.toml")
@@ -71,22 +71,8 @@ def draw(table: pd.DataFrame, quantity: str, path: Path) -> Path:
     with sheet(path, 5.6) as figure:
         panels = figure.subplots(2, 3, sharex=True).ravel()
         for panel, scene in zip(panels, iterations.SCENES, strict=True):
-            mine = table[table["scene"] == scene]
-            for k, method in enumerate(iterations.METHODS):
-                for total in sorted(mine["total"].unique()):
-                    now = mine[(mine["method"] == method) & (mine["total"] == total)].sort_values("sweeps")
-                    values = np.maximum(now[quantity], LOWEST)
-                    look: dict[str, Any] = {"color": COLOURS[k], "marker": MARKERS[k]}
-                    if k == 0:  # PBD shows where XPBD hides it
-                        look |= {"markerfacecolor": "none", "markersize": 9}
-                        place = {"xytext": (-6, 3), "textcoords": "offset points", "fontsize": 6.5, "ha": "right"}
-                        panel.annotate(f"{total:,}", (1, values.iloc[0]), **place)
-                    label = method if total == mine["total"].max() else None
-                    panel.loglog(now["sweeps"], values, label=label, **look)
+            _draw_scene(panel, table[table["scene"] == scene], quantity)
             panel.set(title=scene)
-            panel.set_xticks(iterations.SWEEPS, [str(sweeps) for sweeps in iterations.SWEEPS])
-            panel.set_xlim(0.5, 1.3 * iterations.SWEEPS[-1])
-            panel.minorticks_off()
         for panel in panels[3:]:
             panel.set_xlabel("sweeps in a step")
         for panel in panels[::3]:
@@ -94,6 +80,26 @@ def draw(table: pd.DataFrame, quantity: str, path: Path) -> Path:
         handles, labels = panels[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=3)
     return path
+
+
+def _draw_scene(panel: Axes, table: pd.DataFrame, quantity: str) -> None:
+    """Draw one curve for each method and total; totals are named at the left ends of the curves of PBD."""
+    for k, method in enumerate(iterations.METHODS):
+        for total, runs in table[table["method"] == method].groupby("total"):
+            now = runs.sort_values("sweeps")
+            values = np.maximum(now[quantity], LOWEST)
+            look: dict[str, Any] = {"color": COLOURS[k], "marker": MARKERS[k]}
+            if k == 0:  # PBD shows where XPBD hides it
+                look |= {"markerfacecolor": "none", "markersize": 9}
+                place = (-6, 3)
+                panel.annotate(
+                    f"{total:,}", (1, values.iloc[0]), place, textcoords="offset points", fontsize=6.5, ha="right"
+                )
+            label = method if total == table["total"].max() else None
+            panel.loglog(now["sweeps"], values, label=label, **look)
+    panel.set_xticks(iterations.SWEEPS, [str(sweeps) for sweeps in iterations.SWEEPS])
+    panel.set_xlim(0.5, 1.3 * iterations.SWEEPS[-1])
+    panel.minorticks_off()
 
 
 def findings(context: Context) -> Sequence[Finding]:

@@ -22,7 +22,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from verification.claims import Claim, Correction, Cost, Effect, Evidence, Verdict
+import verification.claims
+from verification.claims import Claim, Correction, Effect, Evidence, Verdict
 
 
 def claim(
@@ -30,36 +31,14 @@ def claim(
     statement: str,
     source: str,
     recorded: Verdict = Verdict.HOLDS,
-    *,
-    needs: tuple[str, ...] = (),
-    rests_on: tuple[str, ...] = (),
-    chosen: str = "",
-    tried_on: str = "",
-    arithmetic: bool = False,
-    cost: Cost = Cost.SECONDS,
+    **details: Any,
 ) -> Callable[[Callable[..., Evidence]], Claim]:
-    """State a claim of the thesis above its check; arguments: see ``verification.Claim``."""
+    """State a claim of the thesis above its check; ``details``: see ``verification.claim``."""
     text = _texts()[id]
-    correction = text.get("correction")
-
-    def stated(check: Callable[..., Evidence]) -> Claim:
-        return Claim(
-            id,
-            statement,
-            check,
-            source=source,
-            quote=text["quote"],
-            needs=needs,
-            rests_on=rests_on,
-            recorded=recorded,
-            correction=correction and Correction(**correction | {"effect": Effect(correction["effect"])}),
-            chosen=chosen,
-            tried_on=tried_on,
-            arithmetic=arithmetic,
-            cost=cost,
-        )
-
-    return stated
+    found = text.get("correction")
+    correction = found and Correction(**found | {"effect": Effect(found["effect"])})
+    details |= {"source": source, "recorded": recorded, "quote": text["quote"], "correction": correction}
+    return verification.claims.claim(id, statement, **details)
 
 
 @cache
