@@ -100,11 +100,11 @@ def _apart(mine: pd.DataFrame, other: pd.DataFrame) -> pd.DataFrame:
         if column in WORDS or one.dtype == bool:
             found[column] = (one != two) & ~(one.isna() & two.isna())
         elif pd.api.types.is_numeric_dtype(one) and pd.api.types.is_numeric_dtype(two):
-            found[column] = _relative(one, two) > RELATIVE
+            found[column] = relative(one, two) > RELATIVE
     return pd.DataFrame(found, index=mine.index)
 
 
-def _relative(one: pd.Series, two: pd.Series) -> pd.Series:
+def relative(one: pd.Series, two: pd.Series) -> pd.Series:
     """Return |a - b| over the larger of both; 0 for small, equal or missing numbers, infinite if one is missing."""
     a, b = one.to_numpy(dtype=np.float64), two.to_numpy(dtype=np.float64)
     size = np.maximum(np.abs(a), np.abs(b))
@@ -117,7 +117,7 @@ def _relative(one: pd.Series, two: pd.Series) -> pd.Series:
 def _worst(mine: pd.DataFrame, other: pd.DataFrame, off: pd.DataFrame) -> str:
     """Return the column and row with the largest difference, with both values."""
     numeric = [column for column in off if off[column].any() and mine[column].dtype != bool and column not in WORDS]
-    sizes = {column: _relative(mine[column], other[column]) for column in numeric}
+    sizes = {column: relative(mine[column], other[column]) for column in numeric}
     column = max(sizes, key=lambda name: sizes[name].max()) if sizes else next(name for name in off if off[name].any())
     row = sizes[column].argmax() if sizes else int(off[column].to_numpy().argmax())
     where = zip(mine.index.names[:-1], mine.index[row][:-1], strict=True)

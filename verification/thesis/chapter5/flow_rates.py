@@ -4,7 +4,7 @@ In one dimension W1(mu_N^t, mu^t) is exact: mu^t is mu^0 carried by the flow of 
 rounding. In two and three W1 is taken of two independent samples, each with a flow of its own.
 
 There is one form only, which takes minutes; its rows are kept, and recomputed by
-``python -m verification.thesis.chapter5.flow_rates FILE``.
+``python -m verification.thesis.chapter5.flow_rates FOLDER``.
 """
 # ruff: noqa: RUF001 - formulas for readers are written with Greek letters and minus signs
 
@@ -19,7 +19,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from dincl.study import Key, Row, Study
+from dincl.study import Key, Row, Study, workers
 from verification.instruments.rates import (
     IID,
     PAIR,
@@ -112,11 +112,11 @@ def fitted(averages: pd.DataFrame) -> pd.DataFrame:
     return found.assign(agrees=(found["low"] <= found["known"]) & (found["known"] <= found["high"]))
 
 
-def main() -> None:
-    """Make all runs and write their rows to a file."""
-    file = Path(sys.argv[1]) if len(sys.argv) > 1 else FILE
-    keep(pd.DataFrame([row for key in study().runs for row in rows_of(key)]), file, main)
+def main(folder: Path) -> None:
+    """Complete the study, and keep its table."""
+    with workers() as executor:
+        keep(study().complete(folder, executor), FILE, main)
 
 
 if __name__ == "__main__":
-    main()
+    main(Path(sys.argv[1]))

@@ -5,7 +5,7 @@ proved bounds. Both have the same rate: mu is the mean of mu'_N and W1 is convex
 
     E W1(mu_N, mu) <= E W1(mu_N, mu'_N) <= 2 E W1(mu_N, mu).
 
-The complete form takes three quarters of an hour: ``python -m verification.thesis.chapter5.sampling FILE``.
+The complete form takes three quarters of an hour: ``python -m verification.thesis.chapter5.sampling FOLDER``.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.special import ndtri
 
-from dincl.study import Key, Row, read_sealed
+from dincl.study import Key, Row, Study, workers
 from meanfield import Density
 from verification.instruments.order import CONFIDENCE
 from verification.instruments.rates import IID, PAIR, QUANTILES, distance, draw, fitted_power, log_points, mean_of
@@ -29,8 +29,6 @@ from verification.page.kept import DATA, keep
 
 FILE = DATA / "w1_rates.parquet"
 KEY = ("d", "start", "N", "repeat")
-# A run that is kept at once [s].
-LONG = 5.0
 # N: repeats. They fall with the cost of a value; at 1e5 in two dimensions it is four minutes.
 COUNTS = {
     1: {n: 400 if n <= 10_000 else 100 for n in (10, 30, 100, 300, 1000, 3000, 10_000, 30_000, 100_000)},
@@ -84,13 +82,14 @@ def value(key: Key) -> list[Row]:
     return [dict(key) | {"w1": (lower + upper) / 2, "lower": lower, "upper": upper, "seconds": seconds}]
 
 
-def keys() -> list[Key]:
-    """List the runs by increasing size; of one size each dimension comes before any repeat."""
+def study() -> Study:
+    """Return the study: runs by falling size; of one size each dimension comes before any repeat."""
     found: list[Key] = [{"d": 1, "start": QUANTILES, "N": n, "repeat": 0} for n in COUNTS[1]]
     for d, counts in COUNTS.items():
         start = IID if d == 1 else PAIR
         found += [{"d": d, "start": start, "N": n, "repeat": k} for n, many in counts.items() for k in range(many)]
-    return sorted(found, key=lambda key: (key["N"], key["repeat"]))
+    runs = sorted(found, key=lambda key: (-key["N"], key["repeat"]))
+    return Study("w1_rates", "Mean field: rates of W1", KEY, tuple(runs), value)
 
 
 def means(table: pd.DataFrame) -> pd.DataFrame:
@@ -143,19 +142,11 @@ def laws(found: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def main() -> None:
-    """Make the runs that the file lacks; it is written whenever a size or a long run is done."""
-    file = Path(sys.argv[1]) if len(sys.argv) > 1 else FILE
-    before = [read_sealed(file)] if file.exists() else []
-    rows: list[Row] = [row for table in before for row in table.to_dict("records")]
-    done = {tuple(row[name] for name in KEY) for row in rows}
-    runs = [key for key in keys() if tuple(key[name] for name in KEY) not in done]
-    for k, key in enumerate(runs, 1):
-        rows += value(key)
-        if k == len(runs) or runs[k]["N"] != key["N"] or rows[-1]["seconds"] > LONG:
-            keep(pd.DataFrame(rows).sort_values(list(KEY)), file, main, before)
-            print(f"{k} of {len(runs)} runs, last {key}, {rows[-1]['seconds']:.1f} s", flush=True)
+def main(folder: Path) -> None:
+    """Complete the study, and keep its table."""
+    with workers() as executor:
+        keep(study().complete(folder, executor), FILE, main)
 
 
 if __name__ == "__main__":
-    main()
+    main(Path(sys.argv[1]))

@@ -1,0 +1,38 @@
+"""What is made again, and how tables before and after are compared."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from verification.page.kept import all_changes, files
+from verification.thesis import remake, studies
+
+BEFORE = pd.DataFrame({"method": ["PBD", "PBD", "XPBD"], "error": [1.0, 2.0, np.nan], "seconds": [1.0, 1.0, 1.0]})
+
+
+def test_equal_tables_differ_in_nothing() -> None:
+    slower = BEFORE.assign(seconds=9.0, error=BEFORE["error"] * (1 + 1e-5))
+    assert remake.differing(BEFORE, slower, "some") == []
+
+
+def test_numbers_and_words_that_differ_are_named() -> None:
+    changed = BEFORE.assign(error=[1.0, 2.2, np.nan], method=["PBD", "PBD", "Penalty"])
+    words, numbers = remake.differing(BEFORE, changed, "some")
+    assert (words["column"], words["differ"], words["largest"]) == ("method", 1, np.inf)
+    assert (numbers["column"], numbers["differ"], numbers["example"]) == ("error", 1, "2.0 before, 2.2 now")
+    assert abs(numbers["largest"] - 0.2 / 2.2) < 1e-12
+
+
+def test_rows_that_came_or_went_are_counted_and_the_others_paired() -> None:
+    rows, numbers = remake.differing(BEFORE, BEFORE.iloc[1:].assign(error=[1.0, 5.0]), "some")
+    assert rows["example"] == "3 rows before, 2 now"
+    assert (numbers["column"], numbers["rows"], numbers["differ"]) == ("error", 2, 1)
+
+
+def test_what_the_present_code_made_is_left() -> None:
+    stale = {name for name, lines in all_changes().items() if lines}
+    named = {name for names, _ in remake.commands(Path("folder")) for name in names.split(", ")}
+    assert stale == named - {f"studies of {name}" for name in studies.NAMES}
+    assert {f"studies of {name}" for name in studies.NAMES} < named
+    assert stale <= {file.stem for file in files()}
