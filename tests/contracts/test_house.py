@@ -19,12 +19,12 @@ TOP = "(public names)"  # the __init__ file at the root of a package
 ORDER = {
     "dincl": (
         "constants errors status work norms files checks extras callables",
-        "provenance study compiled matrices drifts rows neighbours constraints shapes plotting problem",
+        "provenance study equivalence compiled matrices drifts rows neighbours constraints shapes plotting problem",
         "solvers system steps projection minimise geometry scenes trajectory",
-        "events schemes solve",
+        "events schemes solve simplify",
     ),
     "meanfield": (
-        "errors weights plotting density model forces transport solvers solvers.grid",
+        "errors weights plotting density model forces transport solvers solvers.grid simplify",
     ),
     "tissue": (
         "plugins state kernels network model rules step events frames files statistics pictures runs quasi_steady",

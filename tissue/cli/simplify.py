@@ -72,7 +72,7 @@ def _title(found: Simplified) -> str:
     asked = found.question
     tolerance = 100 * asked.tolerance if asked.shares else asked.tolerance
     when = "at the end" if asked.at is None else f"at {asked.at:g} h"
-    return f"{asked.outcome} of {' - '.join(asked.scenarios)} {when}, within {tolerance:g} {_unit(found)}"
+    return f"{asked.name} of {' - '.join(asked.scenarios)} {when}, within {tolerance:g} {_unit(found)}"
 
 
 def _row(found: Simplified, row: dict[str, Any]) -> tuple[str, ...]:
@@ -97,4 +97,4 @@ def _missing(row: dict[str, Any]) -> str:
 def _unit(found: Simplified) -> str:
     if found.question.shares:
         return "points"
-    return "um" if found.question.outcome.endswith("_um") else "its unit"
+    return "um" if found.question.name.endswith("_um") else "its unit"

@@ -4,22 +4,27 @@ from __future__ import annotations
 
 import math
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, get_args
+from typing import TYPE_CHECKING, Any, get_args
 
 from dincl.checks import describe
+from dincl.equivalence.bias import check_tolerance
+from dincl.equivalence.paired import LOOKS
 from dincl.errors import InvalidProblem
 from tissue.files.messages import unknown
 from tissue.files.parameters import Parameters
 from tissue.files.units import DURATION, parse
 from tissue.plugins import Observable, registered
 from tissue.statistics.categories import What
-from tissue.statistics.equivalence import LOOKS, check_tolerance
 from tissue.study.outcomes import EXTENTS
 from tissue.study.plan import TissueStudy
 from tissue.study.planned import SHARES
 
+if TYPE_CHECKING:
+    import pandas as pd
+
+Outcome = str | Callable[["pd.DataFrame", float], "pd.Series"]
 KEYS = ("outcome", "scenarios", "tolerance", "at", "runs")
 
 
@@ -30,7 +35,8 @@ class ModelQuestion:
     Attributes
     ----------
     outcome
-        "basal", "apical", "below": the share of EMT cells; or a number of a run, such as "height_um".
+        "basal", "apical", "below": the share of EMT cells; or a number of a run, such as "height_um"; or a function of
+        the table of EMT cells and the end [h], a number for each cell, whose mean over the cells of a run is asked.
     scenarios
         One or two of the study.
     tolerance
@@ -41,7 +47,7 @@ class ModelQuestion:
         The most runs of each model, one of LOOKS.
     """
 
-    outcome: str
+    outcome: Outcome
     scenarios: tuple[str, ...]
     tolerance: float
     at: float | None = None
@@ -51,6 +57,11 @@ class ModelQuestion:
     def shares(self) -> bool:
         """Whether outcomes are shares, from 0 to 1."""
         return self.outcome in (*get_args(What), *SHARES)
+
+    @property
+    def name(self) -> str:
+        """The outcome in words: a column, or the name of a function."""
+        return self.outcome if isinstance(self.outcome, str) else f"{self.outcome.__module__}.{self.outcome.__name__}"
 
     def of(self, parameters: Parameters) -> Parameters:
         """Return parameters that end when it is asked, and of which nothing is stored before; the runs are the same."""
@@ -65,7 +76,7 @@ def asked(plan: TissueStudy, given: Mapping[str, Any]) -> ModelQuestion:
     lines = [unknown(f"simplify.{key}", table[key], [f"simplify.{one}" for one in KEYS]) for key in table.keys() - KEYS]
     what, names, at = table["outcome"], table["scenarios"], None
     known = [*get_args(What), *EXTENTS, *SHARES, *(one.column for one in registered(Observable))]
-    if what not in known:
+    if what not in known and not callable(what):
         lines.append(f"outcome = {describe(what)}: must be one of {', '.join(known)}")
     if not _are_scenarios(names, plan):
         lines.append(f"scenarios = {describe(names)}: must be a list of one or two of {', '.join(plan.scenarios)}")
@@ -86,8 +97,8 @@ def asked(plan: TissueStudy, given: Mapping[str, Any]) -> ModelQuestion:
     question = ModelQuestion(what, tuple(names), tolerance, at, table["runs"])
     for name in names:
         cells = sum(group.scenario.cells for group in plan.scenarios[name].groups() if group.may_leave)
-        if what in get_args(What) and not cells:
-            raise InvalidProblem(f"scenario = {describe(name)}: must have EMT cells for the outcome {what}")
+        if (what in get_args(What) or callable(what)) and not cells:
+            raise InvalidProblem(f"scenario = {describe(name)}: must have EMT cells for the outcome {describe(what)}")
         try:
             question.of(plan.scenarios[name])
         except InvalidProblem as error:

@@ -13,8 +13,6 @@ from tissue.files.units import Measure
 from tissue.model.lattice import rows_of
 
 Changes = Mapping[str, Any]
-# Joins the names of the simplifications of a combination.
-AND = " + "
 
 
 class NotApplicableError(Exception):

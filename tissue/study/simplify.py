@@ -9,67 +9,37 @@ from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import partial
-from itertools import groupby
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, get_args
+from typing import Any, cast, get_args
 
 import numpy as np
 import pandas as pd
 
 from dincl.checks import path as checked_path
 from dincl.compiled.lanes import WIDTH
+from dincl.equivalence.paired import LOOKS, equivalence
+from dincl.equivalence.search import AND, Row, Simplest, compared, search
 from dincl.errors import InvalidProblem
 from dincl.study import Study
 from tissue.files.parameters import Parameters
 from tissue.statistics.categories import What, outcome
-from tissue.statistics.equivalence import ERROR, LOOKS, Equivalence, equivalence
 from tissue.study.outcomes import outcomes
 from tissue.study.plan import TissueStudy, load_study, run_seeds
 from tissue.study.planned import SHARES
-from tissue.study.question import ModelQuestion, asked
-from tissue.study.simplifications import AND, KINDS, applicable, simplified
+from tissue.study.question import ModelQuestion, Outcome, asked
+from tissue.study.simplifications import KINDS, applicable, simplified
 
 FULL = "the full model"
 # Runs of one piece of work; the first run of a combination, whose seeds no simplification alone was decided by.
 BLOCK, FRESH = LOOKS[0], 1_000_000
-COLUMNS = ["model", "parts", "step", "verdict", "bias", "low", "high", "runs", "missing", "cpu", "work", "reason"]
 
 
 @dataclass(frozen=True)
-class Simplified:
-    """Answer of ``simplify``.
-
-    Attributes
-    ----------
-    question
-        What was asked.
-    table
-        One row for each simplification alone, then for each combination that was tried, in this order. ``model``,
-        ``parts`` (of a combination), ``step`` ("alone", "together"), ``verdict`` ("enough", "not enough", "open", "left
-        out"), ``bias``, ``low``, ``high`` (simpler minus full, with the interval that decides), ``runs`` of each,
-        ``missing`` runs until it will probably be decided, ``cpu`` and ``work``: CPU time and counted work of a run
-        over those of the full model, ``reason`` why it was left out or is not enough.
-    answer
-        The simplifications that together are enough; empty: none is, and the full model is needed.
-    """
+class Simplified(Simplest):
+    """Answer of ``simplify``: the simplest model, and the question that it answers."""
 
     question: ModelQuestion
-    table: pd.DataFrame
-    answer: tuple[str, ...]
-
-    @property
-    def model(self) -> str:
-        """The answer as one name, that of its row."""
-        return AND.join(self.answer)
-
-    @property
-    def saving(self) -> tuple[float, float]:
-        """CPU time and counted work of a run of the full model over those of the answer."""
-        if not self.answer:
-            return 1.0, 1.0
-        row = self.table[self.table["model"] == self.model].iloc[-1]
-        return 1 / float(row["cpu"]), 1 / float(row["work"])
 
     def parameters(self, full: Parameters) -> Parameters:
         """Return the simplest parameters that are enough, of those of a scenario."""
@@ -80,7 +50,7 @@ def simplify(
     study: str | os.PathLike[str],
     tolerance: float | None = None,
     *,
-    outcome: str | None = None,
+    outcome: Outcome | None = None,
     scenarios: Sequence[str] | None = None,
     at: str | None = None,
     runs: int | None = None,
@@ -89,7 +59,7 @@ def simplify(
     """Find the simplest model that answers a question of a study as the full model does.
 
     Each simplification runs beside the full model with the same seeds, and is decided by the paired differences of runs
-    (``tissue.statistics.equivalence``). One looks after 64, 128, ... runs, at most ``runs``, and stops a model once it
+    (``dincl.equivalence.paired``). One looks after 64, 128, ... runs, at most ``runs``, and stops a model once it
     is decided; "enough" is said of one whose bias is the tolerance in at most 5 % of the cases. Those that are enough
     are combined, the cheapest of each kind, and the combination runs with fresh seeds, up to twice as many. While it is
     not enough, the one with the largest bias is dropped. The k-th combination has 5 %/2^k as its error, so that the
@@ -117,11 +87,13 @@ def simplify(
         TemporaryDirectory() if out is None else nullcontext(checked_path("out", out)) as folder,
         ThreadPoolExecutor(len(os.sched_getaffinity(0))) as threads,
     ):
-        return _answer(_Runs(plan, question, Path(folder), threads))
+        runs_made = _Runs(plan, question, Path(folder), threads)
+        found = search(runs_made, KINDS, applicable(runs_made.scenarios.values()))
+        return Simplified(found.table, found.answer, question)
 
 
 def measure(
-    scenarios: Mapping[str, Parameters], what: str, seed: int, key: Mapping[str, Any]
+    scenarios: Mapping[str, Parameters], what: Outcome, seed: int, key: Mapping[str, Any]
 ) -> list[Mapping[str, Any]]:
     """Run a block of replicates of a model in a scenario: a row for each, NaN for one that failed.
 
@@ -148,11 +120,12 @@ def measure(
     return rows
 
 
-def _values(cells: pd.DataFrame, runs: pd.DataFrame, what: Any, end: float) -> dict[int, float]:
+def _values(cells: pd.DataFrame, runs: pd.DataFrame, what: Outcome, end: float) -> dict[int, float]:
     """Return the outcome of each run that did not fail, by its replicate."""
     sound = runs[runs["status"] == "SUCCESS"].set_index("replicate")
-    if what in get_args(What):
-        found = outcome(cells, what, end).groupby(cells["replicate"]).mean()
+    if not isinstance(what, str) or what in get_args(What):
+        each = outcome(cells, cast(What, what), end) if isinstance(what, str) else what(cells, end)
+        found = each.groupby(cells["replicate"]).mean()
         found = found[found.index.isin(sound.index)]
     elif what in SHARES:
         found = sound[f"controls_{SHARES[what]}_{end:g}h"] / sound[f"controls_{end:g}h"]
@@ -179,29 +152,42 @@ class _Runs:
         )
         run = partial(measure, self.scenarios, self.question.outcome, self._seed)
         texts = {name: parameters.as_toml() for name, parameters in self.scenarios.items()}
-        settings = {"outcome": self.question.outcome, "seed": self._seed, "scenarios": texts}
+        settings = {"outcome": self.question.name, "seed": self._seed, "scenarios": texts}
         title = f"{len(models)} simpler models, look after {runs} runs, by {BLOCK}"
-        study = Study("simplify", title, ("model", "scenario", "first"), keys, run, settings)
+        calls = (self.question.outcome,) if callable(self.question.outcome) else ()
+        study = Study("simplify", title, ("model", "scenario", "first"), keys, run, settings, calls)
         self._rows = (
             study.complete(self._folder, self._executor).set_index(["model", "scenario", "replicate"]).sort_index()
         )
 
-    def compared(self, model: str, first: int, runs: int, level: float) -> dict[str, Any]:
+    def decide(self, models: Sequence[str], error: float, *, again: bool) -> list[Row]:
+        """Look at the models again and again, until they are decided or have all of their runs."""
+        first, most = (FRESH, 2 * self.question.runs) if again else (0, self.question.runs)
+        found: dict[str, Row] = {}
+        for look in LOOKS:
+            open_ones = [model for model in models if found.get(model, {"verdict": "open"})["verdict"] == "open"]
+            if not open_ones or look > most:
+                break
+            self.complete(open_ones, first, look)
+            found |= {model: self.compared(model, first, look, error / len(LOOKS)) for model in open_ones}
+        return [found[model] for model in models]
+
+    def compared(self, model: str, first: int, runs: int, level: float) -> Row:
         """Return the row of a model: verdict, bias with its interval, cost."""
         sides = {name: self._combined(name, first, runs) for name in (FULL, model)}
         full, simple = sides[FULL]["value"], sides[model]["value"]
         pairs = (simple - full)[full.notna()]
         if len(pairs) < BLOCK // 2:
             raise InvalidProblem(f"{len(full) - len(pairs)} of {len(full)} runs of the full model fail: must be fewer")
-        cost = {
-            name: float(sides[model][column].median() / sides[FULL][column].median())
-            for name, column in (("cpu", "seconds"), ("work", "work"))
-        }
-        row: dict[str, Any] = {"model": model, "parts": model.count(AND) + 1, "runs": len(pairs), **cost, "reason": ""}
+        one, reason = None, ""
         if failed := int(pairs.isna().sum()):
-            return {**row, "verdict": "not enough", "reason": f"{failed} of its runs fail"}
-        one = equivalence(pairs.to_numpy(float), self.question.tolerance, shares=self.question.shares, level=level)
-        return {**row, **_said(one)}
+            reason = f"{failed} of its runs fail"
+        else:
+            one = equivalence(pairs.to_numpy(float), self.question.tolerance, shares=self.question.shares, level=level)
+        cpu, work = (
+            float(sides[model][column].median() / sides[FULL][column].median()) for column in ("seconds", "work")
+        )
+        return compared(model, one, cpu=cpu, work=work, runs=len(pairs), reason=reason)
 
     def _combined(self, model: str, first: int, runs: int) -> pd.DataFrame:
         """Return value, seconds and work of each run: of one scenario, or of the first minus the second of two.
@@ -211,45 +197,3 @@ class _Runs:
         each = [self._rows.loc[(model, name)].loc[first : first + runs - 1] for name in self.scenarios]
         values = each[0]["value"] if len(each) == 1 else each[0]["value"] - each[1]["value"]
         return pd.DataFrame({"value": values, **{name: sum(one[name] for one in each) for name in ("seconds", "work")}})
-
-
-def _said(one: Equivalence) -> dict[str, Any]:
-    return {"verdict": one.verdict, "bias": one.bias, "low": one.low, "high": one.high, "missing": one.missing}
-
-
-def _decided(runs: _Runs, models: Sequence[str], first: int, most: int, error: float) -> list[dict[str, Any]]:
-    """Look at the models again and again, until they are decided or have all of their runs."""
-    found: dict[str, dict[str, Any]] = {}
-    for look in LOOKS:
-        open_ones = [model for model in models if found.get(model, {"verdict": "open"})["verdict"] == "open"]
-        if not open_ones or look > most:
-            break
-        runs.complete(open_ones, first, look)
-        found |= {model: runs.compared(model, first, look, error / len(LOOKS)) for model in open_ones}
-    return [found[model] for model in models]
-
-
-def _answer(runs: _Runs) -> Simplified:
-    """Decide each simplification alone, then combinations, by backward elimination."""
-    reasons, most = applicable(runs.scenarios.values()), runs.question.runs
-    alone = _decided(runs, [name for name, reason in reasons.items() if not reason], 0, most, ERROR)
-    rows = [{**row, "step": "alone"} for row in alone]
-    enough = sorted((row for row in alone if row["verdict"] == "enough"), key=lambda row: KINDS[row["model"]])
-    each = [min(ones, key=lambda row: row["cpu"]) for _, ones in groupby(enough, key=lambda row: KINDS[row["model"]])]
-    left, error = {row["model"]: abs(row["bias"]) for row in each}, ERROR
-    answer: tuple[str, ...] = ()
-    while left and not answer:
-        names, error = tuple(name for name in KINDS if name in left), error / 2
-        (row,) = _decided(runs, [AND.join(names)], FRESH, 2 * most, error)
-        rows.append({**row, "step": "together"})
-        if row["verdict"] == "enough":
-            answer = names
-        else:
-            del left[max(left, key=lambda name: left[name])]
-    rows += [
-        {"model": name, "parts": 1, "step": "alone", "verdict": "left out", "reason": reason}
-        for name, reason in reasons.items()
-        if reason
-    ]
-    table = pd.DataFrame(rows, columns=COLUMNS).astype({"missing": "Int64", "runs": "Int64"})
-    return Simplified(runs.question, table, answer)

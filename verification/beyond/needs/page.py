@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pandas as pd
 
+from dincl.equivalence.paired import ERROR, LOOKS
 from tissue.pictures.bias import draw_bias
-from tissue.statistics.equivalence import ERROR, LOOKS
 from verification.beyond.needs import answers
 from verification.page.columns import headed, read_columns
 from verification.page.context import Context

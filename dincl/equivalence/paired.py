@@ -9,56 +9,42 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import stdtrit
 
 from dincl.checks import describe
+from dincl.equivalence.bias import Bias, check_tolerance
 from dincl.errors import InvalidProblem
-from tissue.statistics.proportions import POWER, quantile, sample_size
 
 Floats = NDArray[np.float64]
-Verdict = Literal["enough", "not enough", "open"]
 # Numbers of runs after which one may look, and the probability that "enough" is said at any of them of a model whose
 # bias is the tolerance. Each look has an equal part of it (Bonferroni).
 LOOKS = tuple(64 << k for k in range(8))
 ERROR = 0.05
+# Probability that the runs which are said to be missing decide.
+POWER = 0.8
 
 
 @dataclass(frozen=True)
-class Equivalence:
-    """Bias of a simpler model with the interval that decides.
+class Equivalence(Bias):
+    """Mean bias of paired runs, with the interval of both one-sided tests.
+
+    Each end of the interval is passed by the true bias with the probability ``level``.
 
     Attributes
     ----------
-    bias
-        Mean of simpler minus full over the runs.
-    low, high
-        Interval of both one-sided tests: each end is passed by the true bias with the probability ``level``.
     spread
         Standard deviation of the difference in one run, as the tests take it.
     runs
         Pairs of runs.
-    tolerance, level
-        What was asked for: the largest bias that does not matter, the error of one look.
+    level
+        The error of one look.
     """
 
-    bias: float
-    low: float
-    high: float
     spread: float
     runs: int
-    tolerance: float
     level: float
-
-    @property
-    def verdict(self) -> Verdict:
-        """Whether the interval lies within the tolerance, outside of it, or neither."""
-        if -self.tolerance < self.low and self.high < self.tolerance:
-            return "enough"
-        return "not enough" if self.low > self.tolerance or self.high < -self.tolerance else "open"
 
     @property
     def missing(self) -> int | None:
@@ -67,10 +53,12 @@ class Equivalence:
         Of n runs the interval is shorter than the distance d of bias and tolerance if
         n = ((z_level + z_power) spread/d)^2.
         """
+        from scipy.special import ndtri
+
         distance = abs(self.tolerance - abs(self.bias))
         if self.verdict != "open" or distance == 0 or self.spread == 0:
             return None
-        needed = sample_size(distance, self.spread, self.spread, level=1 - 2 * self.level, power=POWER)
+        needed = (float(ndtri(1 - self.level) + ndtri(POWER)) * self.spread / distance) ** 2
         return max(LOOKS[0], math.ceil((needed - self.runs) / LOOKS[0]) * LOOKS[0])
 
 
@@ -108,7 +96,10 @@ def equivalence(
     D. J. Schuirmann, A comparison of the two one-sided tests procedure and the power approach for assessing the
     equivalence of average bioavailability, Journal of Pharmacokinetics and Biopharmaceutics 15 (1987).
     """
-    quantile(1 - level)  # refuses a bad level
+    from scipy.special import stdtrit
+
+    if not 0 < level < 1:
+        raise InvalidProblem(f"level = {describe(level)}: must be between 0 and 1, such as 0.05")
     x = np.asarray(differences, dtype=np.float64)
     if len(x) < 2 or not np.isfinite(x).all():
         raise InvalidProblem(f"differences = {describe(differences)}: must be finite, of two runs or more")
@@ -119,13 +110,4 @@ def equivalence(
     n, spread = len(x), math.sqrt(variance)
     half = float(-stdtrit(n - 1, level)) * spread / math.sqrt(n) + (0.5 / n if shares else 0.0)
     bias = float(x.mean())
-    return Equivalence(bias, bias - half, bias + half, spread, n, tolerance, level)
-
-
-def check_tolerance(tolerance: object, *, shares: bool) -> float:
-    """Return a tolerance that is one; raises InvalidProblem."""
-    number = isinstance(tolerance, int | float) and not isinstance(tolerance, bool) and math.isfinite(tolerance)
-    if not number or not tolerance > 0 or (shares and tolerance >= 1):  # type: ignore[operator]
-        allowed = "above 0 and below 1, such as 0.03 for 3 points" if shares else "above 0, in the unit of the outcome"
-        raise InvalidProblem(f"tolerance = {describe(tolerance)}: must be a number {allowed}")
-    return float(tolerance)  # type: ignore[arg-type]
+    return Equivalence(bias, bias - half, bias + half, tolerance, spread, n, level)
