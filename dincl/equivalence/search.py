@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 # Joins the names of the simplifications of a combination.
 AND = " + "
+# CPU times of which one is at most so many times the other are equal; counted work decides between them.
+TIE = 1.1
 COLUMNS = ["model", "parts", "step", "verdict", "bias", "low", "high", "runs", "missing", "cpu", "work", "reason"]
 Row = dict[str, Any]
 
@@ -84,7 +86,8 @@ def compared(model: str, bias: Bias | None, *, cpu: float, work: float, runs: in
 def search(decider: Decider, kinds: Mapping[str, str], reasons: Mapping[str, str]) -> Simplest:
     """Decide each simplification alone, then combinations, by backward elimination.
 
-    Those that are enough are combined, of each kind the one that costs the least CPU time. While the combination is not
+    Those that are enough are combined, of each kind the one that costs the least CPU time,
+    and of equal ones the least counted work. While the combination is not
     enough, the simplification with the largest bias is dropped. The k-th combination has the error ERROR/2^k, so that
     the answer is wrong with a probability of at most ERROR.
 
@@ -120,5 +123,10 @@ def search(decider: Decider, kinds: Mapping[str, str], reasons: Mapping[str, str
 def _cheapest(rows: Iterable[Row], kinds: Mapping[str, str]) -> dict[str, float]:
     """Return the size of the bias of the cheapest simplification of each kind that is enough."""
     enough = sorted((row for row in rows if row["verdict"] == "enough"), key=lambda row: kinds[row["model"]])
-    each = [min(ones, key=lambda row: row["cpu"]) for _, ones in groupby(enough, key=lambda row: kinds[row["model"]])]
-    return {row["model"]: abs(row["bias"]) for row in each}
+    found = {}
+    for _, ones in groupby(enough, key=lambda row: kinds[row["model"]]):
+        each = list(ones)
+        least = min(row["cpu"] for row in each)
+        chosen = min((row for row in each if row["cpu"] <= TIE * least), key=lambda row: (row["work"], row["cpu"]))
+        found[chosen["model"]] = abs(chosen["bias"])
+    return found

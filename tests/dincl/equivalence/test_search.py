@@ -53,3 +53,15 @@ def test_without_a_simplification_that_is_enough_the_full_model_is_needed() -> N
     found = search(Added(), {"d": "third"}, {"d": ""})
     assert found.answer == ()
     assert found.saving == (1.0, 1.0)
+
+
+def test_counted_work_decides_between_equal_cpu_times() -> None:
+    costs = {"a": (0.50, 0.5), "e": (0.51, 0.4)}
+
+    class Equal(Added):
+        def row(self, model: str) -> Row:
+            cpu, work = costs[model]
+            return super().row(model) | {"cpu": cpu, "work": work}
+
+    # By CPU time a is cheaper than e, but by 2 % only; e takes less counted work.
+    assert search(Equal(), {"a": "first", "e": "first"}, {"a": "", "e": ""}).answer == ("e",)
