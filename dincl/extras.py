@@ -23,6 +23,7 @@ PACKAGES = {
     "cvc5": "cvc5",
     "cvxpy": "cvxpy",
     "distributed": "distributed",
+    "docutils": "docutils",
     "filelock": "filelock",
     "flint": "python-flint",
     "jinja2": "jinja2",

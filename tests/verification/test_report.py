@@ -30,6 +30,7 @@ from verification.page import chapters, context
 from verification.page.agreement import Agreement
 from verification.page.chapters import CHAPTERS
 from verification.page.context import Context
+from verification.page.formulas import typeset
 from verification.page.kept import STUDIES
 from verification.page.made_again import TITLE as AGAIN
 from verification.page.report import write_report
@@ -165,8 +166,8 @@ def test_the_first_page_says_what_was_found_and_where_it_is_shown(made: tuple[Pa
         assert chapter.asked in text
         own = (made[0].parent / chapter.file).read_text("utf-8")
         for found in chapter.findings(made[1]):
-            assert found.html in text
-            assert found.html in own
+            assert typeset(found.html) in text
+            assert typeset(found.html) in own
             assert re.search(r"\d", found.html)
 
 
@@ -183,6 +184,12 @@ def test_pages_open_offline_and_link_what_is_there(made: tuple[Path, Context]) -
             assert (folder / (file or name)).is_file(), link
             target = found.get(file or name) or Page((folder / file).read_text("utf-8") if place else "")
             assert not place or place in target.ids, link
+
+
+def test_no_formula_is_left_as_it_is_typed(made: tuple[Path, Context]) -> None:
+    for path in made[0].parent.glob("*.html"):
+        shown = re.sub(r"<(script|style)\b.*?</\1>|<[^>]*>", "", path.read_text("utf-8"), flags=re.S)
+        assert not re.findall(r".*(?:\$|[_^]\{).*", shown), path.name
 
 
 def test_tables_and_figures_lie_beside_the_page(made: tuple[Path, Context]) -> None:

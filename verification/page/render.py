@@ -11,27 +11,30 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescap
 from markupsafe import Markup
 
 from dincl.files import write_text
+from verification.page.formulas import marked, typeset
 
 
 def render_page(template: str, path: Path, **values: Any) -> Path:
     """Fill a template of this folder and put the page in place; ``made`` is the time."""
     made = datetime.now().astimezone().strftime("%Y-%m-%d %H:%M")
     path.parent.mkdir(parents=True, exist_ok=True)
-    write_text(path, render(template, made=made, **values))
+    write_text(path, typeset(render(template, made=made, **values)))
     return path
 
 
 def render(template: str, **values: Any) -> str:
-    """Return a template of this folder, filled; ``safe`` marks HTML as such."""
+    """Return a template of this folder, filled; ``safe`` marks HTML as such, ``marked`` its formulas."""
     return _environment().get_template(template).render(safe=Markup, **values)
 
 
 @cache
 def _environment() -> Environment:
-    return Environment(
+    made = Environment(
         loader=PackageLoader("verification.page"),
         autoescape=select_autoescape(),
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    made.filters["marked"] = marked
+    return made

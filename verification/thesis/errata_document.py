@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
-from markupsafe import Markup, escape
 
 from dincl.files import write_text
 from verification.claims import Effect
+from verification.page.formulas import marked, typeset
 from verification.thesis.register import chapter_of, register
 from verification.thesis.text.errata import errata
 
@@ -72,9 +72,9 @@ def write_errata(folder: Path) -> list[Path]:
     }
     folder.mkdir(parents=True, exist_ok=True)
     written = []
-    for name, environment in (("errata.html", _html()), ("errata.tex", _tex())):
+    for name, environment, finished in (("errata.html", _html(), typeset), ("errata.tex", _tex(), str)):
         path = folder / name
-        write_text(path, environment.get_template(name).render(values))
+        write_text(path, finished(environment.get_template(name).render(values)))
         written.append(path)
     return written
 
@@ -87,7 +87,7 @@ def _html() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    made.filters["marked"] = as_html
+    made.filters["marked"] = marked
     return made
 
 
@@ -110,25 +110,12 @@ def _tex() -> Environment:
     return made
 
 
-def as_html(text: str) -> Markup:
-    """Return a text with its subscripts and superscripts as HTML."""
-    tags = {"_": "sub", "^": "sup", "": ""}
-    parts = _marked(text, escape)
-    return Markup("").join(Markup("<{0}>{1}</{0}>").format(tags[kind], part) if kind else part for kind, part in parts)
-
-
 def as_tex(text: str) -> str:
     """Return a text with its subscripts and superscripts as LaTeX."""
     commands = {"_": r"\textsubscript", "^": r"\textsuperscript"}
-    parts = _marked(text, lambda plain: plain.translate(TEX))
-    return "".join(f"{commands[kind]}{{{part}}}" if kind else part for kind, part in parts)
-
-
-def _marked(text: str, safe: Callable[[str], str]) -> Iterator[tuple[str, str]]:
-    """Split a text into parts marked "_" for a subscript, "^" for a superscript and "" for the rest."""
-    end = 0
+    found, end = "", 0
     for match in SCRIPT.finditer(text):
-        yield "", safe(text[end : match.start()])
-        yield match[1], safe(match[2] if match[2] is not None else match[3])
+        script = match[2] if match[2] is not None else match[3]
+        found += f"{text[end : match.start()].translate(TEX)}{commands[match[1]]}{{{script.translate(TEX)}}}"
         end = match.end()
-    yield "", safe(text[end:])
+    return found + text[end:].translate(TEX)
