@@ -7,6 +7,7 @@ from jinja2 import UndefinedError
 
 import verification
 from verification.page.prose import fill, percents
+from verification.page.render import counted
 
 TEMPLATE = """
 {% block first %}
@@ -55,3 +56,12 @@ def test_every_template_is_plain_prose() -> None:
         assert max(map(len, text.splitlines())) <= 125, path
         for slip in ("can not", "a cell that is none", "of which are drawn"):
             assert slip not in text, (path, slip)
+
+
+@pytest.mark.parametrize(
+    ("count", "said"),
+    [(0, "0 studies agree"), (1, "1 study agrees"), (2, "2 studies agree"), (1000, "1000 studies agree")],
+)
+def test_a_number_agrees_with_its_noun(count: int, said: str) -> None:
+    assert counted(count, "study agrees", "studies agree") == said
+    assert counted(count, "row") == f"{count} row" + ("" if count == 1 else "s")

@@ -9,13 +9,14 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from verification.page.parts import number
+from verification.page.render import counted
 
 
 def fill(template: Path, **values: Any) -> dict[str, str]:
     """Return the blocks of a template by name, with the values filled in and white space made single blanks.
 
-    Filters: ``number`` (three digits), ``percent`` (of a part), ``percents`` (of a part and its interval), ``interval``
-    (two numbers), ``listed`` (a sequence).
+    Filters: ``counted`` (a number with its noun), ``number`` (three digits), ``percent`` (of a part), ``percents`` (of
+    a part and its interval), ``interval`` (two numbers), ``listed`` (a sequence).
 
     Raises
     ------
@@ -31,7 +32,7 @@ def fill(template: Path, **values: Any) -> dict[str, str]:
 def _environment(folder: Path) -> Environment:
     # Values go in as they are: templates are HTML for paragraphs, plain text for captions, which the page escapes.
     made = Environment(loader=FileSystemLoader(folder), undefined=StrictUndefined, autoescape=False)
-    made.filters |= {"number": number, "interval": interval, "listed": listed}
+    made.filters |= {"number": number, "interval": interval, "listed": listed, "counted": counted}
     made.filters |= {"percent": percent, "percents": percents}
     return made
 

@@ -36,5 +36,10 @@ def _environment() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    made.filters["marked"] = marked
+    made.filters |= {"marked": marked, "counted": counted}
     return made
+
+
+def counted(count: int, one: str, many: str = "") -> str:
+    """Return a number with its noun, ``1 claim`` or ``2 claims``; ``many`` is the plural if it is not ``one`` + s."""
+    return f"{count} {one if count == 1 else many or one + 's'}"

@@ -12,6 +12,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from dincl.files import write_text
 from verification.claims import Effect
 from verification.page.formulas import marked, typeset
+from verification.page.render import counted
 from verification.thesis.register import chapter_of, register
 from verification.thesis.text.errata import errata
 
@@ -87,7 +88,7 @@ def _html() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    made.filters["marked"] = marked
+    made.filters |= {"marked": marked, "counted": counted}
     return made
 
 

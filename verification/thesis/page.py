@@ -17,6 +17,7 @@ from verification.page.columns import headed, read_columns
 from verification.page.context import Context
 from verification.page.parts import VERDICTS, Grid, SearchField, Section, Statements, Text
 from verification.page.prose import fill
+from verification.page.render import counted
 from verification.page.report import Chapter, Finding
 from verification.page.sources import write_source
 from verification.thesis.chapter4.frequencies import READINGS, RULE
@@ -72,7 +73,7 @@ def _graph(rows: pd.DataFrame) -> ClaimGraph:
     looks = dict(zip(rows["id"], rows["verdict"].map(VERDICTS), strict=True))
     inside = {claim.id: [name for name in claim.rests_on if name in looks] for claim in register() if claim.id in looks}
     edges = sum(map(len, inside.values()))
-    return ClaimGraph(looks, inside, f"Which claim rests on which: {edges} arrows, from left to right")
+    return ClaimGraph(looks, inside, f"Which claim rests on which: {counted(edges, 'arrow')}, from left to right")
 
 
 def _values(table: pd.DataFrame) -> dict[str, Any]:
