@@ -109,7 +109,8 @@ class CompiledProblem:
         self._programs, self._dense = programs, programs and (solver is None or solver.dense)
         n, families, d = problem.x0.size, len(problem.constraints), problem.x0.shape[1]
         rows, called = self._tabulated(0.0)
-        self.drift, self.sets = DriftPointer(problem), SetsPointer(problem.x0, selection, called, units, custom_sweeps)
+        self.drift = DriftPointer(problem)
+        self.sets = SetsPointer(problem.x0, selection, called, units, custom_sweeps, self.drift)
         search = None if all_rows else PythonFunction(self._list_rows)
         self.solving = None if solver is None else solver.bind(self)
         functions = (self.drift, self.sets, search, self.solving)

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from dincl.constraints.base import Constraint
     from dincl.constraints.selection import Selection
     from dincl.rows.base import CustomSweep, RowsOfOneKind, TableRows
+    from dincl.system.callbacks import DriftPointer
     from dincl.system.compiled_problem import Units
     from dincl.work import Work
 
@@ -65,7 +66,9 @@ class SetsPointer(PythonFunction):
         called: tuple[int, ...],
         units: Units,
         custom_sweeps: Mapping[int, CustomSweep],
+        drift: DriftPointer,
     ) -> None:
+        self._drift = drift
         self._start, self._shape = start, selection.shape
         count, d = selection.shape
         families, self.spacing = len(selection.constraints), SPACING
@@ -123,6 +126,8 @@ class SetsPointer(PythonFunction):
         super().raise_error()
 
     def _answer(self, t: float, x: int, *_: int) -> None:
+        # Compiled code says only now and then how often it calls the drift; these questions may take much longer.
+        self._drift.count_evaluations(0)
         question, _, family = self.arrays.request
         if question == SWEEP:
             self.custom_sweeps[int(family)].sweep(t * self._units.time, numbers_at(x, self._shape), self.work)

@@ -9,6 +9,7 @@ import pytest
 
 import dincl
 from dincl.drifts import attraction, compiled, constant, swirl
+from dincl.problem import with_counted_drift
 from dincl.system.callbacks import DriftPointer
 from tests.dincl.system.drift_runs import X, plain, run
 from verification.instruments.budget import DriftEvaluations, OutOfBudgetError, counted
@@ -146,3 +147,20 @@ def test_a_counted_function_of_python_stops_the_run_at_the_evaluation():
     with pytest.raises(OutOfBudgetError):
         run(problem, steps=100)
     assert count.evaluations == 21
+
+
+def test_a_limit_is_looked_at_whenever_python_is_asked_for_the_sets():
+    """The drift is compiled and says late how often it was called; a slow set must not keep the run from ending."""
+    asked = []
+
+    def radius(t):
+        asked.append(t)
+        return 0.5 * (1 + 1e-3 * t)
+
+    growing = dincl.Problem([[0.0, 0.0], [2.0, 0.0]], constant((0.0, 1.0)), [dincl.NonOverlap(radius)])
+    limited, _ = with_counted_drift(growing, lambda _: len(asked) > 400)
+    for scheme in (dincl.EventDriven(1e-6), dincl.PBD(1e-3)):
+        asked.clear()
+        with pytest.raises(OutOfBudgetError):
+            dincl.solve(limited, scheme, [10.0])
+        assert 400 < len(asked) < 460

@@ -1,11 +1,27 @@
 """Numbers of the answer: intervals of means that are valid at any time, and differences run by run."""
 
 import numpy as np
+import pandas as pd
 import pytest
 from scipy import stats
 
 from tissue.statistics.sequences import bounded, runs_to_decide, unbounded
-from verification.explore.tissues.answer import DECIDED, AnswerRow, Sample, _needed, difference, means_of
+from verification.explore.tissues.answer import (
+    DECIDED,
+    HEIGHT,
+    NO_INTERVAL,
+    Answer,
+    AnswerRow,
+    Sample,
+    TimeSeries,
+    _needed,
+    _plain,
+    _row,
+    _signed,
+    difference,
+    means_of,
+)
+from verification.explore.tissues.answer_panel import mean_chart
 
 RNG = np.random.default_rng(3)
 FIRST, SECOND = RNG.normal(1.0, 2.0, 40), RNG.normal(0.5, 0.7, 30)
@@ -40,3 +56,16 @@ def test_what_is_decided_is_said_by_these_intervals_alone():
     runs = int(_needed(close).split()[0].replace(" ", ""))
     assert runs == max(runs_to_decide(abs(close.value), close.values.std()) - 30, 1)
     assert AnswerRow._fields[-1] == "needed"
+
+
+def test_few_values_have_no_interval_and_say_so():
+    assert _row("height", Sample(FIRST[:3]), None, _plain, _signed).value.endswith(f", {NO_INTERVAL}")
+    assert _row("height", Sample(FIRST), None, _plain, _signed).value.endswith("]")
+
+
+def test_what_is_held_has_names_of_its_own():
+    course = TimeSeries([0.0, 1.0], *np.array([[1.0, 2.0], [0.5, 1.0], [1.5, 3.0]]))
+    answer = Answer(8, 0, {}, {}, {}, pd.DataFrame(columns=["what", "time_h"]), {HEIGHT: course})
+    assert mean_chart([answer], HEIGHT)["legend"]["data"] == [HEIGHT]
+    chart = mean_chart([answer, answer], HEIGHT)
+    assert chart["legend"] | {"data": [HEIGHT, f"{HEIGHT}, held"], "show": True} == chart["legend"]

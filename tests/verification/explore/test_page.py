@@ -231,6 +231,11 @@ def test_parameters_are_saved_and_opened_and_copied(page, folder):
 def test_it_fits_a_desk_and_a_telephone(page, width):
     page.set_viewport_size({"width": width, "height": HEIGHT})
     fits(page)
+    picture, answer, knobs = (page.locator(f".{name}").bounding_box() for name in ("middle", "right", "left"))
+    if width < 1000:
+        assert picture["y"] + picture["height"] <= answer["y"] < answer["y"] + answer["height"] <= knobs["y"]
+    else:
+        assert knobs["x"] < picture["x"] < answer["x"]
 
 
 def test_visitors_do_not_disturb_each_other_and_a_setting_outlives_a_reload(browser_of_all, site, page):

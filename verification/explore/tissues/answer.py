@@ -143,6 +143,7 @@ def _by_run(cells: pd.DataFrame, times: list[float]) -> NDArray[np.float64]:
 
 
 DECIDED = "decided"
+NO_INTERVAL = "too few runs for an interval"
 SHARES, SHARE = (APICAL, BASAL), (0.0, 1.0)
 
 
@@ -203,8 +204,8 @@ def _points(value: float, low: float, high: float) -> str:
 
 
 def _plain(value: float, low: float, high: float) -> str:
-    return f"{value:.3g} [{low:.3g}, {high:.3g}]"
+    return f"{value:.3g} [{low:.3g}, {high:.3g}]" if low > -np.inf else f"{value:.3g}, {NO_INTERVAL}"
 
 
 def _signed(value: float, low: float, high: float) -> str:
-    return f"{value:+.2g} [{low:+.2g}, {high:+.2g}]"
+    return f"{value:+.2g} [{low:+.2g}, {high:+.2g}]" if low > -np.inf else f"{value:+.2g}, {NO_INTERVAL}"

@@ -24,10 +24,11 @@ MAKES_NO_NUMBERS = True
 COLOURS = {POSITION: "#3a3a3a", HEIGHT: "#3f7fc1"}
 DASHES = {"-": "solid", "--": "dashed", "-.": "dotted"}
 HELD = 0.45  # opacity of what is held
+NAMES_IN_A_ROW = 2  # of a legend
 
 
 def ratios_chart(answers: Sequence[Answer]) -> dict[str, Any]:
-    """Return the ratios of EMT cells against time; the first answer, and pale the one that is held."""
+    """Return the ratios of EMT cells against time: the first answer, and pale the one that is held."""
     series: list[dict[str, Any]] = []
     for k, answer in enumerate(answers):
         for what, (colour, line, name) in OUTCOMES.items():
@@ -51,9 +52,10 @@ def mean_chart(answers: Sequence[Answer], what: str) -> dict[str, Any]:
 
 def _chart(title: str, series: list[dict[str, Any]]) -> dict[str, Any]:
     names = list(dict.fromkeys(one["name"] for one in series if not one["name"].startswith("_")))
+    rows = -(-len(names) // NAMES_IN_A_ROW) if len(names) > 1 else 0
     return {
         "animation": False,
-        "grid": {"left": 46, "right": 12, "top": 12 + 20 * (len(names) > 1), "bottom": 34},
+        "grid": {"left": 46, "right": 12, "top": 12 + 18 * rows, "bottom": 34},
         "legend": {"data": names, "show": len(names) > 1, "top": 0, "itemHeight": 8, "textStyle": {"fontSize": 11}},
         "tooltip": {"trigger": "axis", "valueFormatter": None},
         "xAxis": {"type": "value", "name": "time [h]", "nameLocation": "middle", "nameGap": 20, "max": "dataMax"},
@@ -72,12 +74,13 @@ def _band(
     """Draw a line and its interval: the low end without a line, on top of it the width, filled."""
     colour, dashes = look
     opacity = HELD if k else 1.0
+    name += ", held" if k else ""
     line = {"type": "line", "showSymbol": False, "silent": True}
     yield line | {
         "name": name,
         "data": _points(t, value),
         "lineStyle": {"color": colour, "type": dashes, "width": 2, "opacity": opacity},
-        "itemStyle": {"color": colour},
+        "itemStyle": {"color": colour, "opacity": opacity},
         "z": 3,
     }
     hidden = {
