@@ -16,6 +16,7 @@ from dincl.checks import describe, number
 from dincl.errors import InvalidProblem
 from dincl.extras import needs
 from dincl.files import replacing
+from dincl.region import region, values_on_grid
 from dincl.shapes import Ball, Bonds, Curve, Wall, radii, shapes_at
 
 if TYPE_CHECKING:
@@ -43,10 +44,6 @@ STYLE: Any = {
 SIZE = (4.6, 4.2)  # inches
 DPI = 110
 FILL, EDGE, OBSTACLE, GREY = "#9ec3e6", "#2b5b8a", "#cfcfcf", "#8a8a8a"
-# Room around what is shown, and the least extent along any axis, as parts of its size.
-MARGIN, NARROWEST = 0.06, 0.5
-# A wall is shown if it is at most so far from the rest, as a part of its size.
-FARTHEST = 1.0
 # Paths are drawn of this many particles, balls as surfaces of so many; beyond that they hide each other.
 MOST_TRACES = 300
 MOST_SURFACES = 120
@@ -182,44 +179,8 @@ def _view(film: Film) -> View:
     d = film.x.shape[2]
     if d > 3:
         raise InvalidProblem(f"d = {d}: drawn are trajectories in 1, 2 or 3 dimensions; to_frame() has the numbers")
-    ends = (0.0, float(film.t[-1]))
-    radius = np.max([radii(film.problem, t) for t in ends], axis=0)
     places = np.concatenate((film.problem.x0[None], film.x))
-    low, high = (places - radius[:, None]).min(axis=(0, 1)), (places + radius[:, None]).max(axis=(0, 1))
-    shapes = [shape for t in ends for shape in shapes_at(film.problem, t)]
-    for ball in shapes:
-        if isinstance(ball, Ball):
-            low, high = np.minimum(low, ball.centre - ball.radius), np.maximum(high, ball.centre + ball.radius)
-    size = float((high - low).max()) or 1.0
-    for wall in shapes:
-        if isinstance(wall, Wall):
-            # From the corner that is nearest to the wall to its foot.
-            corner = np.where(wall.normal > 0, low, high)
-            foot = corner - (wall.normal @ corner - wall.offset) * wall.normal
-            if np.abs(foot - corner).max() <= FARTHEST * size:
-                low, high = np.minimum(low, foot), np.maximum(high, foot)
-        elif isinstance(wall, Curve):
-            low, high = _extended(wall, low, high, FARTHEST * size)
-    room = MARGIN * size + np.maximum(0.0, NARROWEST * size - (high - low)) / 2
-    return View(film.problem, low - room, high + room)
-
-
-def _extended(curve: Curve, low: Floats, high: Floats, by: float) -> tuple[Floats, Floats]:
-    """Extend the corners of what is shown to the whole of a curve that ends within so much more."""
-    axes = [np.linspace(a - by, b + by, LEVEL_POINTS // 2) for a, b in zip(low, high, strict=True)]
-    free = _values_on_grid(curve, *axes) >= 0
-    for side in (free, ~free):
-        if side.any() and not (side[[0, -1]].any() or side[:, [0, -1]].any()):
-            places = np.argwhere(side)
-            ends = [places.min(axis=0) - 1, places.max(axis=0) + 1]
-            corners = np.array([[axes[0][j], axes[1][i]] for i, j in ends])
-            return np.minimum(low, corners[0]), np.maximum(high, corners[1])
-    return low, high
-
-
-def _values_on_grid(curve: Curve, x: Floats, y: Floats) -> Floats:
-    with np.errstate(all="ignore"):
-        return np.array([[curve.g(np.array([a, b])) for a in x] for b in y])
+    return View(film.problem, *region(film.problem, places, (0.0, float(film.t[-1]))))
 
 
 def _draw(ax: Axes, view: View, film: Film) -> None:
@@ -309,7 +270,7 @@ def _draw_shape_in_plane(ax: Axes, view: View, shape: Any, x: Floats) -> None:
 
 def _draw_level(ax: Axes, view: View, curve: Curve, *, filled: bool = True) -> None:
     axes = [np.linspace(low, high, LEVEL_POINTS) for low, high in zip(view.low, view.high, strict=True)]
-    values = _values_on_grid(curve, *axes)
+    values = values_on_grid(curve, *axes)
     if values.min() < 0 < values.max():
         if filled:
             ax.contourf(*axes, values, levels=[-np.inf, 0.0], colors=[OBSTACLE], zorder=0)

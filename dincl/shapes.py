@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from functools import singledispatch
 from itertools import pairwise
@@ -29,6 +30,10 @@ if TYPE_CHECKING:
     from dincl.problem import Problem
 
 
+# Normals of walls that face each other add up to zero but for this.
+ROUNDING = 1e-12
+
+
 class Wall(NamedTuple):
     """{X : normal . X >= offset} is free, for a unit ``normal`` of shape (d,)."""
 
@@ -39,6 +44,11 @@ class Wall(NamedTuple):
         """Return the wall carried by X -> turn X + shift, (d, d) and (d,)."""
         normal = turn @ self.normal
         return Wall(normal, self.offset + float(normal @ shift))
+
+    def distance(self, other: Wall) -> float:
+        """Return the width of the gap between two walls that face each other, infinite if they do not [length]."""
+        facing = float(self.normal @ other.normal) < ROUNDING - 1
+        return -(self.offset + other.offset) if facing and self.offset + other.offset < 0 else math.inf
 
     def cut(self, low: NDArray[np.float64], high: NDArray[np.float64]) -> NDArray[np.float64]:
         """Where the plane cuts the edges of a box in space, in their order around it, (m, 3) with m = 0 or 3 ... 6."""

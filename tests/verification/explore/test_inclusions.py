@@ -126,6 +126,16 @@ def test_pictures_of_a_line_lie_in_the_plane_and_its_walls_move() -> None:
     assert frames[5][0]["shapes"] != frames[6][0]["shapes"]
 
 
+def test_a_wall_that_turns_is_drawn_again() -> None:
+    wall = dincl.HalfSpace(lambda t: (np.sin(t), np.cos(t)), 0.0)
+    problem = dincl.Problem([[0.0, 0.5]], dincl.drifts.constant((0.0, -1.0)), [wall])
+    one = InclusionRun(Inclusion("turning", "", problem, 1.0), "PBD", 64, 1.0)
+    _, *frames, _ = messages(pictures(one, lambda: False))
+    normals = [frame[0]["shapes"][0]["normal"] for frame in frames]
+    assert normals[-1] == pytest.approx([np.sin(1.0), np.cos(1.0)])
+    assert len({tuple(normal) for normal in normals}) == len(frames)
+
+
 def test_pictures_of_what_blows_up_and_of_what_fails() -> None:
     (head, _), *frames, _ = messages(pictures(run("sweeping_interval", "penalty 100", 32), lambda: False))
     size = head["box"][1] - head["box"][0]

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from dincl.region import region, values_on_grid
 from dincl.shapes import Ball, Bonds, Curve, Shape, Wall, radii, shapes_at
 from verification.explore.common.streams import ending, message
 from verification.explore.inclusions.problems import PICTURES, Floats, Inclusion, reference
@@ -15,8 +16,8 @@ from verification.explore.inclusions.runs import Gone, InclusionRun, SavedState,
 
 MAKES_NO_NUMBERS = True
 
-# Room around what is shown, and the least extent along any axis, as parts of its size.
-MARGIN, NARROWEST = 0.06, 0.4
+# The least extent along any axis, as a part of the size: a line has a height, too.
+NARROWEST = 0.4
 # What a method throws out of the scene is drawn at most so many sizes of it away: the player shows all particles.
 AWAY = 2.0
 # What is larger would be no 4-byte number.
@@ -50,8 +51,7 @@ class _Film:
     def __init__(self, run: InclusionRun) -> None:
         self._problem, self._end = run.inclusion.problem, run.end
         self._known, self._box = reference(self._problem, self._end).x, box_of(run.inclusion, run.end)
-        d = self._problem.x0.shape[1]
-        self._moves = any(one.displacement(0.0, d) is not None for one in self._problem.constraints)
+        self._moves = any(one.timed for one in self._problem.constraints)
         self._shapes: list[dict[str, Any]] | None = None
 
     def head(self) -> bytes:
@@ -101,14 +101,9 @@ def box_of(inclusion: Inclusion, end: float) -> tuple[float, float, float, float
     problem, states = inclusion.problem, reference(inclusion.problem, end).x
     if states is None:
         states = np.array([kept.x for kept in integrate(InclusionRun(inclusion, "PBD", PICTURES, end))])
-    places, radius = _plane(states), radii(problem)[:, None]
-    low, high = (places - radius).min(axis=(0, 1)), (places + radius).max(axis=(0, 1))
-    for shape in (*shapes_at(problem, 0.0), *shapes_at(problem, end)):
-        if isinstance(shape, Ball):
-            centre = _plane(shape.centre)
-            low, high = np.minimum(low, centre - shape.radius), np.maximum(high, centre + shape.radius)
-    size = float((high - low).max()) or 1.0
-    room = MARGIN * size + np.maximum(0.0, NARROWEST * size - (high - low)) / 2
+    low, high = (_plane(corner) for corner in region(problem, states, (0.0, end)))
+    least = NARROWEST * float((high - low).max())
+    room = np.maximum(0.0, least - (high - low)) / 2
     left, right, down, up = (float(side) for pair in zip(low - room, high + room, strict=True) for side in pair)
     return left, right, down, up
 
@@ -129,17 +124,15 @@ def _drawn(shape: Shape, box: tuple[float, float, float, float]) -> Iterator[dic
             yield {"type": "ball", "centre": _plane(centre).tolist(), "radius": radius, "inside": inside}
         case Bonds(pairs):
             yield {"type": "bond", "pairs": pairs.tolist()}
-        case Curve(g):
-            for line in _level(g, box):
+        case Curve():
+            for line in _level(shape, box):
                 yield {"type": "curve", "points": line.tolist()}
 
 
-def _level(g: Any, box: tuple[float, float, float, float]) -> list[Floats]:
-    """Return the lines on which g is 0."""
+def _level(curve: Curve, box: tuple[float, float, float, float]) -> list[Floats]:
+    """Return the lines of a curve."""
     from contourpy import contour_generator
 
     x, y = np.linspace(*box[:2], LEVEL_POINTS), np.linspace(*box[2:], LEVEL_POINTS)
-    with np.errstate(all="ignore"):
-        values = [[g(np.array([a, b])) for a in x] for b in y]
-    lines: Any = contour_generator(x, y, values).lines(0.0)
+    lines: Any = contour_generator(x, y, values_on_grid(curve, x, y)).lines(0.0)
     return list(lines)
