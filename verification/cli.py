@@ -45,7 +45,10 @@ def report(full: Full = False, out: Out = Path("report")) -> None:
 
 @app.command()
 def claims(
-    name: Annotated[list[str] | None, typer.Option("--id", help="Only these claims; * stands for any text.")] = None,
+    name: Annotated[
+        list[str] | None,
+        typer.Option("--id", help="Only these claims, such as c3.box or c3.*; the page of claims has all ids."),
+    ] = None,
     chapter: Annotated[list[int] | None, typer.Option(help="Only claims of this chapter of the thesis.")] = None,
     cost: Annotated[Cost | None, typer.Option(help="Only checks that take no longer.")] = None,
     full: Full = False,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 import time
 from collections.abc import Callable, Iterable, Iterator
@@ -9,7 +10,6 @@ from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExe
 from contextlib import contextmanager, suppress
 from datetime import timedelta
 from multiprocessing import connection, get_context, parent_process
-from threading import Thread
 from typing import TypeVar
 
 from dincl.extras import needs
@@ -84,16 +84,19 @@ def workers() -> ProcessPoolExecutor:
 
 
 def _end_with_parent() -> None:
-    """Watch the process that started this one, in a thread."""
+    """Let the kernel end this process when the process that started it ends.
+
+    The write end of the pipe ``sentinel`` closes then, and SIGIO, sent on that account, ends a process. A thread that
+    waits for the same would need the interpreter's lock, which a library may hold for minutes.
+    """
     parent = parent_process()
-    if parent is not None:
-        Thread(target=_watch, args=(parent.sentinel,), name="watches the parent", daemon=True).start()
-
-
-def _watch(parent: int) -> None:
-    """Wait for the end of the parent, then end this process."""
-    connection.wait([parent])
-    os._exit(0)
+    if parent is None:
+        return
+    pipe = parent.sentinel
+    fcntl.fcntl(pipe, fcntl.F_SETOWN, os.getpid())
+    fcntl.fcntl(pipe, fcntl.F_SETFL, fcntl.fcntl(pipe, fcntl.F_GETFL) | os.O_ASYNC)
+    if connection.wait([pipe], 0):  # it ended before
+        os._exit(0)
 
 
 @contextmanager

@@ -1,6 +1,7 @@
 """The command that lists the keys of parameter files, and tells all of one."""
 
 import re
+from typing import get_args
 
 import pytest
 from typer.testing import CliRunner
@@ -9,9 +10,13 @@ from tissue.cli.app import app
 from tissue.files.keys import all_keys, sections
 from tissue.files.parameter_files import PRESETS
 from tissue.files.parameters import Parameters
+from tissue.statistics.categories import What
+from tissue.study.outcomes import EXTENTS
 from tissue.study.plan import shipped
+from tissue.study.planned import SHARES
 
 KEYS = all_keys(Parameters)
+HEAD = ("title", "base", "replicates", "seed", "scenarios", "factors", "overrides", "trajectories")
 
 
 def call(*args):
@@ -31,10 +36,18 @@ def test_all_keys_are_listed_with_meaning_unit_and_values():
     assert [line.split()[0] for line in lines if line.startswith("[")] == [f"[{name}]" for name in sections(Parameters)]
 
 
-def test_help_names_sections_presets_and_studies():
-    for command, names in (("parameters", sections(Parameters)), ("run", PRESETS), ("study", shipped())):
+def test_help_names_what_can_be_given():
+    listed = {
+        "parameters": sections(Parameters),
+        "run": PRESETS,
+        "movie": PRESETS,
+        "explore": (*PRESETS, "tissue parameters"),
+        "study": (*shipped(), *HEAD, "compare", "simplify", "tissue parameters"),
+        "simplify": (*shipped(), *get_args(What), *SHARES, *EXTENTS, "section simplify"),
+    }
+    for command, names in listed.items():
         said = CliRunner().invoke(app, [command, "--help"], env={"COLUMNS": "400"}).stdout
-        assert all(re.search(rf"\b{name}\b", said) for name in names)
+        assert [name for name in names if not re.search(rf"\b{name}\b", said)] == [], command
 
 
 def test_all_of_a_key():

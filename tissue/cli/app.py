@@ -30,7 +30,7 @@ MAKES_NO_NUMBERS = True
 
 # The page shows tissues and inclusions, so it stands above this package, which knows nothing of it but this name.
 PAGE = "verification.explore.command:explore"
-app = typer.Typer(help="Grow a tissue, and look at it.", no_args_is_help=True)
+app = typer.Typer(help="Grow a tissue, and look at it.", no_args_is_help=True, rich_markup_mode="markdown")
 app.command()(resolve_name(PAGE))
 app.command()(study)
 app.command()(figures)
@@ -53,7 +53,7 @@ def run(
 ) -> None:
     """Simulate; write table.parquet, summary.csv, parameters.toml, picture.png and the last state, final.npz.
 
-    A parameter file names a base, such as base = "thesis", and what differs: `tissue parameters` lists all keys.
+    A parameter file names a base, such as base = "thesis", and what differs: "tissue parameters" lists all keys.
     The first run on a machine takes longer: the kernels are compiled.
     """
     from tissue.frames.frame import Frame
@@ -75,7 +75,10 @@ def movie(
     file: File,
     seed: Seed = 0,
     out: Annotated[Path, typer.Option(help="Where to write; .gif or .webp.")] = Path("movie.gif"),
-    keep: Annotated[str | None, typer.Option(help="Time between two pictures.", show_default="as in FILE")] = None,
+    keep: Annotated[
+        str | None,
+        typer.Option(metavar="TIME", help='Time between two pictures, such as "0.5 h".', show_default="as in FILE"),
+    ] = None,
     flat: Annotated[bool, typer.Option("--section", help="In three dimensions: the section alone.")] = False,
 ) -> None:
     """Simulate, and write an animation of the saved states; in three dimensions of nuclei, apical surface and section.

@@ -14,21 +14,25 @@ if TYPE_CHECKING:
     from tissue.study.simplify import Simplified
 
 MAKES_NO_NUMBERS = True
+OUTCOMES = (
+    "A share: basal, apical, below, controls_apical, controls_basal; or a number of a run: height_um, "
+    "nucleus_height_um, apical_width_um, basal_width_um, nuclei_width_um, or an observable of your own."
+)
 
 
 def simplify(
     file: File,
-    outcome: Annotated[str | None, typer.Option(help="A share, such as basal, or a number, height_um.")] = None,
-    scenario: Annotated[list[str] | None, typer.Option(help="One, or two: first minus second.")] = None,
+    outcome: Annotated[str | None, typer.Option(help=OUTCOMES)] = None,
+    scenario: Annotated[list[str] | None, typer.Option(help="One of the study, or two: first minus second.")] = None,
     tolerance: Annotated[float | None, typer.Option(help="Bias that does not matter; 0.03: 3 points.")] = None,
     at: Annotated[str | None, typer.Option(metavar="TIME", help='When, such as "48 h".')] = None,
-    runs: Annotated[int | None, typer.Option(help="The most runs of a model, 64, 128, ..., 8192.")] = None,
+    runs: Annotated[int | None, typer.Option(help="The most runs of a model: 64, 128, ..., 8192.")] = None,
     out: Annotated[Path | None, typer.Option(help="Folder to write to.", show_default="results/simplify_FILE")] = None,
 ) -> None:
     """Find the simplest model that answers a question of a study as the full one does, within a tolerance.
 
     Fewer substeps, no noise, fewer cells and others run beside the full model with the same seeds; equivalence tests
-    decide. Writes answer.csv and bias.png. What is not given, the section [simplify] of the study says, or is basal
+    decide. Writes answer.csv and bias.png. What is not given, the section simplify of the study says, or is basal
     extrusion in the first scenario at the end. After any interruption the same command goes on.
     """
     from dincl.study.table import write_csv

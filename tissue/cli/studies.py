@@ -31,8 +31,12 @@ Scheduler = Annotated[str | None, typer.Option(metavar="ADDRESS", help="Of a Das
 def study(file: File, out: Out = None, scheduler: Scheduler = None, forecast: Forecast = False) -> None:
     """Make all runs of a study that are not in its folder yet, on this machine's cores or a Dask cluster.
 
-    After any interruption the same command goes on. Exit codes: 0 all runs are stored, failed ones with their status; 2
-    bad input; 3 the study could not go on, as on a full disk; 130 Ctrl-C.
+    A study file has title, base, replicates and seed, then scenarios or factors, and on request overrides,
+    trajectories, compare and simplify; the tutorial "An EMT study" shows each. The keys of overrides and scenarios are
+    those that "tissue parameters" lists. After any interruption the same command goes on.
+
+    Exit codes: 0 all runs are stored, failed ones with their status; 2 bad input; 3 the study could not go on, as on a
+    full disk; 130 Ctrl-C.
     """
     from tissue.study.plan import load_study
     from tissue.study.run import carry_out, cluster

@@ -9,6 +9,7 @@ import typer
 
 from dincl.errors import InvalidProblem
 from tissue.cli.messages import messages
+from tissue.files.parameter_files import PRESETS
 
 MAKES_NO_NUMBERS = True
 
@@ -18,7 +19,11 @@ BEGIN: dict[str, Any] = {"emt.cells": 10, "emt.a": "6 h to 24 h", "emt.b": "6 h 
 
 File = Annotated[
     str | None,
-    typer.Argument(metavar="FILE", help="A parameter file, or a preset.", show_default="thesis, 10 EMT cells"),
+    typer.Argument(
+        metavar="FILE",
+        help=f"A parameter file, or a preset: {', '.join(PRESETS)}.",
+        show_default="thesis, 10 EMT cells",
+    ),
 ]
 Root = Annotated[
     Path | None,
@@ -34,10 +39,10 @@ def explore(
 ) -> None:
     """Serve a page: turn a knob, see the tissue and what becomes of its cells, with intervals from many runs.
 
-    Ctrl-C ends it. On a new machine it takes half a minute to begin: the kernels are compiled.
+    Its knobs are the keys that "tissue parameters" lists. Ctrl-C ends it. On a new machine it takes half a minute to
+    begin: the kernels are compiled.
     """
     with messages():
-        from tissue.files.parameter_files import PRESETS
         from verification.explore.common.folder import Folder
         from verification.explore.server import serve
 
