@@ -1,4 +1,5 @@
-# Needs Python >= 3.11 and make, nothing else. The environment .venv is made by the first target that wants it.
+# Needs Python >= 3.11 and make, nothing else. The first target makes the environment .venv, and each target adds what it
+# needs to it: the extra of pyproject.toml that its stamp is named after, in the versions of requirements.lock.
 #
 #   make report           run the experiments, write report/index.html    (FULL=1: the complete studies)
 #   make test             run the tests                                    (ARGS=--slow: all but those of minutes)
@@ -7,6 +8,7 @@
 #   make docs             write the documentation to site/index.html, with the outputs of its tutorials
 #   make bench            measure the time per disc and step, and of the tissue
 #   make mutants          see whether tests notice random faults in the code   (ARGS="50 dincl/rows": how many, and where)
+#   make everything       install what all targets need, and what tests are skipped without
 #   make lock             fix the newest versions of all dependencies in requirements.lock
 #   make clean            remove the environment and the caches; report/ and results/ stay
 #
@@ -16,8 +18,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check
 PIP_TOOLS := pip-tools==7.6.2
-EXTRAS := $(addprefix --extra ,dev meanfield proofs report tissue views yardsticks)
-COMPILE := .venv-lock/bin/python -m piptools compile --quiet --upgrade $(EXTRAS) --allow-unsafe --strip-extras \
+COMPILE := .venv-lock/bin/python -m piptools compile --quiet --upgrade --extra dev --allow-unsafe --strip-extras \
 	--no-emit-index-url --no-emit-find-links --no-emit-trusted-host --no-emit-options --annotation-style line
 
 # The tests run in two processes: a library that starts threads of its own would only take turns with them. The tests of
@@ -27,47 +28,51 @@ ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 # Tests and reports start dozens of processes, each of which would compile all modules that it imports.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: report test numba-range lint docs bench mutants lock clean
+.PHONY: report test numba-range lint docs bench mutants everything lock clean
 .DELETE_ON_ERROR:
 
-report: .venv/installed
+report: .venv/thesis
 	$(BIN)/verification report $(if $(filter-out 0,$(FULL)),--full)
 
-test: .venv/installed
+test: .venv/test
 	$(ONE_THREAD) $(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder -q $(ARGS)
 
 # One process: most of the time goes into compiling, and processes would compile the same kernels.
-numba-range: .venv/installed
+numba-range: .venv/test
 	$(ONE_THREAD) $(BIN)/python -m tests.numba_range
 
-lint: .venv/installed
+lint: .venv/lint
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
-docs: .venv/installed
+docs: .venv/docs
 	rm -rf site docs/made build/doctrees
 	$(ONE_THREAD) $(BIN)/python -m sphinx -q -W -c docs -d build/doctrees . site
 
-bench: .venv/installed
+bench: .venv/thesis
 	$(BIN)/verification bench
 
-mutants: .venv/installed
+mutants: .venv/test
 	$(ONE_THREAD) $(BIN)/python -m tests.mutants $(or $(ARGS),20)
 
+everything: .venv/dev
+
 # Each stamp is touched last, so an install that broke off is made again from the start.
-.venv/locked: requirements.lock
+.venv/made: requirements.lock
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { \
 		echo 'Python >= 3.11 is needed, but PYTHON=$(PYTHON) is missing or older; try: make PYTHON=python3.12' >&2; exit 1; }
 	@$(PYTHON) -c 'import ensurepip, venv' || { \
 		echo 'PYTHON=$(PYTHON) comes without venv; on Debian and Ubuntu: apt install python3-venv' >&2; exit 1; }
 	rm -rf .venv
 	$(PYTHON) -m venv .venv
-	$(PIP) install --quiet -r requirements.lock
+	$(PIP) install --quiet --constraint requirements.lock setuptools
 	@touch $@
 
-.venv/installed: .venv/locked pyproject.toml
-	$(PIP) install --quiet --no-deps --no-build-isolation --editable .
+# Without --no-compile, code that nobody imports would take half a minute and a tenth of the disk.
+.venv/%: .venv/made pyproject.toml
+	$(PIP) install --quiet --no-compile --no-build-isolation --constraint requirements.lock --editable '.[$*]'
+	$(BIN)/python -m tests.link_copies
 	@touch $@
 
 # The lock is made with the oldest Python supported: newer ones take the same versions, but not the other way round.
@@ -77,6 +82,7 @@ lock:
 	$(PYTHON) -m venv --clear .venv-lock
 	.venv-lock/bin/python -m pip --disable-pip-version-check install --quiet $(PIP_TOOLS)
 	CUSTOM_COMPILE_COMMAND='make lock' $(COMPILE) --output-file requirements.lock pyproject.toml
+	sed -i '/^dincl-testbed @/d' requirements.lock  # extras name the project itself
 	rm -rf .venv-lock
 
 clean:

@@ -12,7 +12,9 @@ from dincl.errors import InvalidProblem
 
 MAKES_NO_NUMBERS = True
 
-Extra = Literal["all", "meanfield", "proofs", "report", "tissue", "views", "yardsticks"]
+Extra = Literal[
+    "cluster", "explore", "meanfield", "proofs", "report", "thesis", "tissue", "transport", "views", "yardsticks"
+]
 # What is imported, and the package that brings it: all that pyproject.toml lists under these extras.
 PACKAGES = {
     "PIL": "pillow",
@@ -21,9 +23,10 @@ PACKAGES = {
     "casadi": "casadi",
     "clarabel": "clarabel",
     "cvc5": "cvc5",
-    "cvxpy": "cvxpy",
+    "cvxpy": "cvxpy-base",
     "distributed": "distributed",
     "docutils": "docutils",
+    "fastapi": "nicegui",
     "filelock": "filelock",
     "flint": "python-flint",
     "jinja2": "jinja2",
@@ -34,6 +37,7 @@ PACKAGES = {
     "piqp": "piqp",
     "pyarrow": "pyarrow",
     "pydantic": "pydantic",
+    "pymunk": "pymunk",
     "pyvista": "pyvista",
     "qdldl": "qdldl",
     "rich": "rich",
@@ -41,8 +45,11 @@ PACKAGES = {
     "statsmodels": "statsmodels",
     "sympy": "sympy",
     "typer": "typer",
+    "uvicorn": "nicegui",
     "z3": "z3-solver",
 }
+# Packages that no claim of the thesis and no chart of the report needs.
+NOT_IN_THESIS = ("POT", "distributed", "nicegui", "pyvista")
 BAD_INPUT = 2  # the code with which a command ends
 
 
@@ -50,7 +57,7 @@ class MissingLibrary(InvalidProblem, ModuleNotFoundError):
     """A library that is not installed; the message says what needs it, and the extra that brings it."""
 
     def __init__(self, what: str, packages: str, extra: Extra) -> None:
-        super().__init__(f"{what} needs {packages}, not installed here: pip install 'dincl-testbed[{extra}]'")
+        super().__init__(f"{what} needs {packages}, not installed here; in a clone: pip install '.[{extra}]'")
         self._made_of = what, packages, extra
 
     def __reduce__(self) -> tuple[type[MissingLibrary], tuple[str, str, Extra]]:
@@ -69,11 +76,11 @@ def needs(what: str, extra: Extra) -> Iterator[None]:
         raise MissingLibrary(what, PACKAGES[library], extra) from error
 
 
-def need_all(what: str) -> None:
-    """Raise MissingLibrary unless all of PACKAGES are installed; it names those that are not."""
-    missing = [package for module, package in PACKAGES.items() if find_spec(module) is None]
+def need_thesis(what: str) -> None:
+    """Raise MissingLibrary unless the libraries of the extra ``thesis`` are installed; it names those that are not."""
+    missing = [p for module, p in PACKAGES.items() if p not in NOT_IN_THESIS and find_spec(module) is None]
     if missing:
-        raise MissingLibrary(what, ", ".join(missing), "all")
+        raise MissingLibrary(what, ", ".join(missing), "thesis")
 
 
 @contextmanager

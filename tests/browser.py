@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 import shutil
 from collections.abc import Iterator
@@ -12,6 +11,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from tests.optional import lacking, need_module
+
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
 
@@ -20,8 +21,6 @@ HEIGHT = 900
 PATIENCE = 60_000  # ms, for what is waited for: a machine may be slow
 ARGUMENTS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-component-update"]
 ARGUMENTS += ["--disable-sync", "--no-first-run", "--disable-dev-shm-usage"]
-# With this in the environment a browser that is missing is an error: .ci/run says so.
-NEEDED = "BROWSER_NEEDED"
 MISSING = "no Chromium on this machine; on Debian and Ubuntu: apt install chromium"
 ORIGIN, ABORTED = r"\w+://[^/]*", "net::ERR_ABORTED"
 # Elements that reach over the right edge of the page, outside of boxes that scroll.
@@ -38,10 +37,11 @@ ALL_FIGURES = """async () => {
 
 @contextmanager
 def launched() -> Iterator[Browser]:
-    """Chromium; where there is none the test is skipped, or fails if it is ``NEEDED``."""
+    """Chromium; the test is skipped where there is none, or no Playwright."""
     path = shutil.which("chromium")
     if path is None:
-        (pytest.fail if os.environ.get(NEEDED) else pytest.skip)(MISSING)
+        lacking(MISSING)
+    need_module("playwright")
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as play:

@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from dincl.extras import need_all, needs
+from dincl.extras import need_thesis, needs
 from verification.claims import Cost, Verdict
 
 app = typer.Typer(help="Measure the methods, check the claims of the thesis, write the report.", no_args_is_help=True)
@@ -30,7 +30,7 @@ def report(full: Full = False, out: Out = Path("report")) -> None:
 
     An interrupted call resumes where it stopped.
     """
-    need_all("verification report")
+    need_thesis("verification report")
     from dincl.study import workers
     from verification.page.chapters import CHAPTERS
     from verification.page.context import Context
@@ -58,7 +58,7 @@ def claims(
 
     Verdicts and studies that are in <out>/tables are not recomputed: an interrupted call can be repeated.
     """
-    need_all("verification claims")
+    need_thesis("verification claims")
     from dincl.study import workers
     from verification.claims.decide import decide_all, differing
     from verification.page import kept
@@ -102,7 +102,7 @@ def _list_claims(table: pd.DataFrame) -> None:
 @app.command()
 def errata(out: Out = Path("errata")) -> None:
     """Write the corrections of the thesis as a document: <out>/errata.html and <out>/errata.tex."""
-    need_all("verification errata")
+    need_thesis("verification errata")
     from verification.thesis.errata_document import write_errata
 
     print(*write_errata(out), sep="\n")
@@ -130,7 +130,7 @@ def check(file: Annotated[Path, typer.Argument(help="A certificate written by Pr
 @app.command()
 def stability(full: Full = False, out: Out = Path("report")) -> None:
     """Map where each method fails, print the predicted failures, write tables and figures to <out>."""
-    need_all("verification stability")
+    need_thesis("verification stability")
     from dincl.study import workers
     from verification.page.context import Context
     from verification.page.kept import STUDIES
@@ -174,7 +174,7 @@ def compare(
 @app.command()
 def bench(out: Out = Path("report")) -> None:
     """Measure the time of PBD per disc and step, and of each projection; write the tables to <out>."""
-    need_all("verification bench")
+    need_thesis("verification bench")
     from verification.thesis import bench as timing
 
     timing.main(out)

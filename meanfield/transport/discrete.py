@@ -180,7 +180,7 @@ def _generate_columns(x: _Points, y: _Points, codes: Indices, u: Floats, v: Floa
 
 def _optimum(x: _Points, y: _Points, costs: Floats | coo_array) -> _Plan:
     """Compute the optimal plan for given costs of all or some pairs; its upper bound is the cost in distances."""
-    with needs("w1 of points in d >= 2", "meanfield"):
+    with needs("w1 of points in d >= 2", "transport"):
         import ot
 
     with warnings.catch_warnings():

@@ -78,7 +78,7 @@ def w1(a: Measure, b: Measure) -> float:
         return _w1_points_panels(one, other)
     if dimensions[0] == 1:
         return _w1_points(one, other)
-    with needs("w1 of points in d >= 2", "meanfield"):
+    with needs("w1 of points in d >= 2", "transport"):
         from meanfield.transport import discrete
 
     return discrete.bounds(one.at, one.mass, other.at, other.mass).upper

@@ -4,7 +4,7 @@ import re
 import tomllib
 
 import pytest
-import yaml  # comes with distributed
+import yaml  # comes with bokeh
 
 from tests.pages import ROOT, blocks
 from verification.thesis.register import chapter_of, modules, register

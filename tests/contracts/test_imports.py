@@ -38,11 +38,12 @@ HEAVY = (
     "sklearn",
     "statsmodels",
 )
-# What an extra is for, and what of it other extras serve: a minimiser, proofs, the statements of one source.
+# What an extra is for, and what of it other extras serve: a minimiser, views, a cluster; proofs, the page to explore.
+OTHER_EXTRAS = ("beyond/chart/baselines", "explore", "formal", "proofs", "thesis")
 SERVED = {
-    "meanfield": ("meanfield", ()),
-    "report": ("verification", tuple([f"verification/{name}/" for name in ("explore", "formal", "proofs", "thesis")])),
-    "tissue": ("tissue", ("tissue/quasi_steady/judge.py", "tissue/pictures/scene.py")),
+    "meanfield": ("meanfield", ("meanfield/transport/discrete.py",)),
+    "report": ("verification", tuple([f"verification/{name}/" for name in OTHER_EXTRAS])),
+    "tissue": ("tissue", ("tissue/quasi_steady/judge.py", "tissue/pictures/scene.py", "tissue/study/run.py")),
 }
 NOT_WITH_DINCL = ("casadi", "cvxpy", "matplotlib", "numba", "pandas")
 

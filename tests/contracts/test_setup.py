@@ -1,9 +1,10 @@
-"""The lock file fits pyproject.toml and what is installed; the Makefile installs once and never half."""
+"""The lock file fits pyproject.toml and what is installed; each target installs its extra, once and never half."""
 
 import os
+import re
 import subprocess
 import tomllib
-from importlib.metadata import version
+from importlib.metadata import distributions
 from pathlib import Path
 from shutil import copy
 
@@ -11,15 +12,23 @@ import pytest
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
+from tests import link_copies
+
 ROOT = Path(__file__).parents[2]
 SETUP_FILES = ("Makefile", "pyproject.toml", "requirements.lock")
+# Each target: the extra it installs, and what it runs then.
 COMMANDS = {
-    "report": ".venv/bin/verification report",
-    "test": ".venv/bin/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder -q",
-    "lint": ".venv/bin/mypy",
-    "docs": ".venv/bin/python -m sphinx -q -W -c docs -d build/doctrees . site",
-    "bench": ".venv/bin/verification bench",
+    "report": ("thesis", ".venv/bin/verification report"),
+    "test": ("test", ".venv/bin/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder -q"),
+    "numba-range": ("test", ".venv/bin/python -m tests.numba_range"),
+    "lint": ("lint", ".venv/bin/mypy"),
+    "docs": ("docs", ".venv/bin/python -m sphinx -q -W -c docs -d build/doctrees . site"),
+    "bench": ("thesis", ".venv/bin/verification bench"),
+    "mutants": ("test", ".venv/bin/python -m tests.mutants 20"),
+    "everything": ("dev", ""),
 }
+INSTALL = ".venv/bin/python -m pip --disable-pip-version-check install --quiet"
+ADD = f"{INSTALL} --no-compile --no-build-isolation --constraint requirements.lock --editable"
 FAILS = "#!/bin/sh\nexit 1\n"
 # Passes every check and copies itself into the environment, where it fails to install, as without a network.
 INSTALL_FAILS = """#!/bin/sh
@@ -67,9 +76,10 @@ def fresh(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def installed(fresh: Path) -> Path:
-    """Make a folder whose stamps say that all is installed."""
+    """Make a folder whose stamps say that the extra of each target is installed."""
     (fresh / ".venv").mkdir()
-    for age, name in enumerate((".venv/installed", ".venv/locked", *SETUP_FILES)):
+    stamps = [f".venv/{extra}" for extra in {extra for extra, _ in COMMANDS.values()}]
+    for age, name in enumerate((*stamps, ".venv/made", *SETUP_FILES)):
         (fresh / name).touch()
         os.utime(fresh / name, (1e9 - age, 1e9 - age))
     return fresh
@@ -88,16 +98,31 @@ def test_lock_gives_exact_versions_and_no_address() -> None:
 
 
 def test_installed_versions_are_the_locked_ones() -> None:
-    applies = [requirement for requirement in locked() if not requirement.marker or requirement.marker.evaluate()]
-    found = {requirement.name: version(requirement.name) for requirement in applies}
-    assert found == {requirement.name: next(iter(requirement.specifier)).version for requirement in applies}
+    """Not all that is locked need be installed: each target adds its own."""
+    here = {canonicalize_name(found.name): found.version for found in distributions()}
+    there = {canonicalize_name(one.name): next(iter(one.specifier)).version for one in locked()}
+    assert {"numpy", "pandas", "pytest"} <= here.keys() & there.keys()
+    assert {name: here[name] for name in here.keys() & there.keys()} == {
+        name: there[name] for name in here.keys() & there.keys()
+    }
 
 
-@pytest.mark.parametrize(("target", "command"), COMMANDS.items())
-def test_target_installs_then_runs(target: str, command: str, fresh: Path) -> None:
+@pytest.mark.parametrize("target", COMMANDS)
+def test_target_installs_its_extra_alone_then_runs(target: str, fresh: Path) -> None:
+    extra, command = COMMANDS[target]
     run = make(fresh, "-n", target)
     assert run.returncode == 0, run.stderr
-    assert run.stdout.index("install --quiet -r requirements.lock") < run.stdout.index(command)
+    assert re.findall(rf"^{re.escape(ADD)} '\.\[(\w+)\]'$", run.stdout, re.MULTILINE) == [extra]
+    first = run.stdout.index(f"{INSTALL} --constraint requirements.lock setuptools")
+    assert first < run.stdout.index(ADD) < run.stdout.rindex(command)
+
+
+def test_a_target_adds_to_the_environment_of_others(installed: Path) -> None:
+    (installed / ".venv/test").unlink()
+    commands = make(installed, "-n", "test").stdout
+    assert "[test]" in commands
+    assert "venv .venv" not in commands
+    assert "pip" not in make(installed, "-n", "report").stdout
 
 
 @pytest.mark.parametrize("target", COMMANDS)
@@ -111,8 +136,8 @@ def test_second_call_does_not_reinstall(target: str, installed: Path) -> None:
 def test_changed_file_reinstalls_what_depends_on_it(changed: str, locked_again: bool | None, installed: Path) -> None:
     (installed / changed).touch()
     commands = make(installed, "-n", "test").stdout
-    assert ("--editable ." in commands) is (locked_again is not None)
-    assert ("-r requirements.lock" in commands) is bool(locked_again)
+    assert ("--editable '.[test]'" in commands) is (locked_again is not None)
+    assert ("rm -rf .venv" in commands) is bool(locked_again)
 
 
 @pytest.mark.parametrize(("full", "handed_on"), [("FULL=1", True), ("FULL=0", False), ("FULL=", False)])
@@ -139,3 +164,16 @@ def test_unfit_python_is_refused_in_words(text: str, message: str, fresh: Path) 
     assert run.returncode != 0
     assert message in run.stderr
     assert not (fresh / ".venv").exists()
+
+
+def test_copies_get_one_place_and_keep_their_names(tmp_path: Path) -> None:
+    large, other = b"a" * link_copies.SMALLEST, b"b" * link_copies.SMALLEST
+    for name, content in {"one": large, "in/two": large, "three": other, "four": b"c", "five": b"c"}.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_bytes(content)
+    link_copies.link(tmp_path)
+    places = {name: (tmp_path / name).stat().st_ino for name in ("one", "in/two", "three", "four", "five")}
+    assert places["one"] == places["in/two"]
+    assert len(set(places.values())) == 4
+    assert [(tmp_path / name).read_bytes() for name in ("in/two", "three")] == [large, other]
+    assert not list(link_copies.copies(tmp_path))

@@ -1,21 +1,22 @@
 """The wheel has all of the packages, and works where there is nothing else: outside of the tree, on every Python."""
 
 import email
-import os
 import shutil
 import subprocess
 import sys
+import tomllib
 import zipfile
 from pathlib import Path
 
+import pandas as pd
 import pytest
-import yaml  # comes with distributed
+import yaml  # comes with bokeh
 
-ROOT = Path(__file__).parents[2]
-PACKAGES = ("dincl", "meanfield", "tissue", "verification")
-NOT_IN_IT = shutil.ignore_patterns("__pycache__")
+from tests import installed_sizes
+from tests.installing import PACKAGES, ROOT, build_wheel, installed, run
+
 PYTHONS = ("3.11", "3.12", "3.13")
-MOST = 550  # MB of the core with all that it needs
+SIZES = pd.read_csv(installed_sizes.FILE, index_col="installed")["megabytes"]
 CORE = """
 import dincl, meanfield, tissue, verification
 
@@ -55,32 +56,23 @@ print(v.save(v.order_study(scene, {"PBD": dincl.PBD}, steps, [1.0], scene.exact)
 }
 
 
+EXTRAS = {
+    "report": PROGRAMS["verification"],
+    "meanfield": "import meanfield\nprint(meanfield.StraightFibre(m=0.5, k0=1.0, y_rest=1.0, k1=0.5))",
+    "transport": PROGRAMS["meanfield"],
+    "tissue": PROGRAMS["tissue"],
+    "proofs": "import dincl, verification\nprint(verification.prove(dincl.scenes.two_disks(), [0.5]))",
+    "yardsticks": PROGRAMS["dincl"].replace(".to_frame().shape", ".x.shape"),
+    "explore": "from verification.explore import server",
+    "cluster": "from distributed import Client\nimport tissue",
+    "views": "from tissue.pictures.view import view\nimport pyvista",
+}
+
+
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory):
-    """Build the wheel, from a copy: what setuptools leaves behind is not to lie in the tree."""
-    tree, out = tmp_path_factory.mktemp("tree"), tmp_path_factory.mktemp("wheel")
-    for name in PACKAGES:
-        shutil.copytree(ROOT / name, tree / name, ignore=NOT_IN_IT)
-    for name in ("pyproject.toml", "README.md", "LICENSE"):
-        shutil.copy(ROOT / name, tree)
-    pip(sys.executable, "wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", out, tree)
-    (made,) = out.glob("*.whl")
-    return made
-
-
-def pip(python, *arguments):
-    """Run pip with the versions of the lock file."""
-    run([python, "-m", "pip", "--disable-pip-version-check", "--quiet", *arguments], cwd=ROOT)
-
-
-def run(command, cwd):
-    """Run a command as a stranger would, away from this tree; return what it prints."""
-    env = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "NUMBA_CACHE_DIR")}
-    done = subprocess.run(
-        [str(word) for word in command], cwd=cwd, env=env, capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stderr
-    return done.stdout
+    """Build the wheel once."""
+    return build_wheel(tmp_path_factory.mktemp("tree"), tmp_path_factory.mktemp("wheel"))
 
 
 def interpreter(version):
@@ -90,21 +82,6 @@ def interpreter(version):
     if found is None or subprocess.run([found, "--version"], capture_output=True, check=False).returncode:
         pytest.skip(f"Python {version} is not installed")
     return found
-
-
-def installed(version, what, wheel, folder):
-    """Make an environment with the wheel and some extras; return its folder of commands and its size in MB."""
-    run([interpreter(version), "-m", "venv", folder / "venv"], cwd=folder)
-    python = folder / "venv/bin/python"
-    packages = folder / f"venv/lib/python{version}/site-packages"
-    before = size(packages)
-    pip(python, "install", "--constraint", ROOT / "requirements.lock", f"dincl-testbed{what} @ {wheel.as_uri()}")
-    return python.parent, size(packages) - before
-
-
-def size(folder):
-    """Size on the disk [MB]."""
-    return sum(file.stat().st_blocks for file in folder.rglob("*") if not file.is_symlink()) * 512 / 2**20
 
 
 def test_the_wheel_has_every_file_of_the_packages(wheel):
@@ -122,25 +99,33 @@ def test_the_wheel_says_what_it_is(wheel):
     assert said["Description-Content-Type"] == "text/markdown"
     assert said.get_payload(decode=True).decode() == (ROOT / "README.md").read_text("utf-8")
     assert said["Keywords"].split(",") == yaml.safe_load((ROOT / "CITATION.cff").read_text("utf-8"))["keywords"]
-    extras = {"all", "dev", "meanfield", "proofs", "report", "tissue", "views", "yardsticks"}
-    assert set(said.get_all("Provides-Extra")) == extras
+    extras = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["optional-dependencies"]
+    assert set(said.get_all("Provides-Extra")) == extras.keys()
     assert {f"Programming Language :: Python :: {version}" for version in PYTHONS} <= set(said.get_all("Classifier"))
 
 
 @pytest.mark.xslow
 @pytest.mark.parametrize("version", PYTHONS)
 def test_the_core_is_small_and_runs_outside_of_the_tree(version, wheel, tmp_path):
-    commands, megabytes = installed(version, "", wheel, tmp_path)
-    assert megabytes < MOST
+    commands, megabytes = installed(interpreter(version), "", wheel, tmp_path)
+    assert megabytes == pytest.approx(SIZES[installed_sizes.CORE], rel=0.15)
     assert run([commands / "python", "-c", CORE], cwd=tmp_path) == "SUCCESS (1, 10, 2)\n"
     said = subprocess.run([commands / "tissue", "--help"], capture_output=True, text=True, check=False)
-    assert (said.returncode, "pip install 'dincl-testbed[tissue]'" in said.stderr) == (2, True)
+    assert (said.returncode, "pip install '.[tissue]'" in said.stderr) == (2, True)
+
+
+@pytest.mark.xslow
+@pytest.mark.parametrize("extra", EXTRAS)
+def test_an_extra_alone_is_as_large_as_measured_and_does_what_it_is_for(extra, wheel, tmp_path):
+    commands, megabytes = installed(sys.executable, extra, wheel, tmp_path)
+    assert megabytes == pytest.approx(SIZES[extra], rel=0.05)
+    run([commands / "python", "-c", EXTRAS[extra]], cwd=tmp_path)
 
 
 @pytest.mark.xslow
 @pytest.mark.parametrize("version", PYTHONS)
 def test_every_package_and_command_runs_outside_of_the_tree(version, wheel, tmp_path):
-    commands, _ = installed(version, "[all]", wheel, tmp_path)
+    commands, _ = installed(interpreter(version), "all", wheel, tmp_path)
     for program in PROGRAMS.values():
         run([commands / "python", "-c", program], cwd=tmp_path)
     for name in ("tissue", "verification"):

@@ -6,12 +6,13 @@ import subprocess
 import sys
 import tomllib
 from pathlib import Path
+from typing import get_args
 
 import pytest
 from packaging.requirements import Requirement
 
 import dincl
-from dincl.extras import PACKAGES, MissingLibrary, need_all, needs
+from dincl.extras import NOT_IN_THESIS, PACKAGES, Extra, MissingLibrary, need_thesis, needs
 
 ROOT = Path(__file__).parents[2]
 EXTRAS = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["optional-dependencies"]
@@ -53,23 +54,23 @@ ended = [path.status.name for path in paths]
 print(json.dumps({"ended": ended, "end": paths[0].final.tolist(), "w1": line, "said": said}))
 """
 MESSAGES = {
-    "Clarabel": "Clarabel needs clarabel, not installed here: pip install 'dincl-testbed[yardsticks]'",
-    "CvxpyQP": "CvxpyQP needs cvxpy, not installed here: pip install 'dincl-testbed[yardsticks]'",
-    "Ipopt": "Ipopt needs casadi, not installed here: pip install 'dincl-testbed[yardsticks]'",
-    "Piqp": "Piqp needs piqp, not installed here: pip install 'dincl-testbed[yardsticks]'",
-    "ProjectedNewton": "ProjectedNewton needs qdldl, not installed here: pip install 'dincl-testbed[yardsticks]'",
-    "plot": "A picture needs matplotlib, not installed here: pip install 'dincl-testbed[report]'",
-    "to_frame": "to_frame needs pandas, not installed here: pip install 'dincl-testbed[report]'",
-    "model": "A model of meanfield needs casadi, not installed here: pip install 'dincl-testbed[meanfield]'",
-    "w1": "w1 of points in d >= 2 needs POT, not installed here: pip install 'dincl-testbed[meanfield]'",
-    "preset": "tissue.preset needs pydantic, not installed here: pip install 'dincl-testbed[tissue]'",
-    "order_study": "verification.order_study needs pandas, not installed here: pip install 'dincl-testbed[report]'",
-    "study": "dincl.study needs rich, not installed here: pip install 'dincl-testbed[report]'",
+    "Clarabel": "Clarabel needs clarabel, not installed here; in a clone: pip install '.[yardsticks]'",
+    "CvxpyQP": "CvxpyQP needs cvxpy-base, not installed here; in a clone: pip install '.[yardsticks]'",
+    "Ipopt": "Ipopt needs casadi, not installed here; in a clone: pip install '.[yardsticks]'",
+    "Piqp": "Piqp needs piqp, not installed here; in a clone: pip install '.[yardsticks]'",
+    "ProjectedNewton": "ProjectedNewton needs qdldl, not installed here; in a clone: pip install '.[yardsticks]'",
+    "plot": "A picture needs matplotlib, not installed here; in a clone: pip install '.[report]'",
+    "to_frame": "to_frame needs pandas, not installed here; in a clone: pip install '.[report]'",
+    "model": "A model of meanfield needs casadi, not installed here; in a clone: pip install '.[meanfield]'",
+    "w1": "w1 of points in d >= 2 needs POT, not installed here; in a clone: pip install '.[transport]'",
+    "preset": "tissue.preset needs pydantic, not installed here; in a clone: pip install '.[tissue]'",
+    "order_study": "verification.order_study needs pandas, not installed here; in a clone: pip install '.[report]'",
+    "study": "dincl.study needs rich, not installed here; in a clone: pip install '.[report]'",
 }
 COMMANDS = {
-    "from tissue.cli import main": "Error: tissue needs typer, not installed here: pip install 'dincl-testbed[tissue]'",
+    "from tissue.cli import main": "Error: tissue needs typer, not installed here; in a clone: pip install '.[tissue]'",
     "from verification.command import main": (
-        "Error: verification needs pandas, not installed here: pip install 'dincl-testbed[report]'"
+        "Error: verification needs pandas, not installed here; in a clone: pip install '.[report]'"
     ),
 }
 
@@ -79,15 +80,28 @@ def run(code):
     return subprocess.run([sys.executable, "-c", WITHOUT + code], cwd=ROOT, capture_output=True, text=True, check=False)
 
 
+def brought(extra):
+    """The packages of an extra, with those of the extras that it names."""
+    for requirement in map(Requirement, EXTRAS[extra]):
+        if requirement.name == "dincl-testbed":
+            for other in requirement.extras:
+                yield from brought(other)
+        else:
+            yield requirement.name
+
+
 def test_every_package_of_an_extra_is_known():
-    listed = {Requirement(name).name for extra, names in EXTRAS.items() if extra != "dev" for name in names}
-    assert set(PACKAGES.values()) == listed - {"dincl-testbed"}
+    assert set(PACKAGES.values()) == set(brought("all"))
 
 
-def test_all_takes_every_extra_but_that_of_developers():
-    (itself,) = (Requirement(name) for name in EXTRAS["all"])
-    assert itself.name == "dincl-testbed"
-    assert itself.extras == EXTRAS.keys() - {"all", "dev"}
+def test_each_extra_belongs_to_all_or_to_developers():
+    for_users = {extra for extra in EXTRAS if set(brought(extra)) <= set(PACKAGES.values())}
+    assert for_users == set(get_args(Extra)) | {"all"}
+    assert EXTRAS.keys() - for_users == {"browser", "dev", "docs", "lint", "test"}
+
+
+def test_the_thesis_needs_all_but_a_few():
+    assert set(brought("all")) - set(brought("thesis")) == set(NOT_IN_THESIS)
 
 
 @pytest.mark.slow
@@ -108,17 +122,18 @@ def test_a_command_without_its_libraries_ends_with_one_message(command, message)
 
 
 def test_other_modules_that_are_missing_are_no_matter_of_extras(monkeypatch):
-    with pytest.raises(ModuleNotFoundError, match="no_such_module") as error, needs("this", "all"):
+    with pytest.raises(ModuleNotFoundError, match="no_such_module") as error, needs("this", "thesis"):
         import no_such_module  # noqa: F401
     assert not isinstance(error.value, dincl.InvalidProblem)
 
 
-def test_what_needs_all_names_all_that_are_missing(monkeypatch):
-    need_all("the report")
-    for name in ("ot", "cvxpy"):
+def test_what_the_thesis_needs_names_all_that_are_missing(monkeypatch):
+    need_thesis("the report")
+    for name in ("flint", "cvxpy", "pyvista"):
         monkeypatch.setitem(sys.modules, name, None)
-    with pytest.raises(MissingLibrary, match=r"the report needs cvxpy, POT, not installed here: .*\[all\]"):
-        need_all("the report")
+    message = r"the report needs cvxpy-base, python-flint, not installed here; .*\[thesis\]"
+    with pytest.raises(MissingLibrary, match=message):
+        need_thesis("the report")
 
 
 def test_the_error_goes_between_processes():

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 from dincl.checks import function
 from dincl.checks import path as checked_path
 from dincl.errors import InvalidProblem
+from dincl.extras import needs
 from dincl.study import StudyStopped, execute
 from tissue.study.identity import code, code_differences, house_code, processor
 from tissue.study.plan import Piece, TissueStudy, load_study, run_seeds
@@ -193,8 +194,9 @@ def cluster(address: str) -> Iterator[Executor]:
     StudyStopped
         At the end of the block, if the scheduler is lost, or a piece brought down one worker after the other.
     """
-    from distributed import KilledWorker
-    from distributed.comm.core import CommClosedError
+    with needs("a Dask cluster", "cluster"):
+        from distributed import KilledWorker
+        from distributed.comm.core import CommClosedError
 
     logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what happens is told in one message
     with _connected(address) as client:

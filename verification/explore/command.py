@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from dincl.errors import InvalidProblem
+from dincl.extras import needs
 from tissue.cli.messages import messages
 from tissue.files.parameter_files import PRESETS
 
@@ -43,8 +44,9 @@ def explore(
     begin: the kernels are compiled.
     """
     with messages():
-        from verification.explore.common.folder import Folder
-        from verification.explore.server import serve
+        with needs("tissue explore", "explore"):
+            from verification.explore.common.folder import Folder
+            from verification.explore.server import serve
 
         is_file = file is not None and file not in PRESETS
         if is_file and not Path(file or "").is_file():

@@ -1,7 +1,6 @@
 """Views of a tissue in space: what is drawn, and what is refused."""
 
 import sys
-from ctypes.util import find_library
 
 import numpy as np
 import pytest
@@ -10,11 +9,18 @@ from PIL import Image
 import tissue
 from dincl import InvalidProblem
 from dincl.extras import MissingLibrary
+from tests.optional import need_rendering
 from tests.tissue.space.in_space import SURFACES, of_surface
 from tissue.pictures import scene
 from tissue.pictures.view import pictures
 
-renders = pytest.mark.skipif(find_library("EGL") is None, reason="VTK renders by EGL, which is not installed")
+
+@pytest.fixture
+def rendering():
+    need_rendering()
+
+
+renders = pytest.mark.usefixtures("rendering")
 
 
 @pytest.fixture(scope="module")

@@ -147,4 +147,4 @@ def test_a_missing_library_leaves_a_claim_open(monkeypatch: pytest.MonkeyPatch) 
     made = claim("my.binomial", "The square of a sum", recorded=Verdict.PROVED)(lambda: proved(binomial()))
     found = made.decide({})
     assert found.verdict is Verdict.OPEN
-    assert "pip install 'dincl-testbed[proofs]'" in found.measured
+    assert "pip install '.[proofs]'" in found.measured

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from itertools import chain
 from typing import Any
 
@@ -23,7 +24,7 @@ from tests.verification.thesis.emt_tables import (
 )
 from tests.verification.thesis.evidence import differences
 from tissue.events.known import row
-from verification.claims import Verdict, stated_in
+from verification.claims import Evidence, Verdict, stated_in
 from verification.thesis.chapter4 import frequencies
 from verification.thesis.chapter4.claims import (
     s2_2_1_events,
@@ -189,6 +190,12 @@ CHANGES = {
 }
 
 
+@cache
+def by_kept(name: str) -> Evidence:
+    """Decide a claim by the kept tables, once for the tests of this file."""
+    return CLAIMS[name].decide(KEPT)
+
+
 def test_every_claim_of_the_chapter_is_tried() -> None:
     assert len(CLAIMS) == sum(len(stated_in(file)) for file in FILES)
     assert CHANGES.keys() == measured(CLAIMS)
@@ -203,8 +210,7 @@ def test_a_wrong_value_changes_the_verdict(name: str, monkeypatch: pytest.Monkey
 
 @pytest.mark.parametrize("name", CLAIMS)
 def test_verdict_by_the_kept_tables_is_the_recorded_one(name: str) -> None:
-    claim = CLAIMS[name]
-    found = claim.decide(KEPT)
+    claim, found = CLAIMS[name], by_kept(name)
     assert claim.verdict(found) is claim.recorded, found
     assert differences(name, found) == []
     assert found.measured
@@ -235,7 +241,7 @@ READINGS = {
 def test_the_readings_differ_where_it_is_said() -> None:
     found = {}
     for name, claim in CLAIMS.items():
-        readings = [claim.verdict(each).name for each in claim.decide(KEPT).readings.values()]
+        readings = [claim.verdict(each).name for each in by_kept(name).readings.values()]
         if len(set(readings)) > 1:
             found[name] = " ".join(readings)
     assert found == READINGS
@@ -247,7 +253,7 @@ OF_THE_MODEL = {"c4.outside-depth", "c4.straightness-rule"}
 
 @pytest.mark.parametrize("name", CLAIMS)
 def test_the_published_program_decides_on_outcomes_and_the_printed_energies_on_the_model(name: str) -> None:
-    found = CLAIMS[name].decide(KEPT)
+    found = by_kept(name)
     if found.readings:
         decides = frequencies.READINGS["thesis" if name in OF_THE_MODEL else "published"]
         assert list(found.readings) == list(frequencies.READINGS.values())

@@ -1,0 +1,76 @@
+"""Environments made from a wheel: what pip installs for an extra, how large it is, and what a stranger runs there."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import tomllib
+from collections.abc import Iterable
+from pathlib import Path
+
+from packaging.requirements import Requirement
+
+ROOT = Path(__file__).parents[1]
+PACKAGES = ("dincl", "meanfield", "tissue", "verification")
+NOT_IN_IT = shutil.ignore_patterns("__pycache__")
+
+
+def for_users() -> list[str]:
+    """List the extras for users: those of "all" and what they name, and "all"."""
+    extras = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["optional-dependencies"]
+    found = ["all"]
+    for extra in found:
+        for one in map(Requirement, extras[extra]):
+            found += sorted((one.extras if one.name == "dincl-testbed" else set()) - set(found))
+    return [extra for extra in extras if extra in found]
+
+
+def build_wheel(tree: Path, out: Path) -> Path:
+    """Build the wheel from a copy in ``tree``: what setuptools leaves behind is not to lie in the repository."""
+    tree.mkdir(exist_ok=True)
+    for name in PACKAGES:
+        shutil.copytree(ROOT / name, tree / name, ignore=NOT_IN_IT)
+    for name in ("pyproject.toml", "README.md", "LICENSE"):
+        shutil.copy(ROOT / name, tree)
+    out.mkdir(exist_ok=True)
+    pip(sys.executable, "wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", out, tree)
+    (made,) = out.glob("*.whl")
+    return made
+
+
+def pip(python: str | Path, *arguments: object) -> None:
+    """Run pip in the repository."""
+    run([python, "-m", "pip", "--disable-pip-version-check", "--quiet", *arguments], cwd=ROOT)
+
+
+def run(command: list[object], cwd: Path) -> str:
+    """Run a command as a stranger would, away from this tree; return what it prints."""
+    env = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "NUMBA_CACHE_DIR")}
+    done = subprocess.run(
+        [str(word) for word in command], cwd=cwd, env=env, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def installed(python: str, extra: str, wheel: Path, folder: Path) -> tuple[Path, float]:
+    """Make an environment with the wheel and an extra, "" for none; return its commands and what it added [MB]."""
+    run([python, "-m", "venv", folder / "venv"], cwd=folder)
+    (packages,) = (folder / "venv/lib").glob("python*/site-packages")
+    before = size(packages)
+    what = f"dincl-testbed[{extra}] @ {wheel.as_uri()}" if extra else f"dincl-testbed @ {wheel.as_uri()}"
+    pip(folder / "venv/bin/python", "install", "--constraint", ROOT / "requirements.lock", what)
+    return folder / "venv/bin", size(packages) - before
+
+
+def size(folder: Path) -> float:
+    """Return the size on the disk [MB]; what has several names counts once."""
+    return size_of(folder.rglob("*"))
+
+
+def size_of(files: Iterable[Path]) -> float:
+    """Return the size of some files on the disk [MB]."""
+    found = [file.stat() for file in files if file.exists() and not file.is_symlink()]
+    return sum({one.st_ino: one.st_blocks for one in found}.values()) * 512 / 2**20
