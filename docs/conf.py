@@ -48,12 +48,12 @@ def setup(app: Any) -> None:
     app.connect("autodoc-process-signature", docstrings.signature)
     app.connect("autodoc-skip-member", docstrings.hides)
     app.connect("builder-inited", lambda _: (gallery.write(MADE / "gallery"), reference.write(MADE / "reference")))
-    app.connect("source-read", run_tutorial)
+    app.connect("source-read", run_page)
 
 
-def run_tutorial(app: Any, name: str, text: list[str]) -> None:
-    """Put outputs into the page of a tutorial."""
-    from docs.building.shown import with_outputs
+def run_page(app: Any, name: str, text: list[str]) -> None:
+    """Put outputs into the page of a tutorial or a how-to page that has Python."""
+    from docs.building.shown import is_notebook, with_outputs
 
-    if name.startswith("docs/tutorials/"):
-        text[0] = with_outputs(ROOT / f"{name}.md", MADE / "notebooks")
+    if is_notebook(page := ROOT / f"{name}.md"):
+        text[0] = with_outputs(page, MADE / "notebooks")

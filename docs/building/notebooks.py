@@ -1,4 +1,4 @@
-"""The tutorials as notebooks: made from their pages, and run.
+"""Pages with Python as notebooks: made from their text, and run.
 
 A notebook has what its page has: the Python, the files that the page tells its reader to write, and the commands. It is
 run by IPython, as Jupyter does, in the process at hand and in a namespace of its own: a kernel for each of them would

@@ -1,4 +1,4 @@
-"""The pages of the tutorials with what their notebooks put out, and with the notebooks beside them."""
+"""Pages with Python, tutorials and how-to pages, with the outputs of their notebooks and with links to these."""
 
 from __future__ import annotations
 
@@ -17,7 +17,14 @@ if TYPE_CHECKING:
     from nbformat import NotebookNode
 
 BLOCK = re.compile(r"^```(python|sh)\n.*?^```\n", re.MULTILINE | re.DOTALL)
+PYTHON = "\n```python\n"
+FOLDERS = ("tutorials", "howto")
 DOWNLOAD = "\n\n[Download this page as a notebook]({link})\n"
+
+
+def is_notebook(page: Path) -> bool:
+    """Return whether a page is a notebook, too: a tutorial or a how-to page with Python."""
+    return page.parent.name in FOLDERS and PYTHON in page.read_text("utf-8")
 
 
 def with_outputs(page: Path, notebooks: Path) -> str:

@@ -1,4 +1,4 @@
-"""The README: short; its Python runs as typed, its commands, links and pictures exist, it names all there is."""
+"""The README: short; its Python runs as typed, commands, links, pictures and sizes are right; all names are listed."""
 
 import importlib
 import inspect
@@ -7,12 +7,15 @@ import shlex
 import subprocess
 from pathlib import Path
 
+import pandas as pd
 import pytest
 from typer.testing import CliRunner
 
 import dincl
 from dincl import study
+from tests import installed_sizes
 from tests.executors import Here
+from tests.installing import for_users
 from tests.pages import ROOT, blocks, links, run
 from tests.verification.thesis.shortened import few_claims, shorten
 from verification import cli
@@ -23,9 +26,12 @@ PAGE = ROOT / "README.md"
 README = PAGE.read_text("utf-8")
 COMMANDS = [line for lines in blocks(README, "sh") for line in lines.splitlines()]
 MENTIONED = re.findall(r"`(make [^`]*)`", README)
-NAMES = README.partition("\n| for | names |\n")[2]
-TABLE = [line.split("|")[1:3] for line in NAMES.splitlines() if line.startswith("| ")]
+# The page that lists names by what they are for.
+NAMES = (ROOT / "docs" / "reference" / "names.md").read_text("utf-8")
+SIZES = pd.read_csv(installed_sizes.FILE, index_col="installed")["megabytes"]
+TABLE = [line.split("|")[1:3] for line in NAMES.splitlines() if line.startswith(("| to ", "| ready"))]
 LONGEST = 150
+MOST = 1200  # MB of the environment of make report
 
 
 def test_it_is_short():
@@ -110,4 +116,21 @@ def test_all_there_is_to_choose_from_is_named():
     choices = [item for item in public if inspect.isclass(item) and issubclass(item, kinds)]
     concrete = [item.__name__ for item in choices if not inspect.isabstract(item)]
     assert len(concrete) > 20
-    assert [name for name in concrete if f"`{name}`" not in README] == []
+    assert [name for name in concrete if f"`{name}`" not in NAMES] == []
+
+
+def test_sizes_are_those_that_were_measured():
+    """Otherwise: python -m tests.installed_sizes."""
+    text = " ".join(README.split())
+    gigabytes = {target: f"{SIZES[target] / 1000:.1f} GB" for target in installed_sizes.TARGETS}
+    assert f"the first takes {gigabytes['make report']}, both together {gigabytes['make test']}." in text
+    assert f"in {SIZES[installed_sizes.CORE]} MB" in text
+    assert set(SIZES.index) == {*installed_sizes.BRINGS, *installed_sizes.TARGETS}
+    table = SIZES.reset_index()
+    assert installed_sizes.lines(table) in installed_sizes.PAGE.read_text("utf-8")
+
+
+def test_the_report_stays_small():
+    """Without what only tests, views, a cluster or a page to explore need."""
+    assert SIZES["make report"] < MOST
+    assert set(installed_sizes.BRINGS) == {installed_sizes.CORE, *for_users()}

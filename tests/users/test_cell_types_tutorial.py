@@ -6,7 +6,7 @@ import pytest
 
 from tests.pages import ROOT, play
 
-PAGE = ROOT / "docs" / "tutorials" / "cell_types.md"
+PAGE = ROOT / "docs" / "howto" / "cell_types.md"
 
 
 @pytest.fixture(scope="module")

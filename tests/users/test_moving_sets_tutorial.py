@@ -9,7 +9,7 @@ pytestmark = pytest.mark.slow
 
 
 def test_the_page_runs_and_its_orders_are_those_of_the_methods(tmp_path):
-    found = play(ROOT / "docs" / "tutorials" / "moving_sets.md", tmp_path)
+    found = play(ROOT / "docs" / "howto" / "moving_sets.md", tmp_path)
     path, exact = found["path"], found["exact"]
     assert np.abs(path.x - exact(path.t)).max() <= path.error.max() <= 1e-9
     assert len(path.events) == 4

@@ -8,7 +8,7 @@ from tests.pages import ROOT, play
 from tissue.files.parameters import load
 from tissue.frames.observables import basal_area
 
-PAGE = ROOT / "docs" / "tutorials" / "space.md"
+PAGE = ROOT / "docs" / "howto" / "space.md"
 
 
 @pytest.fixture(scope="module")

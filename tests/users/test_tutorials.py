@@ -2,16 +2,17 @@
 
 import re
 
-import nbclient
 import pytest
 
 import tissue
 from docs.building import notebooks
+from docs.building.shown import is_notebook
+from tests.optional import need_module
 from tests.pages import ROOT, blocks, links, play
 from tissue.study.comparing import planned_answers
 from verification.claims import Verdict
 
-PAGES = ROOT / "docs" / "tutorials"
+PAGES, HOW_TO = ROOT / "docs" / "tutorials", ROOT / "docs" / "howto"
 # Those that have a file of tests.
 APART = {
     f"{name}.md"
@@ -20,13 +21,17 @@ APART = {
 HERE = {f"{name}.md" for name in ("first_steps", "solve", "claims", "meanfield", "tissue", "emt_study", "simplify")}
 
 
-def test_every_tutorial_is_run():
-    assert {path.name for path in PAGES.iterdir()} == HERE | APART
+def test_every_notebook_is_run():
+    assert {page.name for page in (ROOT / "docs").rglob("*.md") if is_notebook(page)} == HERE | APART
 
 
 @pytest.mark.slow
 def test_a_kernel_of_jupyter_runs_a_notebook(tmp_path, monkeypatch):
     """Of all the one with libraries that no other has; the others are run by IPython in this process."""
+    for module in ("ipykernel", "nbclient"):
+        need_module(module)
+    import nbclient
+
     for variable in ("JUPYTER_RUNTIME_DIR", "IPYTHONDIR"):
         monkeypatch.setenv(variable, str(tmp_path))
     made = notebooks.notebook(PAGES / "meanfield.md")
@@ -65,7 +70,7 @@ def test_a_small_study_is_planned_run_and_drawn(tmp_path):
 
 @pytest.mark.slow
 def test_the_simplest_model_is_found(tmp_path):
-    found = play(PAGES / "simplify.md", tmp_path)
+    found = play(HOW_TO / "simplify.md", tmp_path)
     words = ("height_um of [A] at 36 h, within 6 um", "within 3 um", "Left out", "no noise", "counted work")
     assert [word for word in words if word not in found["printed"]] == []
     assert (tmp_path / "results" / "height" / "bias.png").read_bytes().startswith(b"\x89PNG")

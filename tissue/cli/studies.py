@@ -140,7 +140,7 @@ def _said(results: Results) -> str:
 
 # Of layers that bend.
 STEEP = """Inside an arc the apical layer is steep near the ends, and y_AB = h(X) / h(A) takes the nearest point A:
-cells that the layer covers count as apical there. docs/explore.md has the numbers.
+cells that the layer covers count as apical there. docs/howto/explore.md has the numbers.
 """
 
 

@@ -1,4 +1,4 @@
-"""The list of all keys of parameter files, for the command ``tissue parameters`` and the page docs/parameters.md.
+"""The list of all keys of parameter files, for ``tissue parameters`` and the page docs/reference/parameters.md.
 
 ``python -m tissue.files.reference`` writes this page.
 """
@@ -16,15 +16,15 @@ from tissue.files.parameter_files import FOLDER, PRESETS, flat, merged, read
 from tissue.files.parameters import Parameters
 
 MAKES_NO_NUMBERS = True
-PAGE = Path(__file__).parents[2] / "docs" / "parameters.md"
+PAGE = Path(__file__).parents[2] / "docs" / "reference" / "parameters.md"
 COLUMNS = ("key", "meaning", "symbol", "unit, or what is allowed", "value", "source")
 TOP = """# The keys of parameter files
 
 `tissue parameters` lists them, too; `tissue parameters numerics.mu` and `tissue parameters emt` say more of a key or a
 section. A value is that of all presets, or of those in brackets. A key with a default may be left out in any file.
-Where the value of a preset is from stands at it in `tissue/files/presets`. The [source](../SOURCE.md) of a key is its
-place in the thesis, or a row of the table of model variants. `python -m tissue.files.reference` makes this page from
-`tissue/files/sections.py`, `tissue/files/emt_sections.py` and `tissue/files/cell_types.py`.
+Where the value of a preset is from stands at it in `tissue/files/presets`. The [source](../../SOURCE.md) of a key is
+its place in the thesis, or a row of the table of model variants. `python -m tissue.files.reference` makes this page
+from `tissue/files/sections.py`, `tissue/files/emt_sections.py` and `tissue/files/cell_types.py`.
 """
 
 

@@ -1,8 +1,8 @@
 """The sections of a parameter file: which keys there are, what each one means and what its value may be.
 
 This and ``tissue.files.emt_sections`` are the only places that say so: lists, messages, written files and
-docs/parameters.md take it from here, see ``tissue.files.keys``; types of cells do, too (``tissue.files.cell_types``). A
-section says nothing about combinations of values: ``tissue.files.combinations`` does.
+docs/reference/parameters.md take it from here, see ``tissue.files.keys``; types of cells do, too
+(``tissue.files.cell_types``). A section says nothing about combinations of values: ``tissue.files.combinations`` does.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""Independent check of a certificate: the inequalities of ``docs/proofs.md`` in interval arithmetic.
+"""Independent check of a certificate: the inequalities of ``docs/explain/proofs.md`` in interval arithmetic.
 
-Letters are those of docs/proofs.md: y approximates the solution x, m its multipliers lambda, s in [-1, 1] is the time
-along a piece. ``check`` is all that is needed.
+Letters are those of docs/explain/proofs.md: y approximates the solution x, m its multipliers lambda, s in [-1, 1] is
+the time along a piece. ``check`` is all that is needed.
 """
 
 from __future__ import annotations

@@ -119,9 +119,9 @@ def prove(problem: dincl.Problem, t: ArrayLike, bound: float = 1e-12) -> Proof:
     """Enclose the solution of x' in F(t, x) - N(S, x) in balls, with a proof that needs no proof of its events.
 
     The approximation consists of Taylor polynomials between the events that ``EventDriven`` finds; its distance to the
-    solution is bounded by Gronwall's inequality, see docs/proofs.md. Sets: NonOverlap, HalfSpace, Ordered, MaxDistance,
-    InsideBall, OutsideBall, also Moving. Drifts: those of ``dincl.drifts``, and functions (t, x) at the top of a module
-    that work on object arrays of Arb numbers and series, as do +, -, *, / and np.exp, np.sin, np.sqrt.
+    solution is bounded by Gronwall's inequality, see docs/explain/proofs.md. Sets: NonOverlap, HalfSpace, Ordered,
+    MaxDistance, InsideBall, OutsideBall, also Moving. Drifts: those of ``dincl.drifts``, and functions (t, x) at the
+    top of a module that work on object arrays of Arb numbers and series, as do +, -, *, / and np.exp, np.sin, np.sqrt.
 
     Parameters
     ----------

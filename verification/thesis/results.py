@@ -1,4 +1,4 @@
-"""The results page, from the tables that ship: ``python -m verification.thesis.results`` writes ``docs/results.md``."""
+"""The page docs/explain/results.md, from the tables that ship: ``python -m verification.thesis.results`` writes it."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from verification.thesis.chapter5 import sampling
 from verification.thesis.register import register
 from verification.thesis.text.errata import errata
 
-PAGE = Path(__file__).parents[2] / "docs" / "results.md"
+PAGE = Path(__file__).parents[2] / "docs" / "explain" / "results.md"
 PROTRUDES, NO_INM = "[BP]", "[B] no INM"
 
 

@@ -1,4 +1,4 @@
-"""Keys describe themselves in one place: lists, written files and docs/parameters.md have it from there."""
+"""Keys describe themselves in one place: lists, written files and docs/reference/parameters.md have it from there."""
 
 import json
 import tomllib
@@ -160,5 +160,5 @@ def test_a_preset_that_leaves_a_key_out_has_its_default():
 def test_the_page_is_up_to_date():
     """Else make it again: python -m tissue.files.reference."""
     assert PAGE.read_text("utf-8") == page()
-    assert PAGE == ROOT / "docs" / "parameters.md"
+    assert PAGE == ROOT / "docs" / "reference" / "parameters.md"
     assert all(page().count(f"| `{name}` |") == 1 for name in KEYS)

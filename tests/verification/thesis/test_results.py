@@ -6,7 +6,7 @@ from tests.pages import ROOT
 from verification.thesis import results
 from verification.thesis.chapter4 import kept
 
-TEXT = (ROOT / "docs" / "results.md").read_text("utf-8")
+TEXT = (ROOT / "docs" / "explain" / "results.md").read_text("utf-8")
 
 
 def test_the_page_is_the_one_that_the_kept_tables_give():
