@@ -32,11 +32,16 @@ def page() -> str:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    environment.filters["number"] = number
+    environment.filters |= {"number": number, "decade": decade}
     winners = cheapest.winners(read_sealed(STUDIES / "work_precision.parquet"), work_precision.FULL)
     known = {"errors": by_error(winners), "many": many(winners), "piles": piles(reach.table()), "proved": proved()}
     known["stable"] = stable()
     return environment.get_template("advice.md").render(**known, discs=len(SCENES[MANY]().x0))
+
+
+def decade(error: float) -> str:
+    """Format 0.001 as 10⁻³."""
+    return number(error).removeprefix("1.0·")
 
 
 def by_error(winners: pd.DataFrame) -> list[dict[str, Any]]:
