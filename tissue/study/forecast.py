@@ -93,7 +93,7 @@ def _weights(plan: PlannedComparisons, question: str) -> tuple[float, ...]:
 
 
 @dataclass(frozen=True)
-class RunCost:
+class RunTime:
     """Seconds of one run of a scenario on one core, when as many are made side by side as in a study."""
 
     seconds: float
@@ -104,13 +104,13 @@ class _EnoughError(Exception):
     """The time is over."""
 
 
-def measured_costs(study: TissueStudy) -> dict[str, RunCost]:
+def measured_costs(study: TissueStudy) -> dict[str, RunTime]:
     """Measure the cost of a run of each scenario, by eight of its runs side by side, or by their beginning."""
     limit = max(LEAST, PATIENCE / len(study.scenarios))
     return {name: _cost(study, name, limit) for name in study.scenarios}
 
 
-def _cost(study: TissueStudy, scenario: str, limit: float) -> RunCost:
+def _cost(study: TissueStudy, scenario: str, limit: float) -> RunTime:
     parameters = study.scenarios[scenario]
     seeds = run_seeds(study.seed, scenario, range(WIDTH))
     _compile(Batch(parameters, seeds))
@@ -127,7 +127,7 @@ def _cost(study: TissueStudy, scenario: str, limit: float) -> RunCost:
         pass
     whole = reached >= parameters.t_end
     share = reached / parameters.t_end
-    return RunCost((spent / share if share > 0 else limit) / WIDTH, whole)
+    return RunTime((spent / share if share > 0 else limit) / WIDTH, whole)
 
 
 def _compile(batch: Batch) -> None:
@@ -145,7 +145,7 @@ def _compile(batch: Batch) -> None:
         pass
 
 
-def duration(study: TissueStudy, costs: dict[str, RunCost], workers: int) -> float:
+def duration(study: TissueStudy, costs: dict[str, RunTime], workers: int) -> float:
     """Return the seconds that a study takes on so many workers [s], which take its pieces one after the other."""
     ends = [0.0] * workers
     for piece in study.pieces():

@@ -13,7 +13,7 @@ from tissue.cli.app import app
 from tissue.statistics.contrasts import Family, ProportionContrast, RatioContrast
 from tissue.statistics.ratios import ratio
 from tissue.study import forecast
-from tissue.study.forecast import RunCost, duration, effective_cells, measured_costs, useful_workers, worker_numbers
+from tissue.study.forecast import RunTime, duration, effective_cells, measured_costs, useful_workers, worker_numbers
 from tissue.study.plan import load_study
 
 
@@ -79,7 +79,7 @@ def test_cells_of_a_run_count_for_fewer(study):
 
 
 def test_times_are_those_of_workers_that_take_piece_after_piece(study):
-    costs = {name: RunCost(seconds, True) for name, seconds in zip(study.scenarios, (1.0, 1.0, 2.0, 4.0), strict=True)}
+    costs = {name: RunTime(seconds, True) for name, seconds in zip(study.scenarios, (1.0, 1.0, 2.0, 4.0), strict=True)}
     assert duration(study, costs, 1) == 320
     assert duration(study, costs, 2) == 200  # 40 + 160, beside 40 + 80
     assert duration(study, costs, 8) == 160
@@ -97,7 +97,7 @@ def test_costs_are_measured_by_short_runs(study, monkeypatch):
 
 
 def test_the_command_says_it_and_makes_no_run(study, monkeypatch):
-    monkeypatch.setattr(forecast, "measured_costs", lambda study: dict.fromkeys(study.scenarios, RunCost(0.5, True)))
+    monkeypatch.setattr(forecast, "measured_costs", lambda study: dict.fromkeys(study.scenarios, RunTime(0.5, True)))
     done = CliRunner().invoke(app, ["study", "study.toml", "--plan"])
     assert (done.exit_code, done.stderr) == (0, "")
     words = (
