@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, fields, replace
 from typing import TYPE_CHECKING
 
@@ -40,8 +41,6 @@ LEAST_SHARE, ROUNDING = 0.1, 16 * float(np.finfo(float).eps)
 NOT_TRIED = "not tried: another method had reached the error"
 # Runs in all, after the first two of each method.
 MOST_ROUNDS = 40
-# Another method is tried if the best forecast is so many times the cost of the first two runs of the first method.
-WORTH = 4.0
 
 
 @dataclass(frozen=True)
@@ -85,15 +84,16 @@ class Choice:
         # Of each method that takes the error itself: its forecast, and the seconds that it was tried for.
         self._events = [(method, left_out(method, error, NOT_TRIED), 0.0) for method in methods if not method.order]
 
-    def begin(self, worth: float = 0.0) -> None:
-        """Make the first two runs of each method while the best forecast is ``worth`` so many times their cost."""
+    def begin(self, share: float | None = None) -> None:
+        """Make the first two runs of each method, on request for at most a share of the predicted cost of the best one.
+
+        The first method, whose steps are the cheapest, is begun in any case.
+        """
         for pilot in self.pilots:
-            begun = [one for one in self.pilots if one.steps or one.why]
-            spent = sum(begun[0].seconds[:2]) if begun else 0.0
-            if pilot not in begun and self.forecasts[0].seconds >= worth * spent:
+            limit = math.inf if share is None else share * self.forecasts[0].seconds
+            if (pilot.unfinished or not (pilot.steps or pilot.why)) and limit > 2 * pilot.tried:
                 warm_up(self._problem, pilot.candidate, self._times, self._error)
-                pilot.refine()
-                pilot.refine()
+                pilot.begin(limit)
 
     @property
     def forecasts(self) -> list[Forecast]:
@@ -115,7 +115,7 @@ class Choice:
     def run(self) -> RunOutcome:
         """Run the best method, and return its result with its estimated error."""
         for _ in range(MOST_ROUNDS):
-            self.begin(WORTH)
+            self.begin(MOST_SHARE)
             self.try_events()
             best = self.forecasts[0]
             if not np.isfinite(best.seconds):

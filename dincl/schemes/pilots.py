@@ -45,7 +45,8 @@ LEAST_ORDER = 0.7
 AIM = 0.85
 # Tolerance of a projection, relative to the error asked for.
 PROJECTION = 1e-3
-# The event-driven method is tried on this part of the run, for at most this part of the cost of the best other method.
+# The event-driven method is tried on this part of the run; each further method for at most this part of the predicted
+# cost of the best one.
 PART, MOST_SHARE = 1 / 8, 0.2
 # With more particles a dense active set costs more than conjugate gradients.
 MOST_DENSE = 100
@@ -87,20 +88,23 @@ def left_out(candidate: Candidate, setting: float, why: str) -> Forecast:
 
 
 def candidates(problem: Problem, error: float) -> tuple[Candidate, ...]:
-    """Return the methods that are worth a pilot run for this problem."""
+    """Return the methods that are worth a pilot run for this problem, those with the cheapest steps first."""
     tol = PROJECTION * error
     projection = ActiveSet(tol) if len(problem.x0) <= MOST_DENSE else ProjectedCG(tol)
     return (
-        Candidate("midpoint catch-up", lambda dt: MidpointCatchUp(dt, projection), 2),
-        Candidate("linearised catch-up", lambda dt: LinearisedCatchUp(dt, projection), 1),
         Candidate("PBD", PBD, 1),
+        Candidate("linearised catch-up", lambda dt: LinearisedCatchUp(dt, projection), 1),
+        Candidate("midpoint catch-up", lambda dt: MidpointCatchUp(dt, projection), 2),
         Candidate("event-driven", EventDriven, 0),
     )
 
 
 @dataclass(eq=False)
 class Pilot:
-    """The pilot runs of one method with equal steps: ``steps`` ascending, their states and CPU times."""
+    """The pilot runs of one method with equal steps: ``steps`` ascending, their states and CPU times.
+
+    ``tried`` is the CPU time that the first two runs may take, ``unfinished`` whether they took longer.
+    """
 
     problem: Problem
     candidate: Candidate
@@ -111,6 +115,8 @@ class Pilot:
     seconds: list[float] = field(default_factory=list)
     why: str = ""
     final: bool = False  # whether finer steps cannot mend the failure in ``why``
+    tried: float = 0.0
+    unfinished: bool = False
 
     def run(self, steps: int) -> RunOutcome | None:
         """Make the run with so many steps; None, and the reason in ``why``, if it fails."""
@@ -130,6 +136,19 @@ class Pilot:
         self.outcomes.append(outcome)
         self.seconds.append(seconds)
         return outcome
+
+    def begin(self, limit: float) -> None:
+        """Make the first two runs, for at most so many seconds of CPU time in all."""
+        whole, began, self.tried = self.problem, time.process_time(), limit
+        self.problem, _ = with_counted_drift(whole, lambda _: time.process_time() - began > limit)
+        try:
+            for _ in range(2 - len(self.steps)):
+                self.refine()
+            self.unfinished = False
+        except OutOfBudgetError:
+            self.unfinished, self.why = True, f"takes more than {limit:.2g} s for {FIRST} and {2 * FIRST} steps"
+        finally:
+            self.problem = whole
 
     def refine(self) -> None:
         """Make one of the first runs, or one nearer to the prediction; repeat one that fails with finer steps."""

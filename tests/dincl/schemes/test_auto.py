@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import dincl
+from dincl.schemes.auto import Choice
 from dincl.schemes.pilots import AIM, FARTHEST, LEAST_RUNS, SAFETY, Candidate, Pilot, event_driven
 
 SCENES = [dincl.scenes.sliding_disc(), dincl.scenes.stack(), dincl.scenes.four_disks(), dincl.scenes.closing_walls()]
@@ -60,7 +61,36 @@ def test_other_methods_are_begun_only_where_they_can_save_something():
     free = dincl.Problem([[0.0, 1.0]], dincl.drifts.constant((1.0, 0.0)), [dincl.HalfSpace((0, 1))])
     path = dincl.solve(free, dincl.Auto(1e-2), t=[1.0])
     assert path.stats.steps == 8 + 16 + 32 + 45
-    assert type(path.scheme) is dincl.MidpointCatchUp
+    assert type(path.scheme) is dincl.PBD
+
+
+def test_a_method_with_slow_steps_is_given_a_share_of_what_the_best_one_costs():
+    """Steps of the second method take as long as they may and longer; they are ended, and begun again later."""
+    scene, begun = dincl.scenes.four_disks(), []
+
+    class Slow(dincl.PBD):
+        """As PBD, over and over again."""
+
+        def run(self, problem, times):
+            begun.append(times[-1])
+            for _ in range(1000 if times[-1] > 1 else 1):
+                super().run(problem, times)
+
+    def slow(dt):
+        return Slow(1e-4 * dt)
+
+    methods = [Candidate("quick", dincl.PBD, 1), Candidate("slow", slow, 1)]
+    choice = Choice(scene, np.array([scene.times[-1]]), 1e-4, methods)
+    choice.begin(0.5)
+    quick, other = choice.pilots
+    assert other.tried == pytest.approx(0.5 * quick.forecast().seconds)
+    assert other.unfinished
+    assert "takes more than" in other.forecast().why
+    choice.begin(0.9)  # not twice as much
+    assert begun == [1e-6 * scene.times[-1], scene.times[-1]]
+    choice.begin(5.0)
+    assert len(begun) == 3
+    assert choice.forecasts[0].label == "quick"
 
 
 @pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.name)
