@@ -31,6 +31,8 @@ pytest.register_assert_rewrite("tests.verification.in_browser")
 SEED = 20260101
 # Names the file that says that the kernels of the tissue are compiled, to the processes that run tests.
 COMPILED = "TISSUE_KERNELS_COMPILED"
+# Compiles the steps of all schemes, which are compiled where they are defined, and what a module of tests solves.
+STEPS = "from dincl.steps import catch_up, compliant, programs, sweeping; import tests.borders.dincl_calls"
 # These files come first: begun near the end, a long one would leave the other process with nothing to do.
 # Contracts need no kernels of the tissue, which are being compiled then.
 FIRST = ("test_report.py", "contracts", "test_studies.py", "test_chapter.py")
@@ -64,15 +66,22 @@ def pytest_cmdline_main(config: pytest.Config) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Where tests run in several processes, let one more compile the kernels of the tissue: else all would."""
+    """Where tests run in several processes, compile first what each of them would compile while it reads the tests.
+
+    One process more then compiles the other kernels of the tissue.
+    """
     if os.environ.get("PYTEST_XDIST_WORKER") or not config.getoption("numprocesses", None):
         return
-    if not any(has_to_do_with_tissue(file) for file in files(config)):
-        return
-    file = Path(tempfile.mkdtemp(), "compiled")
-    os.environ[COMPILED] = str(file)
-    command = [sys.executable, "-m", "tests.compile_kernels", str(file)]
-    config.stash[COMPILER] = subprocess.Popen(command, cwd=Path(__file__).parent.parent)
+    root = Path(__file__).parent.parent
+    steps = subprocess.Popen([sys.executable, "-c", STEPS], cwd=root)
+    if any(has_to_do_with_tissue(file) for file in files(config)):
+        file = Path(tempfile.mkdtemp(), "compiled")
+        os.environ[COMPILED] = str(file)
+        command = [sys.executable, "-m", "tests.compile_kernels", str(file)]
+        config.stash[COMPILER] = compiler = subprocess.Popen(command, cwd=root)
+        while not file.with_suffix(".read").exists() and compiler.poll() is None:
+            time.sleep(0.1)
+    steps.wait()
 
 
 def files(config: pytest.Config) -> list[Path]:
