@@ -54,7 +54,9 @@ def draw_bias(table: pd.DataFrame, tolerance: float, unit: str, answer: str, pat
 
 def _draw_costs(panel: Axes, rows: pd.DataFrame, answer: str) -> None:
     """Draw CPU time of a run over that of the full model, as bars with the names of the models."""
-    last = rows.index[(rows["model"] == answer) & (rows["step"] == "together")]
+    mine = rows[rows["model"] == answer]
+    together = mine[mine["step"] == "together"]
+    last = (mine if together.empty else together).index
     colours = [ANSWER if k in last else "#c8c8c8" for k in rows.index]
     panel.barh(rows.index, rows["cpu"], color=colours, height=0.6)
     panel.axvline(1.0, color="#333333", linewidth=0.8)

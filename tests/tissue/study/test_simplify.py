@@ -104,6 +104,18 @@ def test_runs_of_a_look_are_paired_and_combinations_have_fresh_seeds() -> None:
     assert (found.table.loc[found.table["model"] == "no noise", "bias"] - 0.7).abs().iloc[0] < 0.05
 
 
+def below_a_third(cells: pd.DataFrame, end: float) -> pd.Series:
+    return (cells[f"ab_{end:g}h"] < 1 / 3).astype(float)
+
+
+def test_the_outcome_may_be_a_function_of_the_cells() -> None:
+    found = simplify("study.toml", 0.2, outcome=below_a_third, out="out")
+    assert found.question.name.endswith("test_simplify.below_a_third")
+    # All cells of the stand-in are at 0, in all models that do not fail.
+    assert set(pd.read_parquet("out/simplify.parquet")["value"].dropna()) == {1.0}
+    assert not found.question.shares
+
+
 @pytest.mark.slow
 def test_the_same_call_goes_on_from_the_table_of_runs() -> None:
     first = simplify("study.toml", out="out")

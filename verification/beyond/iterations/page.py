@@ -119,6 +119,6 @@ CHAPTER = Chapter(
     run,
     sections,
     findings,
-    place=3,
+    place=4,
     tables=("iterations",),
 )

@@ -81,6 +81,6 @@ CHAPTER = Chapter(
     run,
     sections,
     findings,
-    place=5,
+    place=6,
     tables=("moving_",),
 )

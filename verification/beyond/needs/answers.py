@@ -1,59 +1,52 @@
-"""The simplest models that answer questions on cells of chapter 4, isolated and in groups, and on the height.
+"""The simplest models that answer the questions of ``verification.beyond.needs.questions``: the kept table.
 
-``python -m verification.beyond.needs.answers`` makes the table again, in a quarter of an hour of two cores, and writes
-``verification/data/needs_answers.parquet``. Interrupted, it goes on from the runs in FOLDER.
+``python -m verification.beyond.needs.answers`` makes it again, in half an hour of two cores, and writes
+``verification/data/needs_answers.parquet``; with names of questions behind it, such as Q1 Q2, it makes their rows
+alone. Interrupted, it goes on from the runs in FOLDER.
 """
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 
 from dincl.study import read_sealed
-from tissue.study.simplify import simplify
+from tissue.study.simplify import FRESH, FULL, simplify
+from verification.beyond.needs.questions import QUESTIONS
 from verification.page.kept import DATA, keep
 
 FILE, FOLDER = DATA / "needs_answers.parquet", Path("results/needs")
-# A study that comes with the program, in the model as printed, and what is asked of it; shares are parts, heights um.
-QUESTIONS: dict[str, tuple[str, dict[str, Any]]] = {
-    "basal extrusion after [A]": ("figure10", {"outcome": "basal", "scenarios": ["[A]"], "tolerance": 0.03}),
-    "apical extrusion after [A]": (
-        "figure10",
-        {"outcome": "apical", "scenarios": ["[A]"], "tolerance": 0.05, "runs": 2048},
-    ),
-    "basal extrusion of a group": (
-        "questions",
-        {"outcome": "basal", "scenarios": ["[A] and [B] at any time, 10 cells"], "tolerance": 0.05},
-    ),
-    "effect of INM on a group": (
-        "questions",
-        {
-            "outcome": "basal",
-            "scenarios": ["[A] and [B] at any time no INM, 10 cells", "[A] and [B] at any time, 10 cells"],
-            "tolerance": 0.05,
-        },
-    ),
-    "height at 48 h": (
-        "figure10",
-        {"outcome": "height_um", "scenarios": ["[B]"], "tolerance": 2.0, "at": "48 h"},
-    ),
-}
 
 
-def main() -> None:
-    """Answer the questions and keep the table."""
-    keep(pd.concat([answer(name) for name in QUESTIONS]), FILE, main)
+def main(*names: str) -> None:
+    """Answer questions, all if none are named, and keep their rows in place of the former ones."""
+    before = table() if FILE.exists() and names else None
+    for name in names or QUESTIONS:
+        others = [] if before is None else [before[before["question"] != name]]
+        rows = pd.concat([*others, answer(name)])
+        order = rows["question"].map(list(QUESTIONS).index)
+        rows = rows.iloc[order.argsort(kind="stable")]
+        rows.attrs = {}
+        keep(rows, FILE, main, [] if before is None else [before])
+        before = table()
 
 
 def answer(name: str) -> pd.DataFrame:
-    """Return the table of ``simplify`` for a question; ``answer``: whether a row is the simplest model."""
-    study, asked = QUESTIONS[name]
-    found = simplify(study, out=FOLDER / name.replace(" ", "_"), **asked)
+    """Return the table of ``simplify`` for a question.
+
+    ``answer``: whether a row is the simplest model; ``full``: what the full model answers, the mean of its runs that no
+    combination was confirmed by.
+    """
+    asked, folder = QUESTIONS[name], FOLDER / name.replace(" ", "_")
+    found = simplify(asked.study, out=folder, **asked.what)
     question, rows = found.question, found.table
+    runs = read_sealed(folder / "simplify.parquet")
+    means = runs[(runs["model"] == FULL) & (runs["replicate"] < FRESH)].groupby("scenario")["value"].mean()
+    first, *second = (float(means[scenario]) for scenario in question.scenarios)
     is_answer = (rows["model"] == found.model) & (rows["step"] == "together")
-    what = {"question": name, "tolerance": question.tolerance, "shares": question.shares}
+    what = {"question": name, "tolerance": question.tolerance, "shares": question.shares, "full": first - sum(second)}
     return rows.assign(**what, answer=is_answer)
 
 
@@ -63,4 +56,4 @@ def table() -> pd.DataFrame:
 
 
 if __name__ == "__main__":
-    main()
+    main(*sys.argv[1:])

@@ -1,4 +1,4 @@
-"""What a scene needs: the bias of simpler models against their cost, for questions on isolated cells and the height."""
+"""What a scene needs: the bias of simpler models against their cost, for thirteen questions on cells and tissues."""
 
 from __future__ import annotations
 
@@ -8,25 +8,48 @@ from pathlib import Path
 import pandas as pd
 
 from dincl.equivalence.paired import ERROR, LOOKS
+from dincl.equivalence.search import AND
 from tissue.pictures.bias import draw_bias
 from verification.beyond.needs import answers
+from verification.beyond.needs.figures import draw_tissues
+from verification.beyond.needs.questions import EIGHT, FIVE, QUESTIONS
+from verification.page import cards
 from verification.page.columns import headed, read_columns
 from verification.page.context import Context
-from verification.page.parts import Follows, Grid, Picture, Section, Text
+from verification.page.parts import Follows, Grid, HowMeasured, Picture, Section, Text
 from verification.page.prose import fill
 from verification.page.report import Chapter, Finding
 
 PROSE = Path(__file__).parent / "prose" / "needs.html"
 COLUMNS = read_columns(Path(__file__).parent / "columns.toml")
-TITLES, ABOUT = COLUMNS["sections"], COLUMNS["about"]
+TITLES, NAMES, ABOUT = COLUMNS["sections"], COLUMNS["names"], COLUMNS["about"]
 
 
 def run(context: Context) -> None:
-    """Read the kept table."""
+    """Read the kept table, and sum it up, a row for each question."""
     rows = answers.table()
     failed = rows["reason"] != ""  # such runs end early, so their cost says nothing
     rows[["cpu", "work"]] = rows[["cpu", "work"]].mask(failed)
     context.keep("needs_answers", rows[rows["verdict"] != "left out"].reset_index(drop=True))
+    context.keep("needs_summary", pd.DataFrame([_summed(context, name) for name in QUESTIONS]))
+
+
+def _summed(context: Context, name: str) -> dict[str, object]:
+    rows = _rows(context, name)
+    unit, scale = _unit(rows)
+    alone, found = rows[rows["step"] == "alone"], _cheapest(rows)
+    undecided = alone[alone["verdict"] == "open"]
+    return {
+        "id": name,
+        "question": NAMES[name],
+        "full": f"{scale * rows['full'].iloc[0]:.3g} {unit}",
+        "tolerance": f"{scale * rows['tolerance'].iloc[0]:g} {unit}",
+        "model": _listed("".join(found["model"])) or "the full model",
+        "cpu": 1.0 if found.empty else float(found["cpu"].iloc[0]),
+        "enough": f"{(alone['verdict'] == 'enough').sum()} of {len(alone)}",
+        "open": ", ".join(undecided["model"]),
+        "missing": "" if undecided.empty else f"{undecided['missing'].max():,}",
+    }
 
 
 def _rows(context: Context, name: str) -> pd.DataFrame:
@@ -34,40 +57,67 @@ def _rows(context: Context, name: str) -> pd.DataFrame:
     return table[table["question"] == name]
 
 
+def _cheapest(rows: pd.DataFrame) -> pd.DataFrame:
+    """Return the row of the cheapest model that is enough, of combinations and of single ones; none: the full model."""
+    return rows[(rows["verdict"] == "enough") & (rows["cpu"] < 1)].sort_values("cpu").head(1)
+
+
 def _unit(rows: pd.DataFrame) -> tuple[str, float]:
     """Return the unit of a question, and its size in the table."""
-    return ("points", 100.0) if rows["shares"].iloc[0] else ("um", 1.0)
+    return ("µm", 1.0) if rows["question"].iloc[0] == "height at 48 h" else ("points", 100.0)
+
+
+def _listed(model: str) -> str:
+    return model.replace(AND, ", ")
 
 
 def _said(context: Context, name: str) -> dict[str, str]:
     rows = _rows(context, name)
     unit, scale = _unit(rows)
-    found = rows[rows["answer"]]
-    alone = rows[rows["step"] == "alone"]
-    cheapest = alone[alone["verdict"] == "enough"].sort_values("cpu").iloc[0]
-    cost = {"cpu": 1.0, "work": 1.0} if found.empty else found[["cpu", "work"]].iloc[0].to_dict()
+    found, alone = _cheapest(rows), rows[rows["step"] == "alone"]
     return fill(
         PROSE,
-        question=name[0].upper() + name[1:],
+        question=NAMES[name],
         about=ABOUT[name],
+        full=scale * rows["full"].iloc[0],
         tolerance=scale * rows["tolerance"].iloc[0],
         unit=unit,
         enough=int((alone["verdict"] == "enough").sum()),
         tried=len(alone),
         most=int(rows["runs"].max()),
-        answer="" if found.empty else found["model"].iloc[0].replace(" + ", ", "),
-        **cost,
-        alone=cheapest["model"] if cheapest["cpu"] < cost["cpu"] else "",
-        alone_cpu=cheapest["cpu"],
+        answer=[_listed(model) for model in found["model"]],
+        cost=found[["cpu", "work"]].to_dict("records"),
+        undecided=alone.loc[alone["verdict"] == "open", ["model", "missing"]].to_dict("records"),
         error=ERROR,
         looks=len(LOOKS),
+        **_counts(context),
     )
 
 
-def _section(context: Context, number: int, name: str) -> Section:
+def _counts(context: Context) -> dict[str, object]:
+    """Return what the section of all questions says."""
+    table = context.tables["needs_summary"]
+    rows = context.tables["needs_answers"]
+    enough = rows[(rows["step"] == "alone") & (rows["verdict"] == "enough")].groupby("model")["question"].nunique()
+    never = sorted(set(rows.loc[rows["step"] == "alone", "model"]) - set(enough.index))
+    eight = table[table["id"].isin(EIGHT)]
+    return {
+        "questions": len(table),
+        "halved": int((eight["cpu"] < 0.5).sum()),
+        "eight": len(eight),
+        "least": eight["cpu"].min(),
+        "greatest": eight["cpu"].max(),
+        "always": sorted(model for model, count in enough.items() if count == len(table)),
+        "never": never,
+    }
+
+
+def _section(context: Context, name: str) -> Section:
     rows, said = _rows(context, name), _said(context, name)
+    number = list(QUESTIONS).index(name) + 1
     unit, scale = _unit(rows)
-    answer = "".join(rows.loc[rows["answer"], "model"])
+    answer = "".join(_cheapest(rows)["model"])
+    tissues = context.draw(f"needs_tissues_{number}", draw_tissues, name, answer)
     figure = context.draw(f"needs_{number}", draw_bias, rows, float(rows["tolerance"].iloc[0]), unit, answer)
     values = (scale * rows[["bias", "low", "high"]]).itertuples(index=False)
     said_of = [
@@ -77,20 +127,28 @@ def _section(context: Context, number: int, name: str) -> Section:
     named = rows.assign(
         missing=missing, bias=[bias for bias, _ in said_of], interval=[interval for _, interval in said_of]
     )
-    grid = Grid(headed(named, COLUMNS["verdicts"]), said["table"], "needs_answers")
-    texts = [Text(said[block]) for block in (("asked", "method") if number == 1 else ("asked",))]
-    return Section(TITLES[name], [Picture(figure, said["picture"]), *texts, grid, Follows(said["follows"])])
+    grid = Grid(headed(named, COLUMNS["verdicts"]), said["table"], "needs_answers", folded=True)
+    pictures = [Picture(tissues, said["tissues"]), Picture(figure, said["picture"])]
+    return Section(TITLES[name], [*pictures, Follows(said["follows"]), grid])
 
 
 def sections(context: Context) -> Sequence[Section]:
-    """Write about each question: bias against cost, verdicts, answer."""
-    return [_section(context, number, name) for number, name in enumerate(answers.QUESTIONS, start=1)]
+    """Write about all questions together, then about each: both tissues, bias against cost, answer, verdicts."""
+    table, said = context.tables["needs_summary"], _said(context, next(iter(QUESTIONS)))
+    grid = Grid(headed(table, COLUMNS["summary"]), said["summary"], "needs_summary")
+    method = HowMeasured([Text(said["method"])])
+    first = Section(TITLES["all"], [Follows(said["all"]), grid, Text(said["whole"]), method])
+    return [first, *(_section(context, name) for name in (*EIGHT, *FIVE))]
 
 
 def findings(context: Context) -> Sequence[Finding]:
-    """Return the answer of the first question."""
-    first = next(iter(answers.QUESTIONS))
-    return [Finding(_said(context, first)["follows"], TITLES[first])]
+    """Return what the eight questions of chapter 4 cost in the simplest model."""
+    table = context.tables["needs_summary"]
+    costs = dict(zip(table["id"], 100 * table["cpu"], strict=True))
+    label = "CPU time of the simplest model that answers [% of the full one]"
+    values = [costs[name] for name in EIGHT]
+    picture = context.draw("card_needs", cards.bars, list(EIGHT), values, [(value, value) for value in values], label)
+    return [Finding(_said(context, next(iter(QUESTIONS)))["all"], TITLES["all"], picture)]
 
 
 CHAPTER = Chapter(
@@ -100,6 +158,6 @@ CHAPTER = Chapter(
     run,
     sections,
     findings,
-    place=10,
+    place=3,
     tables=("needs_",),
 )

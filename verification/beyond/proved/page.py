@@ -93,6 +93,6 @@ CHAPTER = Chapter(
     run,
     sections,
     findings,
-    place=7,
+    place=8,
     tables=("proved_",),
 )

@@ -97,6 +97,6 @@ CHAPTER = Chapter(
     run,
     sections,
     findings,
-    place=6,
+    place=7,
     tables=("prox_", "consistency"),
 )

@@ -70,6 +70,6 @@ CHAPTER = Chapter(
     run,
     sections,
     findings,
-    place=9,
+    place=10,
     tables=("emt_",),
 )

@@ -136,6 +136,6 @@ CHAPTER = Chapter(
     run,
     sections,
     findings,
-    place=4,
+    place=5,
     tables=("stability_",),
 )

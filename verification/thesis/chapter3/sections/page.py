@@ -81,7 +81,7 @@ CHAPTER = Chapter(
     run,
     sections,
     findings,
-    place=8,
+    place=9,
     prepare=compile_kernels,
     tables=("tissue_",),
 )
