@@ -23,7 +23,6 @@ from tests.verification.thesis.shortened_meanfield import SECTIONS as MEANFIELD_
 from verification import cli
 from verification.beyond.chart.references import SCENES
 from verification.beyond.needs import page as page_needs
-from verification.beyond.needs.questions import EIGHT, FIVE, QUESTIONS
 from verification.beyond.proved import page as page_proved
 from verification.claims import Effect
 from verification.claims.decide import differing
@@ -53,7 +52,7 @@ SECTIONS = [
     "Up to how many discs does the event-driven scheme pay?",
     *(f"Speed against accuracy: {make().title.lower()}" for make in SCENES.values()),
     AGAIN,
-    *(page_needs.TITLES[name] for name in ("all", *EIGHT, *FIVE)),
+    *(page_needs.TITLES[name] for name in ("all", *page_needs.answered())),
     "Iterations or smaller steps?",
     AGAIN,
     "Do methods fail where theory predicts it?",
@@ -97,7 +96,7 @@ SECTIONS = [
     *TITLES.values(),
 ]
 # With the cards of the first page.
-IMAGES = 59 + 7 + 1 + 2 * len(QUESTIONS) + MEANFIELD_PICTURES
+IMAGES = 59 + 7 + 1 + 2 * len(page_needs.answered()) + MEANFIELD_PICTURES
 LARGEST = 3e6  # bytes of a page, the script of its charts included
 
 

@@ -12,7 +12,7 @@ from dincl.equivalence.search import AND
 from tissue.pictures.bias import draw_bias
 from verification.beyond.needs import answers
 from verification.beyond.needs.figures import draw_tissues
-from verification.beyond.needs.questions import EIGHT, FIVE, QUESTIONS
+from verification.beyond.needs.questions import EIGHT, FIVE
 from verification.page import cards
 from verification.page.columns import headed, read_columns
 from verification.page.context import Context
@@ -31,7 +31,13 @@ def run(context: Context) -> None:
     failed = rows["reason"] != ""  # such runs end early, so their cost says nothing
     rows[["cpu", "work"]] = rows[["cpu", "work"]].mask(failed)
     context.keep("needs_answers", rows[rows["verdict"] != "left out"].reset_index(drop=True))
-    context.keep("needs_summary", pd.DataFrame([_summed(context, name) for name in QUESTIONS]))
+    context.keep("needs_summary", pd.DataFrame([_summed(context, name) for name in answered()]))
+
+
+def answered() -> list[str]:
+    """Return the questions that the kept table answers: the eight of chapter 4 first, then the others."""
+    kept = set(answers.table()["question"])
+    return [name for name in (*EIGHT, *FIVE) if name in kept]
 
 
 def _summed(context: Context, name: str) -> dict[str, object]:
@@ -105,6 +111,7 @@ def _counts(context: Context) -> dict[str, object]:
         "questions": len(table),
         "halved": int((eight["cpu"] < 0.5).sum()),
         "eight": len(eight),
+        "waiting": [name for name in EIGHT if name not in set(eight["id"])],
         "least": eight["cpu"].min(),
         "greatest": eight["cpu"].max(),
         "always": sorted(model for model, count in enough.items() if count == len(table)),
@@ -114,7 +121,7 @@ def _counts(context: Context) -> dict[str, object]:
 
 def _section(context: Context, name: str) -> Section:
     rows, said = _rows(context, name), _said(context, name)
-    number = list(QUESTIONS).index(name) + 1
+    number = answered().index(name) + 1
     unit, scale = _unit(rows)
     answer = "".join(_cheapest(rows)["model"])
     tissues = context.draw(f"needs_tissues_{number}", draw_tissues, name, answer)
@@ -134,11 +141,12 @@ def _section(context: Context, name: str) -> Section:
 
 def sections(context: Context) -> Sequence[Section]:
     """Write about all questions together, then about each: both tissues, bias against cost, answer, verdicts."""
-    table, said = context.tables["needs_summary"], _said(context, next(iter(QUESTIONS)))
+    table = context.tables["needs_summary"]
+    said = _said(context, answered()[0])
     grid = Grid(headed(table, COLUMNS["summary"]), said["summary"], "needs_summary")
     method = HowMeasured([Text(said["method"])])
     first = Section(TITLES["all"], [Follows(said["all"]), grid, Text(said["whole"]), method])
-    return [first, *(_section(context, name) for name in (*EIGHT, *FIVE))]
+    return [first, *(_section(context, name) for name in answered())]
 
 
 def findings(context: Context) -> Sequence[Finding]:
@@ -146,9 +154,10 @@ def findings(context: Context) -> Sequence[Finding]:
     table = context.tables["needs_summary"]
     costs = dict(zip(table["id"], 100 * table["cpu"], strict=True))
     label = "CPU time of the simplest model that answers [% of the full one]"
-    values = [costs[name] for name in EIGHT]
-    picture = context.draw("card_needs", cards.bars, list(EIGHT), values, [(value, value) for value in values], label)
-    return [Finding(_said(context, next(iter(QUESTIONS)))["all"], TITLES["all"], picture)]
+    names = [name for name in costs if name in EIGHT]
+    values = [costs[name] for name in names]
+    picture = context.draw("card_needs", cards.bars, names, values, [(value, value) for value in values], label)
+    return [Finding(_said(context, answered()[0])["all"], TITLES["all"], picture)]
 
 
 CHAPTER = Chapter(

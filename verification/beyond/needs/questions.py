@@ -68,7 +68,7 @@ EIGHT = {
     "Q4": _basal("figure14", 0.1, "[AxB]", "[BxA]", runs=256),
     "Q5": _basal("questions", 0.1, ANY_TIME, GROUP, runs=64),
     "Q6": _basal("questions", 0.07, "[B] at any time no INM", "[B] at any time", runs=256),
-    "Q7": Asked("questions", {"outcome": placed, "scenarios": [GROUP], "tolerance": 0.25, "runs": 128}),
+    "Q7": Asked("questions", {"outcome": placed, "scenarios": [GROUP], "tolerance": 0.25, "runs": 64}),
     "Q8": Asked(
         PROGRAMS,
         {"outcome": without_protrusions, "scenarios": ["7 % [P]", "63 % [P]"], "tolerance": 0.05, "runs": 128},
