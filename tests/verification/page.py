@@ -2,7 +2,7 @@
 
 from html.parser import HTMLParser
 
-EMPTY = {"meta", "img", "br", "link", "input", "wbr"}  # elements without an end
+EMPTY = {"meta", "img", "br", "link", "input", "wbr", "source"}  # elements without an end
 
 
 class Page(HTMLParser):

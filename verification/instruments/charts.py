@@ -15,7 +15,7 @@ from verification.instruments.error_norms import label as error_label
 from verification.instruments.error_norms import reference_error
 from verification.instruments.outcome import COLOURS as OUTCOME_COLOURS
 from verification.instruments.outcome import Outcome
-from verification.page.sheet import GREY, Axes, hatch_cells, own_axes, patch
+from verification.page.sheet import GREY, NOTE, Axes, hatch_cells, own_axes, patch
 
 Looks = Mapping[str, Mapping[str, Any]]
 Floats = NDArray[np.float64]
@@ -165,7 +165,7 @@ def _floor(panel: Axes, table: pd.DataFrame, error: str) -> None:
         return
     panel.axhspan(low, limit, color="#efefef", zorder=0)
     text = "not resolved by the reference"
-    panel.text(0.02, limit, text, transform=panel.get_yaxis_transform(), va="top", color=GREY, fontsize=7)
+    panel.text(0.02, limit, text, transform=panel.get_yaxis_transform(), va="top", color=GREY, fontsize=NOTE)
     panel.set_ylim(low, high)
 
 

@@ -77,11 +77,11 @@ NORMS: Mapping[str, Norm] = {
     "overlap": _overlap,
 }
 LABELS = {
-    "largest": "largest error over time",
-    "final": "error at the end",
-    "L2": "root mean square error over time",
-    "dense": "largest error of dense output",
-    "overlap": "largest overlap",
+    "largest": "largest error over time [length]",
+    "final": "error at the end [length]",
+    "L2": "root mean square error over time [length]",
+    "dense": "largest error of dense output [length]",
+    "overlap": "largest overlap [length]",
 }
 
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from textwrap import fill
 from typing import Any
 
 import matplotlib as mpl
@@ -15,19 +16,39 @@ from matplotlib.collections import PatchCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Patch, PathPatch, Polygon
 from matplotlib.path import Path as Outline
-from matplotlib.ticker import NullLocator
+from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 from numpy.typing import NDArray
 
 from dincl.files import replacing
 
-__all__ = ["GREY", "WIDTH", "Axes", "Figure", "discs", "hatch_cells", "own_axes", "patch", "polygon", "sheet"]
+__all__ = [
+    "GREY",
+    "NOTE",
+    "WIDTH",
+    "Axes",
+    "Figure",
+    "discs",
+    "hatch_cells",
+    "legend_below",
+    "narrow",
+    "own_axes",
+    "patch",
+    "polygon",
+    "sheet",
+]
 
 Floats = NDArray[np.float64]
 WIDTH = 9.2  # inches; the page shows figures at this width, with twice the dots
+# Of the form for telephones: its width, the least and largest height of a panel, the height of a line [inches].
+NARROW, HEIGHTS, LINE = 4.4, (1.8, 2.8), 0.19
+LETTER = 0.08  # inches; of the labels of axes
+# Panels of more columns than this stand in two there, others in one; a legend of names of so many letters in two.
+MANY, LETTERS = 3, 26
 DPI = 200
+NOTE = 7.5  # points; words inside of panels
 GREY = "#8a8a8a"
-# Axes over more than this have ticks at powers of ten alone.
-LONG = 100.0
+# Axes over more than LONG have ticks at powers of ten alone, those over less than SHORT at 1, 2 and 5 times them.
+LONG, SHORT = 100.0, 10.0
 STYLE: Any = {  # the names are those of matplotlib
     "font.family": "DejaVu Sans",
     "font.size": 8.5,
@@ -48,7 +69,10 @@ STYLE: Any = {  # the names are those of matplotlib
 
 @contextmanager
 def sheet(path: Path, height: float, width: float = WIDTH, **style: Any) -> Iterator[Figure]:
-    """Yield a figure of ``width`` and ``height`` inches; write it to ``path`` at the end of the block."""
+    """Yield a figure of ``width`` and ``height`` inches; write it to ``path`` at the end of the block.
+
+    A figure as wide as the page is also written to ``narrow(path)``, with its panels below each other.
+    """
     with mpl.rc_context(STYLE | style):
         figure = Figure(figsize=(width, height), layout="constrained", dpi=DPI)
         FigureCanvasAgg(figure)
@@ -56,15 +80,77 @@ def sheet(path: Path, height: float, width: float = WIDTH, **style: Any) -> Iter
         for panel in figure.axes:
             _keep_powers(panel)
         path.parent.mkdir(parents=True, exist_ok=True)
-        with replacing(path) as partial:
-            figure.savefig(partial, dpi=DPI)
+        _write(figure, path)
+        if width == WIDTH and figure.axes:
+            _stack(figure)
+            _write(figure, narrow(path))
+
+
+def narrow(path: Path) -> Path:
+    """Return where the form of a figure for telephones is."""
+    return path.with_suffix(f".narrow{path.suffix}")
+
+
+def _write(figure: Figure, path: Path) -> None:
+    with replacing(path) as partial:
+        figure.savefig(partial, dpi=DPI)
+
+
+def _stack(figure: Figure) -> None:
+    """Put the panels of a figure below each other, two side by side if there are many, above one legend."""
+    for panel in [panel for panel in figure.axes if not panel.axison]:
+        panel.remove()
+    places = {panel: spec for panel in figure.axes if (spec := panel.get_subplotspec()) is not None}
+    grid = next(iter(places.values())).get_gridspec()
+    handles = [handle for legend in figure.legends for handle in legend.legend_handles if handle is not None]
+    labels = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+    height = (figure.get_figheight() - LINE * -(-len(labels) // 3)) / grid.nrows
+    for legend in list(figure.legends):
+        legend.remove()
+    tall = float(np.clip(height, *HEIGHTS))
+    _repeat_labels({(spec.rowspan.start, spec.colspan.start): panel for panel, spec in places.items()}, tall)
+    across = 2 if grid.ncols > MANY else 1
+    rows = -(-len(places) // across)
+    cells = figure.add_gridspec(rows, across)
+    for k, panel in enumerate(places):
+        panel.set_subplotspec(cells[divmod(k, across)])
+    columns = 2 if labels and max(map(len, labels)) <= LETTERS else 1
+    lines = -(-len(labels) // columns)
+    figure.set_size_inches(NARROW, rows * tall + LINE * (lines + 1))
+    if labels:
+        figure.legend(handles, labels, loc="outside lower center", ncols=columns)
+
+
+def _repeat_labels(at: Mapping[tuple[int, int], Axes], tall: float) -> None:
+    """Give each panel, by its row and column, the labels and ticks that it shared with others; ``tall`` in inches."""
+    for (row, column), panel in at.items():
+        left = [one.get_ylabel() for (r, c), one in at.items() if r == row and c <= column and one.get_ylabel()]
+        below = [one.get_xlabel() for (r, c), one in at.items() if c == column and r >= row and one.get_xlabel()]
+        panel.set_ylabel(fill("".join(left[-1:]), int(tall / LETTER)))
+        panel.set_xlabel("".join(below[:1]))
+        panel.tick_params(labelleft=True, labelbottom=True)
 
 
 def _keep_powers(panel: Axes) -> None:
-    """Take the ticks between the powers of ten from long axes: they crowd it, and take a third of the time to draw."""
+    """Keep the ticks of logarithmic axes apart: powers of ten alone on long ones, a few plain numbers on short ones.
+
+    Ticks between the powers crowd an axis, and take a third of the time to draw.
+    """
     for axis, (low, high) in ((panel.xaxis, panel.get_xlim()), (panel.yaxis, panel.get_ylim())):
-        if axis.get_scale() == "log" and max(low, high) > LONG * min(low, high):
+        ratio = max(low, high) / min(low, high) if axis.get_scale() == "log" else 0.0
+        if ratio > 0.0:
             axis.set_minor_locator(NullLocator())
+        if 0.0 < ratio <= LONG and isinstance(axis.get_major_locator(), LogLocator):
+            axis.set_major_locator(LogLocator(subs=(1.0, 3.0) if ratio > SHORT else (1.0, 2.0, 5.0)))
+            axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+
+
+def legend_below(figure: Figure, panels: Iterable[Axes], columns: int) -> None:
+    """Draw one legend for all panels below them, each label once."""
+    found = {
+        label: handle for panel in panels for handle, label in zip(*panel.get_legend_handles_labels(), strict=True)
+    }
+    figure.legend(found.values(), found.keys(), loc="outside lower center", ncols=columns)
 
 
 def own_axes(ax: Axes | None) -> Axes:

@@ -17,7 +17,7 @@ from verification.page.context import Context
 from verification.page.parts import Follows, Grid, Picture, Section, Text
 from verification.page.prose import fill
 from verification.page.report import Chapter, Finding
-from verification.page.sheet import Axes, sheet
+from verification.page.sheet import NOTE, Axes, sheet
 
 PROSE = Path(__file__).parent / "prose" / "iterations.html"
 COLUMNS = read_columns(Path(__file__).parent / "columns.toml")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from verification.page.sheet import GREY, sheet
+from verification.page.sheet import GREY, legend_below, sheet
 
 # Column, label, colour, marker, line.
 CONSTANTS = (
@@ -32,7 +32,7 @@ def constants(table: pd.DataFrame, path: Path) -> Path:
         for column, label, colour, marker, line in CONSTANTS:
             known = table[table[column] > 0]
             panel.loglog(known["count"], known[column], color=colour, marker=marker, linestyle=line, label=label)
-        panel.set(xlabel="number N of discs of radius 1/2", ylabel="constant of prox-regularity")
+        panel.set(xlabel="number N of discs of radius 1/2", ylabel="constant of prox-regularity [length]")
         ticks = table["count"].to_list()
         panel.set_xticks(ticks, [str(tick) for tick in ticks])
         panel.minorticks_off()
@@ -42,16 +42,15 @@ def constants(table: pd.DataFrame, path: Path) -> Path:
 
 def consistency(steps: pd.DataFrame, settled: pd.DataFrame, shown: str, path: Path) -> Path:
     """Draw the velocity of one step of ``shown`` against dt, and of the k-th step of all against k."""
-    with sheet(path, 3.4) as figure:
+    with sheet(path, 3.8) as figure:
         left, right = figure.subplots(1, 2)
         mine = steps[steps["configuration"] == shown]
         for column, label, colour, marker in DISTANCES:
             left.loglog(mine["dt"], mine[column], color=colour, marker=marker, label=label)
-        left.set(title=f"One step, {shown}", xlabel="step dt", ylabel="distance of the velocity")
-        left.legend(loc="center left")
+        left.set(title=f"One step, {shown}", xlabel="step dt [time]", ylabel="distance of the velocity [length/time]")
         for (name, rows), colour in zip(settled.groupby("configuration", sort=False), COLOURS, strict=True):
             positive = rows[rows["tangent"] > 0]
             right.semilogy(positive["step"], positive["tangent"], color=colour, label=name)
-        right.set(title="The k-th step", xlabel="k", ylabel="distance to the projection on T")
-        right.legend(loc=(0.35, 0.12), fontsize=7.5)
+        right.set(title="The k-th step", xlabel="k", ylabel="distance to the projection [length/time]")
+        legend_below(figure, (left, right), 3)
     return path

@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 
 import dincl
 from dincl.scenes import Scene
-from verification.page.sheet import GREY, WIDTH, Axes, discs, polygon, sheet
+from verification.page.sheet import GREY, NOTE, WIDTH, Axes, discs, polygon, sheet
 from verification.thesis.chapter2.methods import METHODS, PBD, PENALTIES, PENALTY_PRINTED, NamedMethod
 
 Floats = NDArray[np.float64]
 DISC, WALL = "#9db8d2", "#d9d5cd"
 # Values below these are drawn on the lower edge: they are rounding, or an overlap that nobody sees.
 LOWEST = {"error": 1e-8, "infeasibility": 1e-6, "growth": 0.0}
-LABELS = {"error": "error, largest over all discs", "infeasibility": "largest overlap"}
+LABELS = {"error": "error, largest over all discs [length]", "infeasibility": "largest overlap [length]"}
 
 
 def against_step(table: pd.DataFrame, scene: str, quantity: str, path: Path) -> Path:
@@ -35,7 +35,7 @@ def against_step(table: pd.DataFrame, scene: str, quantity: str, path: Path) -> 
             if quantity == "error":
                 _reference_band(panel, float(now["reference_error"].iloc[0]))
             slope_one(panel, now, quantity)
-            panel.set(title=f"t = {t:g}", xlabel="step dt")
+            panel.set(title=f"t = {t:g}", xlabel="step dt [time]")
         panels[0].set(ylabel=LABELS[quantity], ylim=(LOWEST[quantity] / 3, 3))
         handles, labels = panels[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=3)
@@ -62,7 +62,7 @@ def _reference_band(panel: Axes, error: float) -> None:
     panel.axhspan(lowest / 3, max(error, lowest), color="#e9e9e9", zorder=0)
     top = error if error > lowest else 1.7 * lowest  # above the markers on the lower edge
     text = f"error of the reference {error:.0e}"
-    panel.text(0.02, top, text, transform=panel.get_yaxis_transform(), va="bottom", color=GREY, fontsize=7)
+    panel.text(0.02, top, text, transform=panel.get_yaxis_transform(), va="bottom", color=GREY, fontsize=NOTE)
 
 
 def slope_one(panel: Axes, rows: pd.DataFrame, quantity: str) -> None:
@@ -71,7 +71,7 @@ def slope_one(panel: Axes, rows: pd.DataFrame, quantity: str) -> None:
     steps = np.array([mine["dt"].min(), mine["dt"].max()])
     guide = steps * float(mine[quantity].iloc[0] / mine["dt"].iloc[0]) / 6
     panel.loglog(steps, guide, color=GREY, linewidth=0.9, linestyle=(0, (1, 1.2)), zorder=1)
-    panel.text(steps[0] * 1.15, guide[0] * 0.42, "slope 1", color=GREY, fontsize=7)
+    panel.text(steps[0] * 1.15, guide[0] * 0.42, "slope 1", color=GREY, fontsize=NOTE)
 
 
 def infeasibility_in_time(curves: pd.DataFrame, scenes: Sequence[Scene], path: Path) -> Path:
@@ -87,11 +87,11 @@ def infeasibility_in_time(curves: pd.DataFrame, scenes: Sequence[Scene], path: P
                     panel.plot(one["t"], one["infeasibility"], label=label, **look)
                 panel.set(title=f"{scene.title}, dt = {dt:g}", xlim=(0, scene.times[-1]))
                 panel.set_ylim(0, 1.45 * float(now["infeasibility"].max()))
-                panel.legend(loc="upper right", fontsize=7.5, ncols=1, borderaxespad=0.1)
+                panel.legend(loc="upper right", fontsize=NOTE, ncols=1, borderaxespad=0.1)
         for panel in panels[:, 0]:
-            panel.set_ylabel("largest overlap")
+            panel.set_ylabel("largest overlap [length]")
         for panel in panels[-1]:
-            panel.set_xlabel("time t")
+            panel.set_xlabel("t [time]")
     return path
 
 
@@ -126,7 +126,7 @@ def strengths(scanned: pd.DataFrame, scenes: Sequence[Scene], path: Path) -> Pat
             panel.axhline(pbd["largest"], color=PBD.colour, label="PBD: infeasibility")
             panel.axhline(pbd["error"], color=PBD.colour, linestyle=":", label="PBD: error of positions")
             panel.set(title=f"{scene.title}, dt = {dt:g}", xlabel="penalty strength")
-        panels[0].set_ylabel("largest over time")
+        panels[0].set_ylabel("largest over time [length]")
         panels[0].set_ylim(1e-3, 20)
         handles, labels = panels[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=3)
@@ -143,8 +143,8 @@ def large_steps(table: pd.DataFrame, far: float, scenes: Sequence[Scene], path: 
             for method in [METHODS[name] for name in METHODS if name in set(now["method"])]:
                 error_curve(panel, now[now["method"] == method.name], method, "growth")
             panel.axhspan(far, 2e3, color="#f6ece6", zorder=0)
-            panel.set(title=scene.title, xlabel="step dt")
-            panel.text(0.02, far * 1.1, "unstable", transform=panel.get_yaxis_transform(), color=GREY, fontsize=7)
+            panel.set(title=scene.title, xlabel="step dt [time]")
+            panel.text(0.02, far * 1.1, "unstable", transform=panel.get_yaxis_transform(), color=GREY, fontsize=NOTE)
         panels[0].set_ylabel("largest coordinate / that of the start")
         panels[0].set_ylim(0.7, 2e3)
         handles, labels = panels[0].get_legend_handles_labels()
@@ -164,7 +164,7 @@ def motion(scene: Scene, t: Sequence[float], x: Floats, path: Path) -> Path:
                     polygon(panel, _wall(constraint), facecolor=WALL, edgecolor="#6b675f", linewidth=1.2)
             discs(panel, state, scene.radius, facecolor=DISC, edgecolor="#2f4b66", linewidth=0.9)
             for number, centre in enumerate(state):
-                panel.text(*centre, str(number), ha="center", va="center", fontsize=7, color="#2f4b66")
+                panel.text(*centre, str(number), ha="center", va="center", fontsize=NOTE, color="#2f4b66")
             panel.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal", xticks=[], yticks=[])
             panel.set_title(f"t = {time:g}", loc="center")
             panel.spines[:].set_visible(False)

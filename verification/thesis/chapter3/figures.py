@@ -11,7 +11,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from verification.instruments.charts import edges
-from verification.page.sheet import GREY, Axes, Figure, sheet
+from verification.page.sheet import GREY, NOTE, Axes, legend_below, sheet
 from verification.thesis.chapter3.beyond import SETTLED
 from verification.thesis.chapter3.disturbed import PART
 from verification.thesis.chapter3.growth import DOUBLED
@@ -46,7 +46,9 @@ def accuracy(errors: pd.DataFrame, noise: pd.DataFrame, path: Path) -> Path:
             lowest = mine[mine["t"] == SHOWN[0]]
             for row in lowest.itertuples():
                 place = (1e3 * row.seconds, row.rms)
-                panel.annotate(str(row.substeps), place, (0, -11), textcoords="offset points", ha="center", fontsize=7)
+                panel.annotate(
+                    str(row.substeps), place, (0, -11), textcoords="offset points", ha="center", fontsize=NOTE
+                )
             level = PART * float(noise[(noise["preset"] == name) & (noise["t"] == SHOWN[-1])]["median"].median())
             words = f"half the distance of runs with other noise, t = {SHOWN[-1]:g} h"
             panel.axhline(level, color=GREY, linewidth=0.9, linestyle=":", label=words)
@@ -57,7 +59,7 @@ def accuracy(errors: pd.DataFrame, noise: pd.DataFrame, path: Path) -> Path:
             _plain(panel, [tick for tick in MILLISECONDS if low <= tick <= high])
         panels[0].set(ylabel="error of the nuclei, root mean square [R_soft]")
         panels[0].margins(y=0.12)
-        _legend_below(figure, panels)
+        legend_below(figure, panels, 6)
     return path
 
 
@@ -97,7 +99,7 @@ def heights(table: pd.DataFrame, path: Path) -> Path:
             _plain(panel, table[table["preset"] == name]["substeps"])
         panels[0].set_ylabel("height off by [%]")
         panels[0].set_yticks(PERCENT, [f"{value:g}" for value in PERCENT])
-        _legend_below(figure, panels)
+        legend_below(figure, panels, 6)
     return path
 
 
@@ -117,7 +119,7 @@ def disturbances(medians: pd.DataFrame, path: Path) -> Path:
             panel.set_axis_off()
         for panel in panels[:, 0]:
             panel.set_ylabel("distance of the nuclei [R_soft]")
-        _legend_below(figure, panels.flat)
+        legend_below(figure, panels.flat, 6)
     return path
 
 
@@ -141,7 +143,7 @@ def growth(table: pd.DataFrame, finest: pd.Series, path: Path) -> Path:
             panel.set_ylabel("height / height at the start")
         for panel in panels[1]:
             panel.set_xlabel("time [h]")
-        _legend_below(figure, panels.flat)
+        legend_below(figure, panels.flat, 6)
     return path
 
 
@@ -170,7 +172,8 @@ def maps(tables: dict[str, pd.DataFrame], path: Path) -> Path:
             panel.set(title=f"{LABELS[name]}, {state}", xlabel=plane.x.label, ylabel=plane.y.label)
             panel.minorticks_off()
             if plane in GROWING:
-                _plain(panel, plane.x.values[::2])
+                values = plane.x.values
+                _plain(panel, (values[0], values[len(values) // 2], values[-1]))
                 panel.set_yticks(FEW, [str(value) for value in FEW])
         figure.colorbar(shown, ax=panels, label="mean amplitude of the jitter [R_soft]", shrink=0.7, aspect=35)
         line, square = panels[0, 0].lines[0], panels[0, 0].plot([], [], "s", color=LOST, markersize=7)[0]
@@ -203,7 +206,6 @@ def jitter(summary: pd.DataFrame, path: Path) -> Path:
             panels[2].loglog(mine["scale"], mine["least"], **look)
         mine = summary.sort_values("scale")
         panels[2].loglog(mine["scale"], mine["reach"], color=GREY, linestyle="--", label=r"$\sqrt{\alpha h/\mu}$")
-        panels[2].legend(loc="upper left")
         panels[0].set_title(f"Mean amplitude [R_soft], t ≥ {SETTLED:g} h")
         panels[1].set_title("Cells at or beyond the limit [%]")
         panels[2].set_title("Least distance to an end [R_soft]")
@@ -211,20 +213,12 @@ def jitter(summary: pd.DataFrame, path: Path) -> Path:
             panel.set_xlabel("h/μ")
             panel.minorticks_off()
         panels[2].set_yticks(DISTANCES, [f"{value:g}" for value in DISTANCES])
-        panels[0].legend(loc="lower right")
+        legend_below(figure, panels, 3)
     return path
 
 
 def _plain(panel: Axes, values: Iterable[float]) -> None:
     """Draw ticks at these values, written out."""
     ticks = sorted(set(values))
-    panel.set_xticks(ticks, [f"{value:g}" for value in ticks])
+    panel.set_xticks(ticks, [f"{value:g}" if value >= 1 else f"{value:.3g}" for value in ticks])
     panel.minorticks_off()
-
-
-def _legend_below(figure: Figure, panels: Iterable[Axes]) -> None:
-    """Draw one legend for all panels, without duplicates."""
-    found = {
-        label: handle for panel in panels for handle, label in zip(*panel.get_legend_handles_labels(), strict=True)
-    }
-    figure.legend(found.values(), found.keys(), loc="outside lower center", ncols=6)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from verification.instruments.charts import draw_outcomes, edges, outcome_handles
 from verification.instruments.outcome import Outcome
-from verification.page.sheet import GREY, Axes, sheet
+from verification.page.sheet import GREY, Axes, legend_below, sheet
 from verification.thesis.chapter3 import daha_limits
 from verification.thesis.chapter3.daha import DOUBLED_CASE, PBD_SUBSTEPS, TERMINATING
 from verification.thesis.chapter3.daha_limits import OUTCOMES
@@ -39,7 +39,7 @@ def iterations(table: pd.DataFrame, case: str, path: Path) -> Path:
             right.semilogy(rows.loc[~done, "t"], rows.loc[~done, "iterations"], "x", color=colour)
         left.set(xscale="log", xlabel="iterations in a step", ylabel="steps", title="Steps that terminated")
         right.set(xlabel="time [h]", ylabel="iterations in a step", title="In time; crosses: not terminated")
-        left.legend(loc="upper right")
+        legend_below(figure, [left], 3)
     return path
 
 
@@ -66,7 +66,7 @@ def damping(table: pd.DataFrame, fits: pd.DataFrame, path: Path) -> Path:
             panel.minorticks_off()
         left.set(title="Nuclei: distance to DAHA [%]", ylim=(0, None))
         right.set_title("Height above that of DAHA [%]")
-        right.legend(loc="lower left")
+        legend_below(figure, [right], 2)
     return path
 
 

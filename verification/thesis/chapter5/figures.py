@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from verification.instruments.rates import QUANTILES
-from verification.page.sheet import GREY, Axes, sheet
+from verification.page.sheet import GREY, NOTE, Axes, legend_below, sheet
 from verification.thesis.chapter5 import flow_rates, grid_order, stability_constant
 from verification.thesis.chapter5.cases import TITLES
 from verification.thesis.chapter5.drift import TITLES as DRIFTERS
@@ -18,7 +18,10 @@ from verification.thesis.chapter5.methods import METHODS
 
 # Errors below this are rounding, and drawn there.
 LOWEST = 1e-16
-COLOURS = ("#2f6db0", "#b8443c", "#4f9a5f", "#c9a227", "#7b52a1")
+COSTS = {"seconds": "CPU time [s]", "unknowns": "number of unknowns"}
+# Okabe and Ito's, with lines that differ without colours, too.
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#e69f00", "#cc79a7")
+DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)))
 MARKERS = ("o", "s", "^", "D", "v")
 
 
@@ -30,7 +33,8 @@ def motion(table: pd.DataFrame, path: Path) -> Path:
             for component, one in table[table["model"] == name].groupby("component", sort=False):
                 if str(component).startswith("y"):
                     number = int(str(component)[1:])
-                    panel.plot(one["t"], one["value"], color=COLOURS[number - 1], zorder=3, label=component)
+                    look: dict[str, Any] = {"color": COLOURS[number - 1], "linestyle": DASHES[number - 1]}
+                    panel.plot(one["t"], one["value"], zorder=3, label=component, **look)
                 else:
                     panel.plot(one["t"], one["value"], color=GREY, linewidth=0.6)
             panel.set(title=TITLES[name], xlabel="time t")
@@ -48,17 +52,10 @@ def agreement(table: pd.DataFrame, name: str, path: Path) -> Path:
             panel.loglog(one["setting"], one["error_multipliers"], color=METHODS[method].look["color"], linestyle=":")
         tols = np.array([1e-11, 1e-3])
         panels[0].loglog(tols, tols, color=GREY, linewidth=0.9, linestyle=(0, (1, 1.2)))
-        panels[0].set(xlabel="tol", ylabel=f"error, {TITLES[name]}")
+        panels[0].set(xlabel="tolerance", ylabel=f"error, {TITLES[name]}")
         panels[1].set(xlabel="step dt")
-        for panel in panels:
-            _decades_only(panel)
-            panel.legend(fontsize=7.5)
+        legend_below(figure, panels, 3)
     return path
-
-
-def _decades_only(panel: Axes) -> None:
-    """Label decades only: labels within a decade would overlap."""
-    panel.tick_params(axis="x", which="minor", labelbottom=False)
 
 
 def _line(panel: Axes, x: Any, y: Any, method: str, **look: Any) -> None:
@@ -78,7 +75,7 @@ def energy(table: pd.DataFrame, period: float, path: Path) -> Path:
             look["linestyle"] = "-" if setting == tightest[method] else "--"
             _line(panel, one["t"].to_numpy()[1:] / period, largest, method, **look)
         panel.set(xlabel="periods", ylabel="largest |E − E(0)| so far")
-        panel.legend(fontsize=7.5, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+        legend_below(figure, [panel], 3)
     return path
 
 
@@ -96,8 +93,7 @@ def rates(averages: pd.DataFrame, path: Path) -> Path:
                     look |= {"markerfacecolor": "none", "linestyle": "--"} if quantile else {"label": label}
                     half = [one["mean"] - one["low"].clip(lower=one["mean"] / 10), one["high"] - one["mean"]]
                     panel.errorbar(one["N"], one["mean"], yerr=half, capsize=2, **look)
-            panel.set(title=TITLES[name], xlabel="N", xscale="log", yscale="log")
-            _decades_only(panel)
+            panel.set(title=TITLES[name], xlabel="number N of particles", xscale="log", yscale="log")
         handles, labels = panels[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=3)
     return path
@@ -112,7 +108,7 @@ def stability(envelopes: pd.DataFrame, summary: pd.DataFrame, path: Path) -> Pat
             mine = envelopes[envelopes["model"] == name]
             for k, (kind, label) in enumerate(stability_constant.KINDS.items()):
                 one = mine[mine["kind"] == kind]
-                panel.semilogy(one["t"], one["ratio"], color=COLOURS[k], label=label)
+                panel.semilogy(one["t"], one["ratio"], color=COLOURS[k], linestyle=DASHES[k], label=label)
             bound = float(summary.set_index("model").loc[name, "bound"])
             t = np.linspace(0, min(np.log(100.0) / bound, mine["t"].max()), 50)
             panel.semilogy(t, np.exp(bound * t), color=GREY, linestyle="--", label="bound of the proof")
@@ -134,9 +130,8 @@ def grid(table: pd.DataFrame, path: Path) -> Path:
             widths = np.array([table["width"].min(), table["width"].max()])
             guide = widths**2 * float((table[quantity] / table["width"] ** 2).min()) / 2
             panel.loglog(widths, guide, color=GREY, linewidth=0.9, linestyle=(0, (1, 1.2)))
-            panel.text(widths[0], guide[0], "slope 2", color=GREY, fontsize=7, va="top")
+            panel.text(widths[0], guide[0], "slope 2", color=GREY, fontsize=NOTE, va="top")
             panel.set(title=f"error of {label}", xlabel="width of a cell")
-            _decades_only(panel)
         handles, labels = panels[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
     return path
@@ -149,9 +144,9 @@ def cost(table: pd.DataFrame, path: Path) -> Path:
         panels = figure.subplots(len(names), 2, sharey=True, squeeze=False)
         for row, name in zip(panels, names, strict=True):
             for method, one in table[table["model"] == name].groupby("method", sort=False):
-                for panel, work in zip(row, ("seconds", "unknowns"), strict=True):
+                for panel, work in zip(row, COSTS, strict=True):
                     _line(panel, one[work], one["error"], method)
-                    panel.set(title=TITLES[name], xlabel=work)
+                    panel.set(title=TITLES[name], xlabel=COSTS[work])
             row[0].set_ylabel("error of y at the end")
         handles, labels = panels[0][0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=4)
@@ -164,7 +159,8 @@ def drift(table: pd.DataFrame, path: Path) -> Path:
         panels = figure.subplots(1, 2, sharex=True)
         for k, (method, one) in enumerate(table.groupby("method", sort=False)):
             for panel, column in zip(panels, ("g", "rate"), strict=True):
-                panel.loglog(one["t"], one[column].clip(lower=LOWEST), color=COLOURS[k], label=DRIFTERS[method])
+                look: dict[str, Any] = {"color": COLOURS[k], "linestyle": DASHES[k], "label": DRIFTERS[method]}
+                panel.loglog(one["t"], one[column].clip(lower=LOWEST), **look)
         panels[0].set(xlabel="time t", ylabel="largest |g − c| so far")
         panels[1].set(xlabel="time t", ylabel="largest |dg/dX U + dg/dy v| so far")
         handles, labels = panels[0].get_legend_handles_labels()

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from verification.instruments.charts import draw_outcomes, edges, outcome_handles
 from verification.page import cards
-from verification.page.sheet import GREY, Axes, Figure, polygon, sheet
+from verification.page.sheet import GREY, NOTE, Axes, Figure, polygon, sheet
 from verification.thesis.chapter2.stability.contestants import CONTESTANTS
 from verification.thesis.chapter2.stability.decades import METHODS
 from verification.thesis.chapter2.stability.outcome import FAR, OVERLAP, WORDS
@@ -110,7 +110,7 @@ def decades(table: pd.DataFrame, path: Path) -> Path:
         panels[1].set(ylabel="largest overlap [diameters]", xlabel="step dt")
         for panel, limit, word in ((panels[0], FAR, "unstable"), (panels[1], OVERLAP, "infeasible")):
             panel.axhline(limit, color=GREY, linewidth=0.9, linestyle=":")
-            panel.text(0.01, limit, word, transform=panel.get_yaxis_transform(), va="bottom", color=GREY, fontsize=7)
+            panel.text(0.01, limit, word, transform=panel.get_yaxis_transform(), va="bottom", color=GREY, fontsize=NOTE)
         handles, labels = panels[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=4)
     return path
