@@ -93,7 +93,7 @@ def _draw_scene(panel: Axes, table: pd.DataFrame, quantity: str) -> None:
                 look |= {"markerfacecolor": "none", "markersize": 9}
                 place = (-6, 3)
                 panel.annotate(
-                    f"{total:,}", (1, values.iloc[0]), place, textcoords="offset points", fontsize=6.5, ha="right"
+                    f"{total:,}", (1, values.iloc[0]), place, textcoords="offset points", fontsize=NOTE, ha="right"
                 )
             label = method if total == table["total"].max() else None
             panel.loglog(now["sweeps"], values, label=label, **look)
