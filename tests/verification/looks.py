@@ -1,9 +1,10 @@
 """How a page looks, coarse enough for other fonts and words: height and ink of each section.
 
-A section, from one heading to the next, becomes ``CELLS`` x ``CELLS`` cells, whatever its height, blurred over ``BLUR`` of
-them. So a line more or less moves little, and a picture that is missing, or lies over another, changes many cells.
-What is kept is in the folder ``looks``; ``KEEP_LOOKS=1 .venv/bin/python -m pytest --slow tests/verification/test_report.py
--k fits`` makes it again. Look at the pages themselves before, in build/screenshots.
+A section, from one heading to the next, becomes ``CELLS`` x ``CELLS`` cells, whatever its height, blurred over ``BLUR``
+of them. So a line more or less moves little, and a picture that is missing, or lies over another, changes many cells.
+What is kept is in the folder ``looks``; this makes it again, once the pages in build/screenshots were looked at::
+
+    KEEP_LOOKS=1 .venv/bin/python -m pytest --slow tests/verification/test_report.py -k fits
 """
 
 from __future__ import annotations
@@ -78,7 +79,7 @@ def difference(found: Look, kept: Look) -> str:
 
 
 def _beyond(one: NDArray[np.uint8], other: NDArray[np.uint8], reach: int) -> float:
-    """Return by how much cells of one lie outside of the range of the other's cells within ``reach`` above and below."""
+    """Return by how much cells of one lie outside of the range of the other's cells within ``reach`` of them."""
     near = np.pad(other.astype(float), ((reach, reach), (0, 0)), mode="edge")
     moved = np.stack([near[k : k + CELLS] for k in range(2 * reach + 1)])
     return float(np.maximum(one - moved.max(axis=0), moved.min(axis=0) - one).max())
