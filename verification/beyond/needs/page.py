@@ -50,8 +50,8 @@ def _summed(context: Context, name: str) -> dict[str, object]:
         "question": NAMES[name],
         "full": f"{scale * rows['full'].iloc[0]:.3g} {unit}",
         "tolerance": f"{scale * rows['tolerance'].iloc[0]:g} {unit}",
-        "model": _listed("".join(found["model"])) or "the full model",
-        "cpu": 1.0 if found.empty else float(found["cpu"].iloc[0]),
+        "model": _listed("".join(found["model"])) or ("the full model" if undecided.empty else "not decided"),
+        "cpu": None if found.empty else float(found["cpu"].iloc[0]),
         "enough": f"{(alone['verdict'] == 'enough').sum()} of {len(alone)}",
         "open": ", ".join(undecided["model"]),
         "missing": "" if undecided.empty else f"{undecided['missing'].max():,}",
@@ -111,6 +111,7 @@ def _counts(context: Context) -> dict[str, object]:
         "questions": len(table),
         "halved": int((eight["cpu"] < 0.5).sum()),
         "eight": len(eight),
+        "no_answer": eight.loc[eight["cpu"].isna(), "id"].tolist(),
         "waiting": [name for name in EIGHT if name not in set(eight["id"])],
         "least": eight["cpu"].min(),
         "greatest": eight["cpu"].max(),
@@ -152,7 +153,8 @@ def sections(context: Context) -> Sequence[Section]:
 def findings(context: Context) -> Sequence[Finding]:
     """Return what the eight questions of chapter 4 cost in the simplest model."""
     table = context.tables["needs_summary"]
-    costs = dict(zip(table["id"], 100 * table["cpu"], strict=True))
+    known = table[table["cpu"].notna()]
+    costs = dict(zip(known["id"], 100 * known["cpu"], strict=True))
     label = "CPU time of the simplest model that answers [% of the full one]"
     names = [name for name in costs if name in EIGHT]
     values = [costs[name] for name in names]
