@@ -6,6 +6,7 @@
 #   make numba-range      run the tests of kernels with the oldest and the newest numba that pyproject.toml allows
 #   make lint             check style, format and types
 #   make docs             write the documentation to site/index.html, with the outputs of its tutorials
+#   make kept             make all tables again that ship, and say what differs (goes on where it stopped)
 #   make bench            measure the time per disc and step, and of the tissue
 #   make mutants          see whether tests notice random faults in the code   (ARGS="50 dincl/rows": how many, and where)
 #   make everything       install what all targets need, and what tests are skipped without
@@ -28,7 +29,7 @@ ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 # Tests and reports start dozens of processes, each of which would compile all modules that it imports.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: report test numba-range lint docs bench mutants everything lock clean
+.PHONY: report test numba-range lint docs kept bench mutants everything lock clean
 .DELETE_ON_ERROR:
 
 report: .venv/thesis
@@ -49,6 +50,9 @@ lint: .venv/lint
 docs: .venv/docs
 	rm -rf site docs/made build/doctrees
 	$(ONE_THREAD) $(BIN)/python -m sphinx -q -W -c docs -d build/doctrees . site
+
+kept: .venv/all
+	$(ONE_THREAD) $(BIN)/python -m verification.thesis.remake build/kept
 
 bench: .venv/thesis
 	$(BIN)/verification bench
