@@ -20,6 +20,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from dincl.files import replacing
 from dincl.study import read_sealed
 from verification.page.agreement import OF_THE_MACHINE, RELATIVE, relative
 from verification.page.kept import DATA, MAKER, changes, files
@@ -106,16 +107,19 @@ def _apart(old: pd.Series, new: pd.Series) -> NDArray[np.float64]:
 
 def main(folder: Path) -> None:
     """Run all commands, and say what differs."""
-    before = folder / "before"
+    before, copying = folder / "before", folder / "before.part"
     if not before.exists():
-        shutil.copytree(DATA, before)
+        shutil.rmtree(copying, ignore_errors=True)
+        shutil.copytree(DATA, copying)
+        copying.rename(before)
     for name, arguments in commands(folder):
         began = time.monotonic()
         print(f"{name}:", flush=True)
         subprocess.run([sys.executable, "-m", *arguments], check=True)
         print(f"{name}: {(time.monotonic() - began) / 60:.1f} minutes", flush=True)
     found = compared(before)
-    found.to_csv(folder / "changes.csv", index=False)
+    with replacing(folder / "changes.csv") as file:
+        found.to_csv(file, index=False)
     print(found.to_string() if len(found) else "No number differs beyond three digits.")
 
 
