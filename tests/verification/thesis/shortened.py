@@ -12,6 +12,7 @@ from tests.verification.thesis.shortened_space import SPACE, shorten_space
 from tests.verification.thesis.shortened_tissue import DAHA, TISSUE, shorten_tissue
 from tissue.pictures import charts as style
 from verification.beyond.chart import work_precision
+from verification.beyond.decisions.study import DecisionsForm
 from verification.claims import Claim
 from verification.instruments.budget import CpuSeconds
 from verification.page import context as page_context
@@ -70,6 +71,7 @@ FORMS = (
     ProxForm(12, counts=(2, 3, 4), arrangements=3),
     *STABILITY,
     WORK_PRECISION,
+    DecisionsForm((1004, 1009)),
     *TISSUE,
     *DAHA,
     *SPACE,

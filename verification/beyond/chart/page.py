@@ -13,6 +13,7 @@ from verification.beyond.chart import cheapest, reach, work_precision
 from verification.beyond.chart import figures as figures_work_precision
 from verification.beyond.chart import references as work_references
 from verification.beyond.chart.references import SCENES
+from verification.beyond.decisions import section as decisions
 from verification.instruments.budget import GRACE, CpuSeconds
 from verification.instruments.chart import TARGETS
 from verification.instruments.cheapest import LEAST_SPREAD, RESOLVED, UNDECIDED
@@ -59,16 +60,13 @@ def run(context: Context) -> None:
     winners = cheapest.winners(table, form)
     context.keep("work_winners", winners.assign(cost=context.pace(STUDY) * winners["cost"]))
     context.keep("work_reach", reach.table())
+    decisions.run(context)
 
 
 def sections(context: Context) -> Sequence[Section]:
-    """Write which method is the cheapest, how far the event-driven scheme pays, and a section for each scene."""
-    return [
-        _live(context),
-        _summary(context),
-        _reach(context),
-        *(_scene(context, name) for name in _form(context).scenes),
-    ]
+    """Write which method is the cheapest, how far the event-driven scheme pays, each scene, which method to take."""
+    scenes = (_scene(context, name) for name in _form(context).scenes)
+    return [_live(context), _summary(context), _reach(context), *scenes, decisions.section(context)]
 
 
 def _named(table: pd.DataFrame, columns: Columns) -> pd.DataFrame:
@@ -168,7 +166,7 @@ def findings(context: Context) -> Sequence[Finding]:
         "card_speed", cards.lines, shown, "cpu_seconds", "largest", labels, [one.colour for one in CARD]
     )
     found = [Finding(said[name], TITLES["cheapest"]) for name in ("winners", "ten") if said[name]]
-    return [replace(found[0], picture=picture), *found[1:]]
+    return [replace(found[0], picture=picture), *found[1:], Finding(decisions.finding(context), decisions.TITLE)]
 
 
 CHAPTER = Chapter(
@@ -179,5 +177,5 @@ CHAPTER = Chapter(
     sections,
     findings,
     place=2,
-    tables=("work_",),
+    tables=("work_", "decisions"),
 )
