@@ -38,8 +38,8 @@ HEAVY = (
     "sklearn",
     "statsmodels",
 )
-# What an extra is for, and what of it other extras serve: a minimiser, views, a cluster; proofs, the page to explore.
-OTHER_EXTRAS = ("beyond/chart/baselines", "explore", "formal", "proofs", "thesis")
+# What an extra is for, and what other extras serve of it: a minimiser, views, a cluster; proofs, pages of the report.
+OTHER_EXTRAS = ("beyond", "explore", "formal", "proofs", "thesis")
 SERVED = {
     "meanfield": ("meanfield", ("meanfield/transport/discrete.py",)),
     "report": ("verification", tuple([f"verification/{name}/" for name in OTHER_EXTRAS])),
