@@ -144,9 +144,13 @@ def sections(context: Context) -> Sequence[Section]:
     """Write about all questions together, then about each: both tissues, bias against cost, answer, verdicts."""
     table = context.tables["needs_summary"]
     said = _said(context, answered()[0])
-    grid = Grid(headed(table, COLUMNS["summary"]), said["summary"], "needs_summary")
+    eight = table["id"].isin(EIGHT)
+    grids = [
+        Grid(headed(table[mine], COLUMNS["summary"]), said[caption], "needs_summary")
+        for mine, caption in ((eight, "eight"), (~eight, "five"))
+    ]
     method = HowMeasured([Text(said["method"])])
-    first = Section(TITLES["all"], [Follows(said["all"]), grid, Text(said["whole"]), method])
+    first = Section(TITLES["all"], [Follows(said["all"]), *grids, Text(said["whole"]), method])
     return [first, *(_section(context, name) for name in answered())]
 
 
