@@ -22,6 +22,7 @@ from tests.verification.thesis.shortened_meanfield import PICTURES as MEANFIELD_
 from tests.verification.thesis.shortened_meanfield import SECTIONS as MEANFIELD_SECTIONS
 from verification import cli
 from verification.beyond.chart.references import SCENES
+from verification.beyond.decisions import section as decisions
 from verification.beyond.needs import page as page_needs
 from verification.beyond.proved import page as page_proved
 from verification.claims import Effect
@@ -51,6 +52,7 @@ SECTIONS = [
     "Which method is the cheapest?",
     "Up to how many discs does the event-driven scheme pay?",
     *(f"Speed against accuracy: {make().title.lower()}" for make in SCENES.values()),
+    decisions.TITLE,
     AGAIN,
     *(page_needs.TITLES[name] for name in ("all", *page_needs.answered())),
     "Iterations or smaller steps?",
