@@ -166,7 +166,7 @@ def findings(context: Context) -> Sequence[Finding]:
         "card_speed", cards.lines, shown, "cpu_seconds", "largest", labels, [one.colour for one in CARD]
     )
     found = [Finding(said[name], TITLES["cheapest"]) for name in ("winners", "ten") if said[name]]
-    return [replace(found[0], picture=picture), *found[1:], Finding(decisions.finding(context), decisions.TITLE)]
+    return [replace(found[0], picture=picture), *found[1:]]
 
 
 CHAPTER = Chapter(

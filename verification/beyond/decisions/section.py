@@ -70,8 +70,3 @@ def section(context: Context) -> Section:
     kept = Grid(headed(context.tables["decisions_promise"], COLUMNS["promise"]), said["promise"], "decisions_promise")
     texts = (Text(said["asked"]), rules, Follows(said["error"]), Text(said["auto"]), kept, Text(said["cost"]))
     return Section(TITLE, list(texts))
-
-
-def finding(context: Context) -> str:
-    """Return what ``Auto`` keeps, in a sentence."""
-    return _said(context)["finding"]
