@@ -22,8 +22,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import verification.claims
 from verification.claims import Claim, Correction, Effect, Evidence, Verdict
+from verification.claims import claim as without_text
 
 
 def claim(
@@ -38,7 +38,7 @@ def claim(
     found = text.get("correction")
     correction = found and Correction(**found | {"effect": Effect(found["effect"])})
     details |= {"source": source, "recorded": recorded, "quote": text["quote"], "correction": correction}
-    return verification.claims.claim(id, statement, **details)
+    return without_text(id, statement, **details)
 
 
 @cache
