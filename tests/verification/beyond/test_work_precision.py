@@ -9,7 +9,7 @@ import pytest
 
 import dincl
 from tests.executors import Here, Nowhere
-from tests.verification.thesis.shortened import WORK_PRECISION
+from tests.verification.thesis.shortened import TWO_SCENES, WORK_PRECISION
 from verification.beyond.chart import page as chapter
 from verification.beyond.chart import references as work_references
 from verification.beyond.chart import work_precision
@@ -200,24 +200,27 @@ def test_what_is_made_again_is_of_the_complete_chart():
 @pytest.mark.slow
 def test_chapter_writes_its_charts_from_its_tables(tmp_path, monkeypatch):
     monkeypatch.setattr(sheet, "DPI", 50)
-    context = Context(tmp_path, False, Here(), [WORK_PRECISION])
+    forms = [WORK_PRECISION, TWO_SCENES]
+    context = Context(tmp_path, False, Here(), forms)
     chapter.CHAPTER.run(context)
     kept = {"work_references", "work_precision", "work_times", "work_winners", "work_reach"}
-    assert context.tables.keys() == kept
+    decided = {"decisions", *(f"decisions_{name}" for name in ("tree", "usual", "judged", "promise"))}
+    assert context.tables.keys() == kept | decided
     sections = chapter.CHAPTER.sections(context)
-    assert len(sections) == 5
+    assert len(sections) == 6
     parts = [part for section in sections for part in section.parts]
     pictures = [part.path for part in parts if part.kind == "picture"]
     assert len(pictures) == 2
     assert all(Path(path).stat().st_size > 1000 for path in pictures)
     files = {part.file for part in parts if part.kind == "grid"}
-    assert files == {"work_precision", "work_reach", "work_times", "work_winners"}
+    shown = {"work_precision", "work_reach", "work_times", "work_winners", "decisions_tree", "decisions_promise"}
+    assert files == shown
     assert all((context.folder / f"{name}.csv").is_file() for name in files)
     grids = [part for part in parts if part.kind == "grid" and part.file == "work_winners"]
     winners = [grid.rows["Cheapest"].tolist() for grid in grids if "Cheapest" in grid.rows]
     assert [row for one in winners for row in one] == context.tables["work_winners"]["cheapest"].tolist()
     before = context.tables
-    again = Context(tmp_path, False, Nowhere(), [WORK_PRECISION])  # nothing to run on, as nothing is missing
+    again = Context(tmp_path, False, Nowhere(), forms)  # nothing to run on, as nothing is missing
     chapter.CHAPTER.run(again)
     for name, table in again.tables.items():
         pd.testing.assert_frame_equal(table, before[name])

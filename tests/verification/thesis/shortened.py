@@ -63,6 +63,8 @@ WORK_PRECISION = work_precision.Form(
     scenes=("sliding_disc", "stack"),
     methods=(PBD, LINEARISED_DAQP, LSODA, CHIPMUNK),
 )
+# One that the decision tree is made from, and one that it is tried on.
+TWO_SCENES = DecisionsForm((1004, 1009))
 FORMS = (
     ExtrapolationForm((2, 3, 4)),
     ConvergenceForm(5, 5, methods=(PBD, LINEARISED_DAQP, PENALTIES[0])),
@@ -71,7 +73,7 @@ FORMS = (
     ProxForm(12, counts=(2, 3, 4), arrangements=3),
     *STABILITY,
     WORK_PRECISION,
-    DecisionsForm((1004, 1009)),
+    TWO_SCENES,
     *TISSUE,
     *DAHA,
     *SPACE,
