@@ -55,6 +55,8 @@ def _said(context: Context) -> dict[str, str]:
         without=without,
         beyond=len(scenes) - without - len(judged),
         judged=len(judged),
+        pbd=int((judged["best"] == "PBD").sum()),
+        coarse=float(judged.loc[judged["best"] == "PBD", "asked"].median()),
         patience=study.PATIENCE,
         longest=study.LONGEST,
         kept=next(context.tables["decisions_promise"].iloc[:1].itertuples()),
