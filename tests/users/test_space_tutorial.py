@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import tissue
+from tests.optional import need_rendering
 from tests.pages import ROOT, play
 from tissue.files.parameters import load
 from tissue.frames.observables import basal_area
@@ -13,6 +14,7 @@ PAGE = ROOT / "docs" / "howto" / "space.md"
 
 @pytest.fixture(scope="module")
 def found(tmp_path_factory):
+    need_rendering()
     folder = tmp_path_factory.mktemp("space")
     return play(PAGE, folder) | {"folder": folder}
 

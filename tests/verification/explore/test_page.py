@@ -22,10 +22,9 @@ from tests.verification.explore.site import (
 )
 from tests.verification.explore.small import SMALL
 from tissue.pictures.charts import OUTCOMES
-from tissue.statistics.categories import kept_times
+from tissue.statistics.categories import kept_times, outcome
 from tissue.statistics.sequences import bounded
 from tissue.study.answers import scenario_ratios
-from tissue.study.outcomes import outcome
 from tissue.study.run import run_study
 from verification.explore.tissues.setting import Setting
 
