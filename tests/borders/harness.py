@@ -81,6 +81,8 @@ def complaint(made: Made, allowed: tuple[type[Exception], ...]) -> str:
     """What is wrong with how a call ended; nothing if it is ``allowed``."""
     with warnings.catch_warnings(record=True) as heard, np.errstate(all="warn", under="ignore"):
         warnings.simplefilter("always")
+        # Of how a library is written, which is said when it is first compiled.
+        warnings.filterwarnings("ignore", "invalid escape sequence")
         try:
             with limited():
                 answer = made.call.function(**made.arguments)
