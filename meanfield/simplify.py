@@ -123,7 +123,7 @@ def simplify(
 
 @dataclass(frozen=True)
 class _Task:
-    """What every description is asked."""
+    """Question to every description."""
 
     model: Model
     quantity: Quantity

@@ -82,6 +82,12 @@ class Forecast(NamedTuple):
     why: str = ""
 
 
+def limited(problem: Problem, seconds: float) -> Problem:
+    """Return the problem with a drift that raises OutOfBudgetError after so many seconds of CPU time from now."""
+    began = time.process_time()
+    return with_counted_drift(problem, lambda _: time.process_time() - began > seconds)[0]
+
+
 def left_out(candidate: Candidate, setting: float, why: str) -> Forecast:
     """Return the forecast of a method that is out."""
     return Forecast(candidate.label, setting, math.nan, math.nan, math.nan, math.inf, why)
@@ -139,8 +145,8 @@ class Pilot:
 
     def begin(self, limit: float) -> None:
         """Make the first two runs, for at most so many seconds of CPU time in all."""
-        whole, began, self.tried = self.problem, time.process_time(), limit
-        self.problem, _ = with_counted_drift(whole, lambda _: time.process_time() - began > limit)
+        whole, self.tried = self.problem, limit
+        self.problem = limited(whole, limit)
         try:
             for _ in range(2 - len(self.steps)):
                 self.refine()
@@ -234,9 +240,8 @@ def event_driven(
     if len(problem.x0) > MOST_PARTICLES:
         return left_out(candidate, error, f"serves at most {MOST_PARTICLES} particles")
     began = time.process_time()
-    limited, _ = with_counted_drift(problem, lambda _: time.process_time() - began > limit)
     try:
-        outcome = candidate.make(error).run(limited, PART * times[-1:])
+        outcome = candidate.make(error).run(limited(problem, limit), PART * times[-1:])
     except OutOfBudgetError:
         return left_out(candidate, error, f"takes more than {limit / PART:.2g} s")
     seconds = time.process_time() - began

@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import Any
 
 import pandas as pd
-from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from dincl.files import write_text
 from dincl.study import read_sealed
 from verification.beyond.chart import cheapest, work_precision
 from verification.claims import Verdict
 from verification.page.kept import STUDIES
+from verification.page.prose import text_page
 from verification.thesis.chapter4 import kept
 from verification.thesis.chapter4.frequencies import RULE
 from verification.thesis.chapter4.studies import preset_of
@@ -22,21 +22,14 @@ from verification.thesis.register import register
 from verification.thesis.text.errata import errata
 
 PAGE = Path(__file__).parents[2] / "docs" / "explain" / "results.md"
+TEMPLATE = Path(__file__).with_name("results.md")
 PROTRUDES, NO_INM = "[BP]", "[B] no INM"
 
 
 def page() -> str:
     """Return the text of the page."""
-    environment = Environment(
-        loader=PackageLoader("verification.thesis", "."),
-        autoescape=False,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
-    environment.filters |= {"percent": percent, "signed": signed}
-    return environment.get_template("results.md").render(claims=claims(), emt=emt(), w1=w1(), chart=chart(), rule=RULE)
+    filters = {"percent": percent, "signed": signed}
+    return text_page(TEMPLATE, filters, claims=claims(), emt=emt(), w1=w1(), chart=chart(), rule=RULE)
 
 
 def claims() -> dict[str, Any]:

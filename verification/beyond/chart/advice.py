@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from dincl.files import write_text
 from dincl.study import read_sealed
@@ -16,27 +15,21 @@ from verification.beyond.chart.references import SCENES
 from verification.instruments.cheapest import UNDECIDED
 from verification.page.kept import DATA, STUDIES
 from verification.page.parts import number
+from verification.page.prose import text_page
 
 MAKES_NO_NUMBERS = True
 PAGE = Path(__file__).parents[3] / "docs" / "explain" / "which_method.md"
+TEMPLATE = Path(__file__).parent / "prose" / "advice.md"
 MANY = "pile_1000"
 
 
 def page() -> str:
     """Return the text of the page."""
-    environment = Environment(
-        loader=PackageLoader("verification.beyond.chart", "prose"),
-        autoescape=False,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
-    environment.filters |= {"number": number, "decade": decade}
     winners = cheapest.winners(read_sealed(STUDIES / "work_precision.parquet"), work_precision.FULL)
     known = {"errors": by_error(winners), "many": many(winners), "piles": piles(reach.table()), "proved": proved()}
     known["stable"] = stable()
-    return environment.get_template("advice.md").render(**known, discs=len(SCENES[MANY]().x0))
+    filters = {"number": number, "decade": decade}
+    return text_page(TEMPLATE, filters, **known, discs=len(SCENES[MANY]().x0))
 
 
 def decade(error: float) -> str:

@@ -21,7 +21,7 @@ SPACINGS = (1.02, 1.6)
 
 @dataclass
 class SceneParts:
-    """What the sets and the drift of one scene are drawn for: positions ``x`` (n, d), radii (n,), random numbers."""
+    """Parts of a scene while it is drawn: positions ``x`` (n, d), radii (n,), random numbers."""
 
     x: Array
     radii: Array

@@ -14,10 +14,9 @@ from numpy.typing import NDArray
 import dincl
 from dincl.drifts.counted import OutOfBudgetError
 from dincl.errors import StepFailure
-from dincl.problem import with_counted_drift
 from dincl.schemes.auto import Choice
 from dincl.schemes.event_driven import not_begun
-from dincl.schemes.pilots import Candidate, candidates
+from dincl.schemes.pilots import Candidate, candidates, limited
 from dincl.study import Key, Row, Study
 from dincl.work import Work
 from verification.beyond.decisions.scenes import RandomScene, scene
@@ -78,12 +77,11 @@ def known(given: RandomScene) -> Array | None:
         found = _limited(given, dincl.EventDriven(tol), PATIENCE)
         if found is not None:
             return found
-    few = len(given.problem.x0) <= 100
-    projection = dincl.ActiveSet(1e-4 * given.error) if few else dincl.ProjectedCG(1e-4 * given.error)
+    midpoint = next(one for one in candidates(given.problem, 0.1 * given.error) if one.order == 2)
     steps, moved, last, seconds = 32, np.inf, None, 0.0
     while 2.5 * seconds < PATIENCE:
         began = time.process_time()
-        now = _limited(given, dincl.MidpointCatchUp(float(given.t[-1]) / steps, projection), PATIENCE)
+        now = _limited(given, midpoint.make(float(given.t[-1]) / steps), PATIENCE)
         seconds = time.process_time() - began
         if now is not None and last is not None:
             before, moved = moved, _apart(now, last)
@@ -95,10 +93,8 @@ def known(given: RandomScene) -> Array | None:
 
 def _limited(given: RandomScene, scheme: dincl.Scheme, seconds: float) -> Array | None:
     """Return the states of a run that takes at most so many seconds; None if it takes longer, is refused or fails."""
-    began = time.process_time()
-    problem, _ = with_counted_drift(given.problem, lambda _: time.process_time() - began > seconds)
     try:
-        path = dincl.solve(problem, scheme, t=given.t, throw=False)
+        path = dincl.solve(limited(given.problem, seconds), scheme, t=given.t, throw=False)
     except (OutOfBudgetError, dincl.InvalidProblem):
         return None
     return path.x if path.status else None
