@@ -8,10 +8,14 @@ changed with any value, or with a fault of memory. This cache is for results tha
 from __future__ import annotations
 
 import inspect
+import os
 import pickle
+import shutil
 import textwrap
+import time
 from collections.abc import Callable
 from contextlib import suppress
+from functools import cache
 from hashlib import sha256
 from itertools import count
 from pathlib import Path
@@ -22,11 +26,12 @@ from numba.core.caching import CacheImpl, CompileResultCacheImpl, FunctionCache,
 from numba.core.serialize import dumps
 
 from dincl.compiled.folders import stamp
-from dincl.provenance.code import source
+from dincl.provenance.code import PACKAGES, source
 
 MAKES_NO_NUMBERS = True
 
 DIGEST = sha256().digest_size
+UNUSED = 30 * 24 * 3600.0  # seconds after which the machine code of other code is removed
 
 
 class CheckedFiles(IndexDataCacheFile):
@@ -78,22 +83,31 @@ class CheckedFiles(IndexDataCacheFile):
 
 
 class _Locator(_CacheLocator):
-    """The folder that numba would take, for files named after the text of the function and marked with our stamp."""
+    """The folder of the cache, for files named after the text of the function and marked with our stamp.
 
-    def __init__(self, function: Callable[..., Any], standard: Any) -> None:
-        self._function, self._standard = function, standard
-        self._py_file = standard._py_file
+    Functions of these packages are compiled once for all clones and environments of a user: their folder is
+    ``~/.cache/dincl-testbed/STAMP/MODULE``. Other functions, and all where ``NUMBA_CACHE_DIR`` is set or this folder
+    cannot be written, are cached where numba would do so.
+    """
+
+    def __init__(self, function: Callable[..., Any], path: str) -> None:
+        self._function, self._path = function, path
 
     @classmethod
     def from_function(cls, py_func: Callable[..., Any], py_file: str) -> _Locator | None:
-        """Take the first place that numba would."""
+        """Take the shared folder, or the first place that numba would."""
+        if py_func.__module__.partition(".")[0] in PACKAGES and not os.environ.get("NUMBA_CACHE_DIR"):
+            with suppress(OSError, RuntimeError):  # also where a user has no home
+                shared = cls(py_func, str(_shared_folder(stamp(py_func)) / py_func.__module__))
+                shared.ensure_cache_path()  # type: ignore[no-untyped-call]
+                return shared
         classes: list[Any] = CacheImpl._locator_classes
         found = (standard.from_function(py_func, py_file) for standard in classes)
-        return next((cls(py_func, place) for place in found if place is not None), None)
+        return next((cls(py_func, str(place.get_cache_path())) for place in found if place is not None), None)
 
     def get_cache_path(self) -> str:
         """Return the folder."""
-        return str(self._standard.get_cache_path())
+        return self._path
 
     def get_source_stamp(self) -> str:
         """Return the stamp of the machine code."""
@@ -102,6 +116,20 @@ class _Locator(_CacheLocator):
     def get_disambiguator(self) -> str:
         """Tell functions of one name in one file apart by their text: lines shift with every comment."""
         return source(textwrap.dedent(inspect.getsource(self._function))).digest
+
+
+@cache
+def _shared_folder(stamp: str) -> Path:
+    """Return the folder of a stamp, marked as used today; folders of other stamps unused for a month are removed."""
+    root = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "dincl-testbed"
+    folder = root / stamp
+    folder.mkdir(parents=True, exist_ok=True)
+    os.utime(folder)
+    for other in root.iterdir():
+        with suppress(OSError):  # another process may remove it, too
+            if time.time() - other.stat().st_mtime > UNUSED:
+                shutil.rmtree(other)
+    return folder
 
 
 class _Serialiser(CompileResultCacheImpl):

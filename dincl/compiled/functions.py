@@ -1,7 +1,7 @@
 """Functions compiled to machine code: kernels for Python, functions inlined into them, C functions for other kernels.
 
-The machine code of kernels and C functions is cached on the disk. At a terminal a message says what is compiled: a
-first run takes half a minute longer.
+The machine code of kernels and C functions is cached on the disk (``dincl.compiled.cache``). At a terminal a message
+says what is compiled: a first run takes half a minute longer.
 """
 
 from __future__ import annotations
@@ -30,9 +30,9 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 def kernel(function: Function, *, references: bool = True) -> Function:
     """Compile on first use, free of the interpreter lock; division by zero gives inf as in NumPy.
 
-    No fastmath and no parallel: the order of operations is part of the result. The machine code is cached on the disk,
-    where numba has its cache, and used until the code of a folder with kernels changes (``dincl.compiled.folders``) or
-    the version of a library. A damaged file is replaced.
+    No fastmath and no parallel: the order of operations is part of the result. The machine code is cached on the disk
+    and used until the code of a folder with kernels changes (``dincl.compiled.folders``) or the version of a library. A
+    damaged file is replaced.
 
     Parameters
     ----------

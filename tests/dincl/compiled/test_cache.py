@@ -4,11 +4,15 @@ import errno
 import os
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
 
-from dincl.compiled.cache import CheckedFiles
+from dincl.compiled import cache
+from dincl.compiled.cache import CheckedFiles, CodeCache
+from dincl.compiled.folders import stamp
+from dincl.neighbours.grid import sort_by_cell
 
 PLAIN = "def scaled(x):\n    return 2 * x + 1\n\n\ndef called(x):\n    return 3.0 * x + 1.0\n"
 PROGRAM = """
@@ -101,3 +105,21 @@ def test_a_full_disk_costs_no_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
         files(tmp_path).save("int", [2])
     assert [files(tmp_path).load(key) for key in ("double", "int")] == [[1], None]
     assert not list(tmp_path.glob("*.tmp.*"))
+
+
+def test_clones_share_the_machine_code_of_our_functions_for_a_month(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+    cache._shared_folder.cache_clear()
+    root = tmp_path / "dincl-testbed"
+    for name, age in (("last week", 7), ("last year", 365)):
+        (root / name).mkdir(parents=True)
+        os.utime(root / name, (then := time.time() - 24 * 3600 * age, then))
+    function = sort_by_cell.py_func
+    ours = CodeCache(function)
+    assert Path(str(ours.cache_path)) == root / stamp(function) / "dincl.neighbours.grid"
+    assert {path.name for path in root.iterdir()} == {"last week", stamp(function)}
+    assert Path(str(CodeCache(files).cache_path)) == Path(__file__).parent / "__pycache__"
+    cache._shared_folder.cache_clear()
