@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -12,15 +13,22 @@ from dincl.files import write_text
 from dincl.study import read_sealed
 from verification.beyond.chart import cheapest, work_precision
 from verification.claims import Verdict
+from verification.instruments.error_norms import distance
 from verification.page.kept import STUDIES
+from verification.page.parts import number
 from verification.page.prose import text_page
+from verification.thesis.chapter2 import convergence, extrapolation, infeasibility, reference
+from verification.thesis.chapter2.methods import CATCH_UP, PBD
+from verification.thesis.chapter3 import beyond, daha, daha_ends, daha_fit, growth, substeps
 from verification.thesis.chapter4 import kept
 from verification.thesis.chapter4.frequencies import RULE
+from verification.thesis.chapter4.printed import PRINTED_LEVEL
 from verification.thesis.chapter4.studies import preset_of
-from verification.thesis.chapter5 import sampling
+from verification.thesis.chapter5 import agreement, cost, grid_order, sampling
 from verification.thesis.register import register
 from verification.thesis.text.errata import errata
 
+MAKES_NO_NUMBERS = True
 PAGE = Path(__file__).parents[2] / "docs" / "explain" / "results.md"
 TEMPLATE = Path(__file__).with_name("results.md")
 PROTRUDES, NO_INM = "[BP]", "[B] no INM"
@@ -28,8 +36,9 @@ PROTRUDES, NO_INM = "[BP]", "[B] no INM"
 
 def page() -> str:
     """Return the text of the page."""
-    filters = {"percent": percent, "signed": signed}
-    return text_page(TEMPLATE, filters, claims=claims(), emt=emt(), w1=w1(), chart=chart(), rule=RULE)
+    filters = {"percent": percent, "signed": signed, "number": number}
+    known = {"claims": claims(), "emt": emt(), "w1": w1(), "chart": chart(), "discs": discs(), "tissue": tissue()}
+    return text_page(TEMPLATE, filters, **known, meanfield=meanfield(), rule=RULE)
 
 
 def claims() -> dict[str, Any]:
@@ -52,6 +61,8 @@ def emt() -> dict[str, Any]:
     apical = controls.assign(preset=controls["study"].map(preset_of)).groupby("preset")["apical"]
     return {
         "runs": int(controls["runs"].sum()),
+        "level": PRINTED_LEVEL,
+        "times": sorted(printed["time_h"].unique()),
         "within": {key: (int(row["sum"]), int(row["count"])) for key, row in within.iterrows()},
         "hardly": _only(ratios, scenario=NO_INM, what="basal", preset="thesis"),
         "printed": _only(printed, scenario=NO_INM, what="basal", preset="thesis")["printed"],
@@ -81,6 +92,86 @@ def w1() -> dict[str, Any]:
     }
 
 
+@cache
+def discs() -> dict[str, Any]:
+    """Return the errors of the reference, the orders and errors of PBD, and its overlap beside the penalty method."""
+    table, solved, runs = _study("convergence"), _study("reference"), _study("catch_up")
+    apart = []
+    for scene in convergence.SCENES:
+        known, checked = reference.reference(solved, scene), extrapolation.extrapolated(runs, scene)
+        apart.append(distance(known.x, checked.x).max())
+    orders = convergence.orders(table)
+    errors = table.pivot_table(index=["scene", "t", "dt"], columns="method", values="error")
+    times = (errors[PBD.name] / errors[CATCH_UP.name]).dropna()
+    best = infeasibility.best_strengths(_study("penalty_scan"))
+    slide, fall = convergence.SCENES
+    return {
+        "stated": table["reference_error"].max(),
+        "contacts": [solved.loc[solved["scene"] == scene, "events"].max() for scene in convergence.SCENES],
+        "exact": _study("exactness")["true"].max(),
+        "catch_up": max(apart),
+        "orders": _range(orders.loc[orders["method"] == PBD.name, "slope"]),
+        "slide": _range(times[slide]),
+        "fall": _range(times[fall].drop(index=times[fall].index.levels[0].max(), level="t")),
+        "penalty": _range(best["largest"] / best["pbd_largest"]),
+    }
+
+
+@cache
+def tissue() -> dict[str, Any]:
+    """Return the limits, substeps and dampings of the growing tissue, and DAHA beside PBD."""
+    runs, swings = _study("tissue_daha"), beyond.summary(_study("tissue_jitter"))
+    enough = substeps.enough(substeps.heights(_study("tissue_substeps")))
+    doubled = growth.doubling(_study("tissue_growth")).groupby("preset")
+    kernel = _study("tissue_kernel")
+    compared = runs[runs["case"] == daha.TERMINATING]
+    fits = daha_fit.fitted(compared)
+    return {
+        "beyond": _only(swings, preset="thesis", substeps=min(daha.PBD_SUBSTEPS)),
+        "enough": enough[enough["t"] == enough["t"].max()].set_index("preset")["substeps"],
+        "right": substeps.ENOUGH,
+        "end": enough["t"].max(),
+        "ends": daha_ends.shares(_study("tissue_daha_ends")).to_dict("records"),
+        "speed": _only(daha.speed(compared)),
+        "fit": _only(fits, t=fits["t"].max(), substeps=min(daha.PBD_SUBSTEPS)),
+        "doubled": {preset: rows.to_dict("records") for preset, rows in doubled},
+        "substep": _range(kernel.loc[kernel["cells"] == kernel["cells"].min(), "us_best"]),
+    }
+
+
+@cache
+def meanfield() -> dict[str, Any]:
+    """Return how the solvers of particles agree, the measured orders and the costs."""
+    runs, grids = _study("meanfield_agreement"), grid_order.orders(_study("meanfield_grid"))
+    best = agreement.best(runs).groupby("method")["worst"].max()
+    orders = agreement.orders(runs).groupby("nominal")["slope"]
+    fine = agreement.CLAIMED
+    seconds = cost.seconds_to(_study("meanfield_cost"), (fine,)).groupby("method")[f"{fine:g}"]
+    side = _study("meanfield_side").set_index("model")
+    return {
+        "models": runs["model"].nunique(),
+        "best": best,
+        "orders": {nominal: _range(slopes) for nominal, slopes in orders},
+        "smooth": _range(grids.loc[grids["smooth"], "slope_error_f"]),
+        "jump": _only(grids[~grids["smooth"]])["slope_error_f"],
+        "mass": grids["mass"].max(),
+        "least": grids["least"].min(),
+        "fine": fine,
+        "seconds": {method: _range(times) for method, times in seconds},
+        "particles": int(side["N"].max()),
+        "passes": _range(side["reading"].drop("interacting")),
+    }
+
+
+def _study(name: str) -> pd.DataFrame:
+    """Return the table of a complete study."""
+    return read_sealed(STUDIES / f"{name}.parquet")
+
+
+def _range(values: pd.Series) -> tuple[float, float]:
+    return values.min(), values.max()
+
+
 def percent(value: float, digits: int = 0) -> str:
     """Format 0.1 as 10 %."""
     return f"{100 * value:.{digits}f} %"
@@ -93,7 +184,7 @@ def signed(value: float, digits: int = 3) -> str:
 
 def _only(table: pd.DataFrame, **wanted: object) -> pd.Series:
     """Return the first row with these values; ratios have the preset in the name of the study."""
-    rows = table if "preset" in table else table.assign(preset=table["study"].map(preset_of))
+    rows = table.assign(preset=table["study"].map(preset_of)) if "study" in table else table
     for name, value in wanted.items():
         rows = rows[rows[name] == value]
     return rows.iloc[0]
