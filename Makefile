@@ -10,6 +10,7 @@
 #   make bench            measure the time per disc and step, and of the tissue
 #   make mutants          see whether tests notice random faults in the code   (ARGS="50 dincl/rows": how many, and where)
 #   make everything       install what all targets need, and what tests are skipped without
+#   make dist             build the wheels and source archives of the last commit into dist/, and check them
 #   make lock             fix the newest versions of all dependencies in requirements.lock
 #   make clean            remove the environment and the caches; report/ and results/ stay
 #
@@ -29,7 +30,7 @@ ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 # Tests and reports start dozens of processes, each of which would compile all modules that it imports.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: report test numba-range lint docs kept bench mutants everything lock clean
+.PHONY: report test numba-range lint docs kept bench mutants everything dist lock clean
 .DELETE_ON_ERROR:
 
 report: .venv/thesis
@@ -62,6 +63,16 @@ mutants: .venv/test
 
 everything: .venv/dev
 
+# From a copy of the last commit: setuptools would put leftovers of the working tree into the archives. The tables of
+# complete studies, which only the report needs, are a distribution of their own.
+dist: .venv/dist
+	rm -rf dist build/dist
+	mkdir -p build/dist
+	git archive HEAD | tar -x -C build/dist
+	$(BIN)/python -m build --no-isolation --outdir dist build/dist
+	$(BIN)/python -m build --no-isolation --outdir dist build/dist/verification/data
+	$(BIN)/python -m twine check --strict dist/*
+
 # Each stamp is touched last, so an install that broke off is made again from the start.
 .venv/made: requirements.lock
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { \
@@ -90,5 +101,6 @@ lock:
 	rm -rf .venv-lock
 
 clean:
-	rm -rf .venv .venv-lock build site docs/made *.egg-info .hypothesis .mypy_cache .pytest_cache .ruff_cache
+	rm -rf .venv .venv-lock build dist site docs/made *.egg-info .hypothesis .mypy_cache .pytest_cache .ruff_cache
+	rm -rf verification/data/build verification/data/*.egg-info
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -64,6 +64,10 @@ class MissingLibrary(InvalidProblem, ModuleNotFoundError):
         return type(self), self._made_of
 
 
+class MissingTables(InvalidProblem):
+    """The tables of complete studies, a distribution of their own that is not installed."""
+
+
 @contextmanager
 def needs(what: str, extra: Extra) -> Iterator[None]:
     """Around imports: where one of PACKAGES is missing, MissingLibrary says that ``what`` needs it, and the extra."""
@@ -77,18 +81,23 @@ def needs(what: str, extra: Extra) -> Iterator[None]:
 
 
 def need_thesis(what: str) -> None:
-    """Raise MissingLibrary unless the libraries of the extra ``thesis`` are installed; it names those that are not."""
+    """Raise MissingLibrary, or MissingTables, unless the extra ``thesis`` and the tables of studies are installed."""
     missing = [p for module, p in PACKAGES.items() if p not in NOT_IN_THESIS and find_spec(module) is None]
     if missing:
         raise MissingLibrary(what, ", ".join(missing), "thesis")
+    if find_spec("verification.data") is None:
+        raise MissingTables(
+            f"{what} needs dincl-testbed-data, the tables of complete studies, not installed here; "
+            "in a clone: pip install ./verification/data"
+        )
 
 
 @contextmanager
 def command(name: str, extra: Extra) -> Iterator[None]:
-    """Around a command: a missing library ends it with one message, as bad input does."""
+    """Around a command: missing libraries or tables end it with one message, as bad input does."""
     try:
         with needs(name, extra):
             yield
-    except MissingLibrary as missing:
+    except (MissingLibrary, MissingTables) as missing:
         print(f"Error: {missing}", file=sys.stderr)
         raise SystemExit(BAD_INPUT) from missing

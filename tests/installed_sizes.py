@@ -19,7 +19,7 @@ import pandas as pd
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
-from tests.installing import ROOT, build_wheel, for_users, installed, size, size_of
+from tests.installing import ROOT, build_wheels, copy_sources, for_users, installed, size, size_of
 
 FILE, PAGE = ROOT / "docs/howto/installed.csv", ROOT / "docs/howto/install.md"
 TARGETS = {"make report": "thesis", "make test": "test", "make everything": "dev"}
@@ -42,7 +42,8 @@ BRINGS = {
 
 def of_extras(folder: Path) -> dict[str, float]:
     """Install all in an environment, and return the size of each extra with what it needs [MB]."""
-    commands, _ = installed(sys.executable, "all", build_wheel(folder / "tree", folder / "out"), folder)
+    wheel, _ = build_wheels(copy_sources(folder / "tree"), folder / "out")
+    commands, _ = installed(sys.executable, "all", wheel, folder)
     (packages,) = commands.parent.glob("lib/python*/site-packages")
     there = {canonicalize_name(found.name): found for found in distributions(path=[str(packages)])}
     needed = {extra: needed_by([f"dincl-testbed[{extra}]"], there) for extra in for_users()}
@@ -51,7 +52,7 @@ def of_extras(folder: Path) -> dict[str, float]:
 
 
 def files_of(found: Distribution) -> Iterator[Path]:
-    """Give the files that a distribution installed, and the code that was compiled for it."""
+    """Give the files that a distribution installed, the bytecode of its modules among them."""
     yield from (Path(str(found.locate_file(file))) for file in found.files or ())
 
 

@@ -14,7 +14,10 @@ from packaging.requirements import Requirement
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("dincl", "meanfield", "tissue", "verification")
-NOT_IN_IT = shutil.ignore_patterns("__pycache__")
+TABLES = "verification/data"  # the tables of complete studies, a distribution of their own
+BESIDE = ("pyproject.toml", "MANIFEST.in", "README.md", "CHANGELOG.md", "CITATION.cff", "SOURCE.md", "LICENSE")
+LEFTOVERS = shutil.ignore_patterns("__pycache__", "build", "*.egg-info")
+SDIST = "import sys; from setuptools import build_meta; build_meta.build_sdist(sys.argv[1])"
 
 
 def for_users() -> list[str]:
@@ -27,16 +30,27 @@ def for_users() -> list[str]:
     return [extra for extra in extras if extra in found]
 
 
-def build_wheel(tree: Path, out: Path) -> Path:
-    """Build the wheel from a copy in ``tree``: what setuptools leaves behind is not to lie in the repository."""
+def copy_sources(tree: Path) -> Path:
+    """Copy what the distributions are built from: setuptools leaves files in the folder that it builds."""
     tree.mkdir(exist_ok=True)
     for name in PACKAGES:
-        shutil.copytree(ROOT / name, tree / name, ignore=NOT_IN_IT)
-    for name in ("pyproject.toml", "README.md", "LICENSE"):
+        shutil.copytree(ROOT / name, tree / name, ignore=LEFTOVERS)
+    for name in BESIDE:
         shutil.copy(ROOT / name, tree)
-    out.mkdir(exist_ok=True)
-    pip(sys.executable, "wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", out, tree)
-    (made,) = out.glob("*.whl")
+    return tree
+
+
+def build_wheels(tree: Path, out: Path) -> tuple[Path, Path]:
+    """Build the wheel of the packages and the wheel of the tables from a copy of the sources."""
+    pip(sys.executable, "wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", out, tree, tree / TABLES)
+    tables, packages = sorted(out.glob("*.whl"), key=lambda wheel: "data" not in wheel.name)
+    return packages, tables
+
+
+def build_sdist(tree: Path, out: Path) -> Path:
+    """Build the source archive of the packages from a copy of the sources."""
+    run([sys.executable, "-c", SDIST, out], cwd=tree)
+    (made,) = out.glob("*.tar.gz")
     return made
 
 
@@ -55,13 +69,13 @@ def run(command: list[object], cwd: Path) -> str:
     return done.stdout
 
 
-def installed(python: str, extra: str, wheel: Path, folder: Path) -> tuple[Path, float]:
-    """Make an environment with the wheel and an extra, "" for none; return its commands and what it added [MB]."""
+def installed(python: str, extra: str, wheel: Path, folder: Path, *others: Path) -> tuple[Path, float]:
+    """Make an environment with the wheel, an extra ("": none) and other wheels; return its commands and size [MB]."""
     run([python, "-m", "venv", folder / "venv"], cwd=folder)
     (packages,) = (folder / "venv/lib").glob("python*/site-packages")
     before = size(packages)
     what = f"dincl-testbed[{extra}] @ {wheel.as_uri()}" if extra else f"dincl-testbed @ {wheel.as_uri()}"
-    pip(folder / "venv/bin/python", "install", "--constraint", ROOT / "requirements.lock", what)
+    pip(folder / "venv/bin/python", "install", "--constraint", ROOT / "requirements.lock", what, *others)
     return folder / "venv/bin", size(packages) - before
 
 

@@ -31,6 +31,11 @@ def test_it_cites_this_project():
     assert [author["name"] for author in CITATION["authors"]] == [author["name"] for author in PROJECT["authors"]]
 
 
+def test_its_version_and_date_head_the_changelog():
+    (first, *_) = re.findall(r"^## (.*)$", (ROOT / "CHANGELOG.md").read_text("utf-8"), re.MULTILINE)
+    assert first == f"{CITATION['version']} — {CITATION['date-released']}"
+
+
 def test_both_name_the_same_source():
     (author,) = THESIS["authors"]
     flat = " ".join(SOURCE.replace("\n>", " ").split())

@@ -26,6 +26,7 @@ COMMANDS = {
     "bench": ("thesis", ".venv/bin/verification bench"),
     "mutants": ("test", ".venv/bin/python -m tests.mutants 20"),
     "everything": ("dev", ""),
+    "dist": ("dist", ".venv/bin/python -m twine check --strict dist/*"),
 }
 INSTALL = ".venv/bin/python -m pip --disable-pip-version-check install --quiet"
 ADD = f"{INSTALL} --no-compile --no-build-isolation --constraint requirements.lock --editable"

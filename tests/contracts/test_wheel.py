@@ -4,6 +4,7 @@ import email
 import shutil
 import subprocess
 import sys
+import tarfile
 import tomllib
 import zipfile
 from pathlib import Path
@@ -13,9 +14,25 @@ import pytest
 import yaml  # comes with bokeh
 
 from tests import installed_sizes
-from tests.installing import PACKAGES, ROOT, build_wheel, installed, run
+from tests.installing import (
+    BESIDE,
+    LEFTOVERS,
+    PACKAGES,
+    ROOT,
+    TABLES,
+    build_sdist,
+    build_wheels,
+    copy_sources,
+    for_users,
+    installed,
+    pip,
+    run,
+)
+from tests.optional import need_rendering
 
 PYTHONS = ("3.11", "3.12", "3.13")
+FILES = ("pyproject.toml", f"{TABLES}/pyproject.toml")
+LARGEST = {"packages": 2e6, "tables": 4.5e6}  # bytes
 SIZES = pd.read_csv(installed_sizes.FILE, index_col="installed")["megabytes"]
 CORE = """
 import dincl, meanfield, tissue, verification
@@ -56,23 +73,97 @@ print(v.save(v.order_study(scene, {"PBD": dincl.PBD}, steps, [1.0], scene.exact)
 }
 
 
+STUDY = """
+from pathlib import Path
+import tissue
+
+if __name__ == "__main__":
+    Path("study.toml").write_text('''
+    title = "Does a cell leave?"
+    base = "published"
+    replicates = 4
+    seed = 1
+    overrides.numerics.t_end = "2 h"
+    overrides.emt.a = "1 h"
+    scenarios.alone.emt.cells = 1
+    scenarios.group.emt.cells = 3
+    ''')
+    EXECUTOR
+    assert len(results.to_frame()) == 16
+    assert results.summary()["runs"].tolist() == [4, 4]
+"""
+HERE = """results = tissue.run_study("study.toml", "out")"""
+DASK = """
+    from distributed import Client
+
+    with Client(n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None) as client:
+        results = tissue.run_study("study.toml", "out", client.get_executor())
+"""
+EXPLORE = """
+import subprocess, sys
+from pathlib import Path
+from urllib.request import urlopen
+
+command = [str(Path(sys.executable).parent / "tissue"), "explore", "--no-browser"]
+server = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+try:
+    page = urlopen(server.stdout.readline().strip(), timeout=60)
+    assert page.status == 200 and "html" in page.read().decode()
+finally:
+    server.terminate()
+    server.wait(60)
+"""
+VIEW = """
+import tissue
+
+sheet = tissue.preset("published").changed({"tissue.dimension": 3, "numerics.t_end": "0.2 h"})
+tissue.simulate(sheet, seed=1).view("sheet.png")
+"""
+MODEL = """
+import meanfield
+
+model = meanfield.StraightFibre(m=0.5, k0=1.0, y_rest=1.0, k1=0.5)
+start = meanfield.State(X=[[0.5], [0.7]], y=[0.9], v=[0.0])
+dae, ode = (solve(model, start, [0.5], 1e-8) for solve in (meanfield.solve_dae, meanfield.solve_ode))
+assert abs(dae.y - ode.y).max() < 1e-6
+assert meanfield.w1(dae.X[-1], ode.X[-1]) < 1e-6
+"""
+PROOF = """
+import dincl, verification
+
+print(verification.prove(dincl.scenes.two_disks(), [0.5]).bound)
+"""
+# Of the thesis here the libraries; test_the_claims_are_decided_from_the_tables has its commands.
 EXTRAS = {
     "report": PROGRAMS["verification"],
-    "meanfield": "import meanfield\nprint(meanfield.StraightFibre(m=0.5, k0=1.0, y_rest=1.0, k1=0.5))",
+    "meanfield": MODEL,
     "transport": PROGRAMS["meanfield"],
-    "tissue": PROGRAMS["tissue"],
-    "proofs": "import dincl, verification\nprint(verification.prove(dincl.scenes.two_disks(), [0.5]))",
+    "tissue": PROGRAMS["tissue"] + STUDY.replace("EXECUTOR", HERE),
+    "proofs": PROOF,
     "yardsticks": PROGRAMS["dincl"].replace(".to_frame().shape", ".x.shape"),
-    "explore": "from verification.explore import server",
-    "cluster": "from distributed import Client\nimport tissue",
-    "views": "from tissue.pictures.view import view\nimport pyvista",
+    "explore": EXPLORE,
+    "cluster": STUDY.replace("EXECUTOR", DASK),
+    "views": VIEW,
+    "thesis": PROOF + PROGRAMS["verification"] + PROGRAMS["tissue"] + MODEL,
 }
 
 
 @pytest.fixture(scope="module")
-def wheel(tmp_path_factory):
-    """Build the wheel once."""
-    return build_wheel(tmp_path_factory.mktemp("tree"), tmp_path_factory.mktemp("wheel"))
+def tree(tmp_path_factory):
+    """Copy the sources once."""
+    return copy_sources(tmp_path_factory.mktemp("tree"))
+
+
+@pytest.fixture(scope="module")
+def wheels(tree, tmp_path_factory):
+    """Build the wheels of the packages and of the tables once."""
+    return build_wheels(tree, tmp_path_factory.mktemp("wheels"))
+
+
+@pytest.fixture(scope="module")
+def wheel(wheels):
+    """The wheel of the packages."""
+    return wheels[0]
 
 
 def interpreter(version):
@@ -84,14 +175,48 @@ def interpreter(version):
     return found
 
 
-def test_the_wheel_has_every_file_of_the_packages(wheel):
-    files = {file for name in PACKAGES for file in (ROOT / name).rglob("*") if file.is_file()}
-    wanted = {file.relative_to(ROOT).as_posix() for file in files if "__pycache__" not in file.parts}
+@pytest.mark.slow
+def test_the_wheel_has_every_file_of_the_packages_and_no_tables_of_studies(wheel):
+    names = contents(wheel)
+    assert names == {name for name in sources() if not name.startswith(TABLES)}
+    assert [name for name in names if "test" in Path(name).stem.split("_") or name.endswith(".parquet")] == []
+    assert wheel.stat().st_size < LARGEST["packages"]
+
+
+@pytest.mark.slow
+def test_the_tables_are_a_wheel_of_their_own(wheels):
+    tables = wheels[1]
+    assert contents(tables) == {name for name in sources() if name.startswith(TABLES) and not name.endswith(".toml")}
+    assert tables.stat().st_size < LARGEST["tables"]
+    ours, theirs = (tomllib.loads((ROOT / f).read_text("utf-8"))["project"] for f in FILES)
+    assert theirs["name"] == f"{ours['name']}-data"
+    for key in ("version", "requires-python", "license", "authors"):
+        assert ours[key] == theirs[key]
+
+
+@pytest.mark.slow
+def test_the_source_archive_has_what_builds_the_wheel_and_neither_tests_nor_tables(tree, tmp_path):
+    with tarfile.open(build_sdist(tree, tmp_path)) as archive:
+        names = {name.partition("/")[2] for name in archive.getnames() if archive.getmember(name).isfile()}
+    made = {"PKG-INFO", "setup.cfg"}
+    found = {name for name in names if ".egg-info/" not in name}
+    assert found == made | set(BESIDE) | {name for name in sources() if not name.startswith(TABLES)}
+
+
+def contents(wheel):
+    """List the files of a wheel without those that describe it."""
     with zipfile.ZipFile(wheel) as archive:
-        names = {name for name in archive.namelist() if ".dist-info/" not in name}
-    assert names == wanted
+        return {name for name in archive.namelist() if ".dist-info/" not in name}
 
 
+def sources():
+    """List the files of the packages in the repository."""
+    files = {file for name in PACKAGES for file in (ROOT / name).rglob("*") if file.is_file()}
+    names = {file.relative_to(ROOT) for file in files}
+    return {name.as_posix() for name in names if not LEFTOVERS("", name.parts)}
+
+
+@pytest.mark.slow
 def test_the_wheel_says_what_it_is(wheel):
     with zipfile.ZipFile(wheel) as archive:
         (name,) = (name for name in archive.namelist() if name.endswith(".dist-info/METADATA"))
@@ -114,12 +239,30 @@ def test_the_core_is_small_and_runs_outside_of_the_tree(version, wheel, tmp_path
     assert (said.returncode, "pip install '.[tissue]'" in said.stderr) == (2, True)
 
 
+def test_every_extra_for_users_is_installed_alone():
+    assert {*EXTRAS, "all"} == set(for_users())
+
+
 @pytest.mark.xslow
 @pytest.mark.parametrize("extra", EXTRAS)
 def test_an_extra_alone_is_as_large_as_measured_and_does_what_it_is_for(extra, wheel, tmp_path):
+    if extra == "views":
+        need_rendering()
     commands, megabytes = installed(sys.executable, extra, wheel, tmp_path)
+    (tmp_path / "program.py").write_text(EXTRAS[extra])
+    run([commands / "python", "program.py"], cwd=tmp_path)
     assert megabytes == pytest.approx(SIZES[extra], rel=0.05)
-    run([commands / "python", "-c", EXTRAS[extra]], cwd=tmp_path)
+
+
+@pytest.mark.xslow
+def test_the_claims_are_decided_from_the_tables(wheels, tmp_path):
+    commands, _ = installed(sys.executable, "thesis", wheels[0], tmp_path)
+    claims = [commands / "verification", "claims", "--chapter", "2"]
+    said = subprocess.run(claims, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert (said.returncode, "needs dincl-testbed-data" in said.stderr) == (2, True)
+    pip(commands / "python", "install", "--no-deps", wheels[1])
+    assert "0 with another verdict than the recorded one" in run(claims, cwd=tmp_path)
+    assert "errata.html" in run([commands / "verification", "errata"], cwd=tmp_path)
 
 
 @pytest.mark.xslow

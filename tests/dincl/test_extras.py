@@ -12,7 +12,7 @@ import pytest
 from packaging.requirements import Requirement
 
 import dincl
-from dincl.extras import NOT_IN_THESIS, PACKAGES, Extra, MissingLibrary, need_thesis, needs
+from dincl.extras import NOT_IN_THESIS, PACKAGES, Extra, MissingLibrary, MissingTables, need_thesis, needs
 
 ROOT = Path(__file__).parents[2]
 EXTRAS = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["optional-dependencies"]
@@ -97,7 +97,7 @@ def test_every_package_of_an_extra_is_known():
 def test_each_extra_belongs_to_all_or_to_developers():
     for_users = {extra for extra in EXTRAS if set(brought(extra)) <= set(PACKAGES.values())}
     assert for_users == set(get_args(Extra)) | {"all"}
-    assert EXTRAS.keys() - for_users == {"browser", "dev", "docs", "lint", "test"}
+    assert EXTRAS.keys() - for_users == {"browser", "dev", "dist", "docs", "lint", "test"}
 
 
 def test_the_thesis_needs_all_but_a_few():
@@ -133,6 +133,14 @@ def test_what_the_thesis_needs_names_all_that_are_missing(monkeypatch):
         monkeypatch.setitem(sys.modules, name, None)
     message = r"the report needs cvxpy-base, python-flint, not installed here; .*\[thesis\]"
     with pytest.raises(MissingLibrary, match=message):
+        need_thesis("the report")
+
+
+def test_missing_tables_of_studies_are_named(monkeypatch):
+    monkeypatch.setitem(sys.modules, "verification.data", None)
+    with pytest.raises(
+        MissingTables, match=r"^the report needs dincl-testbed-data, .*: pip install ./verification/data$"
+    ):
         need_thesis("the report")
 
 
