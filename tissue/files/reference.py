@@ -22,7 +22,7 @@ TOP = """# The keys of parameter files
 
 `tissue parameters` lists them, too; `tissue parameters numerics.mu` and `tissue parameters emt` say more of a key or a
 section. A value is that of all presets, or of those in brackets. A key with a default may be left out in any file.
-Where the value of a preset is from stands at it in `tissue/files/presets`. The [source](../../SOURCE.md) of a key is
+Each value of a preset cites its source in `tissue/files/presets`. The [source](../../SOURCE.md) of a key is
 its place in the thesis, or a row of the table of model variants. `python -m tissue.files.reference` makes this page
 from `tissue/files/sections.py`, `tissue/files/emt_sections.py` and `tissue/files/cell_types.py`.
 """

@@ -12,6 +12,7 @@ import pandas as pd
 from dincl.files import write_text
 from dincl.study import read_sealed
 from verification.beyond.chart import cheapest, work_precision
+from verification.beyond.chart.references import SCENES
 from verification.claims import Verdict
 from verification.instruments.error_norms import distance
 from verification.page.kept import STUDIES
@@ -75,9 +76,17 @@ def emt() -> dict[str, Any]:
 
 
 def chart() -> dict[str, Any]:
-    """Return the cheapest methods by the complete chart of speed against accuracy."""
-    winners = cheapest.winners(read_sealed(STUDIES / "work_precision.parquet"), work_precision.FULL)
-    return {"summary": cheapest.summary(winners), "wide": cheapest.wide(winners)}
+    """Return the cheapest methods by the complete chart of speed against accuracy, and PBD beside them."""
+    winners = cheapest.winners(_study("work_precision"), work_precision.FULL)
+    beside = cheapest.against_pbd(winners)
+    return {
+        "wins": winners["cheapest"].value_counts().to_dict(),
+        "pbd": PBD.label,
+        "fine": cheapest.FINE,
+        "coarse": cheapest.COARSE,
+        "beside": beside.assign(title=[SCENES[scene]().title for scene in beside["scene"]]).to_dict("records"),
+        "wide": cheapest.wide(winners),
+    }
 
 
 def w1() -> dict[str, Any]:
@@ -135,6 +144,7 @@ def tissue() -> dict[str, Any]:
         "speed": _only(daha.speed(compared)),
         "fit": _only(fits, t=fits["t"].max(), substeps=min(daha.PBD_SUBSTEPS)),
         "doubled": {preset: rows.to_dict("records") for preset, rows in doubled},
+        "cells": kernel["cells"].min(),
         "substep": _range(kernel.loc[kernel["cells"] == kernel["cells"].min(), "us_best"]),
     }
 
