@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from tests.pages import ROOT, links, run
+from tests.pages import ROOT, links, resolves, run
 
 GUIDE = ROOT / "CONTRIBUTING.md"
 FOLDER = ROOT / "docs" / "extend"
@@ -19,6 +19,7 @@ def test_the_guide_leads_to_every_page():
     assert all(path.exists() for path in links(GUIDE))
 
 
+@pytest.mark.slow_with("drift", "scheme")
 @pytest.mark.parametrize("page", RUNNING, ids=lambda page: page.stem)
 def test_examples_run(page, capsys):
     run(page)
@@ -32,21 +33,10 @@ def test_files_and_names_exist(page):
     files = [words for words in named if re.fullmatch(r"[\w./]+", words) and ("/" in words or words.endswith(".toml"))]
     names = [words for words in named if re.fullmatch(r"\w+(\.\w+)+", words) and words.split(".")[0] in PACKAGES]
     assert [words for words in files if not (ROOT / words).exists() and not words.startswith("report/")] == []
-    assert [words for words in names if not _resolves(words)] == []
+    assert [words for words in names if not resolves(words)] == []
 
 
 def test_names_of_modules_that_are_run_resolve():
     for page in PAGES:
         for module in re.findall(r"`python -m ([\w.]+)", page.read_text("utf-8")):
             assert importlib.util.find_spec(module), module
-
-
-def _resolves(name):
-    """As an attribute of a package, or of what it has."""
-    first, *rest = name.split(".")
-    found = importlib.import_module(first)
-    for part in rest:
-        if not hasattr(found, part):
-            return importlib.util.find_spec(name) is not None
-        found = getattr(found, part)
-    return True
