@@ -1,22 +1,33 @@
-"""Compile the kernels of the tissue, and say so by making files: ``python -m tests.compile_kernels FILE``.
+"""Compile what tests of several files call, before they are read: ``python -m tests.compile_kernels HALF [tissue]``.
 
-FILE.read is made when all is compiled that tests compile while they are read, FILE when all is. Both are made if it
-fails, too: the tests then say what is wrong.
+Two processes compile a half each, of about the same time: later each process with tests would compile all it needs.
 """
 
 import sys
 from importlib import import_module
-from pathlib import Path
 
-# Simulates when it is imported.
-READ = "tests.borders.tissue_things"
+import dincl
+
+
+def steps(tissue: bool) -> None:
+    """Compile the steps of all schemes, where they are defined, and what is called when tests are read."""
+    if tissue:
+        import_module("tests.borders.tissue_things")
+    for name in ("catch_up", "compliant", "programs", "sweeping"):
+        import_module(f"dincl.steps.{name}")
+    import_module("tests.borders.dincl_calls")
+
+
+def events(tissue: bool) -> None:
+    """Compile the event-driven scheme and the kernels of the tissue that are called first in a test."""
+    scene = dincl.scenes.two_disks()
+    dincl.solve(scene, dincl.EventDriven(1e-6), scene.times)
+    if tissue:
+        import_module("verification.thesis.chapter3.sections.page").compile_kernels()
+
+
+HALVES = {half.__name__: half for half in (steps, events)}
 
 if __name__ == "__main__":
-    file = Path(sys.argv[1])
-    try:
-        import_module(READ)
-        file.with_suffix(".read").touch()
-        import_module("verification.thesis.chapter3.sections.page").compile_kernels()
-    finally:
-        file.with_suffix(".read").touch()
-        file.touch()
+    half, *about = sys.argv[1:]
+    HALVES[half]("tissue" in about)

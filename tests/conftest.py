@@ -5,8 +5,6 @@ import gc
 import os
 import subprocess
 import sys
-import tempfile
-import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -29,16 +27,10 @@ if TYPE_CHECKING:
 pytest.register_assert_rewrite("tests.verification.in_browser")
 
 SEED = 20260101
-# Names the file that says that the kernels of the tissue are compiled, to the processes that run tests.
-COMPILED = "TISSUE_KERNELS_COMPILED"
-# Compiles the steps of all schemes, which are compiled where they are defined, and what a module of tests solves.
-STEPS = "from dincl.steps import catch_up, compliant, programs, sweeping; import tests.borders.dincl_calls"
 # These files come first: begun near the end, a long one would leave the other process with nothing to do.
-# Contracts need no kernels of the tissue, which are being compiled then.
 FIRST = ("test_report.py", "contracts", "test_studies.py", "test_chapter.py")
 # Marks of tests that are run with a flag only, as SciPy names them; --xslow means all of them.
-LEFT_OUT = {"slow": "tests that take more than a second", "xslow": "tests that take minutes"}
-COMPILER = pytest.StashKey[subprocess.Popen[bytes]]()
+LEFT_OUT = {"slow": "tests that take more than half a second", "xslow": "tests that take minutes"}
 
 # What is read before the first test stays to the end: looking for garbage among it takes half of the time to read it.
 gc.disable()
@@ -66,22 +58,13 @@ def pytest_cmdline_main(config: pytest.Config) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Where tests run in several processes, compile first what each of them would compile while it reads the tests.
-
-    One process more then compiles the other kernels of the tissue.
-    """
+    """Where tests run in several processes, compile first what each of them would compile."""
     if os.environ.get("PYTEST_XDIST_WORKER") or not config.getoption("numprocesses", None):
         return
-    root = Path(__file__).parent.parent
-    steps = subprocess.Popen([sys.executable, "-c", STEPS], cwd=root)
-    if any(has_to_do_with_tissue(file) for file in files(config)):
-        file = Path(tempfile.mkdtemp(), "compiled")
-        os.environ[COMPILED] = str(file)
-        command = [sys.executable, "-m", "tests.compile_kernels", str(file)]
-        config.stash[COMPILER] = compiler = subprocess.Popen(command, cwd=root)
-        while not file.with_suffix(".read").exists() and compiler.poll() is None:
-            time.sleep(0.1)
-    steps.wait()
+    about = ["tissue"] if any("tissue" in file.read_text("utf-8") for file in files(config)) else []
+    commands = ([sys.executable, "-m", "tests.compile_kernels", half, *about] for half in ("steps", "events"))
+    for compiler in [subprocess.Popen(command, cwd=Path(__file__).parents[1]) for command in commands]:
+        compiler.wait()  # if it fails, the tests say what is wrong
 
 
 def files(config: pytest.Config) -> list[Path]:
@@ -91,34 +74,19 @@ def files(config: pytest.Config) -> list[Path]:
     return sorted({*inside, *(place for place in places if place.is_file())})
 
 
-def has_to_do_with_tissue(file: Path) -> bool:
-    """Whether a file of tests may come to the kernels of the tissue; contracts only read the sources."""
-    return file.parent.name != "contracts" and "tissue" in file.read_text("utf-8")
-
-
 def pytest_collection_finish() -> None:
     """Look for garbage from now on, among what tests make."""
     gc.freeze()
     gc.enable()
 
 
-def pytest_unconfigure(config: pytest.Config) -> None:
-    """End what was started."""
-    if COMPILER in config.stash:
-        config.stash[COMPILER].kill()
-        config.stash[COMPILER].wait()
-
-
-def pytest_runtest_setup(item: pytest.Item) -> None:
-    """Wait for the kernels, if the file of a test has to do with tissue."""
-    if COMPILED in os.environ and has_to_do_with_tissue(item.path):
-        while not Path(os.environ[COMPILED]).exists():
-            time.sleep(0.1)
-
-
+@pytest.hookimpl(tryfirst=True)  # before -m selects
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Begin with what takes longest, and leave out what waits for a flag."""
     items.sort(key=lambda item: next((k for k, part in enumerate(FIRST) if part in item.path.parts), len(FIRST)))
+    for item in items:
+        if any(word in item.callspec.id for mark in item.iter_markers("slow_with") for word in mark.args):
+            item.add_marker("slow")
     marks = left_out(config)
     out = [item for item in items if any(map(item.get_closest_marker, marks))]
     config.hook.pytest_deselected(items=out)

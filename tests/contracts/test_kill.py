@@ -151,6 +151,7 @@ def _hold(kind: str, folder: str, held: Event) -> None:
     STORES[kind].complete(Path(folder), pause)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", STORES)
 def test_a_second_process_is_refused_until_the_first_one_is_gone(kind: str, tmp_path: Path) -> None:
     held = PROCESSES.Event()

@@ -125,6 +125,7 @@ def test_the_reader_sees_every_form(text: str, lines: list[int]) -> None:
     assert direct_writes(text) == lines
 
 
+@pytest.mark.slow
 def test_every_file_is_put_in_place_at_once() -> None:
     word = re.compile(rf"\b({'|'.join(sorted(WRITERS | HARMLESS | {'open', 'save'}))})\(")
     found = {name: lines for name, text in sources().items() if word.search(text) and (lines := direct_writes(text))}

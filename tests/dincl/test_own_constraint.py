@@ -46,6 +46,7 @@ def problem(constraint):
     )
 
 
+@pytest.mark.slow_with("moving-XPBD", "moving-EventDriven")
 @pytest.mark.parametrize("make", ALL)
 @pytest.mark.parametrize("placed", [at_rest, moving])
 @pytest.mark.parametrize(("own", "same"), [(InEllipse(AXES), smooth(AXES)), (InEllipseByRows(AXES), smooth(AXES))])
@@ -60,6 +61,7 @@ def test_every_scheme_takes_it(make, placed, own, same):
     assert found.x == pytest.approx(expected.x, abs=1e-8)
 
 
+@pytest.mark.slow_with("moving-EventDriven")
 @pytest.mark.parametrize("make", ALL)
 @pytest.mark.parametrize("placed", [at_rest, moving])
 def test_own_exact_projections_agree_with_those_of_the_package(make, placed):

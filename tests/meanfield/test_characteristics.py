@@ -40,6 +40,7 @@ def test_density_at_the_nodes_is_mass_over_length() -> None:
     )
 
 
+@pytest.mark.slow
 def test_many_particles_converge_to_the_flow() -> None:
     density = Density.uniform(-0.7, 1.3)
     flow = solve_characteristics(WAVY, density, [0.2], [0.5], TIMES, 1e-11)
@@ -60,6 +61,7 @@ def test_energy_is_conserved() -> None:
     assert drifts[1] < 1e-9 < drifts[0] < 1e-3
 
 
+@pytest.mark.slow_with("0.001")
 @pytest.mark.parametrize("tol", [1e-3, 1e-6, 1e-9])
 def test_stated_quadrature_error_bounds_the_error(tol: float) -> None:
     steep = meanfield.WavyFibre(**SPRINGS, amplitude=0.8)  # nearly singular: few nodes are not enough
@@ -73,6 +75,7 @@ def test_stated_quadrature_error_bounds_the_error(tol: float) -> None:
     assert flow.work.unknowns == 2 + len(flow.level_density)
 
 
+@pytest.mark.slow
 def test_attraction_stiffens_the_fibre() -> None:
     """Test that V = k r^2/2 adds k var(X)/y^2 to the stiffness of the straight fibre."""
     model = meanfield.Model(

@@ -20,6 +20,7 @@ def with_kernel(V):
     return meanfield.Model(g=lambda X, y: X - y, W0=lambda y: y**2, W1=lambda X: X**2, V=V)
 
 
+@pytest.mark.slow_with("bending-260")
 @pytest.mark.parametrize("particles", [40, MIN_INTERPOLATED + 60])
 @pytest.mark.parametrize("name", ["attracting", "bending", "spatial"])
 def test_methods_agree(name, particles, rng):

@@ -76,6 +76,7 @@ def test_second_derivatives(name):
     )
 
 
+@pytest.mark.slow_with("wavy-64", "attracting-64")
 @pytest.mark.parametrize(
     ("name", "particles"),
     [*((name, 6) for name in MODELS), ("straight", MIN_COMPILED), ("wavy", MIN_COMPILED), ("attracting", MIN_COMPILED)],

@@ -111,6 +111,7 @@ def straight_fibre(y0: float, v0: float, second: float, t: float) -> float:
     return float(rest + (y0 - rest) * np.cos(omega * t) + v0 / omega * np.sin(omega * t))
 
 
+@pytest.mark.slow
 def test_straight_fibre_scales_with_second_order() -> None:
     cells, t, second = [60, 120, 240, 480], np.linspace(0.25, 2.0, 8), 0.3**2 + 1 / 11
     y = np.array([straight_fibre(1.0, 0.4, second, time) for time in t])
@@ -127,6 +128,7 @@ def test_straight_fibre_scales_with_second_order() -> None:
         assert slope(cells, errors[name]) == pytest.approx(2.0, abs=0.2)
 
 
+@pytest.mark.slow
 def test_wavy_fibre_converges_to_its_characteristics_with_second_order() -> None:
     cells, t, y0 = [70, 140, 280, 560], np.linspace(0.25, 1.5, 6), np.array([0.2])
     flow = solve_characteristics(WAVY, BUMP, y0, [0.5], t, 1e-11)
@@ -160,6 +162,7 @@ def test_density_after_a_period_is_the_initial_one_with_second_order() -> None:
     assert slope(cells, errors) == pytest.approx(2.0, abs=0.2)
 
 
+@pytest.mark.slow_with("200")
 @pytest.mark.parametrize("n", [25, 200])
 def test_a_jump_stays_non_negative_within_computed_bounds(n: int) -> None:
     t = [1.0, 2.0, 4.0]
@@ -177,6 +180,7 @@ def test_a_jump_stays_non_negative_within_computed_bounds(n: int) -> None:
         assert w1(grid.density(k), Density.uniform(y, 1 + y)) < 0.7 * np.diff(grid.edges[0])[0] ** (4 / 3)
 
 
+@pytest.mark.slow
 def test_element_in_the_plane() -> None:
     element = meanfield.TissueElement(m=0.5, k0=1.0, y_rest=(1.0, 1.0, 0.0), k1=0.5)
     density, start, velocity, t = Density.bump((0.3, 0.1), 1.0), [1.0, 1.2, 0.1], [0.4, -0.2, 0.3], 1.0

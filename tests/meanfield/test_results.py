@@ -61,6 +61,7 @@ def _closed_figures():
     pyplot.close("all")
 
 
+@pytest.mark.slow_with("Flow, plane", "GridMotion, plane")
 def test_one_line_says_kind_status_times_and_size(result):
     line = repr(result)
     assert line.startswith(f"{type(result).__name__}(SUCCESS, 3 output times to t = 1, ")
@@ -94,6 +95,7 @@ def test_html_contains_line_and_table(result):
     assert "<td>0.50000000</td>" in page or "<td>0.5</td>" in page
 
 
+@pytest.mark.slow_with("Motion", "Flow, plane")
 def test_figure_shows_y_v_and_what_should_stay_zero(result):
     axes = result.plot()
     lines = {line.get_label(): line for line in axes.lines}

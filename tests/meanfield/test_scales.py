@@ -42,6 +42,7 @@ def fibre(name, **changes):
     return MODELS[name](**{"m": 0.5, "k0": 1.0, "k1": 0.5, "y_rest": 1.0, **changes})
 
 
+@pytest.mark.slow_with("characteristics")
 @pytest.mark.parametrize("solver", ["ode", "reduced", "moments", "characteristics"])
 @pytest.mark.parametrize(("stiffness", "end"), [(1.0, 1e10), (1e20, 1.0), (1e-60, 1e40)])
 def test_hopeless_runs_end_after_hundreds_of_steps(solver, stiffness, end):

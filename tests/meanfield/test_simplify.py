@@ -40,6 +40,7 @@ def test_a_known_bias_is_decided_rightly_on_both_sides_of_the_tolerance(factor: 
     assert len(found.answer) == 1
 
 
+@pytest.mark.slow
 def test_the_distribution_has_no_moments_and_is_exact_for_characteristics() -> None:
     start = meanfield.State(X=DENSITY.quantiles(50), y=[1.2], v=[0.3])
     found = meanfield.simplify(MODEL, "density", 0.01, start, [0.5, END], 1e-8, density=DENSITY)

@@ -22,6 +22,7 @@ def compare(scenarios, runs):
     assert (found < 0.05).mean() < 0.15
 
 
+@pytest.mark.slow
 def test_control_cells_have_the_means_of_that_program():
     compare(["control"], FEW)
 

@@ -119,6 +119,7 @@ def test_what_is_on_both_sides_of_a_type_relaxes_alike():
     assert after.tolist() == [0.7 * kept[rate] for rate in (1.0, 0.505, 0.01, 0.505, 1.0, 1.0)]
 
 
+@pytest.mark.slow
 def test_in_crowds_the_junctions_on_both_sides_of_a_type_are_as_long():
     """Noise, sweeps and all: with the rate of the left cell they differ by 0.24, and by 17 errors."""
     slow = {"types.slow.cells": 9, "types.slow.rate_aa": "0.01 1/h", "numerics.t_end": "5 h", "numerics.keep": "5 h"}

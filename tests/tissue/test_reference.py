@@ -62,6 +62,7 @@ def test_the_step_against_thirty_digits(seed):
     assert rest < REST
 
 
+@pytest.mark.slow_with("10-", "225-", "36-1")
 @pytest.mark.parametrize("side", [1, -1])
 @pytest.mark.parametrize("seed", SEEDS)
 def test_the_step_on_a_circle_against_thirty_digits(seed, side):

@@ -86,6 +86,7 @@ def parameters(request, modules):
     return given.changed(SLICES[of] if of else {"own.modules": modules, **USERS[name]})
 
 
+@pytest.mark.slow_with("published, tube", "forces on a tube", "cylinder", "sphere")
 def test_alone_in_company_and_in_threads(parameters):
     """A run is a function of (parameters, seed); saved states that are left out change nothing."""
     company = simulate_many(parameters, [5, 2, 9])
@@ -101,6 +102,7 @@ def test_alone_in_company_and_in_threads(parameters):
     assert same(ends.final, company[0].final)
 
 
+@pytest.mark.slow_with("forces on a tube", "cylinder")
 def test_from_each_saved_state_the_same_bits(parameters, tmp_path):
     """Handed over, from disk, and through pickle in turn; a run leaves its start as it was."""
     run = simulate(parameters, 3)

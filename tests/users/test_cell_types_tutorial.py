@@ -16,6 +16,7 @@ def found(tmp_path_factory):
         yield play(PAGE, folder)
 
 
+@pytest.mark.slow
 def test_the_run_has_three_types(found):
     counts = found["counts"]
     assert counts.iloc[0].to_dict() == {"control": 30, "stiff": 6, "quick": 6, "leaving": 3}

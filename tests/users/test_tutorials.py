@@ -106,12 +106,14 @@ def test_the_large_study_has_the_answers_of_the_text(tmp_path):
             assert (row["low"] > 0 or row["high"] < 0) if scale == 100 else (row["low"] > 1 or row["high"] < 1)
 
 
+@pytest.mark.slow
 def test_claims_of_ones_own(tmp_path):
     found = play(PAGES / "claims.md", tmp_path)
     assert "2 passed" in found["printed"]
     assert found["found"].verdict is Verdict.REFUTED
 
 
+@pytest.mark.slow
 def test_solve(tmp_path):
     words = play(PAGES / "solve.md", tmp_path)["printed"]
     wanted = ("SUCCESS", "LinearisedCatchUp", "contact, particle", "smaller dt")

@@ -61,6 +61,7 @@ WALL = {
 TIMES = [0.4, 1.0, 1.7]
 
 
+@pytest.mark.slow_with("EventDriven", "own function, moved-XPBD")
 @pytest.mark.parametrize("make", METHODS)
 @pytest.mark.parametrize("way", list(WALL)[1:])
 def test_a_wall_that_turns_is_the_same_however_it_is_stated(make, way):
@@ -69,6 +70,7 @@ def test_a_wall_that_turns_is_the_same_however_it_is_stated(make, way):
     assert gap(1.7, found.final).min() < (0.2 if isinstance(found.scheme, dincl.Penalty) else 0.01)
 
 
+@pytest.mark.slow_with("EventDriven")
 @pytest.mark.parametrize("make", METHODS)
 def test_a_rigid_motion_without_rotation_is_a_path(make):
     sets = [dincl.HalfSpace((0, 1), radius=0.5), dincl.OutsideBall((2.5, 0.5), 1.0), dincl.InsideBall((0, 1), 3.0)]
@@ -98,6 +100,7 @@ def test_a_set_of_your_own_turns(make, own):
     assert np.abs(seen @ turn(0.75) - expected).max() < (1e-8 if make(0.1).__class__ is dincl.EventDriven else 0.02)
 
 
+@pytest.mark.slow_with("CvxpyQP")
 @pytest.mark.parametrize("projection", PROJECTIONS)
 def test_every_projection_takes_sets_that_turn_and_grow(projection):
     def final(of):
@@ -108,6 +111,7 @@ def test_every_projection_takes_sets_that_turn_and_grow(projection):
     assert np.abs(final(projection(1e-9)) - final(dincl.ActiveSet(1e-12))).max() < 1e-6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scene", EXACT, ids=lambda scene: scene.title)
 def test_orders_on_scenes_with_exact_solutions(scene):
     end = scene.times[-1]
@@ -128,6 +132,7 @@ def test_orders_on_scenes_with_exact_solutions(scene):
     assert errors["midpoint"][1] < 1e-5
 
 
+@pytest.mark.slow_with("closing", "Growing", "1e-11")
 @pytest.mark.parametrize("scene", EXACT, ids=lambda scene: scene.title)
 @pytest.mark.parametrize("tol", [1e-5, 1e-11])
 def test_event_driven_states_its_error(scene, tol):
@@ -138,6 +143,7 @@ def test_event_driven_states_its_error(scene, tol):
     assert len(path.events) >= 2
 
 
+@pytest.mark.slow
 def test_growing_discs_are_swept_as_one_after_another():
     """The list of close pairs serves while discs grow; the reference looks at all pairs."""
     rng = np.random.default_rng(3)
@@ -155,6 +161,7 @@ def test_growing_discs_are_swept_as_one_after_another():
     assert 2 <= path.stats.neighbour_builds <= 15
 
 
+@pytest.mark.slow_with("CatchUp")
 @pytest.mark.parametrize("scheme", [dincl.CatchUp, dincl.MidpointCatchUp], ids=lambda scheme: scheme.__name__)
 def test_many_growing_discs_in_a_box_that_turns(scheme):
     """More discs than are listed at once: candidates are searched anew as discs grow and walls turn."""

@@ -45,6 +45,7 @@ def gaussian(rng: Generator, shape: tuple[int, int]) -> Floats:
 CASES = [(rare(q), True) for q in (0.0, 0.002, 0.005, 0.02, 0.1)] + [(groups, True), (gaussian, False)]
 
 
+@pytest.mark.slow_with("groups-True")
 @pytest.mark.parametrize(("draw", "shares"), CASES)
 @pytest.mark.parametrize("sign", [1, -1])
 def test_a_bias_of_the_tolerance_is_seldom_called_enough(

@@ -41,6 +41,7 @@ def random_discs(n, d, kind, seed):
     return dincl.Problem(x0, drifts[kind], [dincl.NonOverlap(radius), floor])
 
 
+@pytest.mark.slow_with("sweeping_interval", "drum", "closing_walls", "growing_discs")
 @pytest.mark.parametrize("scene", EXACT, ids=lambda scene: scene.name)
 def test_exact_scenes_to_twelve_digits(scene):
     t = np.linspace(0, scene.times[-1], 9)
@@ -51,6 +52,7 @@ def test_exact_scenes_to_twelve_digits(scene):
     assert path.error.max() <= 1e-12
 
 
+@pytest.mark.slow_with("sweeping_interval-0.001", "drum-0.001", "drum-1e-09", "closing_walls", "growing_discs")
 @pytest.mark.parametrize("tol", [1e-3, 1e-6, 1e-9])
 @pytest.mark.parametrize("scene", EXACT, ids=lambda scene: scene.name)
 def test_stated_error_is_honest_at_any_tolerance(scene, tol):
@@ -60,6 +62,7 @@ def test_stated_error_is_honest_at_any_tolerance(scene, tol):
     assert path.error.max() <= tol
 
 
+@pytest.mark.slow_with("sweeping_interval", "drum", "closing_walls", "growing_discs")
 @pytest.mark.parametrize("scene", EXACT, ids=lambda scene: scene.name)
 def test_dense_output_between_kept_times(scene, rng):
     t = np.sort(rng.uniform(0, scene.times[-1], 60))

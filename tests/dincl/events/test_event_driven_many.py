@@ -16,6 +16,7 @@ def hexagon(k):
     return np.array([(a + b / 2, b * np.sqrt(3) / 2) for a in steps for b in steps if abs(a + b) <= k])
 
 
+@pytest.mark.slow
 def test_three_hundred_discs():
     """The stated error holds against a run with a tighter tolerance, and both see the same events."""
     scene, t = dincl.scenes.pile(300), [0.1, 0.2]
@@ -52,6 +53,7 @@ def test_what_many_particles_need_is_right_for_few(n, d, kind, seed, monkeypatch
     assert many.violation().max() <= 1e-13
 
 
+@pytest.mark.slow
 def test_a_lattice_turns_as_one():
     """127 discs have 342 contacts and 251 relative freedoms."""
     places = hexagon(6)
@@ -61,6 +63,7 @@ def test_a_lattice_turns_as_one():
     assert (error <= path.error).all()
 
 
+@pytest.mark.slow
 def test_a_lattice_opens_and_closes_at_once():
     places = hexagon(6)
     opens = dincl.Problem(places, lambda t, x: (t - 1) * x, [dincl.NonOverlap(0.5)])

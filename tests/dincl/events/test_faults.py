@@ -185,6 +185,7 @@ def test_the_stated_error_has_what_pulls_too_little_to_let_go(s):
     assert exact <= path.error[0] / s <= 10 * exact
 
 
+@pytest.mark.slow
 def test_kinks_of_paths_are_found_to_rounding(rng):
     paths = [
         lambda t: np.array([min(1.0, 2 * t), 0.0]),
@@ -199,6 +200,7 @@ def test_kinks_of_paths_are_found_to_rounding(rng):
     assert smooth_around(9.0, found) == (found[-1, 1], np.inf)
 
 
+@pytest.mark.slow_with("more than 100000 steps")
 @pytest.mark.parametrize(
     ("drift", "words"),
     [

@@ -32,6 +32,7 @@ def search(verb, problem, rng, samples=12, **more):
     return verb(problem, **(settings | more))
 
 
+@pytest.mark.slow_with("2.0", "radius", "0.5-3")
 @pytest.mark.parametrize("d", [2, 3])
 @pytest.mark.parametrize("radius", [0.5, 2.0, (0.5, 0.75)])
 def test_two_discs_are_the_outside_of_a_cylinder(d, radius, rng):
@@ -44,6 +45,7 @@ def test_two_discs_are_the_outside_of_a_cylinder(d, radius, rng):
     assert 1 / search(hypomonotonicity, problem, rng).constant == pytest.approx(exact, rel=1e-5)
 
 
+@pytest.mark.slow
 def test_the_pair_shows_the_constant(rng):
     """Both points are feasible, the normal is a unit one, and the ratio is that of the pair."""
     problem = discs(row(3))
@@ -73,6 +75,7 @@ def test_the_search_straightens_a_bent_row(rng):
     assert found.samples > 300
 
 
+@pytest.mark.slow
 def test_convex_sets_have_no_limit(rng):
     walls = [dincl.HalfSpace(normal=(1, 2)), dincl.HalfSpace(normal=(0, 1)), dincl.InsideBall((1.0, 0.0), 1.0)]
     problem = dincl.Problem([[0.0, 0.0], [1.0, 0.5]], lambda t, x: 0 * x, walls)

@@ -130,6 +130,7 @@ def test_uzawa_lets_go_of_rows_that_do_not_hold(rng):
     assert found.reactions() == {(1, "particle 0"): pytest.approx(1.0, abs=1e-8)}
 
 
+@pytest.mark.slow_with("0.5", "0.3")
 @pytest.mark.parametrize(("alpha", "k"), [(0.1, 1.0), (0.5, 1.0), (0.3, 3.0)])
 def test_arrow_hurwicz_converges_up_to_its_limit(alpha, k):
     """The iteration matrix ((1 - a k, a), (-b (1 - a k), 1 - a b)) has its eigenvalues inside for a (2 k + b) < 4."""
@@ -169,6 +170,7 @@ def test_squared_distances_stop_arrow_hurwicz_and_damping_mends_it():
     assert minimise(problem, damped(squared=True, limit=5000)).status
 
 
+@pytest.mark.slow
 def test_concave_energy_needs_the_damping_of_the_constraint():
     """W = x - x^2/4 on x >= 0: a strict local minimum at 0, where alpha h < 0 drives Arrow-Hurwicz away."""
     problem = dincl.Problem([[0.05]], lambda t, x: x / 2 - 1, [WALL])

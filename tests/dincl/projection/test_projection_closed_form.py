@@ -95,6 +95,7 @@ def test_the_centre_of_an_obstacle_has_no_nearest_point():
     assert caught.value.status is dincl.Status.COINCIDENT_CENTRES
 
 
+@pytest.mark.slow
 def test_a_run_agrees_with_an_iterative_projection():
     ball = dincl.Moving(dincl.InsideBall((0, 0), 0.5), lambda t: (np.sin(3 * t), t))
     problem = dincl.Problem([[0.1, 0.0], [0.0, 0.2]], lambda t, x: -x, [ball])

@@ -149,6 +149,7 @@ def test_nothing_that_was_handed_over_is_changed(projection, rng):
     assert second.point == pytest.approx(first.point, abs=AGREE)
 
 
+@pytest.mark.slow_with("CatchUp-CvxpyQP")
 @pytest.mark.parametrize("projection", PROJECTIONS)
 @pytest.mark.parametrize("scheme", [dincl.CatchUp, dincl.LinearisedCatchUp])
 def test_swapping_a_projection_changes_one_argument(scheme, projection):

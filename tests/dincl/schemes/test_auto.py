@@ -64,6 +64,7 @@ def test_other_methods_are_begun_only_where_they_can_save_something():
     assert type(path.scheme) is dincl.PBD
 
 
+@pytest.mark.slow
 def test_a_method_with_slow_steps_is_given_a_share_of_what_the_best_one_costs():
     """Steps of the second method take as long as they may and longer; they are ended, and begun again later."""
     scene, begun = dincl.scenes.four_disks(), []
@@ -93,6 +94,7 @@ def test_a_method_with_slow_steps_is_given_a_share_of_what_the_best_one_costs():
     assert choice.forecasts[0].label == "quick"
 
 
+@pytest.mark.slow_with("closing_walls")
 @pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.name)
 @pytest.mark.parametrize("error", [1e-2, 1e-4, 1e-7])
 def test_the_error_is_the_one_asked_for(scene, error):
@@ -106,6 +108,7 @@ def test_the_error_is_the_one_asked_for(scene, error):
     assert path.stats.drift_evaluations > again.stats.drift_evaluations
 
 
+@pytest.mark.slow
 def test_what_no_method_reaches_is_said():
     """A drift with noise has no solution that finer steps approach."""
     rng = np.random.default_rng(0)

@@ -56,6 +56,9 @@ def test_a_drift_that_fails_ends_every_scheme_alike(make):
     assert path.t == pytest.approx([0.1, 0.3])
 
 
+@pytest.mark.slow_with(
+    "sliding_disc-CatchUp", "sliding_disc-MidpointCatchUp", "two_disks-CatchUp", "two_disks-MidpointCatchUp"
+)
 @pytest.mark.parametrize("make", FIRST_ORDER)
 @pytest.mark.parametrize("name", ["sliding_disc", "two_disks", "stack"])
 def test_order_against_the_exact_solution(make, name):
@@ -68,6 +71,7 @@ def test_order_against_the_exact_solution(make, name):
     assert errors[-1] < 0.05
 
 
+@pytest.mark.slow_with("sweeping_interval-MidpointCatchUp")
 @pytest.mark.parametrize("make", FIRST_ORDER)
 @pytest.mark.parametrize("name", ["step_inclusion", "sweeping_interval"])
 def test_sets_that_catch_up_meets_exactly(make, name):

@@ -88,6 +88,7 @@ def test_many_discs_are_as_few(rng):
         np.testing.assert_allclose(five[60 * k : 60 * (k + 1)] - np.array([k * 1e3, 0.0]), one, rtol=0, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_sets_that_move_and_rows_that_only_python_knows():
     ellipse = dincl.Smooth(lambda x: 1 - (x[:, 0] / 2) ** 2 - x[:, 1] ** 2)
     wall = dincl.Moving(dincl.HalfSpace(normal=(1, 0)), lambda t: np.array([t, 0.0]))

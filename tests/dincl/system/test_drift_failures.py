@@ -131,6 +131,7 @@ def njit_divides(t, x):
     return -x if t < 0.35 else x * (1 / (t - t))
 
 
+@pytest.mark.slow_with("njit_nan", "njit_shape", "njit_says", "njit_divides")
 @pytest.mark.parametrize("drift", [njit_shape, njit_nan, njit_raises, njit_says, njit_divides])
 def test_compiled_functions_fail_with_the_same_words(drift, capfd):
     problem = dincl.Problem(X, drift)

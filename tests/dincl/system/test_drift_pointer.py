@@ -72,6 +72,7 @@ GOOD = {
 IN_MACHINE_CODE = {"constant", "swirl", "njit", "njit same", "njit whole", "njit transposed"}
 
 
+@pytest.mark.slow_with("njit whole", "njit transposed")
 @pytest.mark.filterwarnings("ignore::numba.core.errors.NumbaPendingDeprecationWarning")
 @pytest.mark.parametrize("name", GOOD)
 def test_the_numbers_are_those_of_the_problem(name):
@@ -120,6 +121,7 @@ def test_nothing_outlives_the_pointer(drift):
     assert gone() is None
 
 
+@pytest.mark.slow
 def test_a_function_of_numba_is_forgotten_with_its_machine_code():
     function = numba.njit(lambda t, x: 3 * x)
     assert run(dincl.Problem(X, function)).tobytes() == plain(dincl.Problem(X, function)).tobytes()

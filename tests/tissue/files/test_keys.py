@@ -157,6 +157,7 @@ def test_a_preset_that_leaves_a_key_out_has_its_default():
     assert spread(KEYS["emt.a"], {"one": {}, "two": {}}) == '"never" (default)'
 
 
+@pytest.mark.slow
 def test_the_page_is_up_to_date():
     """Else make it again: python -m tissue.files.reference."""
     assert PAGE.read_text("utf-8") == page()

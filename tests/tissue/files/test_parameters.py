@@ -243,6 +243,7 @@ ANY_CHANGES = st.fixed_dictionaries(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=60)
 @given(base=st.sampled_from(PRESETS), changes=ANY_CHANGES)
 def test_round_trip_through_a_file(tmp_path_factory, base, changes):

@@ -39,6 +39,7 @@ def test_sweep_of_heaps_overlooks_no_contact(seed, n, size, kind):
         state = state._replace(cells=kernels.swept([state], numbers())[0])
 
 
+@pytest.mark.slow
 @settings(max_examples=40)
 @given(seeds, st.floats(0.3, 8.0), st.sampled_from(KINDS))
 def test_sweeps_of_heaps_side_by_side(seed, size, kind):
@@ -80,6 +81,7 @@ def test_sweep_stays_in_its_arrays(n):
         assert np.isnan(getattr(work, name)[n:].view(np.float64)).all(), name
 
 
+@pytest.mark.slow
 @settings(max_examples=40)
 @given(seeds, st.sampled_from([1, 2, 7, 8, 9, 60, 200]), st.floats(0.0, 3.0))
 def test_sweep_after_nuclei_ran(seed, n, speed):

@@ -89,6 +89,7 @@ def test_words_are_those_of_threefry(key, counter, words):
     assert [word.tolist() for word in twin] == [[words[0]], [words[1]]]
 
 
+@pytest.mark.slow
 def test_kernel_and_twin_agree():
     counter = np.arange(4000) ** 2 % 65537
     for key, number in (((1, 2), 0), ((ALL, 12345), 39)):

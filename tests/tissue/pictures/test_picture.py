@@ -164,6 +164,7 @@ def test_titles_say_what_it_is(figures):
     assert titles == ["t = 1.5 h  ·  2 cells  ·  height 40 µm", "t = 12.0 h  ·  2 cells  ·  height 40 µm"]
 
 
+@pytest.mark.slow_with("png", "pdf")
 @pytest.mark.parametrize(("ending", "begins"), [("png", b"\x89PNG"), ("svg", b"<?xml"), ("pdf", b"%PDF")])
 def test_the_ending_says_what_is_written_and_the_bytes_are_the_same_again(run, tmp_path, ending, begins):
     files = [tmp_path / f"{name}.{ending}" for name in ("one", "two")]
@@ -187,6 +188,7 @@ def test_what_can_not_be_drawn_is_refused(tmp_path, run):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_stills_have_one_size_and_leave_no_trace_of_the_last_one(run):
     together = list(stills(run.frames, run.parameters))
     assert {still.shape for still in together} == {together[0].shape}
@@ -225,6 +227,7 @@ def test_the_style_of_others_is_left_alone(run):
             assert mpl.rcParams["axes.spines.top"]
 
 
+@pytest.mark.slow_with("matplotlib")
 @pytest.mark.parametrize(("library", "door"), [("matplotlib", "sheet.py"), ("PIL", "movie.py")])
 def test_one_file_draws_and_one_makes_movies(library, door):
     assert [path.name for path in sources("tissue") if library in imported(path.read_text("utf-8"))] == [door]

@@ -131,6 +131,7 @@ SCHEMES = {
 }
 
 
+@pytest.mark.slow_with("PBD", "LinearisedCatchUp")
 @pytest.mark.parametrize("name", SCHEMES)
 def test_schemes_converge_together_in_their_orders(name, begun):
     problem, exact = begun
@@ -155,6 +156,7 @@ def division():
     return split, middle, frozen_problem(feasible, layers(N + 1), given)
 
 
+@pytest.mark.slow
 def test_right_after_a_division_there_is_no_solution(division):
     state, left, _ = division
     with pytest.raises(dincl.InvalidProblem, match=f"NonOverlap by 0.647 at particle {left + 1} and {left}"):
@@ -170,6 +172,7 @@ AFTER_A_DIVISION = {
 }
 
 
+@pytest.mark.slow_with("CatchUp-0.0001", "CatchUp-1e-06")
 @pytest.mark.parametrize("h", [1e-4, 1e-6])
 @pytest.mark.parametrize("name", AFTER_A_DIVISION)
 def test_what_a_step_makes_of_a_division(name, h, division):

@@ -49,6 +49,7 @@ def test_rows_of_a_square_sheet(cells, rows):
     assert surface.period_x == pytest.approx(cells / rows * 2 / 3)
 
 
+@pytest.mark.slow_with("published-changes3")
 @pytest.mark.parametrize(
     ("name", "changes", "cells"),
     [
@@ -73,6 +74,7 @@ def test_a_file_makes_a_sheet_of_its_base_by_one_key(tmp_path):
     assert load(tmp_path / "sheet.toml") == preset("thesis").changed({"tissue.dimension": 3})
 
 
+@pytest.mark.slow_with("curved_published")
 @pytest.mark.parametrize("name", [name for name in shipped() if name != "space_published"])
 def test_a_study_of_slices_becomes_one_of_sheets_by_one_key(name, tmp_path):
     slices = load_study(name)

@@ -75,6 +75,7 @@ def test_sweep_of_heaps_overlooks_no_contact(seed, n, size, name):
         state = made
 
 
+@pytest.mark.slow
 @settings(max_examples=30)
 @given(seeds, st.floats(0.5, 6.0), surfaces)
 def test_pushes_of_heaps(seed, size, name):
@@ -157,6 +158,7 @@ def test_a_nucleus_that_goes_far_in_two_parts_meets_all(axis):
     np.testing.assert_array_equal(taken(workspaces, state).x, expected)
 
 
+@pytest.mark.slow
 def test_rows_that_find_no_room_are_found_anew():
     """So many pairs that the list is full: the same push."""
     n = 600

@@ -94,6 +94,7 @@ def out_of_order(b, side):
     return int((side * (b[0] * after[1] - b[1] * after[0]) < 0.0).sum())
 
 
+@pytest.mark.slow
 def test_noise_is_that_of_the_section_and_a_third_coordinate():
     """N(0, variance h) on each coordinate of the nuclei, independent, other numbers in each substep."""
     n, steps = 2000, Steps(repulsion=0.0, variance=0.2, substeps=2)

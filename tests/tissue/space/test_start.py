@@ -99,6 +99,7 @@ def test_a_square_lattice_has_no_triangle_without_area(periods):
     np.testing.assert_allclose(lengths[lengths > 0], (1.0, math.sqrt(2)))
 
 
+@pytest.mark.slow_with("1302", "1764")
 @pytest.mark.parametrize("cells", [160, 430, 1302, 1764])
 def test_nudges_of_a_straight_boundary_leave_no_triangle_without_area(cells):
     """Flat triangles lie one upon another there: in these sheets some have all vertices on it."""

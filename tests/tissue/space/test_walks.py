@@ -32,6 +32,9 @@ def make_steps(name, seed, steps):
     return exchanged, inserted, removed
 
 
+@pytest.mark.slow_with(
+    "plane", "cylinder outside", "cylinder inside", "sphere", "patch", "band along z", "band around a cylinder"
+)
 @pytest.mark.parametrize("name", KINDS)
 def test_a_short_walk(name):
     exchanged, inserted, removed = make_steps(name, 1, 40)

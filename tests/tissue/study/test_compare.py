@@ -169,6 +169,7 @@ def test_other_comparisons_change_no_run(monkeypatch):
     assert set(planned_answers(results)["outcome"]) == {"basal", "below"}
 
 
+@pytest.mark.slow
 def test_comparisons_that_were_changed_later_are_said_to_be():
     def said():
         return CliRunner().invoke(app, ["summary", "out"]).stdout
@@ -185,6 +186,7 @@ def test_comparisons_that_were_changed_later_are_said_to_be():
     assert "they were changed when there were runs" in said()
 
 
+@pytest.mark.slow
 def test_runs_behind_a_gap_do_not_count():
     results = tissue.run_study(write((HEAD + FACTORS + COMPARE).replace("replicates = 40", "replicates = 136")), "out")
     note(Path("out"), Piece("late, arc", 0, 128)).unlink()
@@ -209,6 +211,7 @@ def test_what_was_not_planned_is_valid_at_any_time():
     assert one["runs"] == 48
 
 
+@pytest.mark.slow
 def test_a_study_in_progress_is_answered_by_what_is_there(monkeypatch):
     def all_but_the_last(parameters, *rest):
         if parameters.emt.a.high.value < 10 and parameters.layer.shape == "circle":

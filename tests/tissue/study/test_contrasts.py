@@ -76,6 +76,7 @@ def test_intervals_of_an_interaction_cover(rates):
     assert 0.935 < covered < 0.985  # more where hits are few
 
 
+@pytest.mark.slow
 def test_several_comparisons_are_corrected_as_their_correlation_allows():
     block = tuple(ProportionContrast(weights, RATIOS) for weights in (*SIMPLE, INTERACTION))
     together, alone = Family((block,)), Family((block,), "holm")
@@ -111,6 +112,7 @@ def test_differences_and_ratios_of_the_same_groups_are_correlated():
     assert together.level_of_each > Family((tuple(differences),)).level_of_each
 
 
+@pytest.mark.slow
 def test_one_comparison_alone_is_not_corrected():
     family = Family(((ProportionContrast(INTERACTION, RATIOS),),))
     assert family.level_of_each == pytest.approx(0.95)

@@ -58,6 +58,7 @@ def both(sources, results):
     return sources | {"published": FigureSource(results)}
 
 
+@pytest.mark.slow_with("10-names0")
 @pytest.mark.parametrize(
     ("number", "names"),
     [
@@ -126,6 +127,7 @@ def test_ratios_at_the_end_with_and_without_inm_beside_the_printed_ones(sources,
     assert printed == [[0.0, 10.0, 20.0, 70.0], [30.0], [60.0]]
 
 
+@pytest.mark.slow
 def test_alone_and_in_groups_with_and_without_inm(sources, results):
     figure, programs = FIGURES[15](sources), results["figure15"].study.scenarios[::4]
     panels = figure.axes
@@ -265,6 +267,7 @@ def test_a_study_that_is_missing_is_named(results, number):
             FIGURES[number]({"thesis": FigureSource(others)})
 
 
+@pytest.mark.slow_with("10", "12", "15", "16")
 @pytest.mark.parametrize("number", FIGURES)
 def test_two_presets_stand_beside_each_other(sources, both, number):
     alone, beside = FIGURES[number](sources), FIGURES[number](both)

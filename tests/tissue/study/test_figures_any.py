@@ -52,6 +52,7 @@ def quick(monkeypatch, tmp_path):
     return written(monkeypatch)
 
 
+@pytest.mark.slow
 def test_the_command_names_each_file_and_the_scenario_in_its_words():
     study(NAMES[:2], "trajectories = [0]")
     done = CliRunner().invoke(app, ["figures", "mine"])

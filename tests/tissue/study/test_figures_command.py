@@ -51,6 +51,7 @@ def test_the_command_draws_what_it_can_and_says_what_the_others_need(quick, monk
     assert all(data.startswith({"p": b"\x89PNG", "s": b"<?xml"}[name[-3]]) for name, data in files.items())
 
 
+@pytest.mark.slow
 def test_a_figure_of_the_published_model_alone_says_so(quick):
     made(["figure12_published"], "results", trajectories=())
     assert [figure.name for figure in draw_all("results") if figure.files][-1] == "figure12"

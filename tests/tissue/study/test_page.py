@@ -73,6 +73,7 @@ def test_a_browser_shows_the_page_on_a_desk_and_on_a_telephone(study, tmp_path):
                 assert box["height"] > 30
 
 
+@pytest.mark.slow
 def test_a_page_of_a_study_without_a_plan_or_without_runs(study, monkeypatch, tmp_path):
     monkeypatch.setattr(page, "_movie", lambda *_: None)
     Path("plain.toml").write_text(HEAD.replace("replicates = 40", "replicates = 8") + FACTORS)
@@ -92,6 +93,7 @@ def test_a_page_of_a_study_without_a_plan_or_without_runs(study, monkeypatch, tm
     assert "no run yet" in text
 
 
+@pytest.mark.slow
 def test_the_picture_has_the_groups_and_the_effect(study):
     table = planned_answers(study)
     for row in table[table["question"] == INTERACTION.replace("late", "<i>late")].to_dict("records"):
@@ -116,6 +118,7 @@ def test_the_figures_of_a_study_begin_with_its_answers(study):
     assert len(found[2].draw().axes) == 2
 
 
+@pytest.mark.slow
 def test_tables_as_csv_are_those_of_the_results(study):
     done = CliRunner().invoke(app, ["summary", "out", "--csv"])
     assert (done.exit_code, done.stderr) == (0, "")

@@ -104,6 +104,7 @@ def test_importance_finds_what_made_the_outcome(cells, hits, monkeypatch):
     assert (found.cells, found.replicates) == (3000, 300)
 
 
+@pytest.mark.slow
 def test_importance_is_a_function_of_table_and_seed(cells, hits, monkeypatch):
     monkeypatch.setattr(ranking, "SHUFFLES", 1)
     monkeypatch.setattr(ranking, "FOLDS", 2)
@@ -125,6 +126,7 @@ def test_importance_knows_of_common_fates(cells, hits, monkeypatch):
     assert widths[1] > 0.55 * widths[0]
 
 
+@pytest.mark.slow
 def test_coefficients_have_direction_and_cover_zero_where_nothing_is(cells, hits):
     found = by_coefficient(cells, hits, END, seed=0)
     rows = found.table.set_index("factor")

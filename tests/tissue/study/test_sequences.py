@@ -19,11 +19,13 @@ def share_missed(draw, mean, enclose):
     return np.mean([not low <= mean <= high for low, high in ends])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [0.02, 0.3])
 def test_one_proportion_is_covered_at_all_times(share):
     assert share_missed(lambda rng: rng.random(LOOKS) < share, share, bounded) <= MOST
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [0.02, 0.3])
 def test_a_difference_without_effect_is_covered_at_all_times(share):
     """Of the cells of a run, five of which share a tissue: what one does, all do half of the time."""
@@ -51,6 +53,7 @@ def test_means_of_skewed_values_are_covered_nearly():
     assert 0.03 < alone < 0.12
 
 
+@pytest.mark.slow
 def test_intervals_of_a_fixed_number_decide_falsely_when_looked_at_again_and_again():
     rng, false = np.random.default_rng(2), 0
     for _ in range(REPEATS):

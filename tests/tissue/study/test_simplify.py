@@ -73,6 +73,7 @@ def verdicts(table: pd.DataFrame, step: str = "alone") -> dict[str, str]:
     return dict(zip(rows["model"], rows["verdict"], strict=True))
 
 
+@pytest.mark.slow
 def test_the_cheapest_model_that_is_enough_is_found() -> None:
     found = simplify("study.toml")
     said = verdicts(found.table)
@@ -94,6 +95,7 @@ def test_the_cheapest_model_that_is_enough_is_found() -> None:
     assert found.saving[1] > 4
 
 
+@pytest.mark.slow
 def test_runs_of_a_look_are_paired_and_combinations_have_fresh_seeds() -> None:
     found = simplify("study.toml", out="out")
     rows = pd.read_parquet("out/simplify.parquet")
@@ -108,6 +110,7 @@ def below_a_third(cells: pd.DataFrame, end: float) -> pd.Series:
     return (cells[f"ab_{end:g}h"] < 1 / 3).astype(float)
 
 
+@pytest.mark.slow
 def test_the_outcome_may_be_a_function_of_the_cells() -> None:
     found = simplify("study.toml", 0.2, outcome=below_a_third, out="out")
     assert found.question.name.endswith("test_simplify.below_a_third")

@@ -2,10 +2,12 @@
 
 import numpy as np
 import pandas as pd
+import pytest
 
 from verification.beyond.chart import advice
 
 
+@pytest.mark.slow
 def test_the_page_is_the_one_that_the_kept_tables_give():
     """Otherwise: python -m verification.beyond.chart.advice."""
     assert advice.page() == advice.PAGE.read_text("utf-8")

@@ -86,6 +86,7 @@ def test_a_scene_is_run_by_all_methods() -> None:
         assert runs["error"].iloc[-1] <= auto["asked"]
 
 
+@pytest.mark.slow
 def test_auto_keeps_the_error_on_the_kept_scenes() -> None:
     table = pd.read_parquet(STUDIES / "decisions.parquet")
     assert table["seed"].nunique() == len(study.FULL.seeds)

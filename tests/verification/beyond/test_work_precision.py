@@ -128,6 +128,7 @@ def test_rows_hold_the_errors_of_each_setting(references):
     assert (found["cpu_seconds"] > 0).all()
 
 
+@pytest.mark.slow
 def test_tolerances_are_the_settings_of_methods_that_choose_their_steps(references):
     for method in (LSODA, EVENT_DRIVEN):
         found = made(references, "sliding_disc", method)

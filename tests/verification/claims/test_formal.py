@@ -18,6 +18,7 @@ def binomial() -> FormalProof:
     return identity("(a + b)² = a² + 2ab + b²", lambda s, a, b: (a + b) ** 2 - a**2 - s * 2 * a * b - b**2, "−2ab")
 
 
+@pytest.mark.slow
 def test_an_identity_is_proved_for_all_values() -> None:
     found = binomial()
     assert found.true is True
@@ -77,6 +78,7 @@ def test_squares_are_checked_exactly() -> None:
     assert sum_of_squares("a minus", lambda s: -s * x**2, [(-1, x)], "−2x²", 2).true is False
 
 
+@pytest.mark.slow
 def test_two_programs_decide_implications_of_real_numbers() -> None:
     found = implication("x ≥ 1 gives x² ≥ x", lambda s, x: ([x >= 1], x * x >= s * x), "x² ≥ 2x", 2)
     assert found.true is True

@@ -90,6 +90,7 @@ def test_one_claim_is_chosen_by_its_id_and_a_file_by_its_name(pytester: pytest.P
     run(pytester, "my_claims.py", "order.py").assert_outcomes(passed=8, skipped=2)
 
 
+@pytest.mark.slow
 def test_a_check_that_raises_says_where(pytester: pytest.Pytester) -> None:
     pytester.makepyfile(
         my_claims="from verification.claims import claim\n@claim('x', 'x')\ndef check():\n    raise KeyError('radius')"
@@ -107,6 +108,7 @@ def test_a_claim_is_a_test_of_the_module_that_states_it(pytester: pytest.Pyteste
     run(pytester).assert_outcomes(passed=1)
 
 
+@pytest.mark.slow
 def test_projects_without_claims_are_left_alone(pytester: pytest.Pytester) -> None:
     pytester.makepyfile(
         claims="raise ImportError('a project of insurances: this file asks for its settings')",

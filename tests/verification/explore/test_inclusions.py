@@ -126,6 +126,7 @@ def test_pictures_of_a_line_lie_in_the_plane_and_its_walls_move() -> None:
     assert frames[5][0]["shapes"] != frames[6][0]["shapes"]
 
 
+@pytest.mark.slow
 def test_a_wall_that_turns_is_drawn_again() -> None:
     wall = dincl.HalfSpace(lambda t: (np.sin(t), np.cos(t)), 0.0)
     problem = dincl.Problem([[0.0, 0.5]], dincl.drifts.constant((0.0, -1.0)), [wall])

@@ -20,6 +20,7 @@ LENGTHS = ("x", "y", "z", "ax", "ay", "az", "bx", "by", "bz", "radius")
 COLUMNS = len(LENGTHS) + 6
 
 
+@pytest.mark.slow_with("cylinder", "sphere")
 @pytest.mark.parametrize("name", SURFACES)
 def test_pictures_are_those_of_the_run(name):
     parameters = of_surface(name, **BRIEF)

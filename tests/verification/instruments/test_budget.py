@@ -42,6 +42,7 @@ def test_a_run_is_stopped_by_its_count_of_evaluations(name, drift):
     assert whole.evaluations // 4 < part.evaluations < whole.evaluations
 
 
+@pytest.mark.slow_with("events")
 @pytest.mark.parametrize(
     ("scheme", "setting", "scene"),
     [

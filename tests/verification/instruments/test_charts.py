@@ -38,6 +38,7 @@ def test_every_method_has_an_entry_and_those_without_a_run_say_why(drawn):
     assert "refuses: refused" in labels
 
 
+@pytest.mark.slow
 def test_methods_are_marked_by_what_their_steps_are_made_of():
     class Slow(dincl.Stepper):
         def step(self, t, h, state):

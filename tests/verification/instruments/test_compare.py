@@ -24,6 +24,7 @@ def run(tmp_path, text):
     return CliRunner().invoke(app, ["compare", str(file), "--out", str(tmp_path / "out")])
 
 
+@pytest.mark.slow
 def test_a_file_becomes_tables_charts_and_a_page(tmp_path):
     result = run(tmp_path, FILE)
     assert result.exit_code == 0, result.output
@@ -34,6 +35,7 @@ def test_a_file_becomes_tables_charts_and_a_page(tmp_path):
     assert rows.groupby("method").size().to_dict() == {"PBD": 6, "springs": 6}
 
 
+@pytest.mark.slow
 def test_modules_beside_the_file_are_found_and_the_verdicts_are_printed(tmp_path):
     (tmp_path / "crowd_of_mine.py").write_text(FILE.split("problem =", maxsplit=1)[0] + "speed = -1.0\n", "utf-8")
     result = run(tmp_path, "from crowd_of_mine import speed\n" + FILE.replace("-np.ones_like(x)", "speed + 0 * x"))
@@ -49,6 +51,7 @@ def test_help_names_all_that_a_file_may_name():
         assert name in shown
 
 
+@pytest.mark.slow
 def test_reference_and_budget_of_the_file_are_taken(tmp_path):
     more = (
         "reference = lambda t: np.zeros((len(t), 1, 1))\nbudget = v.DriftEvaluations(8)\nsettings = {'dt': settings}\n"

@@ -4,6 +4,7 @@ import time
 
 import numba
 import numpy as np
+import pytest
 
 import dincl
 import verification as v
@@ -43,6 +44,7 @@ def test_a_timed_run_that_compiles_is_made_again():
     assert [row["repeats"] for row in rows] == [1, 1]
 
 
+@pytest.mark.slow
 def test_a_program_that_compiles_in_every_run_is_measured_all_the_same():
     method = v.Method("own", run=lambda problem, dt, t: SLIDE.exact(t) * fresh()(0.0))
     rows = measure(SLIDE, method, (0.1,), KNOWN, ("final",), None, repeats=0)

@@ -39,6 +39,7 @@ def test_methods_of_particles_follow_their_tolerance(name):
     np.testing.assert_allclose(found, mf.solve_ode(STRAIGHT, START, T, 1e-12).y, atol=1e-7)
 
 
+@pytest.mark.slow_with("ode")
 @pytest.mark.parametrize("name", DENSITY)
 def test_every_method_finds_the_limit(name):
     """N quantiles miss the second moment by some 1/(30 N); the grid has an error of second order in 1/cells."""
@@ -50,6 +51,7 @@ def test_every_method_finds_the_limit(name):
     assert np.abs(found - limit(T)).max() < errors[method.setting]
 
 
+@pytest.mark.slow
 def test_all_levels_of_a_model_stand_on_one_chart():
     chart = v.work_precision(
         v.DensityProblem(STRAIGHT, LAW, [1.0], [0.5]),

@@ -50,6 +50,7 @@ def test_means_are_shifted_and_failures_cost_as_much_as_the_most_expensive_run()
     assert means["ratio"].min() == 1.0
 
 
+@pytest.mark.slow
 def test_a_list_of_problems_gives_a_chart_each_and_their_averages(tmp_path):
     references = [SLIDE.exact, STACK.exact]
     found = v.work_precision([SLIDE, STACK], METHODS, STEPS, [1.0, 2.0], references, BUDGET)

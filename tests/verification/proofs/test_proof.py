@@ -18,6 +18,7 @@ EXACT = {
 }
 
 
+@pytest.mark.slow_with("sweeping_interval")
 @pytest.mark.parametrize("name", EXACT)
 def test_balls_contain_the_exact_solution(name):
     scene = getattr(scenes, name)()
@@ -38,6 +39,7 @@ def test_two_proofs_of_one_scene_overlap():
     assert (np.linalg.norm((coarse.x - fine.x).reshape(2, -1), axis=1) <= coarse.radius + 1e-15).all()
 
 
+@pytest.mark.slow
 def test_ten_discs_in_a_corner():
     proof = v.prove(scenes.ten_disks_corner(), [3.0], bound=1e-12)
     path = dincl.solve(scenes.ten_disks_corner(), dincl.EventDriven(1e-11), t=[3.0])
@@ -104,6 +106,7 @@ def swung(t, x):
     return np.stack([np.cos(t) - x[:, 0] ** 3, -1 - np.sin(x[:, 0]) * x[:, 1]], axis=1)
 
 
+@pytest.mark.slow
 def test_a_moving_wall_and_a_drift_of_your_own():
     problem = dincl.Problem(
         [[0.3, 1.0], [1.6, 1.2]], swung, [dincl.NonOverlap(0.5), dincl.Moving(dincl.HalfSpace((0, 1), 0.0, 0.5), wall)]

@@ -22,6 +22,7 @@ def test_errors_resolve_far_below_rounding():
     np.testing.assert_array_equal(off, np.abs(known.low))
 
 
+@pytest.mark.slow
 def test_instruments_say_that_errors_are_proved():
     scene = scenes.four_disks()
     reference = v.reference(scene, proved=True)

@@ -45,6 +45,7 @@ def test_tables_without_a_checksum_get_one(tmp_path: Path, monkeypatch: pytest.M
     assert files[1].read_bytes() == before
 
 
+@pytest.mark.slow
 def test_tables_of_before_their_provenance_was_kept_say_so() -> None:
     found = kept.all_changes()
     assert found.keys() == {file.stem for file in FILES}

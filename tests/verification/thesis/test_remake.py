@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import pytest
 
 from verification.page.kept import all_changes, files
 from verification.thesis import remake, studies
@@ -30,6 +31,7 @@ def test_rows_that_came_or_went_are_counted_and_the_others_paired() -> None:
     assert (numbers["column"], numbers["rows"], numbers["differ"]) == ("error", 2, 1)
 
 
+@pytest.mark.slow
 def test_what_the_present_code_made_is_left() -> None:
     stale = {name for name, lines in all_changes().items() if lines}
     named = {name for names, _ in remake.commands(Path("folder")) for name in names.split(", ")}

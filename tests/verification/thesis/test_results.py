@@ -2,6 +2,8 @@
 
 import re
 
+import pytest
+
 from tests.pages import ROOT
 from verification.thesis import results
 from verification.thesis.chapter4 import kept
@@ -9,11 +11,13 @@ from verification.thesis.chapter4 import kept
 TEXT = (ROOT / "docs" / "explain" / "results.md").read_text("utf-8")
 
 
+@pytest.mark.slow
 def test_the_page_is_the_one_that_the_kept_tables_give():
     """Otherwise: python -m verification.thesis.results."""
     assert results.page() == TEXT
 
 
+@pytest.mark.slow
 def test_its_numbers_come_from_the_tables(monkeypatch):
     """A changed table changes the page."""
     controls = kept.read("controls")

@@ -4,6 +4,7 @@ from functools import cache
 
 import numpy as np
 import pandas as pd
+import pytest
 
 from tests.executors import Here
 from verification.beyond.space import catch_up, figures_catch_up
@@ -49,10 +50,12 @@ def test_errors_are_medians_and_count_the_lost():
     assert found["lost"] == 1
 
 
+@pytest.mark.slow
 def test_the_figure_is_drawn(tmp_path):
     assert figures_catch_up.catch_up(catch_up.errors(rows()), tmp_path / "figure.png").stat().st_size > 10_000
 
 
+@pytest.mark.slow
 def test_the_section_says_what_the_tables_say(tmp_path):
     context = Context(tmp_path, False, Here(), complete=STUDIES)
     PART.run(context)

@@ -129,6 +129,7 @@ def test_every_claim_is_tried() -> None:
     assert sum(len(stated_in(part)) for part in PARTS) == len(CLAIMS)
 
 
+@pytest.mark.slow_with("c1.mazur", "c1.neither")
 @pytest.mark.parametrize("name", CLAIMS)
 def test_the_verdict_is_the_recorded_one(name: str) -> None:
     evidence = CLAIMS[name].decide(KEPT)

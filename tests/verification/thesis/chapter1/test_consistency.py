@@ -26,6 +26,7 @@ def at_finest(steps, name):
     return mine.loc[mine["dt"].idxmin()]
 
 
+@pytest.mark.slow_with("inclusion-one contact")
 @pytest.mark.parametrize("name", ["one contact", "two contacts, orthogonal", "two contacts, oblique", TOGETHER[2]])
 @pytest.mark.parametrize("quantity", ["inclusion", "sweep"])
 def test_one_step_tends_to_an_element_of_the_inclusion_to_first_order(name, quantity, steps):

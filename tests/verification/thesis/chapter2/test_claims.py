@@ -152,6 +152,7 @@ def test_a_claim_comes_out_as_recorded(name: str) -> None:
     assert len(evidence.remark) <= 350
 
 
+@pytest.mark.slow_with("c2.linear-runtime")
 @pytest.mark.parametrize("name", CHANGES)
 def test_a_wrong_ingredient_changes_the_verdict(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     evidence = decided(CLAIMS[name], CHANGES[name], monkeypatch)

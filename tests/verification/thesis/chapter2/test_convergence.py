@@ -50,6 +50,7 @@ def test_a_method_without_a_scheme_and_a_scene_without_a_solution_are_refused() 
         exact(dincl.scenes.pile(3), TIMES)
 
 
+@pytest.mark.slow_with("0.0125", "0.0071", "0.004")
 @pytest.mark.parametrize("h", [0.1, 0.07, 0.05, 0.043, 0.03, 0.0213, 0.0125, 0.0071, 0.004])
 def test_stated_error_covers_the_true_one(h: float) -> None:
     found = extrapolate(TIMES, catch_up(h), catch_up(h / 2), catch_up(h / 4), TOL)
@@ -58,6 +59,7 @@ def test_stated_error_covers_the_true_one(h: float) -> None:
     assert found.error.max() < h
 
 
+@pytest.mark.slow
 def test_extrapolation_beats_the_finest_run_where_differences_halve() -> None:
     h = 0.0125
     found = extrapolate(TIMES, catch_up(h), catch_up(h / 2), catch_up(h / 4), TOL)
@@ -80,6 +82,7 @@ def test_differences_that_do_not_halve_are_not_extrapolated() -> None:
     assert np.isnan(found.ratio[2])
 
 
+@pytest.mark.slow
 def test_order_one_of_pbd_on_both_scenes(table: pd.DataFrame) -> None:
     orders = convergence.orders(table)
     pbd = orders[orders["method"] == "pbd"]

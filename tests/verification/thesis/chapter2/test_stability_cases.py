@@ -39,6 +39,7 @@ LONG = {
 }
 
 
+@pytest.mark.slow_with("limits", "saddle-alpha", "saddle-beta", "saddle-damped", "saddle-weight")
 @pytest.mark.parametrize("case", [case for case in CASES if case.id not in LONG], ids=lambda case: case.id)
 def test_case(case):
     found = case.find()

@@ -202,6 +202,16 @@ def test_every_claim_is_tried() -> None:
     assert CHANGES.keys() == measured(CLAIMS)
 
 
+@pytest.mark.slow_with(
+    "c3.inm",
+    "c3.apical-mitosis",
+    "c3.last-hour",
+    "c3.pushing",
+    "c3.phases",
+    "c3.passive-springs",
+    "c3.part-way",
+    "c3.accumulation",
+)
 @pytest.mark.parametrize("name", CHANGES)
 def test_a_wrong_ingredient_changes_the_verdict(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     claim, wrong = CLAIMS[name], CHANGES[name]
@@ -209,6 +219,7 @@ def test_a_wrong_ingredient_changes_the_verdict(name: str, monkeypatch: pytest.M
     assert found.verdict is wrong.verdict is not claim.recorded, found.measured
 
 
+@pytest.mark.slow_with("c3.slice", "c3.diffusion", "c3.stopping", "c3.part-way", "c3.accumulation")
 @pytest.mark.parametrize("name", CLAIMS)
 def test_the_verdict_is_the_recorded_one(name: str) -> None:
     claim = CLAIMS[name]

@@ -41,6 +41,7 @@ def moved():
     return pd.DataFrame(catch_up.moved({"seed": 0}, form, judged.floored()))
 
 
+@pytest.mark.slow
 def test_the_steps_are_those_of_the_quasi_steady_run(rows):
     chosen = preset("thesis").changed(
         {"rules.floor_rest_length": True, "numerics.t_end": "1 h", "numerics.keep": "1 h", "daha.eps": 1e-6}
@@ -153,6 +154,7 @@ def test_judged_step(steps):
     assert part["DAHA"] == pytest.approx((top - at.loc["DAHA", "energy"]) / (top - low))
 
 
+@pytest.mark.slow
 def test_catch_up_and_pbd_have_one_limit(moved):
     error = moved.set_index(["method", "steps"])["rms"]
     assert (moved["own"] < 1e-4).all()

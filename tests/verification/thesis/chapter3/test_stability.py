@@ -62,6 +62,7 @@ def test_swing_is_the_period_two_part_of_the_substeps():
     assert found.middle.x == pytest.approx((x[2] + 2 * x[1] + x[0])[0] / 4, abs=1e-9)
 
 
+@pytest.mark.slow_with("case1", "case2")
 @pytest.mark.parametrize(
     "case", [case for case in limits.CASES if case.id in {"bend-apical", "springs-2", "junctions"}]
 )
@@ -71,6 +72,7 @@ def test_limits_are_found_where_they_are_predicted(case):
     assert found.found == pytest.approx(found.expected, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_the_prediction_for_junctions_is_that_of_their_energy():
     state = limits.standing(2.5, 2.5, 10, stiff_aa=5.0)
     junctions = next(case for case in limits.CASES if case.id == "junctions")

@@ -201,6 +201,7 @@ def test_every_claim_of_the_chapter_is_tried() -> None:
     assert CHANGES.keys() == measured(CLAIMS)
 
 
+@pytest.mark.slow_with("c4.pulled-back")
 @pytest.mark.parametrize("name", CHANGES)
 def test_a_wrong_value_changes_the_verdict(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     wrong = CHANGES[name]
@@ -208,6 +209,7 @@ def test_a_wrong_value_changes_the_verdict(name: str, monkeypatch: pytest.Monkey
     assert found.verdict is wrong.verdict is not CLAIMS[name].recorded, found
 
 
+@pytest.mark.slow_with("c4.pulled-back")
 @pytest.mark.parametrize("name", CLAIMS)
 def test_verdict_by_the_kept_tables_is_the_recorded_one(name: str) -> None:
     claim, found = CLAIMS[name], by_kept(name)

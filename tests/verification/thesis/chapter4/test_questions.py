@@ -76,6 +76,7 @@ def test_more_cells_decide_what_is_open() -> None:
     assert all(part.comparison.true is not None for part in whole.parts)
 
 
+@pytest.mark.slow
 def test_the_table_has_a_row_for_each_comparison() -> None:
     table = answered(KEPT)
     assert len(table) == sum(len(answer(KEPT, name, preset).parts) for name in QUESTIONS for preset in READINGS)

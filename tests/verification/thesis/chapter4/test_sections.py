@@ -1,6 +1,7 @@
 """The tables of the EMT chapter with the presets beside each other, and what its sections end with."""
 
 import re
+from functools import cache
 
 import pandas as pd
 import pytest
@@ -27,8 +28,12 @@ from verification.thesis.chapter4.questions import QUESTIONS, answered
 from verification.thesis.chapter4.sections import sections
 
 TABLES = {name: kept.read(name) for name in kept.COMPLETE}
-ANSWERS = answered(kept.tables())
 BASAL = TABLES["ratios"][TABLES["ratios"]["what"] == "basal"].set_index(["study", "scenario"])
+
+
+@cache
+def answers():
+    return answered(kept.tables())
 
 
 class Noted(Nowhere):
@@ -64,7 +69,7 @@ def test_figures_are_drawn_of_complete_tables_where_those_have_what_is_needed(tm
 
 @pytest.mark.slow
 def test_each_section_ends_with_what_follows(tmp_path):
-    context = Context(tmp_path, False, Noted(), tables=kept.tables() | {ANSWERED: ANSWERS})
+    context = Context(tmp_path, False, Noted(), tables=kept.tables() | {ANSWERED: answers()})
     ratios = TABLES["ratios"]
     context.tables["emt_ratios"] = ratios[ratios["study"].isin(studies.SHORT.replicates)]
     for section in sections(context):
@@ -90,7 +95,7 @@ def test_presets_stand_beside_each_other():
     assert list(alone) == ["Scenario", "Printed energies [95 %]", "Printed energies effective cells"]
 
 
-def test_no_printed_ratio_factor_or_comparison_is_lost():
+def test_no_printed_ratio_or_factor_is_lost():
     shown = beside(printed(TABLES["printed"]), "printed")
     assert list(shown)[3:] == [
         f"{LABELS[name]}, {t} h"
@@ -100,9 +105,13 @@ def test_no_printed_ratio_factor_or_comparison_is_lost():
     assert len(cells) == len(TABLES["printed"])
     assert sum("off by" in text for text in cells) == (~TABLES["printed"]["agrees"]).sum()
     assert len(beside(ranked(TABLES["ranking"]), "ranking")) == TABLES["ranking"]["factor"].nunique()
-    compared = beside(ANSWERS, "comparisons")
-    assert len(compared) == len(ANSWERS[["id", "compared"]].drop_duplicates())
-    whole = ANSWERS.drop_duplicates(["preset", "id"])
+
+
+@pytest.mark.slow
+def test_no_comparison_is_lost():
+    compared = beside(answers(), "comparisons")
+    assert len(compared) == len(answers()[["id", "compared"]].drop_duplicates())
+    whole = answers().drop_duplicates(["preset", "id"])
     assert beside(whole, "answers")[""].tolist() == list(QUESTIONS)
 
 
@@ -120,6 +129,7 @@ def test_who_leaves_in_every_preset_is_counted():
         ).all()
 
 
+@pytest.mark.slow
 def test_groups_are_compared_with_holms_correction():
     found = follows.groups(TABLES["ratios"])
     assert found["of"] == 22
@@ -141,8 +151,9 @@ def test_groups_are_compared_with_holms_correction():
     assert set(mixed["every"]["more"]).isdisjoint(mixed["every"]["less"])
 
 
+@pytest.mark.slow
 def test_every_question_has_one_place():
-    found = follows.questions(ANSWERS)
+    found = follows.questions(answers())
     names = [name for names in found["same"].values() for name in names] + found["other"]
     assert sorted(names) == sorted(QUESTIONS)
 

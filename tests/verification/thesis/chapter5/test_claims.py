@@ -94,6 +94,7 @@ def test_every_claim_of_the_chapter_is_tried() -> None:
     assert len(CLAIMS) == sum(len(stated_in(module)) for module in MODULES)
 
 
+@pytest.mark.slow_with("c5.velocity", "c5.globally-lipschitz", "c5.independent", "c5.differentiable-flow")
 @pytest.mark.parametrize("name", CLAIMS)
 def test_the_verdict_is_the_recorded_one(name: str) -> None:
     claim = CLAIMS[name]
@@ -104,6 +105,7 @@ def test_the_verdict_is_the_recorded_one(name: str) -> None:
     assert len(evidence.remark) <= 350
 
 
+@pytest.mark.slow_with("c5.independent", "c5.differentiable-flow")
 @pytest.mark.parametrize("name", CHANGES)
 def test_a_wrong_value_changes_the_verdict(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     wrong = CHANGES[name]

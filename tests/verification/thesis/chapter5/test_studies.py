@@ -111,6 +111,7 @@ def test_a_trend_is_told_from_a_swing():
     assert found["slope"]["ode"] == pytest.approx(1e-5 * energy.PERIOD, rel=0.1)
 
 
+@pytest.mark.slow
 def test_quantiles_find_the_limit_fast():
     """The uniform law is stretched, and its quantiles are 1.2/(4 N) away in the mean; <X^2> has an error ~ 1/N^2."""
     key = {"model": "uniform", "start": QUANTILES}
@@ -241,6 +242,7 @@ def test_costs_are_measured_until_they_are_enough():
     assert np.isnan(found["1e-09"])
 
 
+@pytest.mark.slow
 def test_a_right_hand_side_is_compared_with_its_twin():
     (row,) = cost._side(1000, {"model": "wavy"})
     assert row["off"] < 1e-12
