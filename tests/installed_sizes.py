@@ -35,7 +35,7 @@ BRINGS = {
     "explore": "the page to explore, with `report` and `tissue`",
     "cluster": "studies on a Dask cluster, with `tissue`",
     "views": "views of tissues in three dimensions by VTK, with `tissue`",
-    "thesis": "what `verification report` and `verification claims` need",
+    "thesis": "what `verification report` and `verification claims` need, beside the tables",
     "all": "all of these",
 }
 
