@@ -21,7 +21,7 @@ DEFINITIONS = [
     r"(?:[Cc]hapters?|[Ss]ections?|Figures?|Tables?|Theorem|Remark|[Ss]teps?) \d[\d.]*(?: (?:to|and) \d+)?",
     r"^(?:\| )?\d+(?:\.| \|)",  # numbers of items and of rows
     r"order \d",  # nominal
-    r"Python >= 3\.\d+",
+    r"Python >= 3\.\d+|[Vv]ersion \d\.\d",
     r"95 % (?:for all|interval)",
     r"(?<![\w.])-?[01](?!\w|\.\d| %)",  # ends, flags, and 1 - x
     r"\b(?:W[01]|z3|cvc5)\b",  # names
