@@ -12,6 +12,7 @@ from typer.testing import CliRunner
 
 from dincl import study
 from docs.building.shown import is_notebook
+from tests.commands import PROGRAMS, exists
 from tests.executors import Here
 from tests.installing import copy_sources, pip
 from tests.pages import ROOT, blocks, run
@@ -76,6 +77,14 @@ def test_every_block_is_run_or_has_a_reason(name):
     lines = {line for block in blocks(text, "sh") for line in block.splitlines()} if "sh" in rest else set()
     assert rest <= {"sh"}
     assert lines <= HERE | NOT_RUN.keys()
+
+
+@pytest.mark.parametrize("name", sorted(NAMES.keys() - {"CHANGELOG.md"}))
+def test_commands_of_the_text_exist(name):
+    text = re.sub(r"^```.*?^```", "", NAMES[name].read_text("utf-8"), flags=re.MULTILINE | re.DOTALL)
+    named = [" ".join(line.split()) for line in re.findall(r"`((?:\.venv/bin/)?[a-z]+\s[^`<]*)`", text)]
+    lines = [line for line in named if line.split()[0].removeprefix(".venv/bin/") in PROGRAMS]
+    assert [line for line in lines if not exists(line)] == []
 
 
 def test_what_is_listed_here_is_on_a_page():
