@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
-from tissue.pictures.charts import CAP, CHART_STYLE, caption, page
-from tissue.pictures.sheet import Axes, style, write
+from tissue.pictures.charts import CAP, CHART_STYLE, caption, legend, page
+from tissue.pictures.sheet import Axes, Figure, Line2D, style, write
 
 MAKES_NO_NUMBERS = True
 # By verdict: colour and mark, told apart without colours, too.
@@ -16,6 +17,13 @@ ANSWER = "#e0a100"
 
 
 def draw_bias(table: pd.DataFrame, tolerance: float, unit: str, answer: str, path: Path) -> Path:
+    """Write ``bias_chart`` to a PNG or SVG file."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write(bias_chart(table, tolerance, unit, answer), path)
+    return path
+
+
+def bias_chart(table: pd.DataFrame, tolerance: float, unit: str, answer: str) -> Figure:
     """Draw simpler models, a row for each, the cheapest on top: cost on the left, bias on the right.
 
     Parameters
@@ -26,8 +34,6 @@ def draw_bias(table: pd.DataFrame, tolerance: float, unit: str, answer: str, pat
         The largest bias that does not matter, and its unit: "points" for shares, which are drawn in points.
     answer
         The model of the answer, which is marked; "" if there is none.
-    path
-        PNG or SVG.
     """
     scale = 100.0 if unit == "points" else 1.0
     rows = table[table["bias"].notna()].sort_values("cpu", ascending=False, ignore_index=True)
@@ -36,20 +42,22 @@ def draw_bias(table: pd.DataFrame, tolerance: float, unit: str, answer: str, pat
         cost, bias = figure.subplots(1, 2, sharey=True, width_ratios=(1, 1.6))
         _draw_costs(cost, rows, answer)
         bias.axvspan(-scale * tolerance, scale * tolerance, color="#00796b", alpha=0.12, linewidth=0)
-        for verdict, (colour, mark) in MARKS.items():
+        for verdict in MARKS:
             mine = rows[rows["verdict"] == verdict]
             ends = [scale * (mine["bias"] - mine["low"]), scale * (mine["high"] - mine["bias"])]
-            look = {"color": colour, "marker": mark, "linestyle": "none", "label": verdict, **CAP}
-            bias.errorbar(scale * mine["bias"], mine.index, xerr=ends, **look)
+            bias.errorbar(scale * mine["bias"], mine.index, xerr=ends, **_look(verdict), **CAP)
         bias.set(title="bias: simpler minus full", xlabel=f"bias [{unit}]")
-        figure.legend(loc="outside upper right", ncols=len(MARKS))
+        legend(figure, {verdict: Line2D([], [], **_look(verdict)) for verdict in MARKS})
         within = (
             f"Shaded: the tolerance, {scale * tolerance:g} {unit}. An interval within it: enough; outside: not enough"
         )
         caption(figure, f"{within}. Coloured bar, the answer: {answer}." if answer else f"{within}.")
-        path.parent.mkdir(parents=True, exist_ok=True)
-        write(figure, path)
-    return path
+    return figure
+
+
+def _look(verdict: str) -> dict[str, Any]:
+    colour, mark = MARKS[verdict]
+    return {"color": colour, "marker": mark, "linestyle": "none"}
 
 
 def _draw_costs(panel: Axes, rows: pd.DataFrame, answer: str) -> None:
@@ -61,5 +69,7 @@ def _draw_costs(panel: Axes, rows: pd.DataFrame, answer: str) -> None:
     panel.barh(rows.index, rows["cpu"], color=colours, height=0.6)
     panel.axvline(1.0, color="#333333", linewidth=0.8)
     names = rows["model"].mask(rows["parts"] > 1, rows["parts"].map("{} together".format))
-    panel.set_yticks(rows.index, list(names), fontsize=7.5)
-    panel.set(title="cost", xlabel="CPU time of a run over that of the full model", ylim=(-0.6, len(rows) - 0.4))
+    again = (rows["step"] == "together") & (rows["parts"] == 1)
+    names = names.mask(again, names + ", fresh seeds")
+    panel.set_yticks(rows.index, list(names))
+    panel.set(title="cost", xlabel="CPU time of a run / full model", ylim=(-0.6, len(rows) - 0.4))

@@ -47,6 +47,7 @@ POSITION = "$y_{AB}$"
 PERCENT = f"{100 * LEVEL:g} %"
 INTERVALS = f"{PERCENT} Wilson intervals on the effective number of cells"
 CAPTION_SIZE, CAPTION_LETTERS = 8.0, 155  # points; in a line
+MOST_ENTRIES = 4  # of a legend in a line
 CAP: dict[str, Any] = {"capsize": 2.5, "elinewidth": 1.0, "capthick": 1.0}
 # Fewer runs laid over complete studies.
 CHECKED = "the runs of this page"
@@ -63,16 +64,17 @@ def verbatim(name: str) -> str:
     return name.replace("$", r"\$")
 
 
-def caption(figure: Figure, text: str) -> None:
-    """Write below the figure what it shows, of how many cells, and what the intervals are."""
+def caption(figure: Figure, text: str, letters: int = CAPTION_LETTERS) -> None:
+    """Write below the figure what it shows, of how many cells, and what the intervals are; ``letters`` in a line."""
     whole = text.replace("\n", " ").replace(" %", "\N{NO-BREAK SPACE}%")
-    lines = textwrap.fill(whole, CAPTION_LETTERS)
+    lines = textwrap.fill(whole, letters)
     figure.supxlabel(lines, x=0.01, ha="left", fontsize=CAPTION_SIZE, color="#333333")
 
 
 def legend(figure: Figure, handles: Mapping[str, Line2D | Patch]) -> None:
     """Add one legend for all panels, above them."""
-    figure.legend(list(handles.values()), list(handles), loc="outside upper left", ncols=len(handles))
+    columns = min(MOST_ENTRIES, len(handles))
+    figure.legend(list(handles.values()), list(handles), loc="outside upper left", ncols=columns)
 
 
 def outcome_lines() -> dict[str, Line2D | Patch]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -36,9 +36,13 @@ MAKES_NO_NUMBERS = True
 ALONE = ("[A]", "[B]", "[S]", "[BP]")
 ALONE_NO_INM = ("[A] no INM", "[B] no INM", "[S] no INM", "no EMT no INM")
 # Shades of the colour of basal positioning, to tell the scenarios apart.
-TWICE = {"[AxB]": ("#e0a100", "-"), "[AB]": ("#8f6400", "--"), "[BxA]": ("#3f2c00", ":")}
+TWICE: dict[str, tuple[str, Literal["-", "--", ":"]]] = {
+    "[AxB]": ("#e0a100", "-"),
+    "[AB]": ("#8f6400", "--"),
+    "[BxA]": ("#3f2c00", ":"),
+}
 SINCE = "Basal positioning"
-HEIGHT = 1.75  # inches of a panel
+HEIGHT, LEGEND_LINE = 1.75, 0.2  # inches of a panel, and for a second line of a legend
 CAPTION = "{who}, {n} in each panel; bands: {intervals}, for each time; dotted: time of an event."
 
 
@@ -64,7 +68,7 @@ def figure_12(sources: Sources) -> Figure:
 @needs(figure14="runs")
 def figure_14(sources: Sources) -> Figure:
     """Draw r(t) of (4.7) with [A] and [B] at three pairs of times; and basal positioning since [A]."""
-    figure, panels = grid([*TWICE, SINCE], list(sources), HEIGHT, sharey=True)
+    figure, panels = grid([*TWICE, SINCE], list(sources), HEIGHT + LEGEND_LINE, sharey=True)
     runs = []
     for preset, source in sources.items():
         since = panels[SINCE, preset]
@@ -75,11 +79,13 @@ def figure_14(sources: Sources) -> Figure:
             times = mine["time_h"] - float(cells["t_a_h"].iloc[0])
             band(since, times, mine, color=colour, linestyle=line, label=name)
         since.axvline(0.0, color=GREY, linestyle=":", linewidth=1.0)
-        since.legend(loc="upper left")
     name_axes(panels, TIME, RATIO)
     for preset in sources:
         panels[SINCE, preset].set(xlabel="time since [A] [h]")
-    return _finished(figure, sources, "figure14", "Isolated EMT cell; x: a longer delay", runs)
+    lines: dict[str, Line2D | Patch] = {
+        f"since [A]: {name}": Line2D([], [], color=colour, linestyle=line) for name, (colour, line) in TWICE.items()
+    }
+    return _finished(figure, sources, "figure14", "Isolated EMT cell; x: a longer delay", runs, lines)
 
 
 def ratios_against_time(sources: Sources, study: str, scenarios: Sequence[str], who: str) -> Figure:
@@ -104,7 +110,15 @@ def _draw(panel: Axes, source: FigureSource, study: str, scenario: str) -> _Pane
     return _Panel(cells, table)
 
 
-def _finished(figure: Figure, sources: Sources, study: str, who: str, runs: Sequence[int]) -> Figure:
+def _finished(
+    figure: Figure,
+    sources: Sources,
+    study: str,
+    who: str,
+    runs: Sequence[int],
+    more: Mapping[str, Line2D | Patch] | None = None,
+) -> Figure:
+    """Add the caption and the legend, which ends with ``more``."""
     text = CAPTION.format(who=who, n=counted(runs, "runs"), intervals=INTERVALS)
     lines = time_series_entries()
     complete = [source.rows("ratios", study) for source in sources.values() if source.is_kept("ratios", study)]
@@ -112,7 +126,7 @@ def _finished(figure: Figure, sources: Sources, study: str, who: str, runs: Sequ
         lines[COMPLETE] = Line2D([], [], color=GREY, **END_MARK)
         many = counted([int(n) for rows in complete for n in rows["runs"]], "runs of each scenario")
         text += f" Diamonds: the end by complete studies, {many}."
-    legend(figure, lines)
+    legend(figure, lines | dict(more or {}))
     caption(figure, text)
     return figure
 

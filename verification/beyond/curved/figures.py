@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from tissue.files.parameters import preset
+from tissue.pictures.charts import CHART_STYLE, WIDTH, legend, page
 from tissue.pictures.picture import draw_frame
-from tissue.pictures.sheet import Figure, style, write
+from tissue.pictures.sheet import Figure, Line2D, Patch, style
 from tissue.runs.simulate import simulate
+from verification.page.telephones import write_both
 
 # A label, colour, mark and what it is filled with, rows.
 Series = tuple[str, tuple[str, ...], pd.DataFrame]
@@ -20,6 +23,7 @@ LOOKS = {"line": ("0.25", "o"), "inside": ("#d1495b", "s"), "outside": ("#2e78b7
 LABELS = {"line": "line", "inside": "inside of an arc", "outside": "outside of an arc"}
 MARKERS = {600: "D"}
 STEP = 0.11  # between marks of one set of events
+LEGEND, DPI = 0.4, 120  # inches of the legend; of tissues, whose many discs make large files
 APART = 30  # the layer whose EMT cells are further apart is there to compare
 CIRCLE: dict[str, object] = {"layer.shape": "circle", "layer.perimeter": "400 um"}
 TUBE: dict[str, object] = {
@@ -66,39 +70,37 @@ def _closed_or_not(ways_out: pd.DataFrame, tubes: pd.DataFrame) -> Iterator[Seri
 
 def draw_sides(series: Sequence[Series], names: Sequence[str], height: float, path: Path) -> Path:
     """Draw a panel for each side, with a row of marks and intervals for each set of events."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with style():
-        figure = Figure(figsize=(9.0, height), layout="constrained")
+    with style(**CHART_STYLE):
+        figure = page(height + LEGEND)
         panels = figure.subplots(1, 2, sharey=True)
-        for panel, side in zip(panels, ("basal", "apical"), strict=True):
-            for k, (label, (colour, marker, *filled), rows) in enumerate(series):
+        entries: dict[str, Line2D | Patch] = {}
+        for k, (label, (colour, marker, *filled), rows) in enumerate(series):
+            look: dict[str, Any] = {"color": colour, "marker": marker, "markersize": 5}
+            look["markerfacecolor"] = (*filled, colour)[0]
+            entries[label] = Line2D([], [], linestyle="none", **look)
+            for panel, side in zip(panels, ("basal", "apical"), strict=True):
                 mine = rows[(rows["side"] == side) & rows["events"].isin(names)]
                 spread = 100 * np.abs(mine[["low", "high"]].to_numpy().T - mine["value"].to_numpy())
                 at = np.array([names.index(name) for name in mine["events"]]) + STEP * (k - (len(series) - 1) / 2)
-                look = {"fmt": marker, "color": colour, "markersize": 5, "markerfacecolor": (*filled, colour)[0]}
-                panel.errorbar(100 * mine["value"], at, xerr=spread, label=label, **look)
+                panel.errorbar(100 * mine["value"], at, xerr=spread, linestyle="none", **look)
+        for panel, side in zip(panels, ("basal", "apical"), strict=True):
             panel.set_yticks(range(len(names)), [name.replace(", no", " without") for name in names])
-            panel.set(xlabel=f"{side} extrusion [%]", xlim=(-2, 100))
-            panel.grid(axis="x", color="0.92")
+            panel.set(xlabel=f"{side} extrusion [%]", xlim=(-2, 102), ylim=(len(names) - 0.5, -0.5))
+            panel.grid(visible=False, axis="y")
             for between in range(1, len(names)):
                 panel.axhline(between - 0.5, color="0.8", linewidth=0.6, zorder=0)
-            panel.set_axisbelow(True)
-        panels[0].invert_yaxis()
-        panels[1].legend(loc="center right", frameon=True, framealpha=1.0, edgecolor="none")
-    write(figure, path)
-    return path
+        legend(figure, entries)
+    return write_both(figure, path)
 
 
 def draw_tissues(path: Path) -> Path:
     """Draw tissues on curved layers after a day."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with style():
-        figure = Figure(figsize=(9.0, 8.0), layout="constrained")
+    with style(**CHART_STYLE | {"axes.grid": False}):
+        figure = Figure(figsize=(WIDTH, 8.0), layout="constrained", dpi=DPI)
         panels = figure.subplots(2, 2, height_ratios=(2, 3)).flat
         for panel, (name, changes) in zip(panels, TISSUES.items(), strict=True):
             given: dict[str, object] = {"tissue.cells": 51, "numerics.t_end": "24 h", "numerics.keep": "24 h"}
             parameters = preset("published").changed(given | changes)
             draw_frame(panel, simulate(parameters, 0, throw=False).final, parameters)
-            panel.set_title(name, loc="left", pad=20, fontsize=9.5, fontweight="bold")
-    write(figure, path)
-    return path
+            panel.set_title(name, pad=18.0)  # above the line on the state
+    return write_both(figure, path)

@@ -1,17 +1,25 @@
-"""Tissues of the simplest and of the full model beside each other."""
+"""Simpler models beside the full one: their tissues, and their bias against their cost."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
+import pandas as pd
+
 from dincl.equivalence.search import AND
+from tissue.pictures.bias import bias_chart
+from tissue.pictures.charts import CHART_STYLE, WIDTH
 from tissue.pictures.picture import box_of, draw_frame
-from tissue.pictures.sheet import Figure, style, write
+from tissue.pictures.sheet import Figure, style
 from tissue.runs.simulate import simulate
 from tissue.study.plan import load_study, run_seeds
 from tissue.study.question import asked
 from tissue.study.simplifications import simplified
 from verification.beyond.needs.questions import QUESTIONS
+from verification.page.telephones import write_both
+
+SIDES, AROUND = 1.5, 1.2  # inches: beside both panels; above and below them
+DPI = 120  # many discs make large files
 
 
 def draw_tissues(name: str, answer: str, path: Path) -> Path:
@@ -30,12 +38,17 @@ def draw_tissues(name: str, answer: str, path: Path) -> Path:
     (seed,) = run_seeds(plan.seed, scenario, [0])
     frames = [simulate(parameters, seed, throw=False).final for parameters in models.values()]
     box = box_of(frames, full)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with style():
-        figure = Figure(figsize=(7.6, 3.1), layout="constrained")
+    wide = (WIDTH - SIDES) / len(models)
+    with style(**CHART_STYLE | {"axes.grid": False}):
+        height = wide * (box.high - box.low) / (box.right - box.left) + AROUND
+        figure = Figure(figsize=(WIDTH, height), layout="constrained", dpi=DPI)
         panels = figure.subplots(1, len(models), sharey=True, squeeze=False)[0]
         for panel, (title, parameters), frame in zip(panels, models.items(), frames, strict=True):
             draw_frame(panel, frame, parameters, box)
-            panel.set_title(title, fontsize=10, pad=20)
-        write(figure, path)
-    return path
+            panel.set_title(title, pad=18.0)  # above the line on the state
+    return write_both(figure, path)
+
+
+def draw_models(table: pd.DataFrame, tolerance: float, unit: str, answer: str, path: Path) -> Path:
+    """Draw bias against cost; arguments as in ``bias_chart``."""
+    return write_both(bias_chart(table, tolerance, unit, answer), path)

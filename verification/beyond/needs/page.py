@@ -9,9 +9,8 @@ import pandas as pd
 
 from dincl.equivalence.paired import ERROR, LOOKS
 from dincl.equivalence.search import AND
-from tissue.pictures.bias import draw_bias
 from verification.beyond.needs import answers
-from verification.beyond.needs.figures import draw_tissues
+from verification.beyond.needs.figures import draw_models, draw_tissues
 from verification.beyond.needs.questions import EIGHT, FIVE
 from verification.page import cards
 from verification.page.columns import headed, read_columns
@@ -126,7 +125,7 @@ def _section(context: Context, name: str) -> Section:
     unit, scale = _unit(rows)
     answer = "".join(_cheapest(rows)["model"])
     tissues = context.draw(f"needs_tissues_{number}", draw_tissues, name, answer)
-    figure = context.draw(f"needs_{number}", draw_bias, rows, float(rows["tolerance"].iloc[0]), unit, answer)
+    figure = context.draw(f"needs_{number}", draw_models, rows, float(rows["tolerance"].iloc[0]), unit, answer)
     values = (scale * rows[["bias", "low", "high"]]).itertuples(index=False)
     said_of = [
         ("", "") if pd.isna(b) else (f"{b:+.2f} {unit}", f"[{low:+.2f}, {high:+.2f}]") for b, low, high in values

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
-from tissue.pictures.sheet import Figure, style, write
+from tissue.pictures.charts import CHART_STYLE, legend, page
+from tissue.pictures.sheet import Line2D, Patch, style
 from verification.beyond.curved.figures import draw_sides
 from verification.beyond.space.growth import ALL, SOME
 from verification.beyond.space.isolated import SLICES, TISSUES
+from verification.page.telephones import write_both
 
+HEIGHT = 4.0  # inches
 LOOKS = {
     "slice": ("0.25", "o"),
     "tube": ("0.6", "D"),
@@ -35,26 +39,25 @@ WAYS = {
 
 def draw_growth(growth: pd.DataFrame, path: Path) -> Path:
     """Draw the height over the height at the start, in a panel for each share of divisions with both daughters kept."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with style():
-        figure = Figure(figsize=(9.0, 3.8), layout="constrained")
+    entries: dict[str, Line2D | Patch] = {}
+    with style(**CHART_STYLE):
+        figure = page(HEIGHT)
         panels = figure.subplots(1, 2, sharey=True)
         for panel, both in zip(panels, (SOME, ALL), strict=True):
             for (layer, cells), mine in growth[growth["both"] == both].groupby(["layer", "cells"], sort=False):
                 colour, marker = LOOKS[layer]
                 name, *more = layer.split(", ")
-                look = {"color": colour, "marker": marker, "linestyle": LINES[cells], "markersize": 4}
-                panel.plot(mine["t"], mine["height"], label=", ".join((f"{name} of {cells}", *more)), **look)
+                look: dict[str, Any] = {"color": colour, "marker": marker, "linestyle": LINES[cells], "markersize": 4}
+                entries[", ".join((f"{name} of {cells}", *more))] = Line2D([], [], **look)
+                panel.plot(mine["t"], mine["height"], **look)
                 panel.fill_between(
                     mine["t"], mine["height_low"], mine["height_high"], color=colour, alpha=0.2, linewidth=0
                 )
             part = "always" if both == ALL else f"{100 * both:.0f} %"
             panel.set(xlabel="time [h]", title=f"both daughters stay: {part}")
-            panel.grid(color="0.92")
-            panel.legend(loc="upper left", frameon=False)
         panels[0].set_ylabel("height / height at the start")
-    write(figure, path)
-    return path
+        legend(figure, entries)
+    return write_both(figure, path)
 
 
 def draw_isolated(ratios: pd.DataFrame, path: Path) -> Path:

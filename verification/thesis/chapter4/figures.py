@@ -16,6 +16,7 @@ from tissue.study.plan import TissueStudy
 from tissue.study.read import Results
 from verification.page.context import Context
 from verification.page.parts import Picture
+from verification.page.telephones import write_both
 from verification.thesis.chapter4 import kept, studies
 from verification.thesis.chapter4.beside import COLUMNS
 
@@ -96,5 +97,8 @@ def drawn(
     """Draw Figure ``number`` of the studies in these folders and of complete tables, and give the path back."""
     path.parent.mkdir(parents=True, exist_ok=True)
     sources = by_preset({name: Results(folder) for name, folder in where.items()}, complete)
-    write(of_presets(FIGURES[number], {preset: sources[preset] for preset in presets}), path)
+    figure = of_presets(FIGURES[number], {preset: sources[preset] for preset in presets})
+    if number not in EXAMPLES:
+        return write_both(figure, path)
+    write(figure, path)
     return path
