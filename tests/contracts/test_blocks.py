@@ -137,3 +137,4 @@ def test_all_pages_run_with_what_their_commands_install(tmp_path):
     for command in ([commands / "python", "-c", PLAY], CLAIMS.split()):
         done = subprocess.run(command, cwd=outside, env=env, capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
+    shutil.rmtree(outside / ".venv")

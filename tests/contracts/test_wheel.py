@@ -148,6 +148,13 @@ EXTRAS = {
 }
 
 
+@pytest.fixture
+def folder(tmp_path):
+    """Make a folder for an environment, which is removed at the end: it has up to 2.5 GB."""
+    yield tmp_path
+    shutil.rmtree(tmp_path / "venv", ignore_errors=True)
+
+
 @pytest.fixture(scope="module")
 def tree(tmp_path_factory):
     """Copy the sources once."""
@@ -231,10 +238,10 @@ def test_the_wheel_says_what_it_is(wheel):
 
 @pytest.mark.xslow
 @pytest.mark.parametrize("version", PYTHONS)
-def test_the_core_is_small_and_runs_outside_of_the_tree(version, wheel, tmp_path):
-    commands, megabytes = installed(interpreter(version), "", wheel, tmp_path)
+def test_the_core_is_small_and_runs_outside_of_the_tree(version, wheel, folder):
+    commands, megabytes = installed(interpreter(version), "", wheel, folder)
     assert megabytes == pytest.approx(SIZES[installed_sizes.CORE], rel=0.15)
-    assert run([commands / "python", "-c", CORE], cwd=tmp_path) == "SUCCESS (1, 10, 2)\n"
+    assert run([commands / "python", "-c", CORE], cwd=folder) == "SUCCESS (1, 10, 2)\n"
     said = subprocess.run([commands / "tissue", "--help"], capture_output=True, text=True, check=False)
     assert (said.returncode, "pip install '.[tissue]'" in said.stderr) == (2, True)
 
@@ -245,31 +252,31 @@ def test_every_extra_for_users_is_installed_alone():
 
 @pytest.mark.xslow
 @pytest.mark.parametrize("extra", EXTRAS)
-def test_an_extra_alone_is_as_large_as_measured_and_does_what_it_is_for(extra, wheel, tmp_path):
+def test_an_extra_alone_is_as_large_as_measured_and_does_what_it_is_for(extra, wheel, folder):
     if extra == "views":
         need_rendering()
-    commands, megabytes = installed(sys.executable, extra, wheel, tmp_path)
-    (tmp_path / "program.py").write_text(EXTRAS[extra])
-    run([commands / "python", "program.py"], cwd=tmp_path)
+    commands, megabytes = installed(sys.executable, extra, wheel, folder)
+    (folder / "program.py").write_text(EXTRAS[extra])
+    run([commands / "python", "program.py"], cwd=folder)
     assert megabytes == pytest.approx(SIZES[extra], rel=0.05)
 
 
 @pytest.mark.xslow
-def test_the_claims_are_decided_from_the_tables(wheels, tmp_path):
-    commands, _ = installed(sys.executable, "thesis", wheels[0], tmp_path)
+def test_the_claims_are_decided_from_the_tables(wheels, folder):
+    commands, _ = installed(sys.executable, "thesis", wheels[0], folder)
     claims = [commands / "verification", "claims", "--chapter", "2"]
-    said = subprocess.run(claims, cwd=tmp_path, capture_output=True, text=True, check=False)
+    said = subprocess.run(claims, cwd=folder, capture_output=True, text=True, check=False)
     assert (said.returncode, "needs dincl-testbed-data" in said.stderr) == (2, True)
     pip(commands / "python", "install", "--no-deps", wheels[1])
-    assert "0 with another verdict than the recorded one" in run(claims, cwd=tmp_path)
-    assert "errata.html" in run([commands / "verification", "errata"], cwd=tmp_path)
+    assert "0 with another verdict than the recorded one" in run(claims, cwd=folder)
+    assert "errata.html" in run([commands / "verification", "errata"], cwd=folder)
 
 
 @pytest.mark.xslow
 @pytest.mark.parametrize("version", PYTHONS)
-def test_every_package_and_command_runs_outside_of_the_tree(version, wheel, tmp_path):
-    commands, _ = installed(interpreter(version), "all", wheel, tmp_path)
+def test_every_package_and_command_runs_outside_of_the_tree(version, wheel, folder):
+    commands, _ = installed(interpreter(version), "all", wheel, folder)
     for program in PROGRAMS.values():
-        run([commands / "python", "-c", program], cwd=tmp_path)
+        run([commands / "python", "-c", program], cwd=folder)
     for name in ("tissue", "verification"):
-        assert "Usage" in run([commands / name, "--help"], cwd=tmp_path)
+        assert "Usage" in run([commands / name, "--help"], cwd=folder)
