@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from tissue.model.energy import nearest_image
 from tissue.state import surface as s
 
 # Number of points, surface, and how they are laid out: one of each kind of network.
@@ -30,8 +31,8 @@ def spread_points(name, n, rng):
     distance = 0.75 * math.sqrt(area(name) / n)
     while len(chosen) < n:
         candidate = one_point(name, rng)
-        d = np.array([s.differences(surface, *(candidate - other)) for other in chosen]).reshape(-1, 3)
-        if (np.linalg.norm(d, axis=1) > distance).all():
+        d = nearest_image(candidate[:, None] - np.reshape(chosen, (-1, 3)).T, surface)
+        if (np.linalg.norm(d, axis=0) > distance).all():
             chosen.append(candidate)
     points = np.array(chosen)
     return points + s.normals(surface, points) * rng.uniform(0.0, 0.2, (n, 1))
