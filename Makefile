@@ -6,7 +6,7 @@
 #   make numba-range      run the tests of kernels with the oldest and the newest numba that pyproject.toml allows
 #   make lint             check style, format and types
 #   make docs             write the documentation to site/index.html, with the outputs of its tutorials
-#   make kept             make all tables again that ship, and say what differs (goes on where it stopped)
+#   make kept             rerun all tables that ship, say what differs, and write it into the pages (resumes)
 #   make bench            measure the time per disc and step, and of the tissue
 #   make mutants          see whether tests notice random faults in the code   (ARGS="50 dincl/rows": how many, and where)
 #   make everything       install what all targets need, and what tests are skipped without
@@ -54,6 +54,9 @@ docs: .venv/docs
 
 kept: .venv/all
 	$(ONE_THREAD) $(BIN)/python -m verification.thesis.remake build/kept
+	$(BIN)/python -m verification.thesis.results
+	$(BIN)/python -m verification.beyond.chart.advice
+	$(BIN)/python -m docs.building.numbers
 
 bench: .venv/thesis
 	$(BIN)/verification bench
