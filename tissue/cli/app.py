@@ -18,7 +18,7 @@ from dincl.study import progress
 from tissue.cli.messages import RUN_FAILED, messages
 from tissue.cli.parameters import list_parameters
 from tissue.cli.simplify import simplify
-from tissue.cli.studies import figures, page, study, summarise
+from tissue.cli.studies import figures, idle_events, page, study, summarise
 from tissue.files.parameter_files import BASES, PRESETS
 
 if TYPE_CHECKING:
@@ -139,6 +139,8 @@ def _write_parameters(parameters: Parameters, words: str, file: str, folder: Pat
 def _simulated(parameters: Parameters, seed: int, first: Frame | None = None) -> Run:
     from tissue.runs.simulate import simulate
 
+    for line in idle_events(parameters) if first is None else ():
+        warn(line, stacklevel=1)
     began = time.monotonic()
     with progress("growing", parameters.t_end, "h") as watch:
         grown = simulate(parameters, seed, start=first, throw=False, watch=watch)

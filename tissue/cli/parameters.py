@@ -75,8 +75,12 @@ def _told(facts: KeyFacts, presets: dict[str, dict[str, Any]]) -> str:
         "allowed": facts.allowed,
         "default": json.dumps(facts.default) if facts.has_default else "none: a file without base has to give it",
     }
-    for name, values in presets.items():
-        if facts.has_default or facts.name in values:
-            lines[name] = json.dumps(values.get(facts.name, facts.default))
+    theirs = {
+        name: json.dumps(values.get(facts.name, facts.default))
+        for name, values in presets.items()
+        if facts.has_default or facts.name in values
+    }
+    if set(theirs.values()) != {lines["default"]}:  # else the default says it
+        lines |= theirs
     width = max(map(len, lines))
     return "\n".join([facts.name, *(f"  {what:{width}}  {text}" for what, text in lines.items() if text)])

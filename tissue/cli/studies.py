@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from contextlib import nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, get_args
 
 import typer
 
@@ -15,6 +15,8 @@ from tissue.cli.forecast import forecast_text
 from tissue.cli.messages import GOES_ON, INTERRUPTED, messages, table
 
 if TYPE_CHECKING:
+    from tissue.files.parameters import Parameters
+    from tissue.study.plan import TissueStudy
     from tissue.study.read import Results
 
 MAKES_NO_NUMBERS = True
@@ -38,12 +40,14 @@ def study(file: File, out: Out = None, scheduler: Scheduler = None, forecast: Fo
     Exit codes: 0 all runs are stored, failed ones with their status; 2 bad input; 3 the study could not go on, as on a
     full disk; 130 Ctrl-C.
     """
-    from tissue.study.plan import load_study
+    from tissue.study.plan import in_scenarios, load_study
     from tissue.study.run import carry_out, cluster
 
     with messages():
         plan = load_study(file)
-        for remark in plan.remarks:
+        _check_countable(plan, file)
+        idle = in_scenarios({name: idle_events(one) for name, one in plan.scenarios.items()})
+        for remark in [*plan.remarks, *idle]:
             print(remark)
         if forecast:
             print(forecast_text(plan))
@@ -67,6 +71,35 @@ def study(file: File, out: Out = None, scheduler: Scheduler = None, forecast: Fo
             typer.echo(f"Interrupted: {GOES_ON}", err=True)
             raise typer.Exit(INTERRUPTED) from None
     print(_summary(results, stored[-1] - stored[0], time.monotonic() - start))
+
+
+def idle_events(parameters: Parameters) -> list[str]:
+    """Return a sentence for each event of a group without cells: a file that sets emt.a alone has no EMT cell."""
+    from tissue.events.known import events
+
+    empty = {one.name: one.scenario.times for one in parameters.groups() if not one.scenario.cells}
+    return [
+        f"[{event.mark}] has no cells: {name if name == 'emt' else f'types.{name}'}.cells = 0"
+        for name, times in empty.items()
+        for event in events()
+        if event.name in times and times[event.name].ever
+    ]
+
+
+def _check_countable(plan: TissueStudy, file: str) -> None:
+    """Refuse before the runs a comparison of ratios of EMT cells in scenarios that have none."""
+    from tissue.statistics.categories import What
+
+    ratios = [one for one in plan.compare.outcomes if one in get_args(What)] if plan.compare is not None else []
+    if plan.compare is None or not ratios:
+        return
+    groups = {name: plan.scenarios[name].groups() for name in plan.compare.scenarios}
+    bare = [name for name, each in groups.items() if not any(one.may_leave and one.scenario.cells for one in each)]
+    if bare:
+        raise InvalidProblem(
+            f"{file}: compare.outcomes = {ratios}: must have EMT cells to count in each scenario that is compared; "
+            f"emt.cells, or an event of a type, gives some to {', '.join(map(repr, bare))}"
+        )
 
 
 def _summary(results: Results, runs: int, seconds: float) -> str:
@@ -111,13 +144,15 @@ def page(folder: Folder) -> None:
 def _said(results: Results) -> str:
     """Return all of one study."""
     from tissue.study import answers, comparing
+    from tissue.study.figures.page import NOT_SET
 
     study, stored = results.study, results.summary()
     plan = f"{study.replicates} runs of each of {len(study.scenarios)} scenarios, seed {study.seed}"
     there = "" if results.complete else f", {stored['runs'].sum()} of them are stored"
     said = [f"{study.title} ({results.folder})\n{plan}{there}; {stored['failed'].sum()} failed\n"]
     changes, ratios = answers.scenario_changes(results), answers.scenario_ratios(results)
-    said.append(table("Scenarios", changes.columns, changes.itertuples(index=False)))
+    shown = changes.replace("nan", NOT_SET)
+    said.append(table("Scenarios", shown.columns, shown.itertuples(index=False)))
     if ratios.empty:
         return "\n".join([*said, "No EMT cells.\n"])
     if (compare := comparing.plan_of(results)) is not None:

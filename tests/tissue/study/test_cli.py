@@ -59,6 +59,36 @@ def test_remarks_come_first():
     assert len(lines) == 2
 
 
+BARE = """title = "bare"
+base = "published"
+replicates = 2
+seed = 1
+
+[factors.event]
+no = {}
+yes = { emt.a = "2 h" }
+
+[compare]
+outcomes = ["basal", "height_um"]
+effect = "event"
+"""
+
+
+def test_ratios_of_cells_that_are_not_there_are_refused_before_the_runs():
+    Path("bare.toml").write_text(BARE, "utf-8")
+    for args in (["--plan"], ["--out", "out"]):
+        result = call("bare.toml", *args)
+        assert result.exit_code == 2
+        assert result.stderr.startswith("Error: bare.toml: compare.outcomes = ['basal']: must have EMT cells to count")
+        assert result.stderr.endswith("gives some to 'no', 'yes'\n")
+    assert not Path("out").exists()
+
+
+def test_an_event_without_cells_is_remarked():
+    Path("bare.toml").write_text(BARE.replace('"basal", ', ""), "utf-8")
+    assert call("bare.toml", "--plan").stdout.startswith("scenario 'yes': [A] has no cells: emt.cells = 0\n")
+
+
 def test_a_study_that_comes_with_the_package_is_found_by_its_name():
     assert call("figure14", "--out", "out").exit_code == 0
     assert Results("out").study.scenarios == ("[AxB]", "[AB]", "[BxA]")

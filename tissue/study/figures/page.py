@@ -32,6 +32,9 @@ if TYPE_CHECKING:
 
 MAKES_NO_NUMBERS = True
 
+# In place of the value of a key that the file of a scenario does not have, such as one of a type.
+NOT_SET = "not set"
+
 NAME = "page.html"
 # Of a movie: pictures at most, pixels, the quality of WebP from 0 to 100, milliseconds of each and of the last picture.
 PICTURES, PIXELS, QUALITY, EACH, LAST = 25, 480, 40, 140, 1500
@@ -155,7 +158,7 @@ def _figures(results: Results) -> Iterable[str]:
 
 def _parameters(results: Results) -> Iterable[str]:
     """Give what differs between the scenarios, then all parameters of each, folded."""
-    yield _table(scenario_changes(results))
+    yield _table(scenario_changes(results).replace("nan", NOT_SET))
     for name in results.study.scenarios:
         text = escape(results.parameters(name).as_toml())
         yield f"<details><summary>All parameters of {escape(name)}</summary><pre>{text}</pre></details>"
