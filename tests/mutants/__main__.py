@@ -24,57 +24,18 @@ HOME = ROOT / "build" / "mutants"
 COPY, TABLE, TIMES = HOME / "tree", HOME / "mutants.csv", HOME / "times.json"
 HEADER = ("file", "line", "scope", "before", "after", "outcome", "seconds")
 COPIED = ("dincl", "docs", "meanfield", "tests", "tissue", "verification", "pyproject.toml", "README.md")
-MUTATED = (
-    *("dincl/constraints", "dincl/drifts", "dincl/events", "dincl/geometry", "dincl/kernels", "dincl/minimise"),
-    *(
-        "dincl/projection",
-        "dincl/rows",
-        "dincl/steps/grid.py",
-        "dincl/scenes",
-        "dincl/schemes",
-        "dincl/projection/cone.py",
-        "dincl/matrices/__init__.py",
-    ),
-    *("dincl/compiled/cache.py", "dincl/files.py", "dincl/norms.py", "dincl/study/sealed.py"),
-    "dincl/trajectory.py",
-    *("meanfield/density", "meanfield/forces", "meanfield/model", "meanfield/solvers"),
-    *(
-        "meanfield/transport",
-        "meanfield/weights.py",
-        "tissue/events",
-        "tissue/kernels",
-        "tissue/model",
-        "tissue/quasi_steady",
-        "tissue/network",
-    ),
-    *(
-        "tissue/state",
-        "tissue/step",
-        "tissue/rules",
-        "tissue/runs/force_error.py",
-        "tissue/runs/start.py",
-        "tissue/runs/tables.py",
-    ),
-    *("tissue/statistics",),
-    *("tissue/files/cell_types.py", "tissue/files/type_rules.py", "dincl/study/parts.py"),
-    *("tissue/study/outcomes.py", "tissue/study/sensitivity.py"),
-    *(
-        "verification/instruments/budget.py",
-        "verification/instruments/cheapest.py",
-        "verification/claims/evidence.py",
-        "verification/instruments/measure.py",
-    ),
-    *(
-        "verification/instruments/order.py",
-        "verification/instruments/orders.py",
-        "verification/instruments/outcome.py",
-        "verification/instruments/rates.py",
-    ),
-    *(
-        "verification/instruments/references.py",
-        "verification/instruments/speed_accuracy.py",
-        "verification/instruments/stability.py",
-    ),
+# The modules that compute, or decide what a result is worth.
+MUTATED = tuple(
+    f"{package}/{name}"
+    for package, names in {
+        "dincl": "compiled/cache.py constraints drifts equivalence events files.py geometry matrices minimise neighbours "
+        "norms.py projection rows scenes schemes solvers steps study system trajectory.py",
+        "meanfield": "density forces model solvers transport weights.py",
+        "tissue": "events files/cell_types.py files/type_rules.py kernels model network quasi_steady rules "
+        "runs/force_error.py runs/start.py runs/tables.py state statistics step study/outcomes.py study/sensitivity.py",
+        "verification": "claims/evidence.py instruments proofs",
+    }.items()
+    for name in names.split()
 )
 # The tests of a mutant take so many seconds on the clean tree, first without those marked slow, then with them.
 BUDGETS = {"": 40.0, "-m slow --slow": 20.0}

@@ -5,6 +5,7 @@ import ast
 import pytest
 
 from tests.mutants import reach
+from tests.mutants.__main__ import MUTATED
 from tests.mutants.operators import mutants
 
 
@@ -67,3 +68,7 @@ def test_the_tests_of_a_module_are_the_nearest(module, nearest):
     names = [str(path.relative_to(reach.ROOT)) for path in reach.tests_of(reach.ROOT / module)]
     assert nearest in names[:4]
     assert "tests/contracts/test_house.py" not in names
+
+
+def test_what_is_mutated_exists():
+    assert [path for path in MUTATED if not (reach.ROOT / path).exists()] == []
