@@ -71,16 +71,16 @@ def test_one_table_and_one_sentence_for_all_scenes(three):
 def test_what_the_reference_does_not_tell_is_said(three):
     found = cheapest.winners(three.assign(reference_error=1e-7), FORM, (1e-6, 1e-8))
     assert found["cheapest"].tolist() == [LSODA.label, "not resolved"]
-    assert "0 are not reached, and 1 are finer than the reference" in cheapest.summary(found)
+    assert "0 are not reached, and 1 is finer than the reference" in cheapest.summary(found)
 
 
 def test_a_tie_and_the_limit_are_said(three):
     like = measured([1e-1, 1e-3], [1.1, 4.4], method=PBD_16)
     tied = cheapest.winners(pd.concat([measured([1e-1, 1e-3], [1.0, 4.0]), like]), FORM, (1e-2,))
     assert cheapest.wide(tied)["0.01"].tolist() == ["tie"]
-    assert "1 are ties" in cheapest.summary(tied)
+    assert "1 is a tie" in cheapest.summary(tied)
     short = cheapest.winners(three, Form({}, CpuSeconds(5.0)), (1e-2,))
-    assert "1 lie at the limit of the time given" in cheapest.summary(short)
+    assert "1 lies at the limit of the time given" in cheapest.summary(short)
 
 
 def test_table_of_times(three):

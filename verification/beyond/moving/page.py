@@ -62,7 +62,7 @@ def draw(table: pd.DataFrame, scenes: Sequence[str], path: Path) -> Path:
             for method in [METHODS[name] for name in METHODS if name in set(now["method"])]:
                 error_curve(panel, now[now["method"] == method.name], method, "error")
             slope_one(panel, now, "error")
-            panel.set(title=scene, xlabel="step dt")
+            panel.set(title=scene, xlabel="step dt [time]")
         panels[0].set(ylabel=LABELS["error"], ylim=(LOWEST["error"] / 3, 3))
         handles, labels = panels[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=3)

@@ -145,7 +145,7 @@ def large_steps(table: pd.DataFrame, far: float, scenes: Sequence[Scene], path: 
             panel.axhspan(far, 2e3, color="#f6ece6", zorder=0)
             panel.set(title=scene.title, xlabel="step dt [time]")
             panel.text(0.02, far * 1.1, "unstable", transform=panel.get_yaxis_transform(), color=GREY, fontsize=NOTE)
-        panels[0].set_ylabel("largest coordinate / that of the start")
+        panels[0].set_ylabel("largest coordinate / at the start")
         panels[0].set_ylim(0.7, 2e3)
         handles, labels = panels[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=3)

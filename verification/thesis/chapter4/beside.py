@@ -7,7 +7,7 @@ from pathlib import Path
 import pandas as pd
 
 from verification.page.columns import read_columns
-from verification.page.prose import percents
+from verification.page.prose import percent, percents
 from verification.thesis.chapter4.frequencies import READINGS
 from verification.thesis.chapter4.studies import PRESETS, preset_of
 
@@ -55,7 +55,8 @@ def with_ratios(table: pd.DataFrame, digits: int = 1) -> pd.DataFrame:
 def printed(table: pd.DataFrame) -> pd.DataFrame:
     """The printed ratios as they were measured, and how far off those are that do not agree."""
     sides = [f"{LABELS[preset]}, {t:g} h" for preset, t in zip(table["preset"], table["time_h"], strict=True)]
-    return table.assign(side=sides, shown=[_measured(row) for _, row in table.iterrows()])
+    measured = [_measured(row) for _, row in table.iterrows()]
+    return table.assign(side=sides, printed=table["printed"].map(percent), shown=measured)
 
 
 def _measured(row: pd.Series) -> str:

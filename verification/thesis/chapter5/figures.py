@@ -53,7 +53,7 @@ def agreement(table: pd.DataFrame, name: str, path: Path) -> Path:
         tols = np.array([1e-11, 1e-3])
         panels[0].loglog(tols, tols, color=GREY, linewidth=0.9, linestyle=(0, (1, 1.2)))
         panels[0].set(xlabel="tolerance", ylabel=f"error, {TITLES[name]}")
-        panels[1].set(xlabel="step dt")
+        panels[1].set(xlabel="step dt [time]")
         legend_below(figure, panels, 3)
     return path
 

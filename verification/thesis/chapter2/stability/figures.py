@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from pathlib import Path
+from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,9 @@ INK = "#22262b"
 MOST_COLUMNS = 4
 # So few heights are all written beside the axis.
 FEW = 7
+# Letters of a line of a title, and the units of axes; the others are numbers without one.
+TITLE_LETTERS = 20
+UNITS = {"step dt": "time", "rate k": "1/time", "speed of a jaw": "length/time", "half distance c": "length"}
 
 
 def plane(table: pd.DataFrame, drawn: Plane, path: Path) -> Path:
@@ -36,13 +40,13 @@ def plane(table: pd.DataFrame, drawn: Plane, path: Path) -> Path:
         for panel, (method, label) in zip(panels.flat, drawn.methods.items(), strict=False):
             _cells(panel, table[table["method"] == method], drawn)
             _lines(panel, method, drawn)
-            panel.set_title(label)
+            panel.set_title(fill(label, TITLE_LETTERS))
         for panel in panels.flat[len(drawn.methods) :]:
             panel.set_axis_off()
         for panel in panels[:, 0]:
-            panel.set_ylabel(drawn.y.label)
+            panel.set_ylabel(_with_unit(drawn.y.label))
         for panel in list(panels.flat)[max(0, len(drawn.methods) - columns) : len(drawn.methods)]:
-            panel.set_xlabel(drawn.x.label)
+            panel.set_xlabel(_with_unit(drawn.x.label))
             panel.tick_params(labelbottom=True)
         _legend(figure, panels.flat[: len(drawn.methods)])
     return path
@@ -53,8 +57,12 @@ def card(table: pd.DataFrame, drawn: Plane, method: str, path: Path) -> Path:
     with cards.card(path) as panel:
         _cells(panel, table[table["method"] == method], drawn)
         _lines(panel, method, drawn)
-        panel.set(xlabel=drawn.x.label, ylabel=drawn.y.label, title=drawn.methods[method])
+        panel.set(xlabel=_with_unit(drawn.x.label), ylabel=_with_unit(drawn.y.label), title=drawn.methods[method])
     return path
+
+
+def _with_unit(label: str) -> str:
+    return f"{label} [{UNITS[label]}]" if label in UNITS else label
 
 
 def _cells(panel: Axes, rows: pd.DataFrame, drawn: Plane) -> None:
@@ -106,8 +114,8 @@ def decades(table: pd.DataFrame, path: Path) -> Path:
             ):
                 panel.loglog(rows["dt"], rows[quantity].clip(lowest, highest).where(~failed), **look)
                 panel.plot(rows["dt"][failed], np.full(failed.sum(), highest), "x", color=one.colour)
-        panels[0].set(ylabel="largest coordinate / that of the start", xlabel="step dt")
-        panels[1].set(ylabel="largest overlap [diameters]", xlabel="step dt")
+        panels[0].set(ylabel="largest coordinate / at the start", xlabel="step dt [time]")
+        panels[1].set(ylabel="largest overlap [diameters]", xlabel="step dt [time]")
         for panel, limit, word in ((panels[0], FAR, "unstable"), (panels[1], OVERLAP, "infeasible")):
             panel.axhline(limit, color=GREY, linewidth=0.9, linestyle=":")
             panel.text(0.01, limit, word, transform=panel.get_yaxis_transform(), va="bottom", color=GREY, fontsize=NOTE)
