@@ -133,6 +133,13 @@ class PagesInABrowser:
             page.locator("nav a").first.click()
             assert page.url == made[0].as_uri()
 
+    def test_first_page_begins_with_six_cards_and_a_tissue_that_moves(self, made, browser):
+        with visit(browser, made[0], DESK) as page:
+            cards = page.locator(".card:not(.moving)")
+            assert cards.count() == 6
+            assert all(cards.nth(k).evaluate(IN_SIGHT) for k in range(6))
+            assert page.locator(".card.moving img").get_attribute("src").endswith(".webp")
+
     def test_contents_stay_in_sight(self, made, browser):
         with visit(browser, made[0].parent / "tissue.html", DESK) as page:
             page.evaluate("scrollTo(0, document.body.scrollHeight)")

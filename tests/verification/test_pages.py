@@ -12,7 +12,7 @@ from verification.claims import Verdict
 from verification.page import parts
 from verification.page.context import Context
 from verification.page.parts import Grid, Section, Text, cell, number
-from verification.page.report import Chapter, Finding, write_report
+from verification.page.report import Card, Chapter, Finding, write_report
 from verification.thesis.chapter2 import page as experiments
 from verification.thesis.chapter3.growth import GrowthForm
 from verification.thesis.chapter5.drift import DriftForm
@@ -44,6 +44,24 @@ def test_the_first_page_fills_as_chapters_become_ready(tmp_path: Path) -> None:
     assert "c2.html" not in between
     assert "refresh" not in last
     assert "found 2" in last
+
+
+def test_cards_stand_in_their_order_with_a_sentence_each(tmp_path: Path) -> None:
+    def chapter(number: int, card: Card) -> Chapter:
+        found = [Finding(f"found {number}", "Only", card)]
+        sections = [Section("Only", [Text("said")])]
+        name = f"c{number}"
+        return Chapter(name, name, "asked", lambda _: None, lambda _: sections, lambda _: found, number)
+
+    cards = [Card(tmp_path / "grows.webp", "last", 3), Card(tmp_path / "b.png", "second", 2)]
+    cards.append(Card(tmp_path / "a.png", "first", 1))
+    chapters = [chapter(number, card) for number, card in enumerate(cards)]
+    text = write_report(chapters, Context(tmp_path, False, Here())).read_text("utf-8")
+    places = [text.index(f"<span>{word}</span>") for word in ("first", "second", "last")]
+    assert places == sorted(places)
+    assert text.count('class="card moving"') == 1
+    assert "found 1" not in text
+    assert "found 1" in (tmp_path / "c1.html").read_text("utf-8")
 
 
 def test_a_finding_has_the_numbers_of_its_tables(tmp_path: Path) -> None:

@@ -98,7 +98,7 @@ SECTIONS = [
     *TITLES.values(),
 ]
 # With the cards of the first page.
-IMAGES = 59 + 7 + 1 + 2 * len(page_needs.answered()) + MEANFIELD_PICTURES
+IMAGES = 58 + 7 + 1 + 2 * len(page_needs.answered()) + MEANFIELD_PICTURES
 LARGEST = 3e6  # bytes of a page, the script of its charts included
 
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from tissue.statistics.proportions import wilson
 from verification.claims import Verdict
 from verification.page.sheet import GREY, Axes, sheet
 
@@ -27,6 +28,12 @@ VERDICT_COLOURS: Mapping[Verdict, str] = {
     Verdict.REFUTED: "#b3261e",
     Verdict.OPEN: "#c9ced2",
 }
+
+
+def share(hits: int, tries: int) -> tuple[float, float, float]:
+    """Return a share with its 95 % interval by Wilson, as the filter ``percents`` takes it."""
+    low, high = wilson(hits / tries, tries)
+    return hits / tries, float(low), float(high)
 
 
 @contextmanager

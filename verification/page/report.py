@@ -15,12 +15,21 @@ from verification.page.render import render_page
 
 
 @dataclass(frozen=True)
+class Card:
+    """A finding on the first page: a small picture, one sentence of HTML, and its place among the cards."""
+
+    picture: Path
+    html: str
+    place: int
+
+
+@dataclass(frozen=True)
 class Finding:
-    """One sentence of HTML with its number, the title of its section, and a picture for the first page."""
+    """One or two sentences of HTML with their numbers, the title of their section, and the card, if there is one."""
 
     html: str
     section: str
-    picture: Path | None = None
+    card: Card | None = None
 
 
 @dataclass(frozen=True)
@@ -84,17 +93,10 @@ class _Written:
     drawings: Sequence[Future[Path]]
 
     @property
-    def linked(self) -> list[tuple[str, str, str]]:
-        """Each finding with the address of its section, and the file of its picture or ""."""
+    def linked(self) -> list[tuple[Finding, str]]:
+        """Each finding with the address of its section."""
         titles = [section.title for section in self.sections]
-        return [
-            (
-                found.html,
-                f"{self.chapter.file}#section-{titles.index(found.section) + 1}",
-                found.picture.name if found.picture else "",
-            )
-            for found in self.findings
-        ]
+        return [(one, f"{self.chapter.file}#section-{titles.index(one.section) + 1}") for one in self.findings]
 
 
 class _Pages:
@@ -140,6 +142,7 @@ class _Pages:
         """Write the first page, as far as it is known; it reloads itself until ``facts`` complete it."""
         ready = [self._ready[chapter.name] for chapter in self._chapters if chapter.name in self._ready]
         findings = [(written.chapter.title, *found) for written in ready for found in written.linked]
+        findings.sort(key=lambda one: one[1].card.place if one[1].card else len(findings))
         known = {"ready": set(self._ready), "agreements": list(self._context.agreements.values()), "facts": facts}
         values = {"chapters": self._chapters, "findings": findings, "here": ""}
         return render_page("index.html", self._context.out / "index.html", **values, **known)

@@ -18,7 +18,7 @@ from verification.page.context import Context
 from verification.page.parts import VERDICTS, Grid, SearchField, Section, Statements, Text
 from verification.page.prose import fill
 from verification.page.render import counted
-from verification.page.report import Chapter, Finding
+from verification.page.report import Card, Chapter, Finding
 from verification.page.sources import write_source
 from verification.thesis.chapter4.frequencies import READINGS, RULE
 from verification.thesis.register import chapter_of, register
@@ -145,7 +145,8 @@ def findings(context: Context) -> Sequence[Finding]:
     serious = wrong["effect"].isin([effect for effect in SERIOUS if effect != Effect.PROOF.value])
     said = fill(PROSE / "learned.html", **values | {"wrong": len(wrong), "serious": int(serious.sum())})
     counts = {verdict: values[verdict.name.lower()] for verdict in Verdict}
-    return [Finding(said["counts"], COUNTS, context.draw("card_claims", cards.verdicts, counts))]
+    card = Card(context.draw("card_claims", cards.verdicts, counts), said["card"], 4)
+    return [Finding(said["counts"], COUNTS, card)]
 
 
 CHAPTER = Chapter(

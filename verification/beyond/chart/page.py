@@ -16,14 +16,14 @@ from verification.beyond.chart.references import SCENES
 from verification.beyond.decisions import section as decisions
 from verification.instruments.budget import GRACE, CpuSeconds
 from verification.instruments.chart import TARGETS
-from verification.instruments.cheapest import LEAST_SPREAD, RESOLVED, UNDECIDED
+from verification.instruments.cheapest import LEAST_SPREAD, RESOLVED, UNDECIDED, costs
 from verification.instruments.measure import BRIEF, REPEATS
 from verification.page import cards
 from verification.page.columns import Columns, headed, read_columns
 from verification.page.context import Context
-from verification.page.parts import Chart, Follows, Grid, Picture, Section, Text, number
+from verification.page.parts import Chart, Follows, Grid, HowMeasured, Part, Picture, Section, Text, number
 from verification.page.prose import fill
-from verification.page.report import Chapter, Finding
+from verification.page.report import Card, Chapter, Finding
 from verification.thesis.chapter2.methods import EVENT_DRIVEN, LINEARISED_ACTIVE, METHODS, MIDPOINT_ACTIVE, PBD
 
 COLUMNS = read_columns(Path(__file__).parent / "columns.toml")
@@ -110,7 +110,8 @@ def _summary(context: Context) -> Section:
     )
     wide = Grid(cheapest.wide(winners), said["wide"], "work_winners")
     texts = [Text(said[name]) for name in ("error", "time", "second_order", "baselines", "references", "limits")]
-    return Section(TITLES["cheapest"], [Text(cheapest.summary(winners)), wide, *texts, Follows(said["follows"])])
+    parts: list[Part] = [Follows(said["follows"]), wide, Text(cheapest.summary(winners)), HowMeasured(texts)]
+    return Section(TITLES["cheapest"], parts)
 
 
 def _most_often(winners: pd.DataFrame) -> dict[str, Any]:
@@ -124,7 +125,7 @@ def _most_often(winners: pd.DataFrame) -> dict[str, Any]:
 def _reach(context: Context) -> Section:
     said = reach.said()
     grid = Grid(_named(context.tables["work_reach"], REACH), said["table"], "work_reach")
-    return Section(TITLES["reach"], [Text(said["said"]), grid, Follows(said["follows"])])
+    return Section(TITLES["reach"], [Follows(said["follows"]), grid, Text(said["said"])])
 
 
 def _scene(context: Context, name: str) -> Section:
@@ -157,16 +158,26 @@ def findings(context: Context) -> Sequence[Finding]:
         own=int((alone == EVENT_DRIVEN.label).sum()),
         pbd=int((alone == PBD.label).sum()),
         ten=list(ten.itertuples()),
+        moderate=MODERATE,
+        times=_times_as_long(context.tables[STUDY]),
     )
     runs = context.tables[STUDY]
     mine = runs[(runs["scene"] == TEN) & (runs["status"] == "SUCCESS")]
     shown = {one.label.removesuffix(" with ActiveSet"): mine[mine["method"] == one.name] for one in CARD}
-    labels = ("CPU time [s]", "largest error, ten discs")
+    labels = ("CPU time [s]", "largest error, ten discs [length]")
     picture = context.draw(
         "card_speed", cards.lines, shown, "cpu_seconds", "largest", labels, [one.colour for one in CARD]
     )
     found = [Finding(said[name], TITLES["cheapest"]) for name in ("winners", "ten") if said[name]]
-    return [replace(found[0], picture=picture), *found[1:]]
+    return [replace(found[0], card=Card(picture, said["card"], 1)), *found[1:]]
+
+
+def _times_as_long(runs: pd.DataFrame) -> tuple[float, float, float]:
+    """Return how many times as long as the cheapest method PBD takes for ten discs, and the ends of its spread."""
+    found = costs(runs[runs["scene"] == TEN], [MODERATE], "largest", "cpu_seconds").set_index("method")
+    pbd, best = found.loc[PBD.name], found.loc[found["value"].idxmin()]
+    ratio, spread = float(pbd["value"] / best["value"]), float(max(pbd["spread"], best["spread"]))
+    return ratio, ratio / spread, ratio * spread
 
 
 CHAPTER = Chapter(

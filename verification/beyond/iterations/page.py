@@ -11,7 +11,6 @@ import pandas as pd
 
 from verification.beyond.iterations import study as iterations
 from verification.instruments.charts import COLOURS, MARKERS
-from verification.page import cards
 from verification.page.columns import headed, read_columns
 from verification.page.context import Context
 from verification.page.parts import Follows, Grid, Picture, Section, Text
@@ -24,8 +23,6 @@ COLUMNS = read_columns(Path(__file__).parent / "columns.toml")
 TITLE = "Iterations or smaller steps?"
 # Runs with so many sweeps in all are repeated beside the complete study; the piles take longer.
 REPEATED = 256
-# The first page shows runs with so many sweeps in all.
-CARD = 1024
 QUANTITIES = {"error": "largest error [length]", "overlap": "largest overlap [length]"}
 LOWEST = 1e-8
 
@@ -104,12 +101,7 @@ def _draw_scene(panel: Axes, table: pd.DataFrame, quantity: str) -> None:
 
 def findings(context: Context) -> Sequence[Finding]:
     """Return the rule."""
-    table = context.tables["iterations"]
-    pbd = table[(table["method"] == "PBD") & (table["total"] == CARD)]
-    shown = {scene: pbd[pbd["scene"] == scene] for scene in iterations.SCENES if (pbd["scene"] == scene).any()}
-    labels = ("sweeps in a step, at equal cost", "largest error")
-    picture = context.draw("card_iterations", cards.lines, shown, "sweeps", "error", labels, COLOURS)
-    return [Finding(_said(context)["rule"], TITLE, picture)]
+    return [Finding(_said(context)["rule"], TITLE)]
 
 
 CHAPTER = Chapter(

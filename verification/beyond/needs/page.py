@@ -17,7 +17,7 @@ from verification.page.columns import headed, read_columns
 from verification.page.context import Context
 from verification.page.parts import Follows, Grid, HowMeasured, Picture, Section, Text
 from verification.page.prose import fill
-from verification.page.report import Chapter, Finding
+from verification.page.report import Card, Chapter, Finding
 
 PROSE = Path(__file__).parent / "prose" / "needs.html"
 COLUMNS = read_columns(Path(__file__).parent / "columns.toml")
@@ -162,7 +162,8 @@ def findings(context: Context) -> Sequence[Finding]:
     names = [name for name in costs if name in EIGHT]
     values = [costs[name] for name in names]
     picture = context.draw("card_needs", cards.bars, names, values, [(value, value) for value in values], label)
-    return [Finding(_said(context, answered()[0])["all"], TITLES["all"], picture)]
+    said = _said(context, answered()[0])
+    return [Finding(said["all"], TITLES["all"], Card(picture, said["card"], 6))]
 
 
 CHAPTER = Chapter(

@@ -16,7 +16,7 @@ from verification.page.columns import headed, read_columns
 from verification.page.context import Context
 from verification.page.parts import Follows, Grid, Section, Text
 from verification.page.prose import fill
-from verification.page.report import Chapter, Finding
+from verification.page.report import Card, Chapter, Finding
 
 PROSE = Path(__file__).parent / "prose" / "proved.html"
 COLUMNS = read_columns(Path(__file__).parent / "columns.toml")
@@ -38,7 +38,7 @@ def run(context: Context) -> None:
 def _said(context: Context) -> dict[str, str]:
     rows, drawn = context.tables["proved_scenes"], context.tables["proved_random"]
     known, done = drawn[drawn["why"] == ""], rows[rows["why"] == ""]
-    largest = done.loc[done["exponent"].idxmax()]
+    largest, above = done.loc[done["exponent"].idxmax()], int((known["ratio"] <= 1).sum())
     return fill(
         PROSE,
         proved=len(done),
@@ -49,7 +49,8 @@ def _said(context: Context) -> dict[str, str]:
         most=largest.to_dict() | {"lost": float(largest["exponent"]) / math.log(10)},
         scenes=drawn["seed"].nunique(),
         runs=len(known),
-        above=int((known["ratio"] <= 1).sum()),
+        above=above,
+        stated=cards.share(above, len(known)),
         ratio=known["ratio"].max(),
         asked=random_scenes.BOUND,
         unproved=int(drawn[drawn["why"] != ""]["seed"].nunique()),
@@ -83,7 +84,8 @@ def findings(context: Context) -> Sequence[Finding]:
     digits = [-math.log10(bound) for bound in done["bound"]]
     ends = [(value, value) for value in digits]
     picture = context.draw("card_proved", cards.bars, list(done["scene"]), digits, ends, "proved digits")
-    return [Finding(_said(context)["learned"], TITLES["bounds"], picture)]
+    said = _said(context)
+    return [Finding(said["learned"], TITLES["bounds"], Card(picture, said["card"], 3))]
 
 
 CHAPTER = Chapter(

@@ -12,7 +12,7 @@ import pandas as pd
 from dincl.scenes import Scene
 from verification.page.columns import Columns, headed, read_columns
 from verification.page.context import Context
-from verification.page.parts import Follows, Grid, Picture, Section, Text
+from verification.page.parts import Follows, Grid, HowMeasured, Picture, Section, Text, number
 from verification.page.prose import fill
 from verification.page.report import Chapter, Finding
 from verification.thesis.chapter2 import convergence, exactness, extrapolation, infeasibility, large_steps, reference
@@ -96,13 +96,14 @@ def _reference(context: Context) -> Section:
     said = fill(
         PROSE / "reference.html",
         tol=reference.TOL,
-        steps=[f"{dt:.3g}" for dt in steps],
+        steps=[number(dt) for dt in steps],
         within=int((table["catch_up"] <= table["error"] + table["catch_up_error"]).sum()),
         count=len(table),
         worst=table["error"].max(),
     )
     grid = Grid(_named(table, COLUMNS["reference"]), said["table"], "references")
-    return Section(TITLES["reference"], [Text(said["events"]), Text(said["checks"]), grid, Follows(said["follows"])])
+    method = HowMeasured([Text(said["events"]), Text(said["checks"])])
+    return Section(TITLES["reference"], [Follows(said["follows"]), grid, method])
 
 
 def _title(name: str) -> str:

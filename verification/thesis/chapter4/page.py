@@ -9,7 +9,7 @@ from verification.page import cards
 from verification.page.context import Context
 from verification.page.parts import Section
 from verification.page.prose import fill
-from verification.page.report import Chapter, Finding
+from verification.page.report import Card, Chapter, Finding
 from verification.thesis.chapter4 import kept, studies
 from verification.thesis.chapter4 import sections as page
 from verification.thesis.chapter4.questions import ANSWERS, answered
@@ -60,7 +60,7 @@ def findings(context: Context) -> Sequence[Finding]:
     ends = list(zip(most["low"], most["high"], strict=True))
     label = "log loss of a prediction without it [nats]"
     picture = context.draw("card_emt", cards.bars, names, list(most["value"]), ends, label)
-    return [Finding(said["factors"], page.TITLES["positions"], picture)]
+    return [Finding(said["factors"], page.TITLES["positions"], Card(picture, said["card"], 5))]
 
 
 CHAPTER = Chapter(

@@ -7,11 +7,12 @@ from pathlib import Path
 
 import pandas as pd
 
+from verification.page import cards
 from verification.page.columns import headed, read_columns
 from verification.page.context import Context
 from verification.page.parts import Follows, Grid, Picture, Section, Text
 from verification.page.prose import fill
-from verification.page.report import Chapter, Finding
+from verification.page.report import Card, Chapter, Finding
 from verification.thesis.chapter2.stability import case, catalogue, decades, jaws, pacman
 from verification.thesis.chapter2.stability import figures as figures_stability
 from verification.thesis.chapter2.stability.contestants import CONTESTANTS
@@ -124,9 +125,10 @@ def findings(context: Context) -> Sequence[Finding]:
     table = context.tables["stability_verdicts"]
     cases = {row.case: row for row in table.itertuples()}
     counts = {"count": len(table), "agreeing": int(table["agrees"].sum())}
-    said = fill(PROSE / "learned.html", **counts, stiff=cases.get("drift-pbd"), crowd=cases.get("collapse"))
+    part = cards.share(counts["agreeing"], len(table))
+    said = fill(PROSE / "learned.html", part=part, **counts, stiff=cases.get("drift-pbd"), crowd=cases.get("collapse"))
     picture = context.draw("card_failures", figures_stability.card, context.tables[_name(CARD)], CARD, SPRINGS)
-    return [Finding(said["cases"], TITLES["cases"], picture)]
+    return [Finding(said["cases"], TITLES["cases"], Card(picture, said["card"], 2))]
 
 
 CHAPTER = Chapter(

@@ -17,7 +17,7 @@ from tissue.study.outcomes import outcomes
 from verification.page.context import Context
 from verification.page.parts import Section
 from verification.page.prose import fill
-from verification.page.report import Chapter, Finding
+from verification.page.report import Card, Chapter, Finding
 from verification.thesis.chapter3.growing import until
 from verification.thesis.chapter3.sections import catch_up, daha, growth, judged, kernel, predicted, stability, substeps
 from verification.thesis.chapter3.sections.part import PROSE
@@ -61,7 +61,7 @@ def findings(context: Context) -> Sequence[Finding]:
     last = table[table["t"] == table["t"].max()]
     said = fill(PROSE / "learned.html", enough=ENOUGH, t=last["t"].iloc[0], rows=list(last.itertuples()))
     picture = context.draw("card_tissue", grow, ending=".webp")
-    return [Finding(said["height"], substeps.TITLE, picture)]
+    return [Finding(said["height"], substeps.TITLE, Card(picture, said["height"], 7))]
 
 
 def grow(path: Path) -> Path:
