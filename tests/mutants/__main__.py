@@ -28,8 +28,8 @@ COPIED = ("dincl", "docs", "meanfield", "tests", "tissue", "verification", "pypr
 MUTATED = tuple(
     f"{package}/{name}"
     for package, names in {
-        "dincl": "compiled/cache.py constraints drifts equivalence events files.py geometry matrices minimise neighbours "
-        "norms.py projection rows scenes schemes solvers steps study system trajectory.py",
+        "dincl": "compiled/cache.py constraints drifts equivalence events files.py geometry matrices minimise "
+        "neighbours norms.py projection rows scenes schemes solvers steps study system trajectory.py",
         "meanfield": "density forces model solvers transport weights.py",
         "tissue": "events files/cell_types.py files/type_rules.py kernels model network quasi_steady rules "
         "runs/force_error.py runs/start.py runs/tables.py state statistics step study/outcomes.py study/sensitivity.py",
