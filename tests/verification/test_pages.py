@@ -12,6 +12,7 @@ from verification.claims import Verdict
 from verification.page import parts
 from verification.page.context import Context
 from verification.page.parts import Grid, Section, Text, cell, number
+from verification.page.prose import duration
 from verification.page.report import Card, Chapter, Finding, write_report
 from verification.thesis.chapter2 import page as experiments
 from verification.thesis.chapter3.growth import GrowthForm
@@ -111,6 +112,7 @@ def test_kept_table_is_written(tmp_path: Path) -> None:
         (12.0, "12"),
         (1234.4, "1234"),
         (1.5e-7, "1.5·10⁻⁷"),
+        (1e-3, "10⁻³"),
         (-2e5, "-2.0·10⁵"),
         (np.nan, "—"),
     ],
@@ -118,6 +120,14 @@ def test_kept_table_is_written(tmp_path: Path) -> None:
 def test_numbers(value: float, text: str) -> None:
     assert number(value) == text
     assert cell(value) == (text, "number")
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"),
+    [(0.0034, "3.4 ms"), (0.12, "0.12 s"), (99.96, "100 s"), (2.14e-6, "2.1 µs"), (0.09996, "100 ms"), (1e-3, "1 ms")],
+)
+def test_durations(seconds: float, text: str) -> None:
+    assert duration(seconds) == text
 
 
 def test_cells() -> None:

@@ -17,6 +17,7 @@ from verification.instruments.outcome import COLOURS as OUTCOME_COLOURS
 from verification.instruments.outcome import Outcome
 from verification.page.sheet import GREY, NOTE, Axes, hatch_cells, own_axes, patch
 
+MAKES_NO_NUMBERS = True
 Looks = Mapping[str, Mapping[str, Any]]
 Floats = NDArray[np.float64]
 # One colour for each family (Okabe and Ito's palette, apart from yellow, which is too light for lines).

@@ -10,6 +10,8 @@ from typing import Any
 
 from dincl.provenance import closure, libraries
 
+MAKES_NO_NUMBERS = True
+
 
 def machine(*makers: Callable[..., Any]) -> Iterator[tuple[str, str]]:
     """Yield the machine, and the versions of the libraries that the makers of the numbers import."""

@@ -18,6 +18,8 @@ from docutils.utils.math.latex2mathml import tex2mathml
 from docutils.utils.math.unichar2tex import uni2tex_table
 from markupsafe import Markup, escape
 
+MAKES_NO_NUMBERS = True
+
 FORMULA = re.compile(r"\$([^$]+)\$")
 # What a page keeps as it is: scripts and styles as a whole, and each tag, in whose attributes formulas are plain.
 KEPT = re.compile(r"(<(?:script|style)\b.*?</(?:script|style)>|</?[a-zA-Z!][^>]*>)", re.DOTALL)

@@ -16,6 +16,8 @@ from verification.claims.decide import READING, readings
 from verification.page.claim_graph import ClaimGraph
 from verification.page.sources import link
 
+MAKES_NO_NUMBERS = True
+
 # Numbers smaller than this are written with an exponent.
 PLAIN = 1e-2
 VERDICTS = {verdict.value: verdict.name.lower() for verdict in Verdict}
@@ -199,5 +201,5 @@ def number(value: float) -> str:
     if PLAIN <= abs(value) < 1e4:
         return f"{value:.3g}" if abs(value) < 1e3 else f"{value:.0f}"
     mantissa, exponent = f"{value:.1e}".split("e")
-    raised = str(int(exponent)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
-    return f"{mantissa}·10{raised}"
+    raised = f"10{str(int(exponent)).translate(str.maketrans('-0123456789', '⁻⁰¹²³⁴⁵⁶⁷⁸⁹'))}"
+    return raised if value == float(f"1e{exponent}") else f"{mantissa}·{raised}"

@@ -12,12 +12,14 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from verification.page.parts import number
 from verification.page.render import counted
 
+MAKES_NO_NUMBERS = True
+
 
 def fill(template: Path, **values: Any) -> dict[str, str]:
     """Return the blocks of a template by name, with the values filled in and white space made single blanks.
 
     Filters: ``counted`` (a number with its noun), ``number`` (three digits), ``percent`` (of a part), ``percents`` (of
-    a part and its interval), ``interval`` (two numbers), ``listed`` (a sequence).
+    a part and its interval), ``interval`` (two numbers), ``duration`` (of seconds), ``listed`` (a sequence).
 
     Raises
     ------
@@ -54,7 +56,7 @@ def _environment(folder: Path) -> Environment:
     # Values go in as they are: templates are HTML for paragraphs, plain text for captions, which the page escapes.
     made = Environment(loader=FileSystemLoader(folder), undefined=StrictUndefined, autoescape=False)
     made.filters |= {"number": number, "interval": interval, "listed": listed, "counted": counted}
-    made.filters |= {"percent": percent, "percents": percents}
+    made.filters |= {"percent": percent, "percents": percents, "duration": duration}
     return made
 
 
@@ -73,6 +75,12 @@ def interval(ends: tuple[float, float]) -> str:
     """Format two numbers as ``[0.96, 1.01]``."""
     low, high = ends
     return f"[{number(low)}, {number(high)}]"
+
+
+def duration(seconds: float) -> str:
+    """Format seconds with two digits, in s, ms or µs: ``3.4 ms``."""
+    unit, factor = next((one for one in (("s", 1.0), ("ms", 1e3)) if seconds * one[1] >= 0.1), ("µs", 1e6))
+    return f"{float(f'{seconds * factor:.2g}'):g} {unit}"
 
 
 def listed(values: Any) -> str:

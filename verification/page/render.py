@@ -13,6 +13,8 @@ from markupsafe import Markup
 from dincl.files import write_text
 from verification.page.formulas import marked, typeset
 
+MAKES_NO_NUMBERS = True
+
 
 def render_page(template: str, path: Path, **values: Any) -> Path:
     """Fill a template of this folder and put the page in place; ``made`` is the time."""

@@ -21,6 +21,8 @@ from numpy.typing import NDArray
 
 from dincl.files import replacing
 
+MAKES_NO_NUMBERS = True
+
 __all__ = [
     "GREY",
     "NOTE",

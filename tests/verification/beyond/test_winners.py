@@ -60,7 +60,7 @@ def test_the_finest_error_beside_that_of_pbd():
 def test_one_table_and_one_sentence_for_all_scenes(three):
     found = cheapest.winners(three, FORM, (1e-6, 1e-2, 1e-8))
     wide = cheapest.wide(found)
-    assert list(wide) == ["Scene", "0.01", "1.0·10⁻⁶", "1.0·10⁻⁸"]
+    assert list(wide) == ["Scene", "0.01", "10⁻⁶", "10⁻⁸"]
     assert wide.iloc[0].tolist()[1:] == ["PBD", LSODA.label, "not reached"]
     whole = cheapest.summary(found)
     assert "Of 3 pairs of scene and error, 2 have one cheapest method" in whole

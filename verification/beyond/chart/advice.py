@@ -15,7 +15,7 @@ from verification.beyond.chart.references import SCENES
 from verification.instruments.cheapest import UNDECIDED
 from verification.page.kept import DATA, STUDIES
 from verification.page.parts import number
-from verification.page.prose import text_page
+from verification.page.prose import duration, text_page
 
 MAKES_NO_NUMBERS = True
 PAGE = Path(__file__).parents[3] / "docs" / "explain" / "which_method.md"
@@ -28,13 +28,8 @@ def page() -> str:
     winners = cheapest.winners(read_sealed(STUDIES / "work_precision.parquet"), work_precision.FULL)
     known = {"errors": by_error(winners), "many": many(winners), "piles": piles(reach.table()), "proved": proved()}
     known["stable"] = stable()
-    filters = {"number": number, "decade": decade}
+    filters = {"number": number, "duration": duration}
     return text_page(TEMPLATE, filters, **known, discs=len(SCENES[MANY]().x0))
-
-
-def decade(error: float) -> str:
-    """Format 0.001 as 10⁻³."""
-    return number(error).removeprefix("1.0·")
 
 
 def by_error(winners: pd.DataFrame) -> list[dict[str, Any]]:
