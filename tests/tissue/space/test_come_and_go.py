@@ -3,13 +3,11 @@
 import numpy as np
 import pytest
 
+from tests.tissue.space.by_address import follow, insert, remove
 from tests.tissue.space.invariants import chart_of, check
 from tests.tissue.space.tissues import KINDS
 from tests.tissue.space.walk import Walk
 from tests.twins.tissue.space import network as twin
-from tissue.network.follow import follow
-from tissue.network.insert import insert
-from tissue.network.remove import remove
 from tissue.network.start import triangulated
 from tissue.state import surface as s
 from tissue.state.space import PRESENT, SUM

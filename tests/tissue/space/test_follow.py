@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
+from tests.tissue.space.by_address import follow
 from tests.tissue.space.invariants import check, edges_of
 from tests.tissue.space.tissues import CLOSED, KINDS
 from tests.tissue.space.walk import Walk
 from tests.twins.tissue.space.network import lengths_of, triangles_of
-from tissue.network.follow import STUCK, follow
+from tissue.network.follow import STUCK
 from tissue.network.start import triangulated
 from tissue.state import surface as s
 from tissue.state.space import MEAN, PRESENT

@@ -5,12 +5,11 @@ import math
 import numpy as np
 import pytest
 
+from tests.tissue.space.by_address import follow, relax
 from tests.tissue.space.invariants import check, edges_of
 from tests.tissue.space.tissues import KINDS
 from tests.tissue.space.walk import Walk, is_relaxed
 from tests.twins.tissue.space.network import lengths_of, triangles_of
-from tissue.network.exchange import relax
-from tissue.network.follow import follow
 from tissue.network.halfedges import flip, is_flippable, set_rest
 from tissue.network.start import triangulated
 from tissue.state import surface as s

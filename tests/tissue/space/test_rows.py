@@ -3,11 +3,8 @@
 import numpy as np
 import pytest
 
+from tests.tissue.space.by_address import follow, insert, relax, remove
 from tests.tissue.space.invariants import check, check_vertices, edges_of, triangles_of
-from tissue.network.exchange import relax
-from tissue.network.follow import follow
-from tissue.network.insert import insert
-from tissue.network.remove import remove
 from tissue.network.start import triangulated
 from tissue.state import surface as s
 from tissue.state.space import PRESENT, SUM

@@ -2,12 +2,10 @@
 
 import numpy as np
 
+from tests.tissue.space import by_address as kernels
 from tests.tissue.space.invariants import check, edges_of
 from tests.tissue.space.tissues import KINDS, spread_points
-from tissue.network import remove as removing
-from tissue.network.exchange import relax
-from tissue.network.follow import STUCK, follow
-from tissue.network.insert import insert
+from tissue.network.follow import STUCK
 from tissue.network.start import triangulated
 from tissue.state import surface as s
 from tissue.state.space import PRESENT
@@ -39,13 +37,13 @@ class Walk:
         self.follow()
 
     def follow(self):
-        work = follow(self.surface, self.network, *self.columns, self.rule)
+        work = kernels.follow(self.surface, self.network, *self.columns, self.rule)
         assert work != STUCK
         self.work += work
         return work
 
     def relax(self):
-        return relax(self.surface, self.network, *self.columns, MARGIN, self.reach, self.rule)
+        return kernels.relax(self.surface, self.network, *self.columns, MARGIN, self.reach, self.rule)
 
     @property
     def columns(self):
@@ -62,12 +60,12 @@ class Walk:
         normal = s.normals(self.surface, self.points[mother])
         direction -= (direction @ normal) * normal
         direction /= np.linalg.norm(direction)
-        return insert(self.surface, self.network, *self.columns, mother, daughter, *direction, distance, 0.5)
+        return kernels.insert(self.surface, self.network, *self.columns, mother, daughter, *direction, distance, 0.5)
 
     def remove(self, rule=PRESENT):
         """Take a cell at one of the shortest edges out; the number of new edges."""
         cell = self.edge_by_length()[self.rng.integers(10), self.rng.integers(2)]
-        return removing.remove(self.surface, self.network, *self.columns, cell, rule)
+        return kernels.remove(self.surface, self.network, *self.columns, cell, rule)
 
     def edge_by_length(self):
         """All edges, the shortest first: where cells come and go with no heed of room, walks make holes and heaps."""
