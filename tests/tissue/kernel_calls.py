@@ -168,6 +168,9 @@ def _shaken(state, seed):
     return state._replace(cells=state.cells._replace(**moved))
 
 
+HEAPS = ("square", "column", "row", "two heaps")
+
+
 def heap(rng, n, size, kind):
     """Discs that overlap in heaps: anywhere in a square, in a column, in a row, or in two heaps far apart."""
     x, y = rng.uniform(0.0, size, (2, n))

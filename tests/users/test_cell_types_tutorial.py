@@ -25,12 +25,14 @@ def test_the_run_has_three_types(found):
     assert found["parameters"].type_names == ("control", "emt", "stiff", "quick", "leaving")
 
 
+@pytest.mark.slow
 def test_a_type_with_events_is_emt_cells(found):
     leaving = found["leaving"]
     assert leaving["emt"].tolist() == [0, 1, 2]
     assert leaving["events"].tolist() == ["AB"] * 3
 
 
+@pytest.mark.slow
 def test_the_study_knows_them(found):
     cells = found["results"].cells("slow")
     assert len(cells) == 3 * 16

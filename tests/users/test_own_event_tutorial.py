@@ -27,6 +27,7 @@ def test_the_module_is_short():
     assert 10 <= len(lines) <= 30
 
 
+@pytest.mark.slow
 def test_the_run_has_the_event_and_the_observable(found):
     run = found["run"]
     table = run.table().query("emt >= 0 and time_h == 12")
@@ -38,6 +39,7 @@ def test_the_run_has_the_event_and_the_observable(found):
     assert run.summary()["lowest_nucleus_um"].tolist() == pytest.approx(lowest.tolist())
 
 
+@pytest.mark.slow
 def test_the_study_has_them_too(found):
     results = found["results"]
     cells = results.cells("squeezing")

@@ -2,8 +2,11 @@
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from tests.tissue import kernel_calls as kernels
+from tests.tissue.kernel_calls import HEAPS, heap
 from tests.tissue.states import cells, layers, numbers
 from tests.twins.tissue import steps as twins
 from tests.twins.tissue.state import Tissue
@@ -39,3 +42,14 @@ def test_the_pairs_that_are_looked_at_are_counted(width, curve):
     group = Group([kernels.held(Tissue(row(n, 0.0), layers(n), n), curve=curve) for _ in range(width)], GIVEN)
     assert group.make_substeps()
     assert n - 1 <= group.pairs / GIVEN.substeps < n * (n - 1) / 4
+
+
+@settings(max_examples=60)
+@given(st.integers(0, 2**32 - 1), st.floats(0.3, 8.0), st.sampled_from(HEAPS), st.sampled_from([1, 8]))
+def test_boxes_overlook_no_contact(seed, size, kind, width):
+    """Of a bent layer blocks are compared: nuclei in any order, alone and in company."""
+    rng = np.random.default_rng(seed)
+    found = [Tissue(heap(rng, n, size, kind), layers(n), n) for n in (40, 5, 30, 33, 20, 12, 1, 25)[:width]]
+    for state, one in zip(found, kernels.swept(found, numbers(), RING), strict=True):
+        x, y = twins.separate(state.cells.x, state.cells.y, state.cells.radius)
+        np.testing.assert_array_equal([one.x, one.y], [x, y])

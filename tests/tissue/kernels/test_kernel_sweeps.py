@@ -6,18 +6,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.tissue import kernel_calls as kernels
-from tests.tissue.kernel_calls import heap
+from tests.tissue.kernel_calls import HEAPS, heap
 from tests.tissue.states import cells, layers, numbers
 from tests.twins.tissue import steps as twins
 from tests.twins.tissue.state import Tissue
 from tissue.kernels.workspace import Workspaces
 from tissue.model.discs import separate_all
-from tissue.state.basal_curve import curve_numbers, ellipse
 from tissue.state.running import STRAIGHT
 
 seeds = st.integers(0, 2**32 - 1)
-RING = curve_numbers(ellipse(60.0, 1.0, inside=True, ring=True))
-KINDS = ("square", "column", "row", "two heaps")
 
 
 def assert_swept(states, given_numbers):
@@ -30,7 +27,7 @@ def assert_swept(states, given_numbers):
 
 @pytest.mark.slow
 @settings(max_examples=50)
-@given(seeds, st.integers(1, 30), st.floats(0.3, 8.0), st.sampled_from(KINDS))
+@given(seeds, st.integers(1, 30), st.floats(0.3, 8.0), st.sampled_from(HEAPS))
 def test_sweep_of_heaps_overlooks_no_contact(seed, n, size, kind):
     """Three sweeps, one after the other."""
     state = Tissue(heap(np.random.default_rng(seed), n, size, kind), layers(n), n)
@@ -41,24 +38,13 @@ def test_sweep_of_heaps_overlooks_no_contact(seed, n, size, kind):
 
 @pytest.mark.slow
 @settings(max_examples=40)
-@given(seeds, st.floats(0.3, 8.0), st.sampled_from(KINDS))
+@given(seeds, st.floats(0.3, 8.0), st.sampled_from(HEAPS))
 def test_sweeps_of_heaps_side_by_side(seed, size, kind):
     """Discs on top of each other are pushed far, in some tissues and in others not."""
     rng = np.random.default_rng(seed)
     states = [Tissue(heap(rng, n, size, kind), layers(n), n) for n in (5, 40, 30, 33, 20, 12, 1, 25)]
     states[2] = Tissue(cells(60, 1), layers(60), 60)
     assert_swept(states, numbers())
-
-
-@settings(max_examples=60)
-@given(seeds, st.floats(0.3, 8.0), st.sampled_from(KINDS), st.sampled_from([1, 8]))
-def test_boxes_overlook_no_contact(seed, size, kind, width):
-    """Of a bent layer blocks are compared: nuclei in any order, alone and in company."""
-    rng = np.random.default_rng(seed)
-    found = [Tissue(heap(rng, n, size, kind), layers(n), n) for n in (40, 5, 30, 33, 20, 12, 1, 25)[:width]]
-    for state, one in zip(found, kernels.swept(found, numbers(), RING), strict=True):
-        x, y = twins.separate(state.cells.x, state.cells.y, state.cells.radius)
-        np.testing.assert_array_equal([one.x, one.y], [x, y])
 
 
 @pytest.mark.parametrize("n", [2, 9, 30])

@@ -240,6 +240,7 @@ READINGS = {
 }
 
 
+@pytest.mark.slow
 def test_the_readings_differ_where_it_is_said() -> None:
     found = {}
     for name, claim in CLAIMS.items():
@@ -253,6 +254,7 @@ def test_the_readings_differ_where_it_is_said() -> None:
 OF_THE_MODEL = {"c4.outside-depth", "c4.straightness-rule"}
 
 
+@pytest.mark.slow_with("c4.pulled-back")
 @pytest.mark.parametrize("name", CLAIMS)
 def test_the_published_program_decides_on_outcomes_and_the_printed_energies_on_the_model(name: str) -> None:
     found = by_kept(name)
