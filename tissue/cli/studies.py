@@ -15,6 +15,10 @@ from tissue.cli.forecast import forecast_text
 from tissue.cli.messages import GOES_ON, INTERRUPTED, messages, table
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    import pandas as pd
+
     from tissue.files.parameters import Parameters
     from tissue.study.plan import TissueStudy
     from tissue.study.read import Results
@@ -153,8 +157,10 @@ def _said(results: Results) -> str:
     changes, ratios = answers.scenario_changes(results), answers.scenario_ratios(results)
     shown = changes.replace("nan", NOT_SET)
     said.append(table("Scenarios", shown.columns, shown.itertuples(index=False)))
+    said.append(table("Failed runs", ("scenario", "status", "runs"), failures(results, stored)))
     if ratios.empty:
-        return "\n".join([*said, "No EMT cells.\n"])
+        none = "No run that did not fail." if 0 < stored["runs"].sum() == stored["failed"].sum() else "No EMT cells."
+        return "\n".join([*filter(None, said), f"{none}\n"])
     if (compare := comparing.plan_of(results)) is not None:
         rows = (_answered(row) for row in comparing.planned_answers(results).to_dict("records"))
         heads = ("question", "outcome", "effect [95 %]", "p", "answer", "runs needed")
@@ -171,6 +177,13 @@ def _said(results: Results) -> str:
     if any(results.parameters(name).layer.shape != "line" for name in study.scenarios):
         said.append(STEEP)
     return "\n".join(filter(None, said))
+
+
+def failures(results: Results, stored: pd.DataFrame) -> Iterator[tuple[str, str, str]]:
+    """Give for each scenario how many runs ended with which status, but those that did not fail."""
+    for scenario in stored.loc[stored["failed"] > 0, "scenario"]:
+        counts = results.runs(scenario, ["status"])["status"].value_counts()
+        yield from ((scenario, status, str(runs)) for status, runs in counts.items() if runs and status != "SUCCESS")
 
 
 # Of layers that bend.

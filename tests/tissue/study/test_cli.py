@@ -10,6 +10,7 @@ import dincl.study.execute
 from dincl.study import StudyStopped
 from tests.tissue.study.stand_in import outcomes, study_file
 from tissue.cli.app import app
+from tissue.cli.studies import failures
 from tissue.study.read import Results
 
 
@@ -87,6 +88,15 @@ def test_ratios_of_cells_that_are_not_there_are_refused_before_the_runs():
 def test_an_event_without_cells_is_remarked():
     Path("bare.toml").write_text(BARE.replace('"basal", ', ""), "utf-8")
     assert call("bare.toml", "--plan").stdout.startswith("scenario 'yes': [A] has no cells: emt.cells = 0\n")
+
+
+def test_failed_runs_are_listed_with_their_status():
+    """The column knows every Status, also those that no run had."""
+    call("small.toml", "--out", "out")
+    results = Results("out")
+    assert list(failures(results, results.summary())) == [
+        (scenario, "NON_FINITE", "6") for scenario in results.study.scenarios
+    ]
 
 
 def test_a_study_that_comes_with_the_package_is_found_by_its_name():

@@ -3,6 +3,7 @@
 import re
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
 from typer.testing import CliRunner
@@ -109,6 +110,21 @@ def test_the_picture_has_the_groups_and_the_effect(study):
     found = groups(study, "basal", {"early, arc": 1.0})
     assert (found["low"] <= found["value"]).all()
     assert (found["value"] <= found["high"]).all()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("low", [0.0, 0.9])
+def test_an_infinite_end_of_an_interval_goes_past_the_edge(study, low):
+    """A ratio whose interval has no upper end was drawn as if its value were that end."""
+    row = {"outcome": "basal", "measure": "ratio", "value": 1.05, "low": low, "high": np.inf}
+    _, right = effect_figure(study, row, {"early, arc": 1.0, "late, line": -1.0}).axes
+    left_edge, edge = right.get_xlim()
+    ((start, end),) = right.collections[0].get_segments()[0][:, 0].reshape(1, 2)
+    assert end > edge > 1.05
+    assert (start < left_edge) == (low == 0)
+    shown = [label.get_text() for label in right.get_xticklabels() if label.get_text()]
+    assert "1" in shown
+    assert len(shown) <= 12
 
 
 def test_the_figures_of_a_study_begin_with_its_answers(study):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import ceil, floor, log10
 from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 MAKES_NO_NUMBERS = True
 
 WIDTH, LINE, AROUND = 9.2, 0.26, 0.75  # inches: of the figure, of a group, of title and axis
+FAR = 1e9  # past the edge of each axis
 PLUS, MINUS, PLAIN = "#2c6fbb", "#8a8a8a", "#222222"
 NAMES = {what: name for what, (_, _, name) in OUTCOMES.items()} | {
     column: f"control cells outside, {side}" for column, side in SHARES.items()
@@ -87,19 +89,46 @@ def effect_figure(results: Results, row: Mapping[str, Any], weights: Weights) ->
         _dots(right, effect, [PLAIN])
         right.axvline(1 if ratio else 0, color=MINUS, linewidth=0.9, linestyle="--", zorder=1)
         right.set_yticks([])
+        right.set_xlim(*_limits(effect, ratio=ratio))
         if ratio:
-            right.set_xscale("log")
+            _ratio_axis(right)
         points = " [points]" if percent == 100 else ""
         right.set_xlabel("ratio, 1: no effect" if ratio else f"difference{points}, 0: no effect")
     return figure
 
 
+def _limits(effect: pd.DataFrame, *, ratio: bool) -> tuple[float, float]:
+    """Return the ends of the axis of an effect: all that is finite, with room for intervals that are open."""
+    neutral, least = (1.0, np.log(2)) if ratio else (0.0, 1e-9)
+    points = np.append(effect.to_numpy(float).ravel(), neutral)
+    if ratio:
+        with np.errstate(divide="ignore"):
+            points = np.log(points)
+    points = points[np.isfinite(points)]
+    room = max(0.15 * float(np.ptp(points)), least)
+    ends = points.min() - room, points.max() + room
+    return (float(np.exp(ends[0])), float(np.exp(ends[1]))) if ratio else ends
+
+
+def _ratio_axis(panel: Axes) -> None:
+    """Set a logarithmic axis with plain numbers, as many as have room."""
+    low, high = panel.get_xlim()
+    panel.set_xscale("log")
+    each = (1, 2, 5) if high / low < 200 else (1,)
+    powers = range(floor(log10(low)), ceil(log10(high)) + 1)
+    ticks = [k * 10.0**power for power in powers for k in each]
+    panel.set_xticks(ticks, [f"{tick:g}" if low <= tick <= high else "" for tick in ticks])
+    panel.set_xticks([], minor=True)
+    panel.set_xlim(low, high)
+
+
 def _dots(panel: Axes, table: pd.DataFrame, colours: list[str]) -> None:
-    """Draw values with their intervals, from above to below; an end that is infinite is left open."""
+    """Draw values with their intervals, from above to below; an infinite end goes past the edge, without a cap."""
     values, low, high = (table[name].to_numpy(float) for name in ("value", "low", "high"))
     for k, colour in enumerate(colours):
         reach = np.array([[values[k] - low[k]], [high[k] - values[k]]])
-        reach[~np.isfinite(reach)] = 0.0
+        reach[np.isnan(reach)] = 0.0
+        reach[np.isinf(reach)] = FAR
         panel.errorbar(values[k], k, xerr=np.maximum(reach, 0), marker="o", color=colour, markersize=5, **CAP)
     panel.set_ylim(len(colours) - 0.5, -0.5)
     panel.grid(visible=False, axis="y")
