@@ -12,7 +12,7 @@ from pathlib import Path
 import pandas as pd
 
 import tissue
-from dincl.files import replacing
+from dincl.files import replacing, write_text
 from tissue.study.comparing import planned_answers
 from tissue.study.read import Results
 
@@ -39,7 +39,7 @@ def main(folder: Path) -> None:
         for before, after in changes.items():
             study = study.replace(before, after)
         file = folder / f"{name}.toml"
-        file.write_text(study, "utf-8")
+        write_text(file, study)
         found.append(answers(tissue.run_study(file, folder / name)).assign(study=name))
     with replacing(TABLE) as partial:
         pd.concat(found).to_csv(partial, index=False, float_format="%.6g")
