@@ -121,5 +121,5 @@ def test_clones_share_the_machine_code_of_our_functions_for_a_month(
     ours = CodeCache(function)
     assert Path(str(ours.cache_path)) == root / stamp(function) / "dincl.neighbours.grid"
     assert {path.name for path in root.iterdir()} == {"last week", stamp(function)}
-    assert Path(str(CodeCache(files).cache_path)) == Path(__file__).parent / "__pycache__"
+    assert not Path(str(CodeCache(files).cache_path)).is_relative_to(root)
     cache._shared_folder.cache_clear()
