@@ -1,4 +1,4 @@
-"""What numbers depend on besides the code: the machine, and the versions of libraries."""
+"""Facts on which numbers depend besides the code: the machine, and the versions of libraries."""
 
 from __future__ import annotations
 

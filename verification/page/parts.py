@@ -1,4 +1,4 @@
-"""What a page is made of: paragraphs, figures, tables, statements, in sections."""
+"""Parts of a page: paragraphs, figures, tables and claims, in sections."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Text:
 
 @dataclass(frozen=True)
 class Follows:
-    """What follows from a section, its last paragraph; HTML."""
+    """Conclusion of a section, its last paragraph; HTML."""
 
     html: str
     kind: str = field(default="follows", init=False)

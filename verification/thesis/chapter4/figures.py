@@ -30,7 +30,7 @@ THESIS = "Plunder's thesis"
 
 @dataclass(frozen=True)
 class Pictures:
-    """What the figures of a page are drawn from; made once for a page."""
+    """Tables from which the figures of a page are drawn; made once for each page."""
 
     context: Context
     folder: Path  # of the results
