@@ -143,17 +143,19 @@ class Problem:
         count, d = self.x0.shape
         if isinstance(self.drift, CompiledDrift):
             self.drift.check(count, d)
+        place = "constraints"
         try:
-            for constraint in self.constraints:
+            for index, constraint in enumerate(self.constraints):
+                place = f"constraints[{index}]"
                 constraint.check(count, d)
-                _check_start(constraint, self.x0)
+                _check_start(constraint, self.x0, place)
+            place = "drift"
             self.velocity(0.0, self.x0)
         except StepFailure as failure:
-            name = "drift" if failure.status is Status.DRIFT_FAILED else "constraints"
-            raise InvalidProblem(f"{name}: {failure.detail} {failure.status.value}") from failure
+            raise InvalidProblem(f"{place}: {failure.detail}") from failure
 
 
-def _check_start(constraint: Constraint, x: NDArray[np.float64]) -> None:
+def _check_start(constraint: Constraint, x: NDArray[np.float64], place: str) -> None:
     """Raise InvalidProblem unless x is feasible, and the constraint selects rows of a known kind."""
     name, selection = type(constraint).__name__, select((constraint,), 0.0, x, 0.0)
     found: Any = selection.blocks[0]
@@ -165,7 +167,9 @@ def _check_start(constraint: Constraint, x: NDArray[np.float64]) -> None:
     tolerance = START_TOLERANCE * float(np.abs(x).max())
     if values.min(initial=0.0) < -tolerance:
         worst = rows.label(int(values.argmin()), x.shape[1])
-        raise InvalidProblem(f"x0 violates {name} by {-values.min():.3g} at {worst}: allowed is {tolerance:.1g}")
+        raise InvalidProblem(
+            f"x0 violates {name} by {-values.min():.3g} at {worst} ({place}): allowed is {tolerance:.1g}"
+        )
     if isinstance(rows, SmoothRows):
         check_jacobian(rows, x, "jacobian" if rows.names[0] == "g" else rows.names[1])
 

@@ -9,9 +9,10 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from scipy.sparse import eye_array, kron
 
 from dincl.drifts.counted import OutOfBudgetError
-from dincl.errors import InvalidProblem
+from dincl.errors import InvalidProblem, StepFailure
 from dincl.norms import norms
 from dincl.problem import with_counted_drift
 from dincl.projection import ActiveSet, ProjectedCG
@@ -52,6 +53,8 @@ PART, MOST_SHARE = 1 / 8, 0.2
 MOST_DENSE = 100
 # More steps than these are too many, which so many runs may say.
 MOST_STEPS, BELIEVED = 10**7, 5
+# Finer steps mend violations if the distance from the set falls at least by this factor from one run to the next.
+FALLS = 0.75
 # A run that fails is repeated with finer steps, so often at most.
 MOST_RUNS = 6
 # Methods whose code is loaded, with the dimension.
@@ -80,6 +83,26 @@ class Forecast(NamedTuple):
     high: float
     seconds: float
     why: str = ""
+
+
+def distance_outside(problem: Problem, times: NDArray[np.float64], x: NDArray[np.float64]) -> float:
+    """Return a lower bound of max_i |X_i - exact| over all times, to first order: a solution stays in the set.
+
+    It is max_k (-g_k) / sum_i |grad_i g_k|.
+    """
+    largest = 0.0
+    for t, state in zip(times, x, strict=True):
+        try:
+            rows = problem.rows_within(float(t), state, 0.0)
+            depth = np.maximum(-rows.values(state), 0.0)
+            jacobian = rows.jacobian(state)
+        except StepFailure:
+            return math.inf
+        if depth.any():
+            squares = jacobian.power(2) @ kron(eye_array(len(state)), np.ones((state.shape[1], 1)))
+            slopes = np.asarray(np.sqrt(squares).sum(axis=1)).ravel()
+            largest = max(largest, float((depth[slopes > 0] / slopes[slopes > 0]).max(initial=0.0)))
+    return largest
 
 
 def limited(problem: Problem, seconds: float) -> Problem:
@@ -119,6 +142,7 @@ class Pilot:
     steps: list[int] = field(default_factory=list)
     outcomes: list[RunOutcome] = field(default_factory=list)
     seconds: list[float] = field(default_factory=list)
+    outside: list[float] = field(default_factory=list)  # of each run: ``distance_outside``
     why: str = ""
     final: bool = False  # whether finer steps cannot mend the failure in ``why``
     tried: float = 0.0
@@ -141,6 +165,14 @@ class Pilot:
         self.steps.append(steps)
         self.outcomes.append(outcome)
         self.seconds.append(seconds)
+        self.outside.append(distance_outside(self.problem, outcome.t, outcome.x))
+        if self.is_contradicted():
+            self.final = True
+            self.why = (
+                f"its states are {self.outside[-1]:.2g} outside of the set with {steps} steps, "
+                f"{self.outside[-2]:.2g} with {self.steps[-2]}: the set may be empty, or jump"
+            )
+            return None
         return outcome
 
     def begin(self, limit: float) -> None:
@@ -178,7 +210,8 @@ class Pilot:
 
         A run with r n steps that differs from the one with n by m has an error of m / (r - 1) if the order is one, and
         less if it is higher. Events come at any part of a step, so that a single difference can be small by chance: of
-        the last differences, scaled to the finest run with the order in smooth motion, the largest counts.
+        the last differences, scaled to the finest run with the order in smooth motion, the largest counts. The error
+        is at least the distance of the states from the set.
         """
         order, moved = self.candidate.order, self.differences()[-MOST_DIFFERENCES:]
         steps = self.steps[-len(moved) - 1 :]
@@ -190,11 +223,17 @@ class Pilot:
         if len(moved) > 1 and min(moved[0], moved[-1]) > 0:
             first, last = (m / (b / a - 1) for m, a, b in ((moved[0], *steps[:2]), (moved[-1], *steps[-2:])))
             observed = math.log(first / last) / math.log(steps[-1] / steps[1])
-        return max(scaled), min(max(observed, LEAST_ORDER * order), float(order))
+        return max(*scaled, self.outside[-1] / SAFETY), min(max(observed, LEAST_ORDER * order), float(order))
 
     def is_done(self) -> bool:
         """Return whether the finest run has the error asked for."""
         return len(self.steps) >= LEAST_RUNS and not self.why and SAFETY * self.estimate()[0] <= self.error
+
+    def is_contradicted(self) -> bool:
+        """Return whether the runs agree better with each other than with the set, and finer steps do not mend it."""
+        if len(self.steps) < LEAST_RUNS - 1:
+            return False
+        return self.outside[-1] > max(self.error, SAFETY * self.differences()[-1], FALLS * self.outside[-2])
 
     def is_within_reach(self) -> bool:
         """Return whether the next run is the predicted one."""

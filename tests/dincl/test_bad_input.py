@@ -62,11 +62,11 @@ BAD_PROBLEMS = {
     ),
     "g of a wrong shape": (
         lambda: problem(constraints=[dincl.Smooth(lambda x: x, lambda x: x)]),
-        r"constraints: g returned an array of shape \(2, 2\)",
+        r"constraints\[0\]: g returned an array of shape \(2, 2\)",
     ),
     "g that raises": (
         lambda: problem(constraints=[dincl.Smooth(lambda x: x[9], lambda x: x)]),
-        r"constraints: g\(x of shape \(2, 2\)\) raised IndexError",
+        r"constraints\[0\]: g\(x of shape \(2, 2\)\) raised IndexError",
     ),
     "g not callable": (lambda: dincl.Smooth(3.0, lambda x: x), "g = 3.0"),
     "radius zero": (lambda: dincl.NonOverlap(radius=0.0), "radius = 0.0: must be .*> 0"),
@@ -224,7 +224,7 @@ def test_centres_driven_to_coincide():
 
 @pytest.mark.slow
 def test_a_crowd_on_one_point_is_refused():
-    with pytest.raises(dincl.InvalidProblem, match="constraints: More than 50,000,000 pairs"):
+    with pytest.raises(dincl.InvalidProblem, match=r"constraints\[0\]: More than 50,000,000 pairs"):
         dincl.Problem(np.zeros((20_000, 2)), rest, [dincl.NonOverlap(0.5)])
 
 

@@ -101,7 +101,7 @@ class WorkPrecision(Result):
         note = f" {disturbed} of {len(self.table)} measurements were disturbed by other programs." if disturbed else ""
         return {
             f"The cheapest method for each error ({self.errors[0]}), CPU time in seconds.{note}": self.cheapest(),
-            "CPU seconds of integration for each error (nan: not reached).": self.costs().reset_index(),
+            "CPU seconds of integration for each error (—: not reached).": self.costs().reset_index(),
             "What output adds, as a part of the integration: median and largest of all runs.": self.output(),
         } | left_out_rows(self.table)
 

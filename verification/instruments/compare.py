@@ -17,7 +17,7 @@ from dincl.checks import describe
 from verification.instruments.budget import CpuSeconds
 from verification.instruments.order import MIN_STEPS
 from verification.instruments.orders import order_study
-from verification.instruments.references import reference
+from verification.instruments.references import known_at, reference
 from verification.instruments.result import Result
 from verification.instruments.save import save
 from verification.instruments.speed_accuracy import work_precision
@@ -46,12 +46,13 @@ def compare(file: Path, out: Path) -> tuple[Path, list[Result]]:
         If there is no such file, a name is missing, or what it names cannot be compared.
     """
     if not file.is_file():
-        raise InvalidProblem(f"file = {str(file)!r}: there is no such file")
+        raise InvalidProblem(f"file = {str(file)!r}: {'must be a file' if file.exists() else 'there is no such file'}")
     named = _run(file)
     if missing := [name for name in NEEDED if named.get(name) is None]:
         raise InvalidProblem(f"{file.name} does not name {', '.join(missing)}: it must name {', '.join(NEEDED)}")
     problem, methods, settings, t = (named[name] for name in NEEDED)
-    known = named.get("reference") or _reference(problem, file)
+    source = named.get("reference")
+    known = known_at(_reference(problem, file) if source is None else source, t, problem=problem)
     budget = named.get("budget", BUDGET)
     chart = work_precision(problem, methods, settings, t, known, budget)
     results: list[Result] = [chart]

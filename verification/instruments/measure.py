@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import inspect
 import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
@@ -209,6 +210,7 @@ def _clocked(
 def _run(problem: Any, method: Method, setting: float, t: Floats, budget: Budget | None) -> _Outcome:
     watched, drift = counted(problem, budget)
     if method.run is not None:
+        _check_call(method, method.run, "run", "(problem, setting, t)", 3)
         states = _states(method, method.run(watched, setting, t), problem, len(t))
         status = "SUCCESS" if np.isfinite(states).all() else "NON_FINITE"
         evaluations = drift.evaluations if drift else np.nan
@@ -231,7 +233,22 @@ def _straight(problem: Any, t: Floats, states: Floats, times: Floats) -> Floats:
     return np.stack(found, axis=1).reshape(len(times), *states.shape[1:])
 
 
+def _check_call(method: Method, function: Callable[..., Any], name: str, arguments: str, count: int) -> None:
+    """Raise InvalidProblem if a function of the user cannot be called with so many arguments."""
+    try:
+        inspect.signature(function).bind(*range(count))
+    except ValueError:  # it has no signature
+        return
+    except TypeError as wrong:
+        hint = "" if name == "run" else "; a program is given as Method(label, run=function)"
+        raise dincl.InvalidProblem(
+            f"method {method.label!r}: {name} = {describe(function)} is called with {arguments}: {wrong}{hint}"
+        ) from None
+
+
 def _scheme(method: Method, setting: float) -> dincl.Scheme:
+    if method.scheme:
+        _check_call(method, method.scheme, "scheme", "(setting)", 1)
     scheme = method.scheme(setting) if method.scheme else None
     if not isinstance(scheme, dincl.Scheme):
         raise dincl.InvalidProblem(
@@ -242,12 +259,13 @@ def _scheme(method: Method, setting: float) -> dincl.Scheme:
 
 def _states(method: Method, found: object, problem: Any, count: int) -> Floats:
     try:
-        states = np.asarray(found, dtype=np.float64)
+        states = np.asarray(found)
+        states = None if np.iscomplexobj(states) else states.astype(np.float64)
     except (TypeError, ValueError):
         states = None
     if found is None or states is None:
         raise dincl.InvalidProblem(
-            f"method {method.label!r} returned {describe(found)}: must return an array of states"
+            f"method {method.label!r} returned {describe(found)}: must return an array of real states"
         )
     expected = (count, *problem.x0.shape) if isinstance(problem, dincl.Problem) else (count, *states.shape[1:])
     if states.shape != expected:

@@ -84,14 +84,17 @@ def as_methods(methods: Methods) -> tuple[Method, ...]:
     labels = [method.label for method in found]
     twice = {label for label in labels if labels.count(label) > 1}
     if twice or not found:
-        raise InvalidProblem(f"methods has {'no entry' if not found else f'two named {sorted(twice)}'}: labels differ")
+        what = f"has two named {sorted(twice)}: labels must differ" if found else "has no entry: must have one or more"
+        raise InvalidProblem(f"methods {what}")
     return found
 
 
 def _as_method(label: str, method: object) -> Method:
     if isinstance(method, Method):
         return method
-    if not callable(method) or not label:
+    if not label:
+        raise InvalidProblem(f"methods holds {describe(method)}: a list must hold Method; or map labels to functions")
+    if not callable(method):
         raise InvalidProblem(
             f"methods[{label!r}] = {describe(method)}: must be a Method or a function setting -> Scheme"
         )

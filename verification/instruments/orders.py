@@ -68,7 +68,12 @@ class OrderStudy(Result):
 
     def summaries(self) -> dict[str, pd.DataFrame]:
         """Return the fits."""
-        return {"Slopes with 95 % intervals.": self.fits[["method", "error", "order", "failed", "verdict"]]}
+        fits = self.fits[["method", "error", "order", "failed", "verdict"]]
+        failed = self.table[self.table["status"] != "SUCCESS"]
+        columns = ["method", "setting", "status", "detail"]
+        return {"Slopes with 95 % intervals.": fits} | (
+            {"Runs without an error.": failed[columns]} if len(failed) else {}
+        )
 
     def __repr__(self) -> str:
         rows = self.fits.itertuples()
@@ -117,7 +122,7 @@ def order_study(
     chosen, norms = as_methods(methods), checked_errors(errors)
     names = tuple(norms)
     ladder = checked_settings(settings, least=MIN_STEPS)
-    known = known_at(reference, t, between="dense" in names)
+    known = known_at(reference, t, between="dense" in names, problem=problem)
     rows = [row for method in chosen for row in measure(problem, method, ladder, known, norms, budget, repeats=0)]
     table, fits = pd.DataFrame(rows), []
     untried = left_out(table)

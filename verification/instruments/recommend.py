@@ -101,7 +101,10 @@ def recommend(problem: Problem, error: float, t: ArrayLike, methods: Methods | N
     choice.refine()
     runs = {pilot.candidate.label: pilot.outcomes for pilot in choice.pilots}
     rows: list[dict[str, Any]] = []
-    for found in choice.forecasts:
+    spent = {pilot.candidate.label: pilot.seconds[-1] for pilot in choice.pilots if pilot.seconds and pilot.is_done()}
+    # The cost of the whole run, also where a pilot run has the error already.
+    forecasts = [found._replace(seconds=spent.get(found.label, found.seconds)) for found in choice.forecasts]
+    for found in sorted(forecasts, key=lambda one: one.seconds):
         made = runs.get(found.label, [])
         rows.append(
             {"method": found.label, "setting": found.setting, "error": found.error, "low": found.low}

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 import dincl
 from dincl.checks import array, describe, number
 from dincl.scenes import Scene
+from dincl.schemes.pilots import FALLS, distance_outside
 
 Floats = NDArray[np.float64]
 # Two times are the same if they differ by less than this [time]; kept times are multiples of 0.05 or more.
@@ -117,13 +118,19 @@ class Reference:
 
     def _halved(self, scheme: Callable[[float], dincl.Scheme], t: Floats) -> Known:
         dt = self.dt or float(t[-1]) / 16
-        before = dincl.solve(self.problem, scheme(dt), t=t).x
+        before, outside = dincl.solve(self.problem, scheme(dt), t=t).x, np.inf
         for _ in range(MOST_HALVINGS):
             dt /= 2
             x = dincl.solve(self.problem, scheme(dt), t=t).x
             moved = np.sqrt(((x - before) ** 2).sum(axis=-1)).max(axis=-1)
-            if SAFETY * moved.max() <= self.tol:
-                return Known(t, x, np.full(len(t), SAFETY * float(moved.max())))
+            was, outside = outside, distance_outside(self.problem, t, x)
+            if (stated := SAFETY * max(float(moved.max()), outside)) <= self.tol:
+                return Known(t, x, np.full(len(t), stated))
+            if SAFETY * moved.max() <= self.tol and outside > FALLS * was:
+                raise RuntimeError(
+                    f"tol = {self.tol:g}: the last two runs agree to {moved.max():.3g}, but their states are "
+                    f"{outside:.3g} outside of the set: it may be empty, or jump; give a looser tol or another scheme"
+                )
             before = x
         raise RuntimeError(
             f"tol = {self.tol:g}: not reached by steps down to dt = {dt:.3g}, the last two runs are "
@@ -163,10 +170,11 @@ def reference(
     return Reference(problem, number("tol", wanted, positive=True), scheme, step, proved)
 
 
-def known_at(source: Any, t: ArrayLike, *, between: bool = False) -> Known:
+def known_at(source: Any, t: ArrayLike, *, between: bool = False, problem: Any = None) -> Known:
     """Return the solution at times t (K,) from a Reference, a Known, a function t -> states, or an array of states.
 
-    With ``between`` also at the times of ``times_between``; this needs a function.
+    With ``between`` also at the times of ``times_between``; this needs a function. States of a dincl.Problem have the
+    shape (K, N, d).
 
     Raises
     ------
@@ -182,17 +190,25 @@ def known_at(source: Any, t: ArrayLike, *, between: bool = False) -> Known:
                 f"reference = {describe(source)}: errors of dense output need one that can be evaluated at any time: "
                 "verification.reference(...) or a function t -> states"
             )
-        both = known_at(source, np.union1d(times, times_between(times)))
+        both = known_at(source, np.union1d(times, times_between(times)), problem=problem)
         return replace(known_at(both, times), between=known_at(both, times_between(times)))
     if isinstance(source, Known):
-        return source.take(times)
+        return _of(source.take(times), problem)
     found = source(times) if callable(source) else source
     if isinstance(found, Known):
-        return found
+        return _of(found, problem)
     x = array("reference", found)
     if x.ndim < 2 or len(x) != len(times):
         raise dincl.InvalidProblem(f"reference of shape {x.shape}: must give one state for each of {len(times)} times")
-    return _exact(times, x)
+    return _of(_exact(times, x), problem)
+
+
+def _of(known: Known, problem: Any) -> Known:
+    """Return the reference; InvalidProblem if its states are not those of the problem."""
+    expected = (len(known.t), *problem.x0.shape) if isinstance(problem, dincl.Problem) else known.x.shape
+    if known.x.shape != expected:
+        raise dincl.InvalidProblem(f"reference of shape {known.x.shape}: must have shape (K, N, d) = {expected}")
+    return known
 
 
 def times_between(t: Floats) -> Floats:

@@ -79,7 +79,7 @@ def work_precision(
     if not isinstance(budget, Budget):
         raise InvalidProblem(f"budget = {describe(budget)}: must be CpuSeconds(...) or DriftEvaluations(...)")
     chosen, norms = as_methods(methods), checked_errors(errors)
-    known = known_at(reference, t, between="dense" in norms)
+    known = known_at(reference, t, between="dense" in norms, problem=problem)
     rows = [
         row
         for method in chosen

@@ -96,6 +96,9 @@ def stability_map(
     InvalidProblem
         If a name is an argument neither of the method nor of the problem, or a value is not a finite number.
     """
+    for name, axis in (("x", x), ("y", y)):
+        if not isinstance(axis, tuple | list) or len(axis) != 2 or not isinstance(axis[0], str):
+            raise dincl.InvalidProblem(f"{name} = {describe(axis)}: must be (name, values)")
     cell = _Cell(problem, method, (x[0], y[0]), t, reference, accurate, feasible)
     xs, ys = ([number(name, value) for value in values] for name, values in (x, y))
     rows = [{x[0]: a, y[0]: b} | cell.row({x[0]: a, y[0]: b}) for b in ys for a in xs]
@@ -131,7 +134,11 @@ class _Cell:
             self._positional = False
         for name in names:
             if name not in (*self._of_method, *self._of_problem):
-                raise dincl.InvalidProblem(f"{name!r}: must be an argument of the method or of the problem")
+                known = ", ".join(inspect.signature(maker).parameters)
+                raise dincl.InvalidProblem(
+                    f"{name!r}: must be an argument of the method, which has {known}, "
+                    "or of the function that makes the problem"
+                )
 
     def row(self, values: dict[str, float]) -> dict[str, Any]:
         """Return the outcome of the run with these values."""
@@ -160,7 +167,7 @@ class _Cell:
         return np.linspace(0.0, end, 9)[1:]
 
     def _judged(self, problem: dincl.Problem, path: dincl.Trajectory, t: NDArray[np.float64]) -> dict[str, Any]:
-        known = None if self._reference is None else known_at(self._reference(problem), t)
+        known = None if self._reference is None else known_at(self._reference(problem), t, problem=problem)
         reach = reach_of(problem, float(t[-1]), np.zeros(1) if known is None else known.x)
         growth, overlap = float(np.abs(path.x).max()) / reach, float(path.violation().max())
         arrived = bool(path.status) and len(path.t) == len(t)

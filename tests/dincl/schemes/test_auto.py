@@ -7,7 +7,7 @@ import pytest
 
 import dincl
 from dincl.schemes.auto import Choice
-from dincl.schemes.pilots import AIM, FARTHEST, LEAST_RUNS, SAFETY, Candidate, Pilot, event_driven
+from dincl.schemes.pilots import AIM, FARTHEST, LEAST_RUNS, SAFETY, Candidate, Pilot, distance_outside, event_driven
 
 SCENES = [dincl.scenes.sliding_disc(), dincl.scenes.stack(), dincl.scenes.four_disks(), dincl.scenes.closing_walls()]
 
@@ -19,6 +19,7 @@ def pilot(errors, order, wanted=1e-6, dt=1.0):
         found.steps.append(8 * 2**k)
         found.outcomes.append(SimpleNamespace(x=np.array([[[error, 0.0]]])))
         found.seconds.append(1e-3 * 8 * 2**k)
+        found.outside.append(0.0)
     return found
 
 
@@ -54,6 +55,33 @@ def test_an_error_that_is_reached_costs_nothing_more():
     made = pilot([4.0**-k for k in range(12)], 2, wanted=1e-4)
     assert made.is_done()
     assert made.forecast().seconds == 0.0
+
+
+def test_states_are_at_least_so_wrong_as_they_are_outside_of_the_set():
+    """Runs agree, but all are 0.01 outside: of two discs, each is off by half the overlap at least."""
+    made = pilot([4.0**-k for k in range(12)], 1, wanted=1e-3)
+    made.outside = [0.01] * 12
+    assert made.is_contradicted()
+    assert not made.is_done()
+    discs = dincl.Problem([[0.0, 0.0], [1.0, 0.0]], lambda t, x: 0 * x, [dincl.NonOverlap(0.5)])
+    states = np.array([[[0.0, 0.0], [1.0, 0.0]], [[0.0, 0.0], [0.9, 0.0]]])
+    assert distance_outside(discs, np.array([0.0, 1.0]), states) == pytest.approx(0.05)
+
+
+def test_an_empty_set_has_no_solution():
+    """Two walls come closer than the disc between them is wide at t = 0.5; all PBD runs agree from there on."""
+    walls = [dincl.HalfSpace((side, 0), lambda t: t - 1, 0.5) for side in (1, -1)]
+    jaw = dincl.Problem([[0.0, 0.0]], lambda t, x: 0 * x, walls)
+    path = dincl.solve(jaw, dincl.Auto(1e-3), t=[1.0, 2.0], throw=False)
+    assert path.status is dincl.Status.NOT_CONVERGED
+
+
+def test_the_stated_error_is_at_least_the_violation():
+    """A wall jumps at t = 1 into two discs, which PBD then leaves on each other: its runs agree to 2e-6."""
+    walls = [dincl.NonOverlap(0.5), dincl.HalfSpace((0, 1), lambda t: 0.0 if t < 1 else 0.6, 0.1)]
+    jump = dincl.Problem([[-0.6, 0.9], [0.7, 0.8]], lambda t, x: -x, walls)
+    path = dincl.solve(jump, dincl.Auto(1e-3), t=[1.0, 2.0])
+    assert (path.error >= path.violation() / 2).all()
 
 
 def test_other_methods_are_begun_only_where_they_can_save_something():

@@ -58,6 +58,7 @@ def test_failed_runs_are_rows_of_an_order_study():
     found = v.order_study(four, {"PBD": dincl.PBD}, [1.0, *STEPS], [1.0], v.reference(four, 1e-11), errors="final")
     first = found.table.iloc[0]
     assert (first["status"], first["role"]) == ("COINCIDENT_CENTRES", "failed")
+    assert found.summaries()["Runs without an error."]["setting"].tolist() == [1.0]
     assert found.fits["failed"].tolist() == [1]
 
 
@@ -270,6 +271,8 @@ def known(t):
         ),
         ({"budget": 2.0}, r"budget = 2.0: must be CpuSeconds\(...\) or DriftEvaluations"),
         ({"reference": np.zeros((2, 1, 2))}, "reference of shape .*: must give one state for each of 3 times"),
+        ({"reference": lambda t: SLIDE.exact(t)[:, 0]}, r"reference of shape \(3, 2\): must have shape \(K, N, d\)"),
+        ({"methods": [dincl.PBD]}, "methods holds .*: a list must hold Method; or map labels to functions"),
     ],
 )
 def test_bad_input_is_named(changes, message):
@@ -289,8 +292,11 @@ def test_bad_input_is_named(changes, message):
     ("method", "detail"),
     [
         (v.Method("a", scheme=lambda dt: None), "'a' made None of the setting 0.1: must make a dincl.Scheme"),
-        (v.Method("a", run=lambda *_: None), "'a' returned None: must return an array of states"),
+        (v.Method("a", run=lambda *_: None), "'a' returned None: must return an array of real states"),
         (v.Method("a", run=lambda *_: np.zeros(3)), "'a' returned shape (3,): must return (3, 1, 2)"),
+        (v.Method("a", run=lambda *_: np.full((3, 1, 2), 1j)), "must return an array of real states"),
+        (v.Method("a", run=lambda problem, dt: None), "is called with (problem, setting, t): too many positional"),
+        (v.Method("a", scheme=euler), "is called with (setting): missing a required argument: 'dt'; a program is given"),
     ],
 )
 def test_a_method_that_makes_something_else_is_refused(method, detail):
@@ -300,13 +306,23 @@ def test_a_method_that_makes_something_else_is_refused(method, detail):
     assert detail in repr(chart)
 
 
+def test_runs_that_agree_outside_of_the_set_are_no_reference():
+    """Two walls are closer than the disc is wide from t = 0.5 on; all runs leave it on the same side."""
+    walls = [dincl.HalfSpace((side, 0), lambda t: t - 1, 0.5) for side in (1, -1)]
+    jaw = dincl.Problem([[0.0, 0.0]], lambda t, x: 0 * x, walls)
+    with pytest.raises(RuntimeError, match="states are .* outside of the set: it may be empty, or jump"):
+        v.reference(jaw, 1e-6, scheme=dincl.PBD)([1.0, 2.0])
+
+
 def test_bad_methods_and_maps_are_named():
     with pytest.raises(dincl.InvalidProblem, match="give scheme, a function setting -> Scheme, or run"):
         v.Method("both", scheme=dincl.PBD, run=euler)
     with pytest.raises(dincl.InvalidProblem, match=r"settings = .*: must be 5 or more"):
         v.order_study(SLIDE, METHODS, [0.1], T, SLIDE.exact)
-    with pytest.raises(dincl.InvalidProblem, match="'strength': must be an argument of the method or of the problem"):
+    with pytest.raises(dincl.InvalidProblem, match="'strength': must be an argument of the method, which has dt, sweeps"):
         v.stability_map(SLIDE, dincl.PBD, ("dt", [0.1]), ("strength", [1.0]))
+    with pytest.raises(dincl.InvalidProblem, match=r"x = \[0.1\]: must be \(name, values\)"):
+        v.stability_map(SLIDE, dincl.PBD, [0.1], ("sweeps", [1.0]))
     with pytest.raises(dincl.InvalidProblem, match=r"problem = 3: must be a dincl\.Problem"):
         v.reference(3, 1e-9)
     with pytest.raises(dincl.InvalidProblem, match="results holds 3"):
