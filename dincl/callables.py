@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
-from dincl.checks import bounded, describe, plain
+from dincl.checks import bounded, describe
 from dincl.constants import LARGEST
+from dincl.conversions import plain
 from dincl.errors import FunctionFailed
 
 if TYPE_CHECKING:

@@ -1,25 +1,19 @@
 """Checks of user input: each returns the checked value or raises InvalidProblem: name, value and what is allowed.
 
-One rule says which numbers are taken: what ``numpy.asarray`` makes of a value, if that loses nothing. So lists, arrays
-of whole or floating-point numbers, whole numbers of any length and matrices are; masked, complex, ragged and object
-arrays, text, truth values, sets and generators are not. Whatever a value raises while it is looked at, it is refused.
+``dincl.conversions`` says which values are numbers. Whatever a value raises while it is looked at, it is refused.
 """
 
 from __future__ import annotations
 
-import math
 import os
-import sys
 from collections.abc import Sequence
-from decimal import Decimal
-from itertools import chain
-from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from dincl.constants import LARGEST, LARGEST_INTEGER, SMALLEST
+from dincl.conversions import as_array, attempt, one, plain, whole
 from dincl.errors import InvalidProblem
 
 if TYPE_CHECKING:
@@ -29,10 +23,6 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 
-# Numbers that numpy does not know, but float does.
-FRACTIONS: tuple[type, ...] = (Real, Decimal)
-# Lists in lists: no argument has as many axes.
-DEEPEST = 8
 # Longer texts and lists are not written out in messages.
 LONGEST_TEXT, LONGEST_LIST = 80, 100
 
@@ -56,51 +46,6 @@ def describe(value: Any) -> str:
         return f"an object of type {type(value).__name__}"
     text = " ".join(text.split()) if "\n" in text else text
     return text if len(text) <= LONGEST_TEXT else text[: LONGEST_TEXT - 3] + "..."
-
-
-def plain(value: Any) -> NDArray[np.float64] | None:
-    """``value`` as float64 numbers, which may be infinite or NaN; None if it is not real numbers.
-
-    The array is the value itself, where that is one of float64.
-    """
-    if type(value) is np.ndarray and value.dtype.kind == "f" and value.dtype.itemsize == 8:
-        return value.astype(np.float64, copy=False)
-    try:
-        raw = _as_array(value)
-        if raw.dtype.kind == "O" and all(type(entry) in (int, float) for entry in raw.flat):
-            return np.array([_as_float(entry) for entry in raw.flat]).reshape(raw.shape)
-        if raw.dtype.kind not in "fiu":
-            return None
-        with np.errstate(all="ignore"):
-            return raw.astype(np.float64, copy=False)
-    except MemoryError:
-        raise
-    except Exception:  # noqa: BLE001  # whatever the value raises, it is not numbers
-        return None
-
-
-def _as_array(value: Any) -> NDArray[Any]:
-    """The value as numpy sees it; TypeError for bytes, a mask, and lists in lists without an end."""
-    if isinstance(value, (bytes, bytearray)):
-        raise TypeError("bytes")
-    masked: Any = sys.modules.get("numpy.ma")  # imported by whoever made one
-    level, depth = [value], 0
-    while level:
-        if masked is not None and any(issubclass(kind, masked.MaskedArray) for kind in set(map(type, level))):
-            raise TypeError("a mask")
-        lists = {id(part): part for part in level if type(part) in (list, tuple)}
-        level, depth = list(chain.from_iterable(lists.values())), depth + 1
-        if depth > DEEPEST + 1:
-            raise TypeError("too deep")
-    return np.asarray(value)
-
-
-def _as_float(value: float) -> float:
-    """A number as a float; a whole number beyond all floats is infinite."""
-    try:
-        return float(value)
-    except OverflowError:
-        return math.inf if value > 0 else -math.inf
 
 
 def array(name: str, value: ArrayLike, allowed: str = "finite real numbers") -> NDArray[np.float64]:
@@ -132,7 +77,7 @@ def shaped(name: str, value: ArrayLike, shape: tuple[int | None, ...]) -> NDArra
 def number(name: str, value: Any, *, positive: bool = False, non_negative: bool = False) -> float:
     """A finite float, on request > 0, and then at least SMALLEST, or >= 0."""
     allowed = "a finite number" + (" > 0" if positive else " >= 0" if non_negative else "")
-    checked = value if type(value) is float else _one(value)
+    checked = value if type(value) is float else one(value)
     if not abs(checked) <= LARGEST or (positive and checked < SMALLEST) or (non_negative and checked < 0):
         allowed += f", at least {SMALLEST:g}" if positive and checked > 0 else ""
         allowed += f", at most {LARGEST:g}" if abs(checked) > LARGEST else ""
@@ -140,22 +85,9 @@ def number(name: str, value: Any, *, positive: bool = False, non_negative: bool 
     return checked
 
 
-def _one(value: Any) -> float:
-    """A single real number as a float, a fraction or a decimal, too; NaN for anything else."""
-    found = plain(value)
-    if found is None and issubclass(type(value), FRACTIONS) and not isinstance(value, bool):
-        try:
-            return float(value)
-        except MemoryError:
-            raise
-        except Exception:  # noqa: BLE001  # whatever it raises, it is no float
-            return math.nan
-    return math.nan if found is None or found.ndim else float(found)
-
-
 def integer(name: str, value: Any, *, least: int, most: int | None = None) -> int:
     """An int that is at least ``least`` and at most ``most``; None: at most what fits into 64 bits."""
-    checked = _whole(value)
+    checked = whole(value)
     if checked is None or not least <= checked <= (LARGEST_INTEGER if most is None else most):
         allowed = f"an integer >= {least}" if most is None else f"an integer from {least} to {most}"
         if most is None and checked is not None and checked > LARGEST_INTEGER:
@@ -166,22 +98,10 @@ def integer(name: str, value: Any, *, least: int, most: int | None = None) -> in
 
 def seed(name: str, value: Any) -> int:
     """An int >= 0 of any size, as the generators of numpy take it."""
-    checked = _whole(value)
+    checked = whole(value)
     if checked is None or checked < 0:
         raise InvalidProblem(f"{name} = {describe(value)}: must be an integer >= 0")
     return checked
-
-
-def _whole(value: Any) -> int | None:
-    """A whole number as an int; None for anything else, and for one of the user's own class that cannot tell."""
-    if not isinstance(value, (int, np.integer)) or isinstance(value, (bool, np.timedelta64)):
-        return None
-    try:
-        return int(value)
-    except MemoryError:
-        raise
-    except Exception:  # noqa: BLE001  # whatever it raises, it is no whole number
-        return None
 
 
 def flag(name: str, value: Any) -> bool:
@@ -209,12 +129,7 @@ def string(name: str, value: Any, form: re.Pattern[str] | None = None, allowed: 
 
 def path(name: str, value: Any) -> Path:
     """The path of a file or a folder, which need not be there."""
-    try:
-        found = Path(value) if isinstance(value, (str, os.PathLike)) else None
-    except MemoryError:
-        raise
-    except Exception:  # noqa: BLE001  # whatever it raises, it is no path
-        found = None
+    found = attempt(lambda given: Path(given) if isinstance(given, (str, os.PathLike)) else None, value)
     if found is None or "\0" in str(found):
         raise InvalidProblem(f"{name} = {describe(value)}: must be the path of a file or a folder")
     return found
@@ -247,13 +162,8 @@ def items(name: str, value: Any, kind: type[Any] | tuple[type[Any], ...], allowe
     What has an order and a length is a list: no set, mapping or generator, which may never end.
     """
     listed = isinstance(value, (Sequence, np.ndarray)) and not isinstance(value, (str, bytes, bytearray, memoryview))
-    try:
-        found = tuple(value) if listed else (None,)
-    except MemoryError:
-        raise
-    except Exception:  # noqa: BLE001  # whatever it raises, it is no list
-        found = (None,)
-    if not all(isinstance(entry, kind) for entry in found):
+    found = attempt(tuple, value) if listed else None
+    if found is None or not all(isinstance(entry, kind) for entry in found):
         raise InvalidProblem(f"{name} = {describe(value)}: must be {allowed}")
     return found
 
@@ -261,7 +171,8 @@ def items(name: str, value: Any, kind: type[Any] | tuple[type[Any], ...], allowe
 def indices(name: str, value: ArrayLike, columns: int | None = None, *, distinct: bool = False) -> NDArray[np.int64]:
     """Particle indices >= 0 of shape (m,), or (m, columns); each at most once if ``distinct``."""
     allowed = "integers >= 0 of shape " + ("(m,)" if columns is None else f"(m, {columns})")
-    raw = _integers(value)
+    found = attempt(as_array, value)
+    raw = np.asarray(None) if found is None else found
     if raw.size == 0 and raw.dtype.kind == "f":
         raw = np.zeros((0,) if columns is None else (0, columns), dtype=np.int64)
     shaped = raw.ndim == 1 if columns is None else raw.ndim == 2 and raw.shape[1] == columns
@@ -272,16 +183,6 @@ def indices(name: str, value: ArrayLike, columns: int | None = None, *, distinct
     checked = raw.astype(np.int64)
     checked.flags.writeable = False
     return checked
-
-
-def _integers(value: Any) -> NDArray[Any]:
-    """The value as an array; one that is no index if it is none."""
-    try:
-        return _as_array(value)
-    except MemoryError:
-        raise
-    except Exception:  # noqa: BLE001  # whatever the value raises, it is no array
-        return np.asarray(None)
 
 
 def lengths(name: str, value: ArrayLike, *, positive: bool) -> NDArray[np.float64]:

@@ -6,6 +6,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib.util import find_spec
+from pathlib import Path
 from typing import Literal
 
 from dincl.errors import InvalidProblem
@@ -85,11 +86,20 @@ def need_thesis(what: str) -> None:
     missing = [p for module, p in PACKAGES.items() if p not in NOT_IN_THESIS and find_spec(module) is None]
     if missing:
         raise MissingLibrary(what, ", ".join(missing), "thesis")
-    if find_spec("verification.data") is None:
+    if tables_of_studies() is None:
         raise MissingTables(
             f"{what} needs dincl-testbed-data, the tables of complete studies, not installed here; "
             "in a clone: pip install ./verification/data"
         )
+
+
+def tables_of_studies() -> Path | None:
+    """Return the folder of the tables of complete studies, in a clone or of dincl-testbed-data; None if missing."""
+    for package in ("verification.data", "dincl_testbed_data"):
+        spec = find_spec(package)
+        if spec is not None and spec.submodule_search_locations:
+            return Path(next(iter(spec.submodule_search_locations)))
+    return None
 
 
 @contextmanager

@@ -15,7 +15,11 @@ from rich.text import Text
 from dincl.extras import need_thesis, needs
 from verification.claims import Cost, Verdict
 
-app = typer.Typer(help="Measure the methods, check the claims of the thesis, write the report.", no_args_is_help=True)
+app = typer.Typer(
+    help="Measure the methods, check the claims of the thesis, write the report.",
+    no_args_is_help=True,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
 Full = Annotated[
     bool, typer.Option("--full", help="Rerun the complete studies and report differences from the ones that ship.")
 ]

@@ -1,10 +1,9 @@
-"""One run of the event-driven method with one tolerance, and its dense output."""
+"""One run of the event-driven method with one tolerance."""
 
 from __future__ import annotations
 
 import time
-from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,6 +12,7 @@ from dincl.constants import LARGEST
 from dincl.errors import StepFailure
 from dincl.events import integrate as kernels
 from dincl.events.contacts import TOUCHING
+from dincl.events.dense_output import DenseOutput
 from dincl.events.runge_kutta import pair_for
 from dincl.events.workspace import (
     DONE,
@@ -30,19 +30,15 @@ from dincl.events.workspace import (
 from dincl.matrices import row_squares
 from dincl.norms import longest
 from dincl.projection.active_set import ActiveSet
-from dincl.projection.cone import distance_to_cone
 from dincl.projection.feasible import FeasibleSet
 from dincl.status import Status
-from dincl.system.arrays import OK
 from dincl.system.compiled_problem import CompiledProblem, units_of
-from dincl.trajectory import Between, Event
+from dincl.trajectory import Event
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from dincl.events.runge_kutta import RungeKutta
     from dincl.problem import Problem
-    from dincl.solvers.sparse_factor import SparseFactor
     from dincl.work import Work
 
 # Spacing of the differences that give the velocities of moving sets, as a part of the run.
@@ -204,98 +200,3 @@ class EventRun:
         self.between.add(StepTable._make(part[:count].copy() for part in table), float(state["size"]))
         self._events.append(table.event[: int(state["events"])].copy())
         state["steps"], state["events"] = 0, 0
-
-
-class DenseOutput(Between):
-    """A polynomial for each step of a run, in the units of its system; states are moved onto the active rows.
-
-    ``size`` is that of the problem, ``start`` is x(0), shape (N d,).
-    """
-
-    def __init__(
-        self, system: CompiledProblem, gram: SparseFactor, pair: RungeKutta, size: float, start: NDArray[np.float64]
-    ) -> None:
-        self._problem, self._units, self._pair, self._size = system.problem, system.units, pair, size
-        self._start, self._system, self._gram = start, system, gram
-        self._spacing, self._kinks = system.sets.spacing, system.sets.kinks
-        self._tables: list[StepTable] = []
-
-    def add(self, table: StepTable, size: float) -> None:
-        """Append steps, and set the size of the problem after them."""
-        if len(table.end):
-            self._tables.append(table)
-        self._size = size
-
-    def states(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Evaluate the polynomials, moved onto the active rows."""
-        x = self._states(np.asarray(times) / self._units.time)
-        return x.reshape(-1, *self._problem.x0.shape) * self._units.length
-
-    def residuals(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Evaluate residuals with the velocity from before each time, or from after t = 0."""
-        scaled = np.asarray(times) / self._units.time
-        points = zip(times, scaled, *self._steps(scaled), self._states(scaled), strict=True)
-        return np.array([self._residual(float(t), float(s), int(k), int(p), x) for t, s, k, p, x in points])
-
-    def __getstate__(self) -> dict[str, Any]:
-        """Leave out what is bound to this process."""
-        bound = ("_workspaces", "_system", "_gram")
-        return {name: value for name, value in self.__dict__.items() if name not in bound}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        """Bind a system of this process."""
-        system = CompiledProblem(state["_problem"], units=state["_units"])
-        self.__dict__ |= state | {"_system": system, "_gram": sparse_gram(system.arrays)}
-
-    @cached_property
-    def _workspaces(self) -> list[StructPointer]:
-        """One workspace for each table, once the run has ended: to join the tables needs twice their memory."""
-        system, pair, x = self._system, self._pair, self._start
-        tables = self._tables or [step_table(0, pair.terms, x.size, 0, 0)]
-        first = event_workspace(
-            system.arrays, system.place, self._gram, pair, tables[0], x.copy(), np.zeros(0), size=self._size
-        )
-        return [StructPointer(first._replace(steps=table), KIND) for table in tables]
-
-    def _states(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Evaluate the states (K, n) in the units of the run."""
-        self._system.sets.spacing, self._system.sets.kinks = self._spacing, self._kinks
-        x = np.tile(self._start, (len(times), 1))
-        if not self._tables or not len(times):
-            return x
-        table, step = self._steps(times)
-        with self._system.callbacks():
-            for k in range(table.min(), table.max() + 1):
-                chosen = (table == k) & (times > 0)
-                found = x[chosen]
-                code = kernels.states_at(self._workspaces[k], times[chosen], step[chosen], found)
-                if code != OK:
-                    self._system.failure(code)
-                x[chosen] = found
-        return x
-
-    def _steps(self, times: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Find the table of each time, and the step in it."""
-        which, step = np.zeros(len(times), dtype=np.int64), np.zeros(len(times), dtype=np.int64)
-        begins = -np.inf
-        for k, table in enumerate(self._tables):
-            later = times > begins
-            which[later], begins = k, table.end[-1]
-            step[later] = np.minimum(np.searchsorted(table.end, times[later]), len(table.end) - 1)
-        return which, step
-
-    def _residual(self, t: float, scaled: float, table: int, step: int, x: NDArray[np.float64]) -> float:
-        """Compute the residual at time t, which is ``scaled`` in the units of the run, as x (n,) is."""
-        if not self._tables:
-            return np.inf
-        rate, at = np.empty(x.size), x.reshape(self._problem.x0.shape) * self._units.length
-        try:
-            with self._system.callbacks():
-                code = kernels.rate_at(self._workspaces[table], scaled, step, x, rate)
-            if code != OK:
-                self._system.failure(code)
-            reaction = rate * self._units.speed - self._problem.velocity(t, at).ravel()
-            touching = TOUCHING * self._size * self._units.length
-            return distance_to_cone(reaction, self._problem.rows_within(t, at, touching).jacobian(at))
-        except StepFailure:
-            return np.inf

@@ -9,7 +9,6 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from scipy.sparse import eye_array, kron
 
 from dincl.drifts.counted import OutOfBudgetError
 from dincl.errors import InvalidProblem, StepFailure
@@ -95,12 +94,14 @@ def distance_outside(problem: Problem, times: NDArray[np.float64], x: NDArray[np
         try:
             rows = problem.rows_within(float(t), state, 0.0)
             depth = np.maximum(-rows.values(state), 0.0)
-            jacobian = rows.jacobian(state)
+            jacobian = rows.jacobian(state).tocoo()
         except StepFailure:
             return math.inf
         if depth.any():
-            squares = jacobian.power(2) @ kron(eye_array(len(state)), np.ones((state.shape[1], 1)))
-            slopes = np.asarray(np.sqrt(squares).sum(axis=1)).ravel()
+            particles = jacobian.row * len(state) + jacobian.col // state.shape[1]
+            pairs, place = np.unique(particles, return_inverse=True)  # of a row and a particle
+            gradients = np.sqrt(np.bincount(place, jacobian.data**2))
+            slopes = np.bincount(pairs // len(state), gradients, len(depth))
             largest = max(largest, float((depth[slopes > 0] / slopes[slopes > 0]).max(initial=0.0)))
     return largest
 

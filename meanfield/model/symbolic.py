@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from dincl.callables import UserFunction
-from dincl.checks import describe, plain
+from dincl.checks import describe
+from dincl.conversions import plain
 from dincl.errors import FunctionFailed, InvalidProblem
 from dincl.extras import needs
 from dincl.status import Status

@@ -18,9 +18,9 @@ TOP = "(public names)"  # the __init__ file at the root of a package
 # The rooms of each package, lowest first; a line of this table may hold several.
 ORDER = {
     "dincl": (
-        "constants errors status work norms files checks extras callables",
-        "provenance study equivalence compiled matrices drifts rows neighbours constraints shapes region plotting",
-        "problem solvers system steps projection minimise geometry scenes trajectory",
+        "constants errors status work norms files conversions checks extras callables",
+        "provenance study equivalence compiled matrices drifts rows neighbours constraints shapes region drawing",
+        "plotting problem solvers system steps projection minimise geometry scenes trajectory",
         "events schemes solve simplify",
     ),
     "meanfield": (

@@ -43,7 +43,7 @@ OTHER_EXTRAS = ("beyond", "explore", "formal", "proofs", "thesis")
 SERVED = {
     "meanfield": ("meanfield", ("meanfield/transport/discrete.py",)),
     "report": ("verification", tuple([f"verification/{name}/" for name in OTHER_EXTRAS])),
-    "tissue": ("tissue", ("tissue/quasi_steady/judge.py", "tissue/pictures/scene.py", "tissue/study/run.py")),
+    "tissue": ("tissue", ("tissue/quasi_steady/program.py", "tissue/pictures/scene.py", "tissue/study/run.py")),
 }
 NOT_WITH_DINCL = ("casadi", "cvxpy", "matplotlib", "numba", "pandas")
 

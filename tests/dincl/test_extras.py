@@ -137,7 +137,8 @@ def test_what_the_thesis_needs_names_all_that_are_missing(monkeypatch):
 
 
 def test_missing_tables_of_studies_are_named(monkeypatch):
-    monkeypatch.setitem(sys.modules, "verification.data", None)
+    for package in ("verification.data", "dincl_testbed_data"):
+        monkeypatch.setitem(sys.modules, package, None)
     with pytest.raises(
         MissingTables, match=r"^the report needs dincl-testbed-data, .*: pip install ./verification/data$"
     ):

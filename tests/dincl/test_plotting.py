@@ -11,6 +11,7 @@ from matplotlib.patches import Circle, Polygon
 
 import dincl
 from dincl import scenes, shapes
+from dincl.drawing import log_ticks
 from tests.dincl.catalog import SCENES
 
 mpl.use("Agg")
@@ -179,3 +180,26 @@ def test_notebook_shows_picture_and_failure():
     assert 'src="data:image/png;base64,' in text
     assert "DRIFT_FAILED" in text
     assert "smaller dt" in text
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "shown"),
+    [
+        (1e-6, 2e-1, [f"$10^{{{k}}}$" for k in range(-6, 0)]),
+        (0.006, 0.1, ["0.01", "0.03", "0.1"]),
+        (0.5, 30.0, ["1", "3", "10", "30"]),
+        (3.0, 29.0, ["5", "10", "20"]),
+        (0.2, 1.0, ["0.2", "0.4", "0.6", "0.8", "1"]),
+        (2.1, 4.9, ["3", "4"]),
+    ],
+)
+def test_logarithmic_axes_have_few_ticks_and_plain_numbers_where_they_are_short(low, high, shown):
+    ax = axes()
+    for ends in ((1.0, 2.0), (1.0, 1e6), (low, high)):  # ticks follow limits that change
+        ax.set(xscale="log", xlim=ends, yticks=[0.3, 0.7])
+        log_ticks(ax)
+    ax.figure.draw_without_rendering()
+    inside = [tick.label1.get_text() for tick in ax.xaxis.get_major_ticks() if low <= tick.get_loc() <= high]
+    assert [text.replace(r"\mathdefault{", "").replace("}}", "}") for text in inside] == shown
+    assert ax.xaxis.get_minorticklocs().size == 0
+    assert ax.get_yticks().tolist() == [0.3, 0.7]

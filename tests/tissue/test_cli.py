@@ -44,6 +44,12 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
+@pytest.mark.parametrize("command", [[], ["run"], ["movie"], ["study"], ["summary"], ["parameters"], ["explore"]])
+def test_help_may_be_asked_for_in_short(command):
+    short, long = (CliRunner().invoke(app, [*command, option]) for option in ("-h", "--help"))
+    assert (short.exit_code, short.stdout) == (0, long.stdout)
+
+
 @pytest.fixture
 def simulated(monkeypatch):
     """Count the simulations."""

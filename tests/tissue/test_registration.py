@@ -159,6 +159,18 @@ def test_what_is_wrong_is_named(own, text, message):
         tissue.load(file)
 
 
+def test_a_module_that_cannot_be_imported_is_named_before_the_keys_it_lacks(own):
+    (own.parent / "broken.py").write_text("1 / 0", "utf-8")
+    file = own.parent / "bad.toml"
+    file.write_text('base = "thesis"\nown.modules = ["broken.py"]\nemt.squeeze = "1 h"\n', "utf-8")
+    with pytest.raises(InvalidProblem) as caught:
+        tissue.load(file)
+    _, first, second = str(caught.value).split("\n  ")
+    assert first.startswith("own.modules = ")
+    assert "cannot be imported: ZeroDivisionError" in first
+    assert second.startswith("emt.squeeze = '1 h': unknown key")
+
+
 @pytest.mark.parametrize(
     ("make", "message"),
     [

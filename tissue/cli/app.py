@@ -30,7 +30,10 @@ MAKES_NO_NUMBERS = True
 
 # The page shows tissues and inclusions, so it stands above this package, which knows nothing of it but this name.
 PAGE = "verification.explore.command:explore"
-app = typer.Typer(help="Grow a tissue, and look at it.", no_args_is_help=True, rich_markup_mode="markdown")
+HELP = {"help_option_names": ["-h", "--help"]}
+app = typer.Typer(
+    help="Grow a tissue, and look at it.", no_args_is_help=True, rich_markup_mode="markdown", context_settings=HELP
+)
 app.command()(resolve_name(PAGE))
 app.command()(study)
 app.command()(figures)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from contextlib import nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, get_args
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from tissue.files.parameters import Parameters
-    from tissue.study.plan import TissueStudy
     from tissue.study.read import Results
 
 MAKES_NO_NUMBERS = True
@@ -49,7 +48,6 @@ def study(file: File, out: Out = None, scheduler: Scheduler = None, forecast: Fo
 
     with messages():
         plan = load_study(file)
-        _check_countable(plan, file)
         idle = in_scenarios({name: idle_events(one) for name, one in plan.scenarios.items()})
         for remark in [*plan.remarks, *idle]:
             print(remark)
@@ -81,29 +79,13 @@ def idle_events(parameters: Parameters) -> list[str]:
     """Return a sentence for each event of a group without cells: a file that sets emt.a alone has no EMT cell."""
     from tissue.events.known import events
 
-    empty = {one.name: one.scenario.times for one in parameters.groups() if not one.scenario.cells}
+    empty = {one.section: one.scenario.times for one in parameters.groups() if not one.scenario.cells}
     return [
-        f"[{event.mark}] has no cells: {name if name == 'emt' else f'types.{name}'}.cells = 0"
-        for name, times in empty.items()
+        f"[{event.mark}] has no cells: {section}.cells = 0"
+        for section, times in empty.items()
         for event in events()
         if event.name in times and times[event.name].ever
     ]
-
-
-def _check_countable(plan: TissueStudy, file: str) -> None:
-    """Refuse before the runs a comparison of ratios of EMT cells in scenarios that have none."""
-    from tissue.statistics.categories import What
-
-    ratios = [one for one in plan.compare.outcomes if one in get_args(What)] if plan.compare is not None else []
-    if plan.compare is None or not ratios:
-        return
-    groups = {name: plan.scenarios[name].groups() for name in plan.compare.scenarios}
-    bare = [name for name, each in groups.items() if not any(one.may_leave and one.scenario.cells for one in each)]
-    if bare:
-        raise InvalidProblem(
-            f"{file}: compare.outcomes = {ratios}: must have EMT cells to count in each scenario that is compared; "
-            f"emt.cells, or an event of a type, gives some to {', '.join(map(repr, bare))}"
-        )
 
 
 def _summary(results: Results, runs: int, seconds: float) -> str:

@@ -48,7 +48,7 @@ class EmtSection(ParameterSection):
     __pydantic_extra__: dict[str, Begin]
 
     cells: Annotated[int, count(MOST_CELLS, least=0)] = key(
-        "EMT cells, in the middle of the tissue", "N^EMT", "section 2.2 of chapter 4"
+        "cells of the group emt, in the middle of the tissue", "N^EMT", "section 2.2 of chapter 4"
     )
     inm: Probability = key(
         "probability that an EMT cell performs interkinetic nuclear movement", "", "section 2.1 of chapter 4"

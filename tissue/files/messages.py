@@ -15,6 +15,8 @@ from tissue.files.parameter_files import TYPE, general
 
 # A key in the same section counts as this much nearer than one in another.
 SAME_SECTION = 0.25
+# Sections less alike than this are not suggested.
+ALIKE = 0.5
 
 
 def known_keys(shape: type[BaseModel]) -> list[str]:
@@ -80,8 +82,9 @@ def _line(item: Any, shape: type[BaseModel]) -> str:
         case "missing":
             return f"{key} is missing: without a base it must be given, {_allowed(key, shape)}"
         case "extra_forbidden":
-            top = [] if "." in key else ["base", *sections(shape)]
-            return unknown(key, item["input"], [*top, *known_keys(shape)])
+            if "." not in key and isinstance(item["input"], Mapping):
+                return f"{key} = {describe(item['input'])}: {_no_section(key, sections(shape))}"
+            return unknown(key, item["input"], [*([] if "." in key else ["base"]), *known_keys(shape)])
         case "model_type":
             return f"{key} = {describe(item['input'])}: must be {_allowed(key, shape)}"
         case _:
@@ -105,12 +108,21 @@ def _choice(key: str, shape: type[BaseModel]) -> str:
     return f" ({facts.meaning})" if facts is not None and facts.is_choice else ""
 
 
+def _no_section(name: str, known: Iterable[str]) -> str:
+    """Say what is wrong with the name of a table that is no section."""
+    names = list(known)
+    nearest = _nearest(name, names)
+    if SequenceMatcher(None, name.lower(), nearest).ratio() < ALIKE:
+        return f"unknown section; must be one of {', '.join(names)}"
+    return f"unknown section; the nearest known one is {nearest}"
+
+
 def _nearest(key: str, known: Iterable[str]) -> str:
-    """Find the known key that looks most like this one: by its name, and rather in the section given."""
-    section, _, name = key.rpartition(".")
+    """Find the known key that looks most like this one in lower case: by its name, and rather in its section."""
+    section, _, name = key.lower().rpartition(".")
 
     def likeness(candidate: str) -> float:
-        there, _, called = candidate.rpartition(".")
+        there, _, called = candidate.lower().rpartition(".")
         return SequenceMatcher(None, name, called).ratio() + SAME_SECTION * (there == section != "")
 
     return max(known, key=likeness)

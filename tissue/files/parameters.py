@@ -295,5 +295,5 @@ def _checked(
             return _checked(merged(tables, {"tissue": {"cells": cells}}), source)
         found += problems(error, Parameters, missing=missing) + broken(good) + broken_types(good)
     if found:
-        raise refuse(source, found)
+        raise refuse(source, sorted(found, key=lambda line: not line.startswith("own.")))  # others follow from it
     return parameters

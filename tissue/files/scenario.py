@@ -33,6 +33,11 @@ class CellGroup(NamedTuple):
     may_leave: bool  # whether its cells have events, and so are EMT cells
     rest_length: float  # eta of both cytoskeleton springs at the start, without the radius R_soft
 
+    @property
+    def section(self) -> str:
+        """Its section in a parameter file."""
+        return self.name if self.name == "emt" else f"types.{self.name}"
+
 
 def drawn(scenario: Scenario, draws: Generator) -> tuple[Emt, Flags]:
     """EMT cells, and whether each has INM.
@@ -58,23 +63,27 @@ def remarks(groups: Iterable[CellGroup], end: float) -> list[str]:
     ``end``: of the run [h]. Source: section 2.2.4 of chapter 4, for [P], which waits for [B].
     """
     found: dict[str, None] = {}
-    for event, times in _timed(groups):
+    for section, event, times in _timed(groups):
         found |= dict.fromkeys(_waits(event, times[event.name], times.get(event.after or "", Timing())))
-        found |= dict.fromkeys(_ends_before(event, times[event.name], end, sure=False))
+        found |= dict.fromkeys(_ends_before(section, event, times[event.name], end, sure=False))
     return list(found)
 
 
 def too_late(groups: Iterable[CellGroup], end: float) -> list[str]:
     """Return a sentence for each event that no run begins, as it ends before [h]."""
-    lines = (_ends_before(event, times[event.name], end, sure=True) for event, times in _timed(groups))
+    lines = (
+        _ends_before(section, event, times[event.name], end, sure=True) for section, event, times in _timed(groups)
+    )
     return list(dict.fromkeys(line for some in lines for line in some))
 
 
-def _timed(groups: Iterable[CellGroup]) -> Iterator[tuple[EmtEvent, Mapping[str, Timing]]]:
-    """Give the events that may begin in a group, with the times of all its events."""
+def _timed(groups: Iterable[CellGroup]) -> Iterator[tuple[str, EmtEvent, Mapping[str, Timing]]]:
+    """Give the events that may begin in a group with its section, and with the times of all its events."""
     for group in groups:
-        times = group.scenario.times
-        yield from ((one, times) for one in events() if group.scenario.cells and times.get(one.name, Timing()).ever)
+        section, times = group.section, group.scenario.times
+        yield from (
+            (section, one, times) for one in events() if group.scenario.cells and times.get(one.name, Timing()).ever
+        )
 
 
 def _waits(event: EmtEvent, time: Timing, first: Timing) -> Iterator[str]:
@@ -88,8 +97,9 @@ def _waits(event: EmtEvent, time: Timing, first: Timing) -> Iterator[str]:
         yield f"{mine} ({time}) waits for {other} ({first}) where {other} is later{missing}"
 
 
-def _ends_before(event: EmtEvent, time: Timing, end: float, *, sure: bool) -> Iterator[str]:
+def _ends_before(section: str, event: EmtEvent, time: Timing, end: float, *, sure: bool) -> Iterator[str]:
+    why = f'{section}.{event.name} = "{time}", and numerics.t_end = "{end:g} h"'
     if time.low is not None and time.low.value > end:
-        yield f"[{event.mark}] ({time}) never begins: the run ends at {end:g} h"
+        yield f"[{event.mark}] never begins: {why}"
     elif time.high is not None and time.high.value > end and not sure:
-        yield f"[{event.mark}] ({time}) does not begin in all cells: the run ends at {end:g} h"
+        yield f"[{event.mark}] does not begin in all cells: {why}"

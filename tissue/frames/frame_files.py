@@ -8,7 +8,7 @@ import zlib
 from collections.abc import Iterator, Mapping
 from os import PathLike
 from typing import Any
-from zipfile import BadZipFile
+from zipfile import BadZipFile, is_zipfile
 
 import numpy as np
 
@@ -95,11 +95,14 @@ def _arrays(parts: Parts) -> Arrays:
 def load(path: str | PathLike[str]) -> Parts:
     """Load the fields of a frame, see ``Frame.load``."""
     file_path = checked_path("path", path)
+    if file_path.is_file() and not is_zipfile(file_path):
+        raise InvalidProblem(f"{path}: must be a readable file that Frame.save wrote: it is no archive npz")
     try:
         with file_path.open("rb") as file, np.load(file, allow_pickle=False) as held:
             arrays = {name: held[name] for name in held.files}
     except UNREADABLE as error:
-        raise InvalidProblem(f"{path}: must be a readable file that Frame.save wrote: {error}") from error
+        why = "an array holds Python objects" if "allow_pickle" in str(error) else error
+        raise InvalidProblem(f"{path}: must be a readable file that Frame.save wrote: {why}") from error
     for wrong in _wrong(arrays):
         raise InvalidProblem(f"{path}: must be a file that Frame.save wrote: {wrong}")
     return _parts(arrays)

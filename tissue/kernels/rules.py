@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from dincl.compiled import c_function, call, reader, signature, struct_type
-from tissue.state.cells import Integers
+from tissue.state.cells import Floats, Integers
 from tissue.state.numbers import NUMBERS
 from tissue.state.running import STATE
 from tissue.state.space import TissueRules
@@ -36,9 +36,11 @@ class Rules(NamedTuple):
     place: int
     frees_apical: int  # the bits of the events after which the apical spring holds nothing
     frees_basal: int
+    users: int  # the bits of the events of users: what these leave of a cell is checked
+    fault: Floats  # (6,): the first bad value, see ``tissue.model.emt.check_cell``; fault[0] is 0 without one
 
 
-_EXAMPLE = Rules(np.zeros(1, np.int64), np.zeros(1, np.int64), np.zeros(1, np.int64), 0, 0, 0, 0)
+_EXAMPLE = Rules(np.zeros(1, np.int64), np.zeros(1, np.int64), np.zeros(1, np.int64), 0, 0, 0, 0, 0, np.zeros(6))
 RULES = struct_type(_EXAMPLE)
 rules_at = reader(_EXAMPLE)
 # The rule split(state, splits, numbers, rules), which makes all daughters of one dt.

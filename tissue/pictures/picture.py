@@ -17,28 +17,15 @@ from dincl.checks import path as checked_path
 from dincl.errors import InvalidProblem
 from tissue.files.parameters import Parameters
 from tissue.frames.frame import Frame
-from tissue.frames.observables import height, is_measurable
-from tissue.frames.section import cut_of, section
-from tissue.pictures.emt import EmtLook, chains, free_points, look_of
+from tissue.frames.observables import is_measurable
+from tissue.frames.section import section
+from tissue.pictures.emt import EmtLook, look_of
 from tissue.pictures.sheet import (
-    APICAL,
-    BASAL,
-    BELOW,
-    CHAIN,
-    CROSS,
-    DOT,
-    DOT_SIZE,
     LINE,
-    SOFT,
-    SPRING,
     TYPE_COLOURS,
-    Artist,
     Axes,
-    EllipseCollection,
     Figure,
     FigureCanvasAgg,
-    LineCollection,
-    colours_of_cells,
     control_entries,
     emt_entries,
     legend,
@@ -47,11 +34,11 @@ from tissue.pictures.sheet import (
     type_entries,
     write,
 )
+from tissue.pictures.state import draw_basal_layer, draw_state
 from tissue.state.cells import NAMED
 
 if TYPE_CHECKING:
     from tissue.state.basal_curve import BasalCurve
-    from tissue.state.cells import Floats
 
 MAKES_NO_NUMBERS = True
 
@@ -64,9 +51,6 @@ TITLE = 3.2  # inches, of the title of a panel
 DPI = 200
 MOVIE_DPI = 100
 MARGIN = 2.0  # um around the discs
-POINTS = 721  # of a basal layer that bends
-FULL, THINNEST = 3.5, 0.25  # points per um from which on lines have their full width; what is left of it at least
-LEAST_CROSS = 0.6  # of the size of the crosses
 
 
 class Box(NamedTuple):
@@ -122,7 +106,7 @@ def drawing(
     with style():
         figure, panels = _sheet(len(frames), box, frames[0].curve, of[0], DPI, _second(frames, of[0], look), room)
         for panel, state, own in zip(panels, states, of, strict=False):
-            _draw(panel, state, own, _decimals(frames), look)
+            draw_state(panel, state, own, _decimals(frames), look)
     return figure
 
 
@@ -131,7 +115,7 @@ def draw_frame(panel: Axes, frame: Frame, parameters: Parameters, box: Box | Non
     shown = section(frame)
     with style():
         _axes(panel, box or box_of([shown], parameters), shown.curve, parameters, lowest=True, leftmost=True)
-        _draw(panel, frame, parameters, _decimals([frame]), look_of([shown]))
+        draw_state(panel, frame, parameters, _decimals([frame]), look_of([shown]))
 
 
 def stills(frames: Sequence[Frame], parameters: Parameters) -> Iterator[NDArray[np.uint8]]:
@@ -149,7 +133,7 @@ def stills(frames: Sequence[Frame], parameters: Parameters) -> Iterator[NDArray[
     for state in states:
         canvas.restore_region(background)
         with style():
-            for artist in _draw(panel, state, parameters, decimals, look):
+            for artist in draw_state(panel, state, parameters, decimals, look):
                 panel.draw_artist(artist)
                 artist.remove()
         yield np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
@@ -225,90 +209,10 @@ def _axes(panel: Axes, box: Box, curve: BasalCurve, parameters: Parameters, *, l
         panel.set_xlabel("x [µm]")
     if leftmost:
         panel.set_ylabel("y [µm]")
-    _draw_basal_layer(panel, box, curve, parameters.cell.soft_radius.value)
-
-
-def _draw_basal_layer(panel: Axes, box: Box, curve: BasalCurve, um: float) -> None:
-    """Draw the curve, and in grey the side without tissue; of an open curve that bends the curve alone."""
-    if curve.pieces == 0:
-        panel.axhspan(box.low, 0.0, color=BELOW, linewidth=0, zorder=0)
-        panel.axhline(0.0, color=BASAL, linewidth=1.2, zorder=1)
-        return
-    x, y = um * curve.evaluate(np.linspace(0.0, curve.length, POINTS) - curve.origin)[0]
-    panel.plot(x, y, color=BASAL, linewidth=1.2, zorder=1)
-    if curve.around:
-        inside = curve.area > 0
-        panel.axhspan(box.low, box.high, color=BELOW if inside else "white", linewidth=0, zorder=0)
-        panel.fill(x, y, color="white" if inside else BELOW, linewidth=0, zorder=0.5)
-
-
-def _draw(panel: Axes, state: Frame, parameters: Parameters, decimals: int, look: EmtLook) -> list[Artist]:
-    """Draw one state, from below to above; of a tissue in space its section, and the apical layer where it is cut."""
-    frame, cut = section(state), cut_of(state)
-    um, cells = parameters.cell.soft_radius.value, frame.cells
-    nuclei, apical, basal = (um * np.column_stack(xy) for xy in _points(frame))
-    colours, edges = colours_of_cells(frame, parameters, look)
-    soft, hard = np.full(len(nuclei), um), um * cells.radius
-    widths = np.where(cells.kind < NAMED, 0.4, 1.2)
-    thin = _thinner(panel)
-    collections = [
-        _discs(panel, nuclei, soft, facecolors=colours, alpha=SOFT, linewidths=0, zorder=2),
-        _discs(panel, nuclei, soft, facecolors="none", edgecolors=colours, linewidths=0.5 * thin, zorder=2),
-        LineCollection(
-            list(np.stack((apical, nuclei, basal), axis=1)), colors=SPRING, linewidths=0.7 * thin, alpha=0.55, zorder=3
-        ),
-        _discs(panel, nuclei, hard, facecolors=colours, edgecolors=edges, linewidths=thin * widths, zorder=4),
-    ]
-    if joined := [apical[members] for members in chains(frame)]:
-        collections.append(LineCollection(joined, colors=APICAL, zorder=5, **CHAIN))
-    if cut is not None:
-        collections.append(LineCollection(list(um * cut), colors=APICAL, linewidths=1.5 * thin, zorder=5))
-    for collection in collections:
-        panel.add_collection(collection)
-    dots = DOT | {"markersize": DOT_SIZE * thin, "zorder": 5}
-    crosses = CROSS | {"markersize": CROSS["markersize"] * max(thin, LEAST_CROSS)}
-    free_apical, free_basal = free_points(frame)
-    layer = frame.layers.apical
-    path = apical[np.append(layer, layer[: frame.curve.ring])]
-    line = {"linewidth": 1.5 * thin} if cut is None else {"linestyle": "none"}
-    lines = panel.plot(*path.T, color=APICAL, **line, **dots)
-    lines += panel.plot(*basal[~free_basal].T, color=BASAL, linestyle="none", **dots)
-    for points, colour in ((apical[free_apical], APICAL), (basal[free_basal], BASAL)):
-        lines += panel.plot(*points.T, color=colour, zorder=6, **crosses) if len(points) else []
-    number = len(state.cells.x)
-    count = f"{'' if cut is None else f'{len(cells.x)} of '}{number} cell{'s' * (number != 1)}"
-    facts = f"t = {frame.t:.{decimals}f} h", count, f"height {um * height(state):.3g} µm"
-    title = ("  ·  " if cut is None else " · ").join(facts)
-    return [*collections, *lines, panel.annotate(title, (0, 1), (0, 6), "axes fraction", "offset points", size=9.5)]
-
-
-def _thinner(panel: Axes) -> float:
-    """Return the factor of line widths in a small scale, so that lines do not hide what they join."""
-    left, right = panel.get_xlim()
-    points = 72 * _inches(panel) * panel.get_position().width
-    return min(1.0, max(THINNEST, math.sqrt(points / (right - left) / FULL)))
-
-
-def _inches(panel: Axes) -> float:
-    """Return the width of its figure."""
-    figure = panel.get_figure(root=True)
-    return WIDTH if figure is None else float(figure.get_size_inches()[0])
+    draw_basal_layer(panel, curve, parameters.cell.soft_radius.value)
 
 
 def _decimals(frames: Sequence[Frame]) -> int:
     """Count the decimals that the times need, at most two."""
     times = np.array([frame.t for frame in frames])
     return next((k for k in (0, 1) if np.allclose(times, np.round(times, k), rtol=0, atol=1e-6)), 2)
-
-
-def _points(frame: Frame) -> tuple[tuple[Floats, Floats], ...]:
-    c = frame.cells
-    return (c.x, c.y), (c.ax, c.ay), (c.bx, c.by)
-
-
-def _discs(panel: Axes, centres: Floats, radii: Floats, **look: Any) -> EllipseCollection:
-    """Make discs to scale, centres (n, 2), radii (n,)."""
-    sizes = 2 * radii
-    return EllipseCollection(
-        sizes, sizes, np.zeros(len(sizes)), units="xy", offsets=centres, offset_transform=panel.transData, **look
-    )

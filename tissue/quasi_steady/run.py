@@ -159,7 +159,7 @@ class _Steps:
         if is_full(self._state, t):
             self._state = grown(self._state)
         rules = rules_pointer([self._state], self._parameters.division_rule())
-        with answered():
+        with answered(rules):
             apply_rules(self._state, t, numbers_pointer(numbers, named), rules, self._random.cycle, self._random.noise)
         found = self._minimiser.minimise(*contents(self._state), numbers)
         self._found.append((found.iterations, bool(found.status), found.energy, found.violation))

@@ -14,6 +14,7 @@ from dincl.status import Status
 from tissue.files.parameters import Parameters
 from tissue.frames.frame import Frame
 from tissue.kernels.workspace import LOST, RUNNING
+from tissue.model.emt import CHECKED
 from tissue.plugins import DivisionRule, EmtEvent, Force, registered
 from tissue.runs.group import Group
 from tissue.runs.resume import checkpoint_of, resumed, steps_made
@@ -31,6 +32,7 @@ RULES = UserFunction("a function of an event, a force or a rule", ("state", "...
 ASKED = 10_000
 # What the points of a cell do not tell of.
 LASTING = tuple(name for name in Cells._fields if name not in (*COORDINATES, *DEPTHS, *KINDS))
+NON_NEGATIVE = CHECKED[2:]
 
 
 class Batch:
@@ -155,19 +157,25 @@ class Batch:
             raise
 
     def _refuse_lost(self, t: float) -> None:
-        """Raise FunctionFailed for a number of a cell that is not finite while its points are.
+        """Raise FunctionFailed for a number of a cell that is negative, or not finite while its points are.
 
-        Our own rules make none, so runs without rules of users are not asked.
+        Our own rules make none, so runs without rules of users are not asked. What an event leaves of its own cell is
+        checked at once (``tissue.model.emt.check_cell``); this finds other cells, and what rules of divisions leave.
         """
         if not any(map(registered, (EmtEvent, DivisionRule, Force))):
             return
         for k in range(len(self.seeds)):
             state = self.state(k)
             n = state.sizes[CELLS]
-            for name in LASTING if self.goes_on(k) else ():
-                if not np.isfinite(getattr(state.cells, name)[:n]).all():
-                    what = f"made a number of cells.{name} that is not finite, until t = {t:g} h"
-                    RULES.refuse(what)
+            for name in LASTING:
+                values = getattr(state.cells, name)[:n]
+                wrong = ~np.isfinite(values) if self.goes_on(k) else np.zeros(n, np.bool_)
+                if name in NON_NEGATIVE:  # where it is negative the points may be lost by it
+                    wrong |= values < 0.0
+                if len(bad := np.flatnonzero(wrong)):
+                    must = "finite and at least 0" if name in NON_NEGATIVE else "finite"
+                    made = f"set cells.{name} of cell {state.cells.id[bad[0]]} to {values[bad[0]]:g}"
+                    RULES.refuse(f"{made}, until t = {t:g} h: must be {must}.")
 
     def _stopped(self, k: int) -> float:
         """Return when run k failed [h]."""

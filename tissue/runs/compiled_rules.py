@@ -14,8 +14,9 @@ from dincl.callables import UserFunction
 from dincl.compiled import StructPointer, c_function, collect_errors
 from dincl.status import Status
 from tissue.events.division import BESIDE
-from tissue.events.known import acting, bit, events
+from tissue.events.known import acting, bit, built_in, events
 from tissue.kernels.rules import BEGIN, LAST, PLACE, RULES, SPLITS, Rules
+from tissue.model.emt import BEGUN, CHECKED
 from tissue.plugins import POINTS, DivisionRule, EmtEvent, Force
 from tissue.runs.user_code import check_code
 from tissue.state.cells import Integers
@@ -27,6 +28,8 @@ _COMPILED: dict[Callable[..., Any], Any] = {}
 _COMPILING = Lock()
 # Of each function of a user, by its file and name: what messages say of it.
 _KNOWN: dict[tuple[str, str], UserFunction] = {}
+# The same by the address of the machine code.
+_AT: dict[int, UserFunction] = {}
 
 
 class _Part(NamedTuple):
@@ -54,10 +57,10 @@ def rules_pointer(states: Iterable[TissueState], division: DivisionRule = BESIDE
     used = [event if want else None for event, want in zip(events(), wanted, strict=True)]
     (splits,), (place,) = _addresses(_SPLITS, [division]), _addresses(_PLACE, [division])
     order = np.array(acting(), np.int64)
-    frees = (sum(bit(event.name) for event in events() if event.frees == point) for point in POINTS)
-    return StructPointer(
-        Rules(order, _addresses(_BEGIN, used), _addresses(_LAST, used), int(splits), int(place), *frees), RULES
-    )
+    apical, basal = (sum(bit(event.name) for event in events() if event.frees == point) for point in POINTS)
+    begin, last = _addresses(_BEGIN, used), _addresses(_LAST, used)
+    users = sum(bit(event.name) for event in events()[len(built_in()) :])
+    return StructPointer(Rules(order, begin, last, int(splits), int(place), apical, basal, users, np.zeros(6)), RULES)
 
 
 def forces_pointer(forces: Sequence[tuple[Force, float]], states: Integers, numbers: int, scale: float) -> Any:
@@ -78,22 +81,48 @@ def push_and_energy(force: Force) -> tuple[int, int]:
 
 
 @contextmanager
-def answered() -> Iterator[None]:
-    """Raise FunctionFailed behind a call of kernels if a function of a user raised in it; its error is the cause."""
+def answered(rules: Any = None, forces: Any = None) -> Iterator[None]:
+    """Raise FunctionFailed behind a call of kernels if a function of a user raised in it; its error is the cause.
+
+    Also if an event of a user among these rules left a bad value, see ``tissue.model.emt.check_cell``. An index beyond
+    an array has no traceback: the error names all functions of users among these rules and forces.
+    """
     with collect_errors() as errors:
         yield
     if errors:
-        raise _origin(errors[0].__traceback__).failed(errors[0], "raised") from errors[0]
+        found = _origin(errors[0].__traceback__) or _one_of(rules, forces)
+        raise found.failed(errors[0], "raised") from errors[0]
+    if rules is not None and rules.value.fault[0]:
+        _refuse_value(*rules.value.fault.tolist())
 
 
-def _origin(trace: TracebackType | None) -> UserFunction:
-    """Return the function of a user that an error came out of, by its traceback."""
+def _refuse_value(part: float, event: float, cell: float, field: float, value: float, least: float) -> None:
+    """Raise FunctionFailed for a value that a function of an event left."""
+    function = _BEGIN if part == BEGUN else _LAST
+    what = f"set cells.{CHECKED[int(field)]} of cell {cell:.0f} to {value:g}: must be finite and at least {least:g}."
+    _known(function, events()[int(event)]).refuse(what)
+
+
+def _origin(trace: TracebackType | None) -> UserFunction | None:
+    """Return the function of a user that an error came out of, by its traceback; None if it does not tell."""
     while trace is not None:
         code = trace.tb_frame.f_code
         if (code.co_filename, code.co_name) in _KNOWN:
             return _KNOWN[code.co_filename, code.co_name]
         trace = trace.tb_next
-    return UserFunction("a function of an event, a force or a rule", ("...",), Status.FUNCTION_FAILED)
+    return None
+
+
+def _one_of(rules: Any, forces: Any) -> UserFunction:
+    """Return the functions of users among these rules and forces as one."""
+    addresses = [] if forces is None else forces.value.push.tolist()
+    if rules is not None:
+        addresses += [*rules.value.begin.tolist(), *rules.value.last.tolist(), rules.value.splits, rules.value.place]
+    found = [_AT[address] for address in addresses if address in _AT]
+    if len(found) == 1:
+        return found[0]
+    names = " or ".join(one.name for one in found) or "a function of an event, a force or a rule"
+    return UserFunction(names, ("...",), Status.FUNCTION_FAILED)
 
 
 def _addresses(part: _Part, things: Sequence[EmtEvent | DivisionRule | Force | None]) -> Integers:
@@ -106,15 +135,22 @@ def _address(part: _Part, thing: EmtEvent | DivisionRule | Force) -> int:
     function = getattr(thing, part.name)
     if function is None:
         return 0
-    name = f"{type(thing).__name__} {thing.name}: {part.name}"
-    known = UserFunction(name, part.arguments, Status.FUNCTION_FAILED)
+    known = _known(part, thing)
     _KNOWN[function.__code__.co_filename, function.__code__.co_name] = known
     try:
-        return int(_compiled(part.signature, function).address)
+        address = int(_compiled(part.signature, function).address)
     except MemoryError:
         raise
     except Exception as error:
         raise known.failed(error, "cannot be compiled:") from error
+    if thing not in built_in() and thing is not BESIDE:
+        _AT[address] = known
+    return address
+
+
+def _known(part: _Part, thing: EmtEvent | DivisionRule | Force) -> UserFunction:
+    name = f"{type(thing).__name__} {thing.name}: {part.name}"
+    return UserFunction(name, part.arguments, Status.FUNCTION_FAILED)
 
 
 def _compiled(signature: Any, function: Callable[..., Any]) -> Any:

@@ -62,6 +62,7 @@ class Group:
         named: Sequence[Numbers] = (),
     ) -> None:
         self.states, self.forces = list(states), forces
+        self._own: Any = None  # the forces, for compiled code
         width = 1 if len(self.states) == 1 else WIDTH
         self.ended: Integers = np.where(np.arange(width) < len(self.states), RUNNING, EMPTY)
         self._numbers, self._named, self._keep = numbers, named, random
@@ -83,15 +84,15 @@ class Group:
     def call(self, made: int, steps: int) -> tuple[int, int]:
         """Make steps until all are made or a state is full: how many are made, and how it ended, see ``advance``.
 
-        Raises FunctionFailed if a function of a user raised.
+        Raises FunctionFailed if a function of a user raised, or left a bad value.
         """
-        with answered():
+        with answered(self._rules, self._own):
             made, end = advance(self._step, made, steps)
         return made, end
 
     def make_substeps(self) -> bool:
         """Make all substeps of one dt without rules; return whether no cell of the first tissue is lost."""
-        with answered():
+        with answered(forces=self._own):
             move_all(self._step)
         return bool(find_lost(self.states[0]) < 0)
 

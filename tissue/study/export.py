@@ -28,7 +28,7 @@ def write_csv(results: Results) -> list[Path]:
         "answers": planned_answers(results),
         "ratios": scenario_ratios(results),
         "controls": control_shares(results),
-        "parameters": scenario_changes(results),
+        "parameters": scenario_changes(results).replace("nan", ""),
         "runs": pd.concat(runs, ignore_index=True) if runs else pd.DataFrame(),
         "cells": results.to_frame() if stored else pd.DataFrame(),
     }

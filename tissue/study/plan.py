@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from hashlib import sha256
 from os import PathLike
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, get_args
 
 import numpy as np
 from numpy.random import SeedSequence
@@ -21,6 +21,7 @@ from tissue.files.own_modules import placed
 from tissue.files.parameter_files import flat, merged, read
 from tissue.files.parameters import NoBase, Parameters, based_on
 from tissue.files.scenario import remarks
+from tissue.statistics.categories import What
 from tissue.study.planned import PlannedComparisons, crossed, overlapping, planned
 from tissue.study.shape import checked
 
@@ -87,8 +88,9 @@ def load_study(path: str | PathLike[str]) -> TissueStudy:
     Raises
     ------
     InvalidProblem
-        If there is no such file, or it cannot be read, lacks a key, has an unknown or a bad one, or a scenario that
-        cannot be; all of it in one message that names the file, the scenario, each key, its value and what is allowed.
+        If there is no such file, or it cannot be read, lacks a key, has an unknown or a bad one, a scenario that
+        cannot be, or compares ratios of EMT cells of scenarios without any; all of it in one message that names the
+        file, the scenario, each key, its value and what is allowed.
     """
     path = _found(path)
     tables = read(path)
@@ -110,6 +112,8 @@ def load_study(path: str | PathLike[str]) -> TissueStudy:
         if good.get("compare") is not None:
             compare, faults = planned(good["compare"], good["factors"], list(tables))
             lines += faults
+            if compare is not None and not lines:
+                lines += _without_cells(compare, scenarios)
     if lines:
         raise refuse(str(path), lines)
     plain = {key: good[key] for key in ("title", "replicates", "seed", "trajectories")}
@@ -174,6 +178,18 @@ def _found(path: str | PathLike[str]) -> Path:
     if not found.exists():
         raise InvalidProblem(f"{path}: there is no such file; must be a TOML file, or a study: {', '.join(names)}")
     return found
+
+
+def _without_cells(compare: PlannedComparisons, scenarios: Mapping[str, Parameters]) -> Iterator[str]:
+    """Yield a line if ratios of EMT cells are compared in scenarios that have none."""
+    ratios = [one for one in compare.outcomes if one in get_args(What)]
+    groups = {name: scenarios[name].groups() for name in compare.scenarios}
+    bare = [name for name, each in groups.items() if not any(one.may_leave and one.scenario.cells for one in each)]
+    if ratios and bare:
+        yield (
+            f"compare.outcomes = {ratios}: must have EMT cells to count in each scenario that is compared; "
+            f"emt.cells, or an event of a type, gives some to {', '.join(map(repr, bare))}"
+        )
 
 
 def _base(base: str, folder: Path, lines: list[str]) -> Parameters | None:

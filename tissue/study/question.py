@@ -12,7 +12,7 @@ from dincl.checks import describe
 from dincl.equivalence.bias import check_tolerance
 from dincl.equivalence.paired import LOOKS
 from dincl.errors import InvalidProblem
-from tissue.files.messages import unknown
+from tissue.files.messages import refuse, unknown
 from tissue.files.parameters import Parameters
 from tissue.files.units import DURATION, parse
 from tissue.plugins import Observable, registered
@@ -69,41 +69,49 @@ class ModelQuestion:
         return parameters.changed({"numerics.t_end": end, "numerics.keep": end})
 
 
-def asked(plan: TissueStudy, given: Mapping[str, Any]) -> ModelQuestion:
-    """Return the question of a study: its section [simplify], changed by what is given; refuse a bad one."""
+def asked(plan: TissueStudy, given: Mapping[str, Any], file: str = "") -> ModelQuestion:
+    """Return the question of a study: its section [simplify], changed by what is given; refuse a bad one.
+
+    ``file``: of the study, for messages.
+    """
+    source = file or f"study {plan.title!r}"
     table: dict[str, Any] = {"outcome": "basal", "scenarios": [next(iter(plan.scenarios))], "runs": 1024}
     table |= tomllib.loads(plan.text).get("simplify", {}) | dict(given)
     lines = [unknown(f"simplify.{key}", table[key], [f"simplify.{one}" for one in KEYS]) for key in table.keys() - KEYS]
     what, names, at = table["outcome"], table["scenarios"], None
     known = [*get_args(What), *EXTENTS, *SHARES, *(one.column for one in registered(Observable))]
     if what not in known and not callable(what):
-        lines.append(f"outcome = {describe(what)}: must be one of {', '.join(known)}")
+        lines.append(f"simplify.outcome = {describe(what)}: must be one of {', '.join(known)}")
     if not _are_scenarios(names, plan):
-        lines.append(f"scenarios = {describe(names)}: must be a list of one or two of {', '.join(plan.scenarios)}")
+        lines.append(
+            f"simplify.scenarios = {describe(names)}: must be a list of one or two of {', '.join(plan.scenarios)}"
+        )
     if table["runs"] not in LOOKS:
-        lines.append(f"runs = {describe(table['runs'])}: must be one of {', '.join(map(str, LOOKS))}")
+        lines.append(f"simplify.runs = {describe(table['runs'])}: must be one of {', '.join(map(str, LOOKS))}")
     try:
         shares = what in (*get_args(What), *SHARES)
         tolerance = check_tolerance(table["tolerance"], shares=shares) if "tolerance" in table else math.nan
         at = parse(table["at"], DURATION).value if "at" in table else None
     except InvalidProblem as error:
-        lines.append(str(error))
+        lines.append(f"simplify.{error}")
     except ValueError as error:
-        lines.append(f'at = {describe(table["at"])}: must be a duration such as "48 h"; {error}')
+        lines.append(f'simplify.at = {describe(table["at"])}: must be a duration such as "48 h"; {error}')
     if "tolerance" not in table:
-        lines.append("tolerance is missing: must be given, such as 0.03 for 3 points, or stand in [simplify]")
+        lines.append("simplify.tolerance is missing: must be given, such as 0.03 for 3 points")
     if lines:
-        raise InvalidProblem("\n  ".join([f"simplify {plan.title!r}:", *lines]))
+        raise refuse(source, lines)
     question = ModelQuestion(what, tuple(names), tolerance, at, table["runs"])
     for name in names:
         cells = sum(group.scenario.cells for group in plan.scenarios[name].groups() if group.may_leave)
         if (what in get_args(What) or callable(what)) and not cells:
-            raise InvalidProblem(f"scenario = {describe(name)}: must have EMT cells for the outcome {describe(what)}")
+            must = f"must have EMT cells for the outcome {describe(what)}"
+            raise InvalidProblem(f"{source}: simplify.scenarios = {describe(list(names))}: {describe(name)} {must}")
         try:
             question.of(plan.scenarios[name])
         except InvalidProblem as error:
             why = str(error).split("\n  ")[1:] or [str(error)]
-            raise InvalidProblem(f"at = {describe(table['at'])}: must be an end of its runs: {why[0]}") from error
+            at_end = f"simplify.at = {describe(table['at'])}: must be an end of its runs: {why[0]}"
+            raise InvalidProblem(f"{source}: {at_end}") from error
     return question
 
 

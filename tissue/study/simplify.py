@@ -82,7 +82,7 @@ def simplify(
     """
     plan = load_study(study)
     given = {"outcome": outcome, "scenarios": scenarios, "tolerance": tolerance, "at": at, "runs": runs}
-    question = asked(plan, {name: value for name, value in given.items() if value is not None})
+    question = asked(plan, {name: value for name, value in given.items() if value is not None}, str(study))
     with (
         TemporaryDirectory() if out is None else nullcontext(checked_path("out", out)) as folder,
         ThreadPoolExecutor(len(os.sched_getaffinity(0))) as threads,

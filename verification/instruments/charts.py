@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from dincl.drawing import log_ticks
 from verification.instruments.cheapest import NOT_TRIED, RESOLVED, accuracy, front
 from verification.instruments.error_norms import label as error_label
 from verification.instruments.error_norms import reference_error
@@ -81,6 +82,7 @@ def draw_orders(
     _floor(panel, table, error)
     panel.set(xlabel=setting, ylabel=error_label(error))
     _legend(panel)
+    log_ticks(panel)
     return panel
 
 
@@ -96,6 +98,7 @@ def draw_work_precision(table: pd.DataFrame, looks: Looks, error: str, cost: str
     _floor(panel, table, error)
     panel.set(xlabel=cost_label(cost), ylabel=error_label(error))
     _legend(panel)
+    log_ticks(panel)
     return panel
 
 
@@ -121,6 +124,7 @@ def draw_profiles(profile: pd.DataFrame, looks: Looks, ax: Axes | None) -> Axes:
         panel.step([*rows["ratio"], most], [*rows["share"], rows["share"].max()], where="post", label=label, **look)
     panel.set(xlabel="cost over the smallest cost", ylabel="share of problems", xscale="log", ylim=(0.0, 1.05))
     _legend(panel)
+    log_ticks(panel)
     return panel
 
 
@@ -182,6 +186,7 @@ def draw_stability(table: pd.DataFrame, across: str, up: str, ax: Axes | None) -
     panel.set_yscale("log" if high else "linear")
     there = list(dict.fromkeys(table["outcome"]))
     panel.legend(outcome_handles(there), there, fontsize="small", loc="upper left", bbox_to_anchor=(1.01, 1.0))
+    log_ticks(panel)
     return panel
 
 
@@ -221,6 +226,7 @@ def draw_rates(means: pd.DataFrame, fit: pd.DataFrame, ax: Axes | None) -> Axes:
         panel.plot(mine["N"], row.constant * mine["N"] ** row.slope, line, color=colour, label=label)
     panel.set(xscale="log", yscale="log", xlabel="N")
     panel.legend(fontsize="small")
+    log_ticks(panel)
     return panel
 
 

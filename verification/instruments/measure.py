@@ -257,12 +257,11 @@ def _scheme(method: Method, setting: float) -> dincl.Scheme:
     return scheme
 
 
-def _states(method: Method, found: object, problem: Any, count: int) -> Floats:
-    try:
-        states = np.asarray(found)
-        states = None if np.iscomplexobj(states) else states.astype(np.float64)
-    except (TypeError, ValueError):
-        states = None
+def _states(method: Method, found: Any, problem: Any, count: int) -> Floats:
+    states: Floats | None = None
+    with suppress(TypeError, ValueError):
+        if not np.iscomplexobj(found):
+            states = np.asarray(found, dtype=np.float64)
     if found is None or states is None:
         raise dincl.InvalidProblem(
             f"method {method.label!r} returned {describe(found)}: must return an array of real states"

@@ -15,25 +15,29 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import fdtri, stdtrit
+from scipy.special import stdtrit
 
-EPS = float(np.finfo(np.float64).eps)
+from verification.instruments.asymptotic import (
+    EPS,
+    MIN_RANGE,
+    ROUNDING_REACH,
+    SLOPE_DRIFT,
+    Floats,
+    asymptotic_start,
+    line,
+    reference_shift,
+    resolution_of,
+)
+
 MIN_STEPS = 5  # step sizes wanted from the caller
 MIN_POINTS = 3  # usable errors for a slope: two fix the line, the third is the only witness of its scatter
-MIN_RANGE = 4  # the search for the asymptotic range never goes below this
 MIN_RATIO = 1.01  # of neighbouring step sizes; closer ones measure noise divided by almost nothing
 CONFIDENCE = 0.95
-REFUTE_LEVEL = 0.005  # chance, per test, to refute a range that is straight up to normal noise in log error
-SLOPE_DRIFT = 0.05  # a change of slope that is not worth a shorter range: half of the 0.1 asked of an order
-SCATTER = 0.35  # residual deviation per mean log step ratio; pairwise slopes then deviate by 0.35 sqrt(2) = 0.5
 FLOOR_FACTOR = 3.0  # an error below three times the resolution of its reference is not resolved
-ROUNDING_REACH = 1000.0  # rounding of a whole run may add up to this many eps * scale
-REFERENCE_REACH = 10.0  # a reference may be this much worse than stated, if the errors stop falling there
-STALLED_SLOPE = 0.25  # near the floor, errors that fall more slowly than h^0.25 have stopped falling
+SCATTER = 0.35  # residual deviation per mean log step ratio; pairwise slopes then deviate by 0.35 sqrt(2) = 0.5
 
 Failures = Sequence[bool | Enum] | NDArray[np.bool_] | None
 Role = Literal["used", "pre-asymptotic", "floor", "failed"]
-Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 
@@ -123,10 +127,10 @@ def estimate(
     reasons = _reasons(errors, failed)
     steps, errors, reasons = steps[coarse_first], errors[coarse_first], [reasons[i] for i in coarse_first]
     done = np.flatnonzero([not reason for reason in reasons])
-    resolution = _resolution(steps[done], errors[done], floor, scale)
+    resolution = resolution_of(steps[done], errors[done], floor, scale)
     usable = done[errors[done] > FLOOR_FACTOR * resolution]
     x, y = np.log(steps[usable]), np.log(errors[usable])
-    start = _asymptotic_start(x, y, resolution) if usable.size >= MIN_POINTS else 0
+    start = asymptotic_start(x, y, resolution) if usable.size >= MIN_POINTS else 0
     roles: list[Role] = ["failed"] * steps.size
     parts: list[tuple[Indices, Role]] = [(done, "floor"), (usable[:start], "pre-asymptotic"), (usable[start:], "used")]
     for members, role in parts:
@@ -190,68 +194,6 @@ def _reason(entry: bool | np.bool_ | Enum, error: float) -> str:
     return "" if np.isfinite(error) else f"error is {error}"
 
 
-def _resolution(h: Floats, error: Floats, floor: float, scale: float) -> float:
-    """Return the size of what covers the error: as stated, or the largest error that stopped falling close above it."""
-    reach = max(REFERENCE_REACH * floor, ROUNDING_REACH * EPS * scale)
-    stalled = (error[1:] >= error[:-1] * (h[1:] / h[:-1]) ** STALLED_SLOPE) & (error[1:] <= reach)
-    return float(np.max(error[1:][stalled], initial=max(floor, EPS * scale)))
-
-
-def _line(x: Floats, y: Floats) -> tuple[float, float, float]:
-    """Fit a least squares line: slope, value at x = 0, sum of squared residuals."""
-    centred = x - x.mean()
-    slope = float(centred @ y / (centred @ centred))
-    residual = y - y.mean() - slope * centred
-    return slope, float(y.mean() - slope * x.mean()), float(residual @ residual)
-
-
-def _reference_shift(x: Floats, y: Floats, resolution: float) -> float:
-    """Return sum_i |w_i| |log(1 - resolution / error_i)|, the largest change of the slope by such errors."""
-    if resolution == 0.0:
-        return 0.0
-    centred = x - x.mean()
-    return float(np.abs(centred) @ -np.log1p(-np.exp(np.log(resolution) - y)) / (centred @ centred))
-
-
-def _refutes(narrow: float, wide: float, extra: int, freedom: int, level: float) -> bool:
-    """Return whether ``extra`` parameters lower the sum of squares from narrow to wide by more than chance (F test)."""
-    return (narrow - wide) * freedom > float(fdtri(extra, freedom, 1.0 - level)) * extra * wide
-
-
-def _drifts(x: Floats, y: Floats, resolution: float) -> bool:
-    """Return whether a next term c h is significant and changes the slope p + c h noticeably along the range."""
-    h = np.exp(x - x[0])
-    model = np.column_stack([np.ones_like(x), x - x[0], h])
-    parameters, *_ = np.linalg.lstsq(model, y)
-    if abs(parameters[2]) * (1.0 - h[-1]) <= SLOPE_DRIFT + _reference_shift(x, y, resolution):
-        return False
-    residual = y - model @ parameters
-    return _refutes(_line(x, y)[2], float(residual @ residual), 1, x.size - 3, REFUTE_LEVEL)
-
-
-def _coarse_part_off(x: Floats, y: Floats, resolution: float) -> bool:
-    """Return whether the line through the finer points fails, for some cut, to predict the coarser ones."""
-    slope, _, squares = _line(x, y)
-    cuts = range(1, x.size - MIN_RANGE + 1)
-    for cut in cuts:
-        fine_slope, _, fine_squares = _line(x[cut:], y[cut:])
-        noticeable = abs(fine_slope - slope) > SLOPE_DRIFT + _reference_shift(x[cut:], y[cut:], resolution)
-        if noticeable and _refutes(squares, fine_squares, cut, x.size - cut - 2, REFUTE_LEVEL / len(cuts)):
-            return True
-    return False
-
-
-def _asymptotic_start(x: Floats, y: Floats, resolution: float) -> int:
-    """Return the index of the coarsest point of the longest fine end that is one straight line."""
-    start = 0
-    while x.size - start > MIN_RANGE:
-        fine = x[start:], y[start:], resolution
-        if not (_drifts(*fine) or _coarse_part_off(*fine)):
-            break
-        start += 1
-    return start
-
-
 def _rows(h: Floats, error: Floats, roles: list[Role], reasons: list[str]) -> tuple[Row, ...]:
     has_log = [role != "failed" and value > 0.0 for role, value in zip(roles, error, strict=True)]
     slopes: list[float | None] = [None] * h.size
@@ -263,9 +205,9 @@ def _rows(h: Floats, error: Floats, roles: list[Role], reasons: list[str]) -> tu
 
 def _fitted(rows: tuple[Row, ...], x: Floats, y: Floats, resolution: float) -> Order:
     """Fit the used rows and look at the fit."""
-    slope, intercept, squares = _line(x, y)
+    slope, intercept, squares = line(x, y)
     spread = float(np.sqrt(squares / (x.size - 2)))
-    shift = _reference_shift(x, y, resolution)
+    shift = reference_shift(x, y, resolution)
     half = shift + float(stdtrit(x.size - 2, 0.5 + 0.5 * CONFIDENCE)) * spread / float(np.sqrt(x.size) * np.std(x))
     with np.errstate(over="ignore", under="ignore"):  # C is the error at h = 1, perhaps far outside of the range
         constant = float(np.exp(intercept))

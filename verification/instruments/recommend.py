@@ -51,12 +51,14 @@ class Recommendation(Result):
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the predicted cost of each method that reaches the error."""
+        from dincl.drawing import log_ticks
         from verification.page.sheet import own_axes
 
         panel = own_axes(ax)
         there = self.table[np.isfinite(self.table["cpu_seconds"])].iloc[::-1]
         panel.barh(there["method"], there["cpu_seconds"])
         panel.set(title=f"{self.title} for an error of {self.error:g}", xlabel="predicted CPU time [s]", xscale="log")
+        log_ticks(panel)
         return panel
 
     def summaries(self) -> dict[str, pd.DataFrame]:

@@ -12,13 +12,14 @@ from pathlib import Path
 
 import pandas as pd
 
+from dincl.extras import tables_of_studies
 from dincl.provenance import provenance
 from dincl.study import Table
 from dincl.study.sealed import is_sealed, read_sealed, write_sealed
 from dincl.study.table import ATTRIBUTE
 
 MAKES_NO_NUMBERS = True
-DATA = Path(__file__).parents[1] / "data"
+DATA = tables_of_studies() or Path(__file__).parents[1] / "data"
 # Complete studies, a table each, as ``Study.complete`` writes it.
 STUDIES = DATA / "studies"
 # In the attributes of a table, beside its provenance: the module whose ``main`` makes it.

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from textwrap import fill
-from typing import Any
+from typing import Any, Literal
 
 import matplotlib as mpl
 import numpy as np
@@ -16,9 +16,9 @@ from matplotlib.collections import PatchCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Patch, PathPatch, Polygon
 from matplotlib.path import Path as Outline
-from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 from numpy.typing import NDArray
 
+from dincl.drawing import log_ticks
 from dincl.files import replacing
 
 MAKES_NO_NUMBERS = True
@@ -37,6 +37,7 @@ __all__ = [
     "patch",
     "polygon",
     "sheet",
+    "stack",
 ]
 
 Floats = NDArray[np.float64]
@@ -49,8 +50,6 @@ MANY, LETTERS = 3, 26
 DPI = 200
 NOTE = 7.5  # points; words inside of panels
 GREY = "#8a8a8a"
-# Axes over more than LONG have ticks at powers of ten alone, those over less than SHORT at 1, 2 and 5 times them.
-LONG, SHORT = 100.0, 10.0
 STYLE: Any = {  # the names are those of matplotlib
     "font.family": "DejaVu Sans",
     "font.size": 8.5,
@@ -80,11 +79,12 @@ def sheet(path: Path, height: float, width: float = WIDTH, **style: Any) -> Iter
         FigureCanvasAgg(figure)
         yield figure
         for panel in figure.axes:
-            _keep_powers(panel)
+            log_ticks(panel)
         path.parent.mkdir(parents=True, exist_ok=True)
         _write(figure, path)
         if width == WIDTH and figure.axes:
-            _stack(figure)
+            entries = sum(len(legend.get_texts()) for legend in figure.legends)
+            stack(figure, LINE * -(-entries // 3), HEIGHTS)
             _write(figure, narrow(path))
 
 
@@ -98,53 +98,56 @@ def _write(figure: Figure, path: Path) -> None:
         figure.savefig(partial, dpi=DPI)
 
 
-def _stack(figure: Figure) -> None:
-    """Put the panels of a figure below each other, two side by side if there are many, above one legend."""
+def stack(
+    figure: Figure,
+    around: float,
+    heights: tuple[float, float] = (0.0, float("inf")),
+    place: Literal["outside lower center", "outside upper left"] = "outside lower center",
+) -> None:
+    """Put the panels of a figure below each other, two side by side if there are many.
+
+    Parameters
+    ----------
+    figure
+        With panels of one grid, one legend and perhaps a caption, its label below.
+    around
+        Height of all but the panels before [inches]; panels keep their height.
+    heights
+        The least and the largest height of a panel.
+    place
+        Of the legend, in one or two columns.
+    """
     for panel in [panel for panel in figure.axes if not panel.axison]:
         panel.remove()
     places = {panel: spec for panel in figure.axes if (spec := panel.get_subplotspec()) is not None}
     grid = next(iter(places.values())).get_gridspec()
-    handles = [handle for legend in figure.legends for handle in legend.legend_handles if handle is not None]
-    labels = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
-    height = (figure.get_figheight() - LINE * -(-len(labels) // 3)) / grid.nrows
-    for legend in list(figure.legends):
-        legend.remove()
-    tall = float(np.clip(height, *HEIGHTS))
+    tall = float(np.clip((figure.get_figheight() - around) / grid.nrows, *heights))
     _repeat_labels({(spec.rowspan.start, spec.colspan.start): panel for panel, spec in places.items()}, tall)
     across = 2 if grid.ncols > MANY else 1
     rows = -(-len(places) // across)
     cells = figure.add_gridspec(rows, across)
     for k, panel in enumerate(places):
         panel.set_subplotspec(cells[divmod(k, across)])
+    handles = [handle for legend in figure.legends for handle in legend.legend_handles if handle is not None]
+    labels = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+    for legend in list(figure.legends):
+        legend.remove()
     columns = 2 if labels and max(map(len, labels)) <= LETTERS else 1
-    lines = -(-len(labels) // columns)
-    figure.set_size_inches(NARROW, rows * tall + LINE * (lines + 1))
+    lines = 1 - (-len(labels) // columns) + len(figure.get_supxlabel().splitlines())
+    figure.set_size_inches(NARROW, rows * tall + LINE * lines)
     if labels:
-        figure.legend(handles, labels, loc="outside lower center", ncols=columns)
+        figure.legend(handles, labels, loc=place, ncols=columns)
 
 
 def _repeat_labels(at: Mapping[tuple[int, int], Axes], tall: float) -> None:
     """Give each panel, by its row and column, the labels and ticks that it shared with others; ``tall`` in inches."""
+    names = {place: (at[place].get_xlabel(), at[place].get_ylabel()) for place in sorted(at)}
     for (row, column), panel in at.items():
-        left = [one.get_ylabel() for (r, c), one in at.items() if r == row and c <= column and one.get_ylabel()]
-        below = [one.get_xlabel() for (r, c), one in at.items() if c == column and r >= row and one.get_xlabel()]
-        panel.set_ylabel(fill("".join(left[-1:]), int(tall / LETTER)))
+        below = [x for (r, c), (x, _) in names.items() if c == column and r >= row and x]
+        left = [y for (r, c), (_, y) in names.items() if r == row and c <= column and y]
         panel.set_xlabel("".join(below[:1]))
+        panel.set_ylabel(fill("".join(left[-1:]), int(tall / LETTER)))
         panel.tick_params(labelleft=True, labelbottom=True)
-
-
-def _keep_powers(panel: Axes) -> None:
-    """Keep the ticks of logarithmic axes apart: powers of ten alone on long ones, a few plain numbers on short ones.
-
-    Ticks between the powers crowd an axis, and take a third of the time to draw.
-    """
-    for axis, (low, high) in ((panel.xaxis, panel.get_xlim()), (panel.yaxis, panel.get_ylim())):
-        ratio = max(low, high) / min(low, high) if axis.get_scale() == "log" else 0.0
-        if ratio > 0.0:
-            axis.set_minor_locator(NullLocator())
-        if 0.0 < ratio <= LONG and isinstance(axis.get_major_locator(), LogLocator):
-            axis.set_major_locator(LogLocator(subs=(1.0, 3.0) if ratio > SHORT else (1.0, 2.0, 5.0)))
-            axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
 
 
 def legend_below(figure: Figure, panels: Iterable[Axes], columns: int) -> None:

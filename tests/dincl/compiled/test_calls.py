@@ -9,6 +9,7 @@ import pytest
 from numba.core.errors import TypingError
 
 from dincl.compiled import DOUBLES, StructPointer, c_function, call, collect_errors, kernel, signature, struct_type
+from dincl.compiled.functions import _of_user
 
 
 class Pair(NamedTuple):
@@ -40,6 +41,19 @@ def failing(n):
     return n
 
 
+@partial(c_function, signature(None, PAIR, int))
+def beyond(pair, k):
+    pair.x[k] = 1.0
+
+
+call_beyond = call(signature(None, PAIR, int))
+
+
+@partial(kernel, references=False)
+def gone_beyond(address, pair, k):
+    call_beyond(address, pair, k)
+
+
 @partial(kernel, references=False)
 def asked(address, a, n, numbers, pair):
     return call_mixed(address, a, n, numbers, pair)
@@ -54,6 +68,23 @@ def test_numbers_arrays_and_structs_arrive():
     pair = StructPointer(Pair(np.array([4.0, 5.0]), 0.5))
     assert asked(mixed.address, 1.5, 2, np.array([[0.0, 3.0]]), pair) == 1.5 + 20.0 + 300.0 + 2000.0
     assert asked(mixed.address, 1.5, True, np.array([0.0, 3.0]), pair) == 1.5 + 10.0 + 300.0 + 2000.0
+
+
+def test_an_index_beyond_an_array_is_an_error_in_functions_of_users():
+    pair = StructPointer(Pair(np.zeros(3), 0.5))
+    for k, kinds in ((2, []), (3, [IndexError])):
+        with collect_errors() as errors:
+            gone_beyond(beyond.address, pair, k)
+        assert list(map(type, errors)) == kinds
+    assert pair.value.x.tolist() == [0.0, 0.0, 1.0]
+
+
+def test_our_own_functions_are_not_checked():
+    """Checks would make steps longer."""
+    function = type(mixed.__wrapped__)(mixed.__wrapped__.__code__, {}, "mixed")
+    for module, checked in (("tissue.rules.slice", False), ("mine", True)):
+        function.__module__ = module
+        assert _of_user(function) is checked
 
 
 def test_a_function_without_a_result():

@@ -99,10 +99,13 @@ def test_contents_that_no_run_has_made(file, changes, message):
 def test_files_that_are_no_states(tmp_path):
     objects = io.BytesIO()
     np.save(objects, np.array([{}]), allow_pickle=True)
-    for content in (b"", b"text", objects.getvalue()):
+    archive = io.BytesIO()
+    np.savez(archive, format=np.array([{}]))
+    for content in (b"", b"text", objects.getvalue(), archive.getvalue()):
         (tmp_path / "other").write_bytes(content)
-        with pytest.raises(InvalidProblem, match=r"other: must be a readable file that Frame\.save wrote"):
+        with pytest.raises(InvalidProblem, match=r"other: must be a readable file that Frame\.save wrote") as caught:
             Frame.load(tmp_path / "other")
+        assert "pickle" not in str(caught.value)
     with pytest.raises(InvalidProblem, match=r"missing: must be a readable file"):
         Frame.load(tmp_path / "missing")
 

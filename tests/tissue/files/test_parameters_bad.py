@@ -240,6 +240,13 @@ BAD_FILES = {
     "base of another type": ("base = [1]", r"base = \[1\]: must be"),
     "base misspelt": ('base = "thesis"\nbas = 3', "bas = 3: unknown key; the nearest known one is base$"),
     "section misspelt": ('base = "thesis"\n[tisue]\ncells = 3', "tisue = {'cells': 3}: .*nearest known one is tissue$"),
+    "section like a key": ('base = "thesis"\n[cells]\nx = 3', "cells = {'x': 3}: unknown section; .* one is cell$"),
+    "section in capitals": ('base = "thesis"\n[EMT]\na = "1 h"', "EMT = .*: unknown section; the nearest .* is emt$"),
+    "section like none": (
+        'base = "thesis"\n[A]\nx = 3',
+        "A = {'x': 3}: unknown section; must be one of own, .*, types$",
+    ),
+    "key in capitals": ('base = "thesis"\n[emt]\nA = "1 h"', "emt.A = '1 h': unknown key; the nearest .* is emt.a$"),
     "key outside": ('cells = 3\nbase = "thesis"', "cells = 3: unknown key; the nearest known one is tissue.cells$"),
     "no section": ('base = "thesis"\ndivision = 3', r"division = 3: must be a section \[division\] .* offset, new_jun"),
     "date": ('base = "thesis"\n[cell]\ng2 = 2020-01-01', r"cell.g2 = datetime.date\(2020, 1, 1\): must be a duration"),

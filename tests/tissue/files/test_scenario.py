@@ -160,7 +160,7 @@ def test_scenarios_that_can_not_be_are_refused(changes, message):
 
 def test_an_event_after_the_end_warns():
     late = preset("thesis").changed({"emt.cells": 1, "emt.a": "3 h", "numerics.t_end": "0.1 h"})
-    with pytest.warns(UserWarning, match=r"^\[A\] \(3 h\) never begins: the run ends at 0.1 h$"):
+    with pytest.warns(UserWarning, match=r'^\[A\] never begins: emt.a = "3 h", and numerics.t_end = "0.1 h"$'):
         simulate(late)
     simulate(late.changed({"emt.a": "0.1 h"}))  # in the last step
     simulate(late.changed({"emt.cells": 0}))

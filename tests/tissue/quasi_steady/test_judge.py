@@ -7,7 +7,7 @@ from scipy.optimize import minimize
 import dincl
 from tests.tissue.states import cells, divided, layers, numbers, start, tissue
 from tissue.model.energy import energy, forces
-from tissue.quasi_steady import judge
+from tissue.quasi_steady import judge, program
 from tissue.quasi_steady.frozen import cells_at, constraints, particles
 from tissue.quasi_steady.judge import local_minimum
 from tissue.state.cells import CellLayers
@@ -212,11 +212,11 @@ def test_a_pair_may_end_at_the_kink_of_the_energy():
 
 def test_failure_is_said_and_the_start_comes_back(monkeypatch):
     state = cells(6, 0)
-    monkeypatch.setattr(judge, "OPTIONS", judge.OPTIONS | {"ipopt.max_iter": 2})
+    monkeypatch.setattr(program, "OPTIONS", program.OPTIONS | {"ipopt.max_iter": 2})
     found = local_minimum(state, layers(6), numbers(), TOL)
     assert found.status is dincl.Status.NOT_CONVERGED
     assert "Maximum_Iterations_Exceeded" in found.detail
-    assert found.starts == len(judge.BARRIERS)
+    assert found.starts == len(program.BARRIERS)
     assert particles(found.cells).tolist() == particles(state).tolist()
     assert np.isfinite(found.residual)
     assert found.residual > 1

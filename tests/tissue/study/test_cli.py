@@ -7,6 +7,8 @@ import pytest
 from typer.testing import CliRunner
 
 import dincl.study.execute
+import tissue
+from dincl.errors import InvalidProblem
 from dincl.study import StudyStopped
 from tests.tissue.study.stand_in import outcomes, study_file
 from tissue.cli.app import app
@@ -82,6 +84,9 @@ def test_ratios_of_cells_that_are_not_there_are_refused_before_the_runs():
         assert result.exit_code == 2
         assert result.stderr.startswith("Error: bare.toml: compare.outcomes = ['basal']: must have EMT cells to count")
         assert result.stderr.endswith("gives some to 'no', 'yes'\n")
+    with pytest.raises(InvalidProblem) as caught:
+        tissue.run_study("bare.toml", "out")
+    assert result.stderr == f"Error: {caught.value}\n"
     assert not Path("out").exists()
 
 

@@ -15,6 +15,7 @@ from tissue.statistics.contrasts import Family, ProportionContrast, p_value
 from tissue.statistics.sequences import bounded
 from tissue.study.answers import scenario_ratios
 from tissue.study.comparing import planned_answers
+from tissue.study.export import write_csv
 from tissue.study.plan import Piece, load_study
 from tissue.study.read import Results
 from tissue.study.store import note
@@ -52,6 +53,15 @@ def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("tissue.study.outcomes.outcomes", outcomes)
     return tmp_path
+
+
+def test_a_key_that_a_scenario_lacks_is_empty_in_tables():
+    typed = '[scenarios.without]\n[scenarios.with]\ntypes.soft = { cells = 2, place = "scattered" }\n'
+    tissue.run_study(write(f"{HEAD}{typed}"), "out")
+    (path,) = (path for path in write_csv(Results("out")) if path.name == "parameters.csv")
+    lines = path.read_text("utf-8").splitlines()
+    assert "types.soft.cells,,2" in lines
+    assert not any("nan" in line for line in lines)
 
 
 def write(text, path="study.toml"):

@@ -141,8 +141,9 @@ def test_a_base_that_is_bad_is_told(written, tmp_path):
         ('b = "6 h to 24 h", p = "6 h to 24 h"', "[P] (6 h to 24 h) waits for [B] (6 h to 24 h) where [B] is later"),
         ('b = "6 h to 9 h"', None),
         ('b = "48 h"', None),
-        ('b = "60 h"', "[B] (60 h) never begins: the run ends at 48 h"),
-        ('b = "6 h to 60 h, 5 %"', "[B] (6 h to 60 h, 5 %) does not begin in all cells: the run ends at 48 h"),
+        ('b = "60 h"', '[B] never begins: emt.b = "60 h", and numerics.t_end = "48 h"'),
+        ('b = "6 h to 60 h, 5 %"',
+         '[B] does not begin in all cells: emt.b = "6 h to 60 h, 5 %", and numerics.t_end = "48 h"'),
     ],
 )  # fmt: skip
 def test_where_an_event_waits_or_is_late_there_is_a_remark(written, emt, remark):

@@ -53,9 +53,7 @@ def test_help_names_all_that_a_file_may_name():
 
 @pytest.mark.slow
 def test_reference_and_budget_of_the_file_are_taken(tmp_path):
-    more = (
-        "reference = np.zeros((len(t), 1, 1))\nbudget = v.DriftEvaluations(8)\nsettings = {'dt': settings}\n"
-    )
+    more = "reference = np.zeros((len(t), 1, 1))\nbudget = v.DriftEvaluations(8)\nsettings = {'dt': settings}\n"
     assert run(tmp_path, FILE + more).exit_code == 0
     rows = pd.read_parquet(tmp_path / "out" / "work_precision.parquet")
     assert rows["largest"].max() == pytest.approx(0.5, abs=0.3)  # the position at t = 0.5, where the reference is at 0

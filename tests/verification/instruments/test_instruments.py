@@ -296,7 +296,10 @@ def test_bad_input_is_named(changes, message):
         (v.Method("a", run=lambda *_: np.zeros(3)), "'a' returned shape (3,): must return (3, 1, 2)"),
         (v.Method("a", run=lambda *_: np.full((3, 1, 2), 1j)), "must return an array of real states"),
         (v.Method("a", run=lambda problem, dt: None), "is called with (problem, setting, t): too many positional"),
-        (v.Method("a", scheme=euler), "is called with (setting): missing a required argument: 'dt'; a program is given"),
+        (
+            v.Method("a", scheme=euler),
+            "is called with (setting): missing a required argument: 'dt'; a program is",
+        ),
     ],
 )
 def test_a_method_that_makes_something_else_is_refused(method, detail):
@@ -310,7 +313,7 @@ def test_runs_that_agree_outside_of_the_set_are_no_reference():
     """Two walls are closer than the disc is wide from t = 0.5 on; all runs leave it on the same side."""
     walls = [dincl.HalfSpace((side, 0), lambda t: t - 1, 0.5) for side in (1, -1)]
     jaw = dincl.Problem([[0.0, 0.0]], lambda t, x: 0 * x, walls)
-    with pytest.raises(RuntimeError, match="states are .* outside of the set: it may be empty, or jump"):
+    with pytest.raises(RuntimeError, match=r"states are .* outside of the set: it may be empty, or jump"):
         v.reference(jaw, 1e-6, scheme=dincl.PBD)([1.0, 2.0])
 
 
@@ -319,7 +322,7 @@ def test_bad_methods_and_maps_are_named():
         v.Method("both", scheme=dincl.PBD, run=euler)
     with pytest.raises(dincl.InvalidProblem, match=r"settings = .*: must be 5 or more"):
         v.order_study(SLIDE, METHODS, [0.1], T, SLIDE.exact)
-    with pytest.raises(dincl.InvalidProblem, match="'strength': must be an argument of the method, which has dt, sweeps"):
+    with pytest.raises(dincl.InvalidProblem, match="'strength': must be an argument of the method, which has dt"):
         v.stability_map(SLIDE, dincl.PBD, ("dt", [0.1]), ("strength", [1.0]))
     with pytest.raises(dincl.InvalidProblem, match=r"x = \[0.1\]: must be \(name, values\)"):
         v.stability_map(SLIDE, dincl.PBD, [0.1], ("sweeps", [1.0]))

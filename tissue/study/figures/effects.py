@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import ceil, floor, log10
 from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 import pandas as pd
 
+from dincl.drawing import log_ticks
 from tissue.pictures.charts import CAP, CHART_STYLE, OUTCOMES, verbatim
 from tissue.pictures.sheet import Axes, Figure, style
 from tissue.statistics.categories import What
@@ -25,6 +25,7 @@ MAKES_NO_NUMBERS = True
 
 WIDTH, LINE, AROUND = 9.2, 0.26, 0.75  # inches: of the figure, of a group, of title and axis
 FAR = 1e9  # past the edge of each axis
+MOST_PLAIN = 1e6  # ratio of the ends of an axis up to which its numbers are plain
 PLUS, MINUS, PLAIN = "#2c6fbb", "#8a8a8a", "#222222"
 NAMES = {what: name for what, (_, _, name) in OUTCOMES.items()} | {
     column: f"control cells outside, {side}" for column, side in SHARES.items()
@@ -89,9 +90,8 @@ def effect_figure(results: Results, row: Mapping[str, Any], weights: Weights) ->
         _dots(right, effect, [PLAIN])
         right.axvline(1 if ratio else 0, color=MINUS, linewidth=0.9, linestyle="--", zorder=1)
         right.set_yticks([])
-        right.set_xlim(*_limits(effect, ratio=ratio))
-        if ratio:
-            _ratio_axis(right)
+        right.set(xlim=_limits(effect, ratio=ratio), xscale="log" if ratio else "linear")
+        log_ticks(right, plain=MOST_PLAIN)
         points = " [points]" if percent == 100 else ""
         right.set_xlabel("ratio, 1: no effect" if ratio else f"difference{points}, 0: no effect")
     return figure
@@ -108,18 +108,6 @@ def _limits(effect: pd.DataFrame, *, ratio: bool) -> tuple[float, float]:
     room = max(0.15 * float(np.ptp(points)), least)
     ends = points.min() - room, points.max() + room
     return (float(np.exp(ends[0])), float(np.exp(ends[1]))) if ratio else ends
-
-
-def _ratio_axis(panel: Axes) -> None:
-    """Set a logarithmic axis with plain numbers, as many as have room."""
-    low, high = panel.get_xlim()
-    panel.set_xscale("log")
-    each = (1, 2, 5) if high / low < 200 else (1,)
-    powers = range(floor(log10(low)), ceil(log10(high)) + 1)
-    ticks = [k * 10.0**power for power in powers for k in each]
-    panel.set_xticks(ticks, [f"{tick:g}" if low <= tick <= high else "" for tick in ticks])
-    panel.set_xticks([], minor=True)
-    panel.set_xlim(low, high)
 
 
 def _dots(panel: Axes, table: pd.DataFrame, colours: list[str]) -> None:

@@ -19,7 +19,7 @@ def _run(context: Context) -> None:
     limits = energy.limit_study(context.form(energy.FULL))
     limit = context.rows_of(limits, limits.only(lambda key: key["method"] != "pde"))
     runs = energy.long_study(context.form(energy.FULL_LONG))
-    long = context.rows_of(runs, runs.only(lambda key: key["method"] == "rattle2"))
+    long = context.rows_of(runs, runs.only(lambda key: key["method"] == "dae"))
     context.tables["meanfield_energy_limit"], context.tables["meanfield_energy_long"] = limit, long
     context.keep("meanfield_energy_slopes", energy.slopes(context.tables["meanfield_agreement"], limit))
     context.keep("meanfield_energy_trends", energy.trends(long))
