@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -17,7 +17,14 @@ class CompiledDrift(ABC):
     """A drift F that compiled runs call as a C function, and that others call as an ordinary function.
 
     Both forms give the same numbers, and fail at the same states.
+
+    Attributes
+    ----------
+    autonomous
+        Whether F is known not to depend on t.
     """
+
+    autonomous: ClassVar[bool] = False
 
     @abstractmethod
     def __call__(self, t: float, x: NDArray[np.float64]) -> Any:

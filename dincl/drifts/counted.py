@@ -40,7 +40,7 @@ class CountedCompiledDrift(CountedDrift, CompiledDrift):
 
     def __init__(self, drift: CompiledDrift, is_spent: Callable[[int], bool] | None = None) -> None:
         super().__init__(drift, is_spent)
-        self._compiled = drift
+        self._compiled, self.autonomous = drift, drift.autonomous
 
     def pointer(self) -> tuple[int, NDArray[np.float64]]:
         return self._compiled.pointer()

@@ -11,7 +11,7 @@ from dincl.compiled.arrays import Floats
 from dincl.events.motion import dense_state, dense_velocity, set_speed
 from dincl.events.runge_kutta import EPS, dense_value
 from dincl.events.workspace import SPARE, EventWorkspace
-from dincl.rows.table import CALLBACK, DISTANCE, FORMULA, VELOCITIES, call_python, is_timed, linearise
+from dincl.rows.table import CALLBACK, DISTANCE, FORMULA, VELOCITIES, call_python, gap, is_timed, linearise
 from dincl.solvers.envelope_factor import row_dot
 from dincl.system.arrays import OK, system_at
 
@@ -49,6 +49,8 @@ def event_function(run: EventWorkspace, which: int, theta: float) -> tuple[float
     if row.kind in (CALLBACK, FORMULA) or sets.general[row.family] != 0:
         value = linearise(rows, sets, which, run.point, system.program.gradient) - state.level
         slope = row_dot(rows, which, system.program.gradient, run.rate[SPARE]) - h * set_speed(system, which)
+        if np.isnan(value):  # at a centre there is no gradient, but there is a gap
+            return gap(rows, sets, which, run.point) - state.level, 0.0
         return value, slope
     if row.kind == DISTANCE:
         # sign (|X_i - X_j|^2 - L^2) has the sign of the gap, and no root.

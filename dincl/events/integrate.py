@@ -17,6 +17,8 @@ from dincl.rows.table import VELOCITIES, call_python, gap, linearise
 from dincl.solvers.envelope_factor import row_dot
 from dincl.system.arrays import OK, SETS, bounded, longest, system_at
 
+# A piece that ends within this part of its steps is over.
+SLIVER = 1e-3
 # Changes of the contacts at one time.
 MOST_AT_ONCE = 100
 # Steps of a run: a hundred discs with 300 events take about a thousand. Each time after so many, the number that the
@@ -96,7 +98,7 @@ def advance(run: EventWorkspace) -> int:
     left = state.stop - state.t
     if not left > 0.0:
         return DONE
-    code, h = make_step(run, min(state.longest, left))
+    code, h = make_step(run, min(state.longest, left, resolved_step(run)))
     if code == OK:
         code = check_jump(run, h)
     if code != OK:
@@ -113,6 +115,18 @@ def advance(run: EventWorkspace) -> int:
         accept_step(run, h, state.stop)
         code = pass_stop(run) if state.stop < state.end else OK
     return code if code != OK or bounded(run.x, state.largest) else NO_STEP
+
+
+@inner
+def resolved_step(run: EventWorkspace) -> float:
+    """Return the longest step that resolves the functions of time, within the piece in which t is."""
+    state, pieces = run.state[0], run.pieces
+    while state.piece < pieces.shape[0] and pieces[state.piece, 0] - state.t <= SLIVER * pieces[state.piece, 1]:
+        state.piece += 1
+    if state.piece == pieces.shape[0]:
+        return np.inf
+    stop, longest = pieces[state.piece]
+    return min(longest / state.parts, stop - state.t)
 
 
 @inner

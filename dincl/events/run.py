@@ -33,6 +33,7 @@ from dincl.projection.active_set import ActiveSet
 from dincl.projection.feasible import FeasibleSet
 from dincl.status import Status
 from dincl.system.compiled_problem import CompiledProblem, units_of
+from dincl.system.time_scales import time_scales
 from dincl.trajectory import Event
 
 if TYPE_CHECKING:
@@ -97,6 +98,8 @@ class EventSystem:
         Of the problem [length].
     compiled
         The compiled problem.
+    scales
+        Of its functions of time.
     gram
         The sparse factor.
     """
@@ -104,11 +107,13 @@ class EventSystem:
     def __init__(self, problem: Problem, end: float) -> None:
         self.size = size_of(problem, end)
         self.compiled = CompiledProblem(problem, units=units_of(self.size, end))
-        self.compiled.sets.find_kinks(end)
+        self.scales = time_scales(problem, end)
+        self.compiled.sets.kinks = self.scales.kinks
         self.gram = sparse_gram(self.compiled.arrays)
 
     def start(self, work: Work) -> NDArray[np.float64]:
         """Return x0 (N, d), moved onto S if it lies outside by more than rounding."""
+        work.drift_evaluations += self.scales.evaluations
         problem, allowed = self.compiled.problem, TOUCHING * self.size
         violation = float(self.compiled.overlaps(np.zeros(1), problem.x0[None])[0])
         if violation <= allowed:
@@ -134,7 +139,7 @@ class EventRun:
     def __init__(
         self, system: EventSystem, start: NDArray[np.float64], end: float, tol: float, parts: int, work: Work
     ) -> None:
-        self._system, self._work, self._made = system.compiled, work, 0
+        self._system, self._scales, self._work, self._made = system.compiled, system.scales, work, 0
         self._unit = unit = system.compiled.units
         sets, x, many = system.compiled.sets, start.ravel() / unit.length, len(start) > MANY
         sets.spacing = SPACING * end / parts or SPACING
@@ -144,7 +149,8 @@ class EventRun:
         steps = step_table(PLACES, pair.terms, x.size, len(arrays.factor.row), len(arrays.rows.row))
         numbers = {"end": last, "stop": stop, "resume": resume, "tol": tol / unit.length, "size": size}
         numbers |= {"largest": LARGEST * min(1.0, 1.0 / unit.length), "parts": parts, "undecided": 1, "many": many}
-        workspace = event_workspace(arrays, system.compiled.place, system.gram, pair, steps, x.copy(), kinks, **numbers)
+        times = kinks, system.scales.pieces / unit.time
+        workspace = event_workspace(arrays, system.compiled.place, system.gram, pair, steps, x.copy(), *times, **numbers)
         self._pointer, self._state = StructPointer(workspace, KIND), workspace.state
         self.between = DenseOutput(system.compiled, system.gram, pair, size, x)
         self._events: list[NDArray[np.float64]] = []
@@ -175,8 +181,8 @@ class EventRun:
             raise StepFailure(*ENDS[code])
         if code != DONE:
             self._system.failure(code)
-        if self._system.sets.path_failure is not None:
-            raise self._system.sets.path_failure
+        if self._scales.failure is not None:
+            raise self._scales.failure
 
     @property
     def events(self) -> tuple[Event, ...]:

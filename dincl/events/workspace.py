@@ -28,6 +28,7 @@ STATE = np.dtype(
         ("stop", np.float64),  # the next discontinuity in time, before it and behind it; both are the end without one
         ("resume", np.float64),
         ("kinks", np.int64),  # passed kinks of the paths of sets, and jumps of the drift
+        ("piece", np.int64),  # in which t is
         ("jumps", np.int64),
         ("tol", np.float64),  # local tolerance of the integrator
         ("size", np.float64),  # of the problem [length]
@@ -80,6 +81,7 @@ class EventWorkspace(NamedTuple):
     gram: SparseFactor
     active: EnvelopeFactor  # the active rows, and their factor if they are few
     kinks: Floats  # (2 K,): before and behind each time at which the velocity of a set jumps
+    pieces: Floats  # (P, 2): until when, and by how long steps, all functions of time are resolved
     pair: RungeKutta
     state: NDArray[np.void]
     steps: StepTable
@@ -120,6 +122,7 @@ def event_workspace(
     steps: StepTable,
     x: Floats,
     kinks: Floats,
+    pieces: Floats,
     **state: float,
 ) -> EventWorkspace:
     """Allocate a run from x (n,) with these numbers of its state, others 0; ``address`` is that of the system."""
@@ -133,6 +136,7 @@ def event_workspace(
         gram=gram,
         active=envelope_factor(most, n),
         kinks=kinks,
+        pieces=pieces,
         pair=pair,
         state=begin,
         steps=steps,
@@ -157,5 +161,6 @@ KIND = struct_type(
         step_table(0, 0, 0, 0, 0),
         np.zeros(0),
         np.zeros(0),
+        np.zeros((0, 2)),
     )
 )

@@ -14,7 +14,7 @@ from dincl.errors import StepFailure
 from dincl.norms import longest
 from dincl.rows.table import DISTANCE, GRADIENTS, SWEEP, VELOCITIES, RowTable, Sets
 from dincl.system.callbacks import PythonFunction, numbers_at
-from dincl.system.kinks import NO_KINKS, kinks_of, smooth_around
+from dincl.system.kinks import NO_KINKS, smooth_around
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -52,8 +52,6 @@ class SetsPointer(PythonFunction):
         Functions of time that are called at each request: they write what is not in the table.
     kinks
         Intervals (K, 2) with a jump of a velocity in each: no difference reaches across one [time].
-    path_failure
-        Why kinks could not be found, if so.
     """
 
     system: StructPointer
@@ -73,7 +71,6 @@ class SetsPointer(PythonFunction):
         count, d = selection.shape
         families, self.spacing = len(selection.constraints), SPACING
         self.kinks, self._units, self.custom_sweeps = NO_KINKS, units, custom_sweeps
-        self.path_failure: StepFailure | None = None
         self.updates: list[Callable[[float], None]] = []
         timed = {f: one for f, one in enumerate(selection.constraints) if one.timed}
         moving = {f: one for f, one in timed.items() if one.displacement(0.0, d) is not None}
@@ -190,14 +187,6 @@ class SetsPointer(PythonFunction):
             arrays |= {"rows.column": np.resize(rows.column, size)}
             arrays |= {"program.gradient": np.resize(self.system.value.program.gradient, size)}
         self.system.replace(arrays)
-
-    def find_kinks(self, end: float) -> None:
-        """Find where velocities of sets jump until ``end``, unless a path fails, perhaps later than the run ends."""
-        try:
-            general: list[Any] = [partial(one.parameters, x=self._start) for one in self._general.values()]
-            self.kinks = kinks_of([*self._paths.values(), *general], end)
-        except StepFailure as failure:
-            self.path_failure = failure
 
 
 def write_numbers(table: RowTable, rows: slice, part: TableRows, unit: float) -> None:

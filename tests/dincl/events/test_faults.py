@@ -6,7 +6,7 @@ from scipy.optimize import brentq
 
 import dincl
 from dincl.system.compiled_problem import units_of
-from dincl.system.kinks import kinks_of, smooth_around
+from dincl.system.kinks import kinks_and_pieces, smooth_around
 from tests.dincl.events.hard_problems import hard_problem
 
 
@@ -125,7 +125,7 @@ def test_a_particle_that_goes_with_a_wall_is_pushed_once_it_is_slower():
     path = dincl.solve(problem, dincl.EventDriven(1e-10), [0.25, 0.5, 0.75, 1.0])
     assert np.abs(path.x[:, 0, 0] - path.t).max() <= 1e-12
     assert path.events == ()
-    assert path.stats.steps <= 60
+    assert path.stats.steps <= 110  # the drift depends on time, and is resolved by 14 steps or more in each part
 
 
 @pytest.mark.parametrize("way", [0.2, 0.24, 0.249])
@@ -139,7 +139,7 @@ def test_a_step_that_ends_where_it_began_meets_a_wall_on_the_way(way):
     assert np.abs([event.t for event in path.events] - np.array([meets, 0.5])).max() <= 1e-8
 
 
-@pytest.mark.parametrize(("tol", "steps"), [(1e-7, 16), (1e-9, 20)])
+@pytest.mark.parametrize(("tol", "steps"), [(1e-7, 24), (1e-9, 24)])
 @pytest.mark.parametrize(
     ("speed", "drift", "gap"),
     [
@@ -185,16 +185,41 @@ def test_the_stated_error_has_what_pulls_too_little_to_let_go(s):
     assert exact <= path.error[0] / s <= 10 * exact
 
 
+SHAKER = dincl.Moving(dincl.HalfSpace(normal=(1, 0)), lambda t: (0.6 * np.sin(t), 0.0))
+BUMP = dincl.Moving(dincl.HalfSpace(normal=(1, 0)), lambda t: (np.exp(-(((t - 0.713) / 0.05) ** 2)), 0.0))
+BALL = dincl.OutsideBall(centre=lambda t: (t - 2.0, 0.0), distance=0.3)
+
+
+@pytest.mark.parametrize(
+    ("moving", "start", "t", "exact"), [(SHAKER, 0.5, 100.0, 0.6), (BUMP, 0.5, 4.0, 1.0), (BALL, 0.0, 4.0, 2.3)]
+)
+def test_a_set_that_comes_and_goes_pushes_what_is_at_rest(moving, start, t, exact):
+    """Nothing else limits the step: a wall that shakes 16 times, one that comes once, a ball whose centre is met."""
+    problem = dincl.Problem([[start, 0.0]], lambda t, x: 0 * x, [moving])
+    path = dincl.solve(problem, dincl.EventDriven(1e-9), [t])
+    assert path.final[0, 0] == pytest.approx(exact, abs=1e-9)
+    assert abs(path.final[0, 0] - exact) <= path.error[0]
+
+
+def test_a_pulse_of_the_drift_is_seen():
+    """It takes a fortieth of the run, before and after which nothing moves: x = 1/2 + sqrt(pi)."""
+    pulse = dincl.Problem([[0.5]], lambda t, x: 0 * x + np.exp(-(((t - 0.713) / 0.03) ** 2)) / 0.03)
+    path = dincl.solve(pulse, dincl.EventDriven(1e-9), [2.0])
+    assert abs(path.final[0, 0] - 0.5 - np.sqrt(np.pi)) <= path.error[0]
+    assert path.stats.drift_evaluations > 500
+
+
 @pytest.mark.slow
 def test_kinks_of_paths_are_found_to_rounding(rng):
     paths = [
         lambda t: np.array([min(1.0, 2 * t), 0.0]),
         lambda t: np.array([np.cos(30 * t), abs((3 * t) % 1 - 0.5)]),
     ]
-    found = kinks_of(paths, 1.2)
+    found, pieces = kinks_and_pieces(paths, 1.2)
     assert np.abs(found - np.array([1, 2, 3, 4, 5, 6, 7])[:, None] / 6).max() <= 2e-15
-    assert len(kinks_of([lambda t: np.array([1e3 + np.cos(40 * t)])], 2.0)) == 0
-    assert len(kinks_of([lambda t: rng.random(1)], 1.0)) == 0
+    assert pieces[:, 1].max() < 0.5 * 2 * np.pi / 30  # half a period
+    assert len(kinks_and_pieces([lambda t: np.array([1e3 + np.cos(40 * t)])], 2.0)[0]) == 0
+    assert [len(one) for one in kinks_and_pieces([lambda t: rng.random(1)], 1.0)] == [0, 0]
     assert smooth_around(0.0, found) == (0.0, found[0, 0])
     assert smooth_around(0.4, found) == (found[1, 1], found[2, 0])
     assert smooth_around(9.0, found) == (found[-1, 1], np.inf)
@@ -270,8 +295,9 @@ def states_with_bound(seed):
     return float((error / (path.error + 2 * bound)).max()), True
 
 
-# Some in which the stated error was too small, and others.
-FEW = (89, 1342, 1672, 2395, 3014, *range(20))
+# Some in which the stated error was too small, and others; without one whose first part ends where two walls leave no
+# room, so that rounding decides whether the parts have a solution.
+FEW = (89, 1342, 1672, 2395, 3014, *range(8), *range(9, 21))
 MANY = [pytest.param(range(k, k + 500), marks=pytest.mark.xslow) for k in range(0, 10_000, 500)]
 
 
