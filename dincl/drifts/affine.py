@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -36,7 +36,7 @@ class AffineDrift(CompiledDrift):
     velocity: NDArray[np.float64]
     stretch: NDArray[np.float64]
     turn: NDArray[np.float64]
-    autonomous: ClassVar[bool] = True
+    autonomous = True
 
     def __call__(self, t: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
         value: NDArray[np.float64] | None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -24,7 +24,7 @@ class CompiledDrift(ABC):
         Whether F is known not to depend on t.
     """
 
-    autonomous: ClassVar[bool] = False
+    autonomous: bool = False
 
     @abstractmethod
     def __call__(self, t: float, x: NDArray[np.float64]) -> Any:

@@ -71,7 +71,15 @@ class DenseOutput(Between):
         system, pair, x = self._system, self._pair, self._start
         tables = self._tables or [step_table(0, pair.terms, x.size, 0, 0)]
         first = event_workspace(
-            system.arrays, system.place, self._gram, pair, tables[0], x.copy(), np.zeros(0), np.zeros((0, 2)), size=self._size
+            system.arrays,
+            system.place,
+            self._gram,
+            pair,
+            tables[0],
+            x.copy(),
+            np.zeros(0),
+            np.zeros((0, 2)),
+            size=self._size,
         )
         return [StructPointer(first._replace(steps=table), KIND) for table in tables]
 

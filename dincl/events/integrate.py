@@ -126,7 +126,7 @@ def resolved_step(run: EventWorkspace) -> float:
     if state.piece == pieces.shape[0]:
         return np.inf
     stop, longest = pieces[state.piece]
-    return min(longest / state.parts, stop - state.t)
+    return float(min(longest / state.parts, stop - state.t))
 
 
 @inner

@@ -149,8 +149,8 @@ class EventRun:
         steps = step_table(PLACES, pair.terms, x.size, len(arrays.factor.row), len(arrays.rows.row))
         numbers = {"end": last, "stop": stop, "resume": resume, "tol": tol / unit.length, "size": size}
         numbers |= {"largest": LARGEST * min(1.0, 1.0 / unit.length), "parts": parts, "undecided": 1, "many": many}
-        times = kinks, system.scales.pieces / unit.time
-        workspace = event_workspace(arrays, system.compiled.place, system.gram, pair, steps, x.copy(), *times, **numbers)
+        place, pieces = system.compiled.place, system.scales.pieces / unit.time
+        workspace = event_workspace(arrays, place, system.gram, pair, steps, x.copy(), kinks, pieces, **numbers)
         self._pointer, self._state = StructPointer(workspace, KIND), workspace.state
         self.between = DenseOutput(system.compiled, system.gram, pair, size, x)
         self._events: list[NDArray[np.float64]] = []

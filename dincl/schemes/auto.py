@@ -24,6 +24,7 @@ from dincl.schemes.pilots import (
     left_out,
     warm_up,
 )
+from dincl.schemes.resolution import resolving_step
 from dincl.status import Status
 from dincl.work import Work
 
@@ -80,7 +81,8 @@ class Choice:
         self, problem: Problem, times: NDArray[np.float64], error: float, methods: Sequence[Candidate]
     ) -> None:
         self._problem, self._times, self._error = problem, times, error
-        self.pilots = [Pilot(problem, method, times, error) for method in methods if method.order]
+        longest = resolving_step(problem, float(times[-1]))
+        self.pilots = [Pilot(problem, method, times, error, longest) for method in methods if method.order]
         # Of each method that takes the error itself: its forecast, and the seconds that it was tried for.
         self._events = [(method, left_out(method, error, NOT_TRIED), 0.0) for method in methods if not method.order]
 

@@ -11,13 +11,14 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from dincl.drifts.counted import OutOfBudgetError
-from dincl.errors import InvalidProblem, StepFailure
+from dincl.errors import InvalidProblem
 from dincl.norms import norms
 from dincl.problem import with_counted_drift
 from dincl.projection import ActiveSet, ProjectedCG
 from dincl.schemes.catch_up import LinearisedCatchUp, MidpointCatchUp
 from dincl.schemes.event_driven import MOST_PARTICLES, EventDriven
 from dincl.schemes.pbd import PBD
+from dincl.schemes.resolution import distance_outside, stable_step
 from dincl.status import Status
 
 if TYPE_CHECKING:
@@ -84,28 +85,6 @@ class Forecast(NamedTuple):
     why: str = ""
 
 
-def distance_outside(problem: Problem, times: NDArray[np.float64], x: NDArray[np.float64]) -> float:
-    """Return a lower bound of max_i |X_i - exact| over all times, to first order: a solution stays in the set.
-
-    It is max_k (-g_k) / sum_i |grad_i g_k|.
-    """
-    largest = 0.0
-    for t, state in zip(times, x, strict=True):
-        try:
-            rows = problem.rows_within(float(t), state, 0.0)
-            depth = np.maximum(-rows.values(state), 0.0)
-            jacobian = rows.jacobian(state).tocoo()
-        except StepFailure:
-            return math.inf
-        if depth.any():
-            particles = jacobian.row * len(state) + jacobian.col // state.shape[1]
-            pairs, place = np.unique(particles, return_inverse=True)  # of a row and a particle
-            gradients = np.sqrt(np.bincount(place, jacobian.data**2))
-            slopes = np.bincount(pairs // len(state), gradients, len(depth))
-            largest = max(largest, float((depth[slopes > 0] / slopes[slopes > 0]).max(initial=0.0)))
-    return largest
-
-
 def limited(problem: Problem, seconds: float) -> Problem:
     """Return the problem with a drift that raises OutOfBudgetError after so many seconds of CPU time from now."""
     began = time.process_time()
@@ -133,13 +112,15 @@ def candidates(problem: Problem, error: float) -> tuple[Candidate, ...]:
 class Pilot:
     """The pilot runs of one method with equal steps: ``steps`` ascending, their states and CPU times.
 
-    ``tried`` is the CPU time that the first two runs may take, ``unfinished`` whether they took longer.
+    ``longest`` is the longest step that resolves all functions of time, ``tried`` the CPU time that the first two runs
+    may take, ``unfinished`` whether they took longer.
     """
 
     problem: Problem
     candidate: Candidate
     times: NDArray[np.float64]
     error: float
+    longest: float = math.inf
     steps: list[int] = field(default_factory=list)
     outcomes: list[RunOutcome] = field(default_factory=list)
     seconds: list[float] = field(default_factory=list)
@@ -148,6 +129,7 @@ class Pilot:
     final: bool = False  # whether finer steps cannot mend the failure in ``why``
     tried: float = 0.0
     unfinished: bool = False
+    _stable: tuple[int, float] = (0, math.inf)  # the number of runs, and ``stable_step`` of the last one
 
     def run(self, steps: int) -> RunOutcome | None:
         """Make the run with so many steps; None, and the reason in ``why``, if it fails."""
@@ -228,7 +210,16 @@ class Pilot:
 
     def is_done(self) -> bool:
         """Return whether the finest run has the error asked for."""
-        return len(self.steps) >= LEAST_RUNS and not self.why and SAFETY * self.estimate()[0] <= self.error
+        if len(self.steps) < LEAST_RUNS or self.why or SAFETY * self.estimate()[0] > self.error:
+            return False
+        return self.steps[-1] >= self.least_steps()
+
+    def least_steps(self) -> int:
+        """Return how many steps resolve functions of time, and are stable at the states of the finest run."""
+        finest = self.outcomes[-1]
+        if self._stable[0] != len(self.steps) >= LEAST_RUNS - 1:
+            self._stable = len(self.steps), stable_step(self.problem, finest.t, finest.x)
+        return math.ceil(float(self.times[-1]) / min(self.longest, self._stable[1]))
 
     def is_contradicted(self) -> bool:
         """Return whether the runs agree better with each other than with the set, and finer steps do not mend it."""
@@ -249,7 +240,9 @@ class Pilot:
         if self.is_done():
             return self._forecast(finest, found, 0.0)
         steps = max(
-            math.ceil(finest * (found * SAFETY / (AIM * self.error)) ** (1 / order)), math.ceil(NEAREST * finest)
+            math.ceil(finest * (found * SAFETY / (AIM * self.error)) ** (1 / order)),
+            math.ceil(NEAREST * finest),
+            self.least_steps(),
         )
         if steps > MOST_STEPS and len(self.steps) < BELIEVED:
             steps = MOST_STEPS

@@ -108,7 +108,9 @@ def _cut(
     is_smooth: Callable[[float, float], bool], waiting: list[Interval], end: float
 ) -> tuple[list[Interval], list[Interval]]:
     """Cut parts until they are smooth, or so short that there is a kink: both in order, empty if there is no end."""
-    waiting, pieces, kinks = list(waiting), [], []
+    waiting = list(waiting)
+    pieces: list[Interval] = []
+    kinks: list[Interval] = []
     for _ in range(MOST_CUTS):
         if not waiting:
             return sorted(pieces), sorted(kinks)

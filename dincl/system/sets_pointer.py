@@ -10,7 +10,6 @@ import numpy as np
 from dincl.constraints.moving import derivative
 from dincl.constraints.selection import rates as gap_rates
 from dincl.constraints.selection import row_lengths
-from dincl.errors import StepFailure
 from dincl.norms import longest
 from dincl.rows.table import DISTANCE, GRADIENTS, SWEEP, VELOCITIES, RowTable, Sets
 from dincl.system.callbacks import PythonFunction, numbers_at

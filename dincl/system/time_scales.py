@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from contextlib import suppress
 from functools import partial
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
 
@@ -70,8 +70,8 @@ def time_scales(problem: Problem, end: float) -> TimeScales:
 
 def _paths(problem: Problem) -> Iterator[Path]:
     """Give the displacement of each set that is translated, and the numbers of each other one that depends on time."""
+    d = problem.x0.shape[1]
     for one in problem.constraints:
-        if one.timed and one.displacement(0.0, problem.x0.shape[1]) is not None:
-            yield partial(one.displacement, d=problem.x0.shape[1])
-        elif one.timed:
-            yield partial(one.parameters, x=problem.x0)
+        if one.timed:
+            found: Any = partial(one.parameters, x=problem.x0)
+            yield found if one.displacement(0.0, d) is None else cast(Any, partial(one.displacement, d=d))

@@ -116,6 +116,7 @@ def test_the_written_parameters_repeat_the_run():
         assert Path("one", name).read_bytes() == Path("two", name).read_bytes()
 
 
+@pytest.mark.filterwarnings("default:nothing to grow")
 def test_a_run_goes_on_from_the_last_state_of_another():
     Path("short.toml").write_text(SMALL.replace('"1 h"', '"0.5 h"'), "utf-8")
     assert call("run", "short.toml", "--seed", 3, "--out", "one").exit_code == 0
@@ -124,6 +125,8 @@ def test_a_run_goes_on_from_the_last_state_of_another():
     assert call("run", "small.toml", "--seed", 3, "--out", "whole").exit_code == 0
     assert Path("two/final.npz").read_bytes() == Path("whole/final.npz").read_bytes()
     assert "--seed 3 --start 'one/final.npz'" in Path("two/parameters.toml").read_text("utf-8").splitlines()[0]
+    again = call("run", "small.toml", "--seed", 3, "--start", "two/final.npz", "--out", "again")
+    assert "Warning: nothing to grow: the start is at t = 1 h, and numerics.t_end = 1 h\n" in again.stderr
     late = call("run", "short.toml", "--start", "two/final.npz")
     assert late.exit_code == 2
     assert "numerics.t_end" in late.stderr

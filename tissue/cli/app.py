@@ -140,10 +140,16 @@ def _write_parameters(parameters: Parameters, words: str, file: str, folder: Pat
 
 
 def _simulated(parameters: Parameters, seed: int, first: Frame | None = None) -> Run:
+    from tissue.files.unread import idle_keys
     from tissue.runs.simulate import simulate
 
-    for line in idle_events(parameters) if first is None else ():
+    for line in [*(idle_events(parameters) if first is None else ()), *idle_keys(parameters)]:
         warn(line, stacklevel=1)
+    if first is not None and abs(parameters.t_end - first.t) < parameters.numerics.dt.value / 2:
+        warn(
+            f"nothing to grow: the start is at t = {first.t:g} h, and numerics.t_end = {parameters.t_end:g} h",
+            stacklevel=1,
+        )
     began = time.monotonic()
     with progress("growing", parameters.t_end, "h") as watch:
         grown = simulate(parameters, seed, start=first, throw=False, watch=watch)

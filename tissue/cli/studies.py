@@ -144,15 +144,21 @@ def _said(results: Results) -> str:
         none = "No run that did not fail." if 0 < stored["runs"].sum() == stored["failed"].sum() else "No EMT cells."
         return "\n".join([*filter(None, said), f"{none}\n"])
     if (compare := comparing.plan_of(results)) is not None:
-        rows = (_answered(row) for row in comparing.planned_answers(results).to_dict("records"))
+        found, reason = comparing.answers_or_reason(results)
+        rows = (_answered(row) for row in found.to_dict("records"))
         heads = ("question", "outcome", "effect [95 %]", "p", "answer", "runs needed")
-        said.append(table(f"Answers: {comparing.correction_text(results, compare)}", heads, rows))
+        title = f"Answers: {comparing.correction_text(results, compare)}"
+        said.append(f"{reason}\n" if reason else table(title, heads, rows))
     else:
         against = (_compared(row) for row in answers.scenario_differences(ratios, study.replicates).to_dict("records"))
         heads = ("outcome", "first - second", "points [95 %]", "p", "differ", "runs needed")
         said.append(table("Scenarios against each other; p of all these comparisons together (Holm)", heads, against))
-    found = (_found(row) for row in ratios.to_dict("records"))
-    said.append(table("EMT cells at the end", ("scenario", "outcome", "ratio [95 %]", "cells"), found))
+    sound = {
+        row.scenario: f"; of the runs that did not fail: {row.runs - row.failed} of {row.runs}"
+        for row in stored[stored["failed"] > 0].itertuples()
+    }
+    ends = (_found(row, sound.get(row["scenario"], "")) for row in ratios.to_dict("records"))
+    said.append(table(f"{_emt_cells(results)} at the end", ("scenario", "outcome", "ratio [95 %]", "cells"), ends))
     shares = (_share(row) for row in answers.control_shares(results).to_dict("records"))
     sides = ("scenario", "side", "part [95 %]", "runs")
     said.append(table("Control cells outside of the tissue at the end", sides, shares))
@@ -184,9 +190,16 @@ def _answered(row: dict[str, Any]) -> tuple[str, ...]:
     return row["question"], row["outcome"], effect_text(row), p, row["answer"], needed
 
 
-def _found(row: dict[str, Any]) -> tuple[str, ...]:
+def _emt_cells(results: Results) -> str:
+    """Name the EMT cells, with the types that are pooled."""
+    groups = (one for name in results.study.scenarios for one in results.parameters(name).groups())
+    names = dict.fromkeys(one.name for one in groups if one.may_leave and one.scenario.cells)
+    return "EMT cells" if [*names] == ["emt"] else f"EMT cells ({', '.join(names)})"
+
+
+def _found(row: dict[str, Any], sound: str) -> tuple[str, ...]:
     part = _part(row["value"], row["low"], row["high"])
-    return row["scenario"], row["outcome"], part, f"{row['count']} of {row['of']}"
+    return row["scenario"], row["outcome"], part, f"{row['count']} of {row['of']}{sound}"
 
 
 def _share(row: dict[str, Any]) -> tuple[str, ...]:

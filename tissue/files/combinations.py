@@ -7,12 +7,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping
+from itertools import pairwise
 from typing import Any
 
 from tissue.events.known import events, mark_of
 from tissue.files.layer import Points, curve_of
 from tissue.files.rule import Rule, show
-from tissue.files.space_rules import SPACE_RULES
+from tissue.files.space_rules import SPACE_RULES, no_forces
 from tissue.files.timing import NEVER, Timing
 from tissue.files.units import Measure, reduced
 from tissue.plugins import EmtEvent
@@ -25,11 +26,13 @@ ROUNDING = 1e-12
 UNIT = "R_soft"
 # Above this a whole number of steps cannot be told from a fraction.
 MOST_STEPS = 1e9
+# Output times of one interval up to which their texts of six digits differ; of more the last are compared.
+FEW_TIMES, LAST_TIMES = 1e5, 1000
 
 
 def broken(values: Mapping[str, Any]) -> list[str]:
     """Return a line for each rule that the values break; ``values`` by keys such as "tissue.cells"."""
-    return broken_of((*RULES, *SPACE_RULES, *waiting()), values)
+    return broken_of((*RULES, *SPACE_RULES, *waiting(), *no_forces()), values)
 
 
 def waiting() -> list[Rule]:
@@ -93,6 +96,23 @@ def _kept(keep: Measure | tuple[Measure, ...], dt: Measure) -> str | None:
 def _before_the_end(keep: Measure | tuple[Measure, ...], end: Measure) -> str | None:
     ok = not isinstance(keep, tuple) or not _above(keep[-1].value, end.value)
     return None if ok else f"a list of times up to numerics.t_end = {show(end)}"
+
+
+def _apart(keep: Measure | tuple[Measure, ...], end: Measure, dt: Measure) -> str | None:
+    """Check that tables of studies, whose columns end in the output time as ":g", have one for each."""
+    if _whole_steps(end, dt) or _kept(keep, dt):
+        return None  # other rules say so
+    if isinstance(keep, tuple):
+        times = sorted({0.0, *(time.value for time in keep), end.value})
+    elif keep.value >= end.value / FEW_TIMES:
+        return None
+    else:
+        last = math.floor(end.value / keep.value * (1 + ROUNDING))
+        times = [keep.value * k for k in range(max(0, last - LAST_TIMES), last + 1)]
+    for one, other in pairwise(times):
+        if f"{one:g}" == f"{other:g}" and _above(other, one):
+            return f"times that differ in six digits: {one!r} h and {other!r} h are both written {one:g} h"
+    return None
 
 
 def _fit(
@@ -199,6 +219,7 @@ RULES = (
     Rule(("numerics.t_end", "numerics.dt"), _whole_steps),
     Rule(("numerics.keep", "numerics.dt"), _kept),
     Rule(("numerics.keep", "numerics.t_end"), _before_the_end),
+    Rule(("numerics.keep", "numerics.t_end", "numerics.dt"), _apart),
     Rule(
         (
             "tissue.cells",

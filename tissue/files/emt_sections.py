@@ -109,6 +109,9 @@ class EventsSection(ParameterSection):
         "section 2.2.4 of chapter 4",
     )
     together: Events = key(
-        "events that begin in all cells of a type at the time of the first of them", "", TYPESCRIPT, []
+        "events that begin in all cells of a type at the first of their times, whatever their probability",
+        "",
+        TYPESCRIPT,
+        [],
     )
     at_depth: Annotated[str, one_of("stays", "forces")] = key("what the basal point does at run_depth", "", "(4.1)")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pydantic import ConfigDict
+from pydantic import ConfigDict, ValidationInfo, model_validator
 
 from tissue.files.fields import NUMBER_OR_ZERO, NonNegative
 from tissue.files.keys import KeyFacts
@@ -26,6 +26,13 @@ class ForcesSection(ParameterSection):
         return tuple(
             KeyFacts(f"forces.{one.name}", one.meaning, "", one.source, *plain, 0) for one in registered(Force)
         )
+
+    @model_validator(mode="after")
+    def _note_forces(self, info: ValidationInfo) -> ForcesSection:
+        """Note the strengths."""
+        if info.context is not None:
+            info.context.update({(ForcesSection, name): strength for name, strength in self})
+        return self
 
     def acting(self) -> tuple[tuple[Force, float], ...]:
         """Return the forces whose strength is not 0, with the strength, in the order of their names."""

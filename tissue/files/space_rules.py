@@ -13,6 +13,7 @@ from tissue.files.timing import Timing
 from tissue.files.units import Measure, reduced
 from tissue.kernels.surface_workspace import SHORTEST_PERIOD
 from tissue.model.lattice import ROW, rows_of
+from tissue.plugins import Force, registered
 from tissue.state.space import FLAT
 
 IN_SPACE = "in three dimensions"
@@ -41,12 +42,22 @@ def _below_the_middle(
 
 
 def _rows(rows: int, cells: int, dimension: int, shape: str, boundary: str) -> str | None:
+    return _refused("space.rows", rows, cells, dimension, shape, boundary)
+
+
+def _fill(cells: int, rows: int, dimension: int, shape: str, boundary: str) -> str | None:
+    return _refused("tissue.cells", rows, cells, dimension, shape, boundary)
+
+
+def _refused(key: str, rows: int, cells: int, dimension: int, shape: str, boundary: str) -> str | None:
+    """Return what this key must be if it is the one for which the cells do not fill rows."""
     if dimension == FLAT or shape == "sphere":
         return None
     try:
         rows_of(cells, rows, strip=_may_be_strip(shape, boundary))
     except InvalidProblem as error:
-        return str(error).partition(": must be ")[2]
+        named, _, allowed = str(error).partition(": must be ")
+        return allowed if named.startswith(key) else None
     return None
 
 
@@ -117,6 +128,15 @@ def _no_chains(time: Timing, dimension: int) -> str | None:
     return None if dimension == FLAT or not time.ever else f'"never" {IN_SPACE}: there are no chains'
 
 
+def no_forces() -> list[Rule]:
+    """Return the rules of registered forces, which act in a slice alone."""
+    return [Rule((f"forces.{force.name}", "tissue.dimension"), _no_force) for force in registered(Force)]
+
+
+def _no_force(strength: float, dimension: int) -> str | None:
+    return None if dimension == FLAT or strength == 0 else f"0 {IN_SPACE}: registered forces act in a slice alone"
+
+
 SPACE_RULES = (
     Rule(("layer.shape", "tissue.dimension"), _shape),
     Rule(
@@ -124,6 +144,7 @@ SPACE_RULES = (
         _below_the_middle,
     ),
     Rule(("space.rows", "tissue.cells", "tissue.dimension", "layer.shape", "space.boundary"), _rows),
+    Rule(("tissue.cells", "space.rows", "tissue.dimension", "layer.shape", "space.boundary"), _fill),
     Rule(
         (
             *("tissue.cells", "tissue.dimension", "layer.shape", "space.boundary", "space.rows", "layer.perimeter"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import count
 
 import numpy as np
 from numpy.random import Generator
@@ -122,15 +123,25 @@ def rows_of(cells: int, wanted: int, *, strip: bool = False) -> int:
     InvalidProblem
         If the cells do not fill rows of one length, or there are fewer than four of them, or in a row.
     """
-    fitting = [k for k in range(FEWEST, cells // FEWEST + 1, 2) if cells % k == 0]
+    fitting = _fitting(cells)
     if strip and wanted == 1 and cells >= FEWEST:
         return 1
-    if not fitting or (wanted and wanted not in fitting):
-        known = [1, *fitting] if strip else fitting
-        allowed = f"{' or '.join(map(str, known))}, or 0" if known else "with a number tissue.cells that fills rows"
-        raise InvalidProblem(f"space.rows = {wanted}, with tissue.cells = {cells}: must be {allowed}")
+    if not fitting:
+        near = (next((n for n in side if _fitting(n)), None) for side in (range(cells, 0, -1), count(cells)))
+        example = " or ".join(str(n) for n in near if n)
+        allowed = f"columns times an even number of rows, {FEWEST} or more of each, such as {example}"
+        alone = "; or any number with space.rows = 1" if strip else ""
+        raise InvalidProblem(f"tissue.cells = {cells}: must be {allowed}{alone}")
+    if wanted and wanted not in fitting:
+        allowed = " or ".join(map(str, [1, *fitting] if strip else fitting))
+        raise InvalidProblem(f"space.rows = {wanted}, with tissue.cells = {cells}: must be {allowed}, or 0")
     ideal = math.sqrt(cells / ROW)
     return wanted or min(fitting, key=lambda k: abs(math.log(k / ideal)))
+
+
+def _fitting(cells: int) -> list[int]:
+    """Return the numbers of rows that so many cells fill."""
+    return [k for k in range(FEWEST, cells // FEWEST + 1, 2) if cells % k == 0]
 
 
 def flat_lattice(cells: int, rows: int, spacing: float, *, periodic: bool) -> Lattice:

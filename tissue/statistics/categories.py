@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 import pandas as pd
@@ -24,6 +24,9 @@ WINDOW = 1.0  # [h], over which a nucleus is below 0 on average to be extruded b
 Edges = Sequence[float] | Floats
 What = Literal["basal", "apical", "below"]
 Rule = Literal["thesis", "published"]
+
+# Part of the end of a run by which an event at the end may be later: 0.1 h + 0.2 h is more than 0.3 h.
+ROUNDING = 1e-12
 
 _TIMED = re.compile(r"t_([a-z][a-z0-9]*)_h")
 _KEPT = re.compile(r"ab_(.+)h")
@@ -46,15 +49,15 @@ def kept_times(cells: pd.DataFrame) -> list[float]:
 
 
 def happened(cells: pd.DataFrame, end: float) -> pd.DataFrame:
-    """Return whether each event came before the end of the run [h]; columns "A", "B", "S", "P" and the others.
+    """Return whether each event came by the end of the run [h]; columns "A", "B", "S", "P" and the others.
 
     [P] counts from when it acts, which it does not before [B]: so ``t_p_h`` has it.
     """
-    return pd.DataFrame({event: cells[time_column(event)] < end for event in timed(cells)}, index=cells.index)
+    return pd.DataFrame({event: _by_end(cells[time_column(event)], end) for event in timed(cells)}, index=cells.index)
 
 
 def by_selection(cells: pd.DataFrame, end: float, *, inm: bool = False) -> pd.Series:
-    """Return which events a cell had before the end, in whatever order: "none", "A", "B", "AB", ..., "ABSP".
+    """Return which events a cell had by the end, in whatever order: "none", "A", "B", "AB", ..., "ABSP".
 
     Parameters
     ----------
@@ -77,14 +80,14 @@ def by_selection(cells: pd.DataFrame, end: float, *, inm: bool = False) -> pd.Se
 
 
 def by_order(cells: pd.DataFrame, end: float, *, inm: bool = False) -> pd.Series:
-    """Return the events of a cell before the end as they followed: "[AB]" for T_A <= T_B, "[BA]" for T_B < T_A.
+    """Return the events of a cell by the end as they followed: "[AB]" for T_A <= T_B, "[BA]" for T_B < T_A.
 
     Equal times are in the order A, B, S, P, others. Parameters and categories are those of ``by_selection``.
     """
     events = timed(cells)
     times = np.column_stack([cells[time_column(event)] for event in events])
     order = np.argsort(times, axis=1, kind="stable")
-    had = np.take_along_axis(times, order, axis=1) < end
+    had = _by_end(np.take_along_axis(times, order, axis=1), end)
     letters = np.where(had, np.array(events, dtype=object)[order], "")
     joined = letters.sum(axis=1) if len(cells) else np.full(0, "", dtype=object)
     return _named(cells, np.where(joined == "", "", "[" + joined + "]"), inm=inm)
@@ -174,6 +177,11 @@ def in_time(cells: pd.DataFrame) -> dict[What, np.ndarray]:
     times = kept_times(cells)
     position, below = (cells[[f"{name}_{t:g}h" for t in times]].to_numpy().T for name in ("ab", "below"))
     return {"basal": position < 0, "apical": position > 1, "below": below.astype(bool)}
+
+
+def _by_end(times: Any, end: float) -> Any:
+    """Return whether times are up to the end: an event at the end begins in the last step."""
+    return times <= end * (1 + ROUNDING)
 
 
 def _stays(cells: pd.DataFrame, times: list[float]) -> pd.Series:

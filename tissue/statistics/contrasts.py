@@ -155,12 +155,15 @@ class MeanContrast:
     @property
     def errors(self) -> Floats:
         """w_i s_i/sqrt(n_i)."""
-        spreads = [one.std(ddof=1) / math.sqrt(len(one)) for one in self.samples]
+        # Of equal values std is not 0 but rounding.
+        spreads = [one.std(ddof=1) / math.sqrt(len(one)) if np.ptp(one) > 0 else 0.0 for one in self.samples]
         found: Floats = np.asarray(self.weights) * np.array(spreads)
         return found
 
     def interval(self, level: float = LEVEL) -> tuple[float, float]:
-        """Compute Welch's interval, with the degrees of freedom of Satterthwaite.
+        """Compute Welch's interval, with the degrees of freedom of Satterthwaite; infinite without any spread.
+
+        A few runs with one value, such as a 0 or 1 of each, do not tell that no other occurs.
 
         Source
         ------
@@ -169,7 +172,7 @@ class MeanContrast:
         quantile(level)  # refuses a bad level
         variances = self.errors**2
         if not variances.any():
-            return self.value, self.value
+            return -math.inf, math.inf
         freedom = np.array([len(one) - 1 for one in self.samples])
         degrees = variances.sum() ** 2 / (variances**2 / freedom).sum()
         half = float(stdtrit(degrees, 0.5 + level / 2) * np.sqrt(variances.sum()))
@@ -232,10 +235,13 @@ class Family:
     @cached_property
     def level_of_each(self) -> float:
         """The level of one interval with which all of them cover with ``level``."""
-        if self.correction == "holm" or self.count == 1:
-            return 1 - (1 - self.level) / self.count
+        if self.correction == "holm" or self.count <= 1:
+            return 1 - (1 - self.level) / max(1, self.count)
+        least = quantile(self.level)
+        if self._together(least) >= self.level:  # as where no contrast but one has an error
+            return self.level
         cautious = quantile(1 - (1 - self.level) / self.count)
-        z = brentq(lambda z: self._together(z) - self.level, quantile(self.level), cautious + 1e-3, xtol=1e-4)
+        z = brentq(lambda z: self._together(z) - self.level, least, cautious + 1e-3, xtol=1e-4)
         return float(1 - 2 * ndtr(-z))
 
     def p_values(self) -> list[float]:

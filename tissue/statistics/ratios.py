@@ -14,13 +14,17 @@ from typing import Any, get_args
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
+from scipy.special import stdtrit
 
 from dincl.checks import describe
 from dincl.errors import InvalidProblem
 from tissue.statistics.categories import Edges, Rule, What, by_interval, interval_names, kept_times, outcome
-from tissue.statistics.proportions import LEVEL, wilson
+from tissue.statistics.proportions import LEVEL, quantile, wilson
 
 COLUMNS = ("count", "of", "runs", "value", "low", "high", "effective")
+
+# Size of the replicates that are added to those of control cells: a pair that leaves together. Their deff is about 1.4.
+PAIR = 2.0
 
 Floats = NDArray[np.float64]
 
@@ -125,7 +129,29 @@ def ratios(hits: pd.Series, replicate: pd.Series, category: pd.Series, level: fl
     return pd.DataFrame(rows, index=index, columns=list(COLUMNS))
 
 
-def effective_size(hits: Any, cells: Any) -> float:
+def ratio_of_runs(hits: Any, cells: Any) -> Ratio:
+    """Compute the ratio of hits among many cells of each run, of which few are hits, such as control cells.
+
+    A replicate of mean size, as ``effective_size`` adds for EMT cells, would outweigh all hits: pairs are added. So
+    the spread between the runs decides, known with k - 1 degrees of freedom: the effective number of cells is
+    multiplied by (k - 1)/k (z/t)^2, z and t the quantiles of LEVEL.
+
+    Parameters
+    ----------
+    hits, cells
+        y_r and n_r >= 1 of each run; at least two runs.
+
+    Source
+    ------
+    E. L. Korn, B. I. Graubard, Confidence intervals for proportions with small expected number of positive counts
+    estimated from survey data, Survey Methodology 24 (1998).
+    """
+    runs = len(hits)
+    known = (runs - 1) / runs * (quantile(LEVEL) / float(stdtrit(runs - 1, 0.5 + LEVEL / 2))) ** 2
+    return Ratio(int(np.sum(hits)), int(np.sum(cells)), known * effective_size(hits, cells, PAIR))
+
+
+def effective_size(hits: Any, cells: Any, added: float | None = None) -> float:
     """Compute n/deff with deff = sum_r (y_r - p n_r)^2/(n p (1 - p)), at least 1.
 
     deff is the variance of the ratio p = sum y_r/sum n_r over replicates, linearised, over that of independent cells.
@@ -137,6 +163,8 @@ def effective_size(hits: Any, cells: Any) -> float:
     ----------
     hits, cells
         y_r and n_r >= 1 of each replicate; at least one replicate.
+    added
+        Size of the two replicates that are added; None: the mean size.
 
     Returns
     -------
@@ -148,7 +176,7 @@ def effective_size(hits: Any, cells: Any) -> float:
     L. Kish, Survey Sampling (1965); linearised as in W. G. Cochran, Sampling Techniques (1977), section 6.4.
     """
     y, n = np.asarray(hits, dtype=np.float64), np.asarray(cells, dtype=np.float64)
-    mean_size = float(n @ n / n.sum())  # seen by a cell: what bounds deff
+    mean_size = float(n @ n / n.sum()) if added is None else added  # seen by a cell: what bounds deff
     total = n.sum() + 2 * mean_size
     p = float((y.sum() + mean_size) / total)
     squares = float(((y - p * n) ** 2).sum()) + mean_size**2 * (p * p + (1 - p) ** 2)

@@ -15,7 +15,7 @@ from tissue.files.parameter_files import flat
 from tissue.statistics.categories import What, outcome
 from tissue.statistics.comparisons import Difference, runs_needed
 from tissue.statistics.proportions import LEVEL, corrected
-from tissue.statistics.ratios import Ratio, as_ratio, ratio
+from tissue.statistics.ratios import Ratio, as_ratio, ratio, ratio_of_runs
 from tissue.study.read import Results
 
 # Scenarios beyond which each is compared with the first one alone.
@@ -89,25 +89,36 @@ def paired(names: list[str]) -> list[tuple[str, str]]:
 def control_shares(results: Results) -> pd.DataFrame:
     """Return the control cells above the apical layer and below the basal layer at the end, as parts of all.
 
-    Columns: scenario, side, runs, mean, low, high: over runs that did not fail, with Student's 95 % interval.
+    Columns: scenario, side, runs, mean, low, high: over all control cells of runs that did not fail, with Wilson's 95 %
+    interval on their effective number.
     """
     rows = []
     for scenario in _stored(results):
         end = results.parameters(scenario).t_end
         runs = results.runs(scenario)
         for side in ("apical", "basal"):
-            shares = shares_of(runs, side, end)
-            if len(shares) > 1:
-                mean, half = mean_and_half(shares)
-                rows.append((scenario, side, len(shares), mean, max(0.0, mean - half), mean + half))
+            counted = len(shares_of(runs, side, end))
+            if counted > 1:
+                one = control_ratio(runs, side, end)
+                rows.append((scenario, side, counted, one.value, *one.interval()))
     return pd.DataFrame(rows, columns=["scenario", "side", "runs", "mean", "low", "high"])
 
 
 def shares_of(runs: pd.DataFrame, side: str, end: float) -> NDArray[np.float64]:
     """Return for each run that did not fail the share of control cells outside on the "apical" or "basal" side."""
+    outside, cells = _control_counts(runs, side, end)
+    return outside / cells
+
+
+def control_ratio(runs: pd.DataFrame, side: str, end: float) -> Ratio:
+    """Return the ratio of control cells outside on a side, of all of two or more runs that did not fail."""
+    return ratio_of_runs(*_control_counts(runs, side, end))
+
+
+def _control_counts(runs: pd.DataFrame, side: str, end: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return for each run that did not fail how many control cells are outside on a side, and how many there are."""
     sound = runs[(runs["status"] == "SUCCESS") & (runs[f"controls_{end:g}h"] > 0)]
-    shares: NDArray[np.float64] = (sound[f"controls_{side}_{end:g}h"] / sound[f"controls_{end:g}h"]).to_numpy(float)
-    return shares
+    return sound[f"controls_{side}_{end:g}h"].to_numpy(float), sound[f"controls_{end:g}h"].to_numpy(float)
 
 
 def mean_and_half(values: NDArray[np.float64]) -> tuple[Any, Any]:

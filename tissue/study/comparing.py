@@ -16,7 +16,7 @@ from tissue.statistics.contrasts import Contrast, Family, MeanContrast, Proporti
 from tissue.statistics.proportions import LEVEL, POWER, quantile
 from tissue.statistics.ratios import Ratio, ratio
 from tissue.statistics.sequences import bounded, runs_to_decide, unbounded
-from tissue.study.answers import paired, scenario_ratios, shares_of
+from tissue.study.answers import control_ratio, paired, scenario_ratios, shares_of
 from tissue.study.planned import SHARES, PlannedComparisons
 
 if TYPE_CHECKING:
@@ -48,7 +48,9 @@ class RunValues:
         return len(self.numbers(scenario, "replicate"))
 
     def _ratio(self, scenario: str, what: str) -> Ratio:
-        """Return the share of cells with an outcome."""
+        """Return the share of EMT cells with an outcome, or of control cells outside."""
+        if what in SHARES:
+            return control_ratio(self._runs(scenario), SHARES[what], self._end(scenario))
         hits = self._hits(scenario, what)
         return ratio(hits, hits.index.to_series())
 
@@ -56,10 +58,18 @@ class RunValues:
         """Return the share of the cells of each run with an outcome, or a number of each run; empty without runs."""
         if scenario not in self._stored or self._runs(scenario).empty:
             return np.empty(0)
+        self.check(scenario)
         if what not in get_args(What):
             return self.numbers(scenario, what)
         found: Floats = self._hits(scenario, what).groupby(level=0).mean().to_numpy(np.float64)
         return found
+
+    def check(self, scenario: str) -> None:
+        """Refuse a scenario of which all runs failed."""
+        runs = self._runs(scenario)
+        if len(runs) and (runs["status"] != "SUCCESS").all():
+            ends = ", ".join(map(str, runs["status"].unique()))
+            raise InvalidProblem(f"all {len(runs)} runs of {scenario!r} failed: {ends}")
 
     def numbers(self, scenario: str, what: str) -> Floats:
         """Return a number of each run that did not fail, such as "height_um"."""
@@ -124,6 +134,14 @@ def planned_answers(results: Results) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=COLUMNS).astype({"needed": "Int64", "p": float})
 
 
+def answers_or_reason(results: Results) -> tuple[pd.DataFrame, str]:
+    """Return ``planned_answers``; or none, and the sentence that says why there are none."""
+    try:
+        return planned_answers(results), ""
+    except InvalidProblem as error:
+        return pd.DataFrame(columns=COLUMNS), f"No answers: {error}"
+
+
 def effect_text(row: Mapping[str, Any]) -> str:
     """Return the effect in a row of ``planned_answers`` with its interval and unit."""
     value, low, high = (float(row[key]) for key in ("value", "low", "high"))
@@ -133,6 +151,8 @@ def effect_text(row: Mapping[str, Any]) -> str:
         return f"x {value:.2f} [{low:.2f}, {high:.2f}]"
     if row["outcome"] in (*get_args(What), *SHARES):
         return f"{100 * value:+.1f} [{100 * low:+.1f}, {100 * high:+.1f}] points"
+    if not pd.isna(row["p"]) and np.isinf(high):
+        return f"{value:+.3g}, no interval: no spread between runs"
     return f"{value:+.3g} [{low:+.3g}, {high:+.3g}]"
 
 
@@ -166,11 +186,14 @@ def _fixed(plan: PlannedComparisons, source: RunValues) -> list[tuple[Any, ...]]
 def contrast(scenarios: list[str], weights: Weights, source: RunValues, what: Any, measure: Measure) -> Contrast:
     """Return a contrast of the scenarios, with weight 0 for those that are not part of it."""
     each = tuple(weights.get(name, 0.0) for name in scenarios)
+    for name in scenarios:
+        source.check(name)
     if what not in get_args(What):
         samples = tuple(source.numbers(name, what) for name in scenarios)
         if few := [name for name, values in zip(scenarios, samples, strict=True) if len(values) < 2]:
             raise InvalidProblem(f"scenario = {few[0]!r}: must have two runs that did not fail, to compare {what}")
-        return MeanContrast(each, samples)
+        if what not in SHARES:
+            return MeanContrast(each, samples)
     kind = RatioContrast if measure == "ratio" else ProportionContrast
     return kind(each, tuple(source.ratio(name, what) for name in scenarios))
 
@@ -203,10 +226,14 @@ def _difference_so_far(weights: Weights, values: dict[str, Floats], what: str, l
     runs = min(map(len, values.values()))
     each = np.sum([weights[name] * one[:runs] for name, one in values.items()], axis=0)
     positive = math.fsum(weight for weight in weights.values() if weight > 0)
-    low, high = bounded(each, -positive, positive, level) if what in get_args(What) else unbounded(each, level)
+    shares = what in (*get_args(What), *SHARES)
+    low, high = bounded(each, -positive, positive, level) if shares else unbounded(each, level)
+    still = runs > 0 and np.ptp(each) == 0
+    if still and not shares:
+        low, high = -math.inf, math.inf  # as of MeanContrast
     value, spread = (float(each.mean()), float(each.std())) if runs else (math.nan, math.nan)
     decided = low > 0 or high < 0
-    needed = None if decided or not runs else runs_to_decide(abs(value), spread, level)
+    needed = None if decided or still or not runs else runs_to_decide(abs(value), spread, level)
     needed = None if needed is None else max(needed, runs + 1)
     return value, low, high, None, _state(value, 0.0, decided=decided), runs, needed
 

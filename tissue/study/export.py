@@ -9,7 +9,7 @@ import pandas as pd
 
 from dincl.files import replacing
 from tissue.study.answers import control_shares, scenario_changes, scenario_ratios
-from tissue.study.comparing import planned_answers
+from tissue.study.comparing import answers_or_reason
 
 if TYPE_CHECKING:
     from tissue.study.read import Results
@@ -25,7 +25,7 @@ def write_csv(results: Results) -> list[Path]:
     stored = list(results.summary().query("runs > 0")["scenario"])
     runs = [results.runs(name).assign(scenario=name) for name in stored]
     tables = {
-        "answers": planned_answers(results),
+        "answers": answers_or_reason(results)[0],
         "ratios": scenario_ratios(results),
         "controls": control_shares(results),
         "parameters": scenario_changes(results).replace("nan", ""),

@@ -78,12 +78,21 @@ def _scenarios(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:
     return in_scenarios(both) + [f"scenario {name!r}: {line}" for name, (line,) in found.items()]
 
 
+def type_orders(scenarios: Mapping[str, Any]) -> dict[str, list[str]]:
+    """Return the named types of each scenario in their order, of which runs are a function: fingerprints lose it."""
+    return {name: list(tables.get("types", {})) for name, tables in scenarios.items()}
+
+
 def _keys(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:
-    """Return the parameters that differ."""
+    """Return the parameters that differ, and the order of types where it alone does."""
     sections, before, after = [*{**old, **new}], flat(old), flat(new)
     keys = sorted({**before, **after}, key=lambda key: (sections.index(key.partition(".")[0]), key))
     pairs = ((key, before.get(key), after.get(key)) for key in keys)
-    return [f"{key}: {json.dumps(one)} -> {json.dumps(two)}" for key, one, two in pairs if one != two]
+    lines = [f"{key}: {json.dumps(one)} -> {json.dumps(two)}" for key, one, two in pairs if one != two]
+    one, two = type_orders({"old": old, "new": new}).values()
+    return (
+        lines if one == two or {*one} != {*two} else [*lines, f"order of types: {', '.join(one)} -> {', '.join(two)}"]
+    )
 
 
 def code_differences(old: Mapping[str, str], new: Mapping[str, str]) -> list[str]:

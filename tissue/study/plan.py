@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from hashlib import sha256
 from os import PathLike
 from pathlib import Path
@@ -21,13 +22,16 @@ from tissue.files.own_modules import placed
 from tissue.files.parameter_files import flat, merged, read
 from tissue.files.parameters import NoBase, Parameters, based_on
 from tissue.files.scenario import remarks
+from tissue.files.unread import idle_keys, idle_values
 from tissue.statistics.categories import What
-from tissue.study.planned import PlannedComparisons, crossed, overlapping, planned
+from tissue.study.planned import PlannedComparisons, combined, crossed, overlapping, planned
 from tissue.study.shape import checked
 
 FOLDER = Path(__file__).parent.parent / "studies"
 # Replicates of one scenario that are computed and stored together, in batches of eight side by side.
 PART = 128
+# A table with both is of a sheet.
+SHEET = ("tissue.dimension", "tissue.cells")
 
 
 class Piece(NamedTuple):
@@ -54,6 +58,7 @@ class TissueStudy:
     scenarios: Mapping[str, Parameters]
     text: str  # the file
     compare: PlannedComparisons | None = None  # what it was made to compare
+    given_cells: Mapping[str, int] = field(default_factory=dict)  # of scenarios that a dimension gave another number
 
     @property
     def runs(self) -> int:
@@ -62,8 +67,15 @@ class TissueStudy:
 
     @property
     def remarks(self) -> list[str]:
-        """One sentence for each event of a scenario that waits for another one, or that the run may end before."""
-        return in_scenarios({name: remarks(one.groups(), one.t_end) for name, one in self.scenarios.items()})
+        """One sentence for each event of a scenario that waits for another one, or that the run may end before.
+
+        Also for numbers of cells that a dimension changed, and for keys that nothing reads.
+        """
+        found = {name: [*remarks(one.groups(), one.t_end), *idle_keys(one)] for name, one in self.scenarios.items()}
+        for name, given in self.given_cells.items():
+            taken = f"tissue.cells = {self.scenarios[name].tissue.cells} fill the rows in three dimensions"
+            found[name].insert(0, f"{taken}; {given} are those of a slice")
+        return [*in_scenarios(found), *_alike(self.scenarios)]
 
     def pieces(self) -> Iterator[Piece]:
         """Give all pieces, one scenario after the other."""
@@ -96,18 +108,23 @@ def load_study(path: str | PathLike[str]) -> TissueStudy:
     tables = read(path)
     good, lines = checked(tables)
     scenarios: dict[str, Parameters] = {}
+    given_cells: dict[str, int] = {}
     base = _base(good["base"], path.parent, lines) if "base" in good else None
     compare = None
     if base is not None and "scenarios" in good and "factors" in good:
         wrong: dict[str, list[str]] = {}
         lines += overlapping(good["factors"])
-        tables = {**crossed(good["factors"]), **good["scenarios"]} if good["factors"] else good["scenarios"]
+        parts = combined(good["factors"]) | {name: [table] for name, table in good["scenarios"].items()}
+        tables = crossed(good["factors"]) | good["scenarios"]
         for name, table in tables.items():
             given = merged(good["overrides"], table)
-            changed = _changed(base, placed(given, path.parent, base.own.modules))
+            together = any({*SHEET} <= flat(one).keys() for one in (good["overrides"], *parts[name]))
+            changed = _changed(base, placed(given, path.parent, base.own.modules), together=together)
             wrong[name] = changed if isinstance(changed, list) else []
             if isinstance(changed, Parameters):
                 scenarios[name] = changed
+                cells = flat(given).get("tissue.cells", changed.tissue.cells)
+                given_cells |= {name: cells} if cells != changed.tissue.cells else {}
         lines += in_scenarios(wrong)
         if good.get("compare") is not None:
             compare, faults = planned(good["compare"], good["factors"], list(tables))
@@ -117,7 +134,8 @@ def load_study(path: str | PathLike[str]) -> TissueStudy:
     if lines:
         raise refuse(str(path), lines)
     plain = {key: good[key] for key in ("title", "replicates", "seed", "trajectories")}
-    return TissueStudy(**plain, scenarios=scenarios, text=path.read_text("utf-8"), compare=compare)
+    text = path.read_text("utf-8")
+    return TissueStudy(**plain, scenarios=scenarios, text=text, compare=compare, given_cells=given_cells)
 
 
 def shipped() -> list[str]:
@@ -201,10 +219,23 @@ def _base(base: str, folder: Path, lines: list[str]) -> Parameters | None:
         return None
 
 
-def _changed(base: Parameters, tables: Mapping[str, Any]) -> Parameters | list[str]:
+def _alike(scenarios: Mapping[str, Parameters]) -> Iterator[str]:
+    """Yield a sentence for the scenarios that differ, but in keys alone that nothing reads."""
+    alike: dict[str, dict[str, str]] = {}
+    for name, one in scenarios.items():
+        whole = flat(one.as_dict())
+        read = {key: value for key, value in whole.items() if key not in dict(idle_values(one))}
+        alike.setdefault(json.dumps(read, sort_keys=True), {})[name] = json.dumps(whole, sort_keys=True)
+    for texts in alike.values():
+        if len(set(texts.values())) > 1:
+            yield f"scenarios {', '.join(map(describe, texts))} differ only in keys that nothing reads"
+
+
+def _changed(base: Parameters, tables: Mapping[str, Any], *, together: bool) -> Parameters | list[str]:
     """Return the parameters of a scenario, or what is wrong with them, line by line.
 
-    A dimension counts last where it must: then the cells that a study gives are those of a slice.
+    A dimension counts last where it must: then the cells that a study gives are those of a slice; but not where one
+    table gives both ``together``.
     """
     changes = flat(tables)
     try:
@@ -212,7 +243,7 @@ def _changed(base: Parameters, tables: Mapping[str, Any]) -> Parameters | list[s
             return base.changed(changes)
         except InvalidProblem:
             dimension = changes.pop("tissue.dimension", None)
-            if dimension is None or base.in_space:
+            if dimension is None or base.in_space or together:
                 raise
             with suppress(InvalidProblem):
                 return base.changed(changes).changed({"tissue.dimension": dimension})

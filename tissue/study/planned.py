@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from functools import reduce
 from itertools import combinations, groupby, product
 from typing import Any, Literal, get_args
 
@@ -83,13 +84,14 @@ class PlannedComparisons:
 
 def crossed(factors: Factors) -> dict[str, dict[str, Any]]:
     """Return a scenario for each combination of levels: its parameters, by its name, such as "early, arc"."""
-    scenarios = {}
-    for names in product(*factors.values()):
-        table: dict[str, Any] = {}
-        for levels, name in zip(factors.values(), names, strict=True):
-            table = merged(table, levels[name])
-        scenarios[", ".join(names)] = table
-    return scenarios
+    return {name: reduce(merged, tables, {}) for name, tables in combined(factors).items()}
+
+
+def combined(factors: Factors) -> dict[str, list[Mapping[str, Any]]]:
+    """Return the levels of each combination, by the name of its scenario."""
+    found = (zip(names, factors.values(), strict=True) for names in product(*factors.values()))
+    each = ([(name, levels[name]) for name, levels in pairs] for pairs in found) if factors else ()
+    return {", ".join(name for name, _ in pairs): [table for _, table in pairs] for pairs in each}
 
 
 def overlapping(factors: Factors) -> list[str]:

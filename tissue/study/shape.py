@@ -120,9 +120,16 @@ SHAPE: dict[str, KeyCheck] = {
 OPTIONAL: dict[str, Any] = {"trajectories": (), "overrides": {}, "factors": {}, "compare": None, "simplify": None}
 
 
+def _unknown(key: str, value: Any) -> str:
+    if key == "own":
+        return f"own = {describe(value)}: put own.modules into the base, or under [overrides.own]"
+    return unknown(key, value, SHAPE)
+
+
 def checked(tables: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
     """KeyCheck a study file: its good values by key, and a line for each bad, missing and unknown one."""
-    good, lines = dict(OPTIONAL), [unknown(key, value, SHAPE) for key, value in tables.items() if key not in SHAPE]
+    good = dict(OPTIONAL)
+    lines = [_unknown(key, value) for key, value in tables.items() if key not in SHAPE]
     for key, check in SHAPE.items():
         if key in tables:
             try:

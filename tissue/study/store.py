@@ -27,7 +27,7 @@ from dincl.study.parts import (
     set_aside,
     write_note,
 )
-from tissue.study.identity import IDENTITY, differences, identity, processor
+from tissue.study.identity import IDENTITY, differences, identity, processor, type_orders
 from tissue.study.plan import PART, Piece, TissueStudy, around
 
 if TYPE_CHECKING:
@@ -217,7 +217,9 @@ def _noted(folder: Path, study: TissueStudy, new: dict[str, Any]) -> str:
     if path.exists() and not _is_note(folder):
         log.warning("%s is damaged (%s): it is written again", path, set_aside(path).name)
     mark, old = fingerprint(new), about(folder)
-    if old is not None and _marks_of(old)[0] != mark:
+    if old is not None and (
+        _marks_of(old)[0] != mark or type_orders(old["scenarios"]) != type_orders(new["scenarios"])
+    ):
         lines = [f"{folder}: holds results of another study; give another folder. What differs:"]
         raise InvalidProblem("\n  ".join(lines + differences(old, new)))
     if old is not None:

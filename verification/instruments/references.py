@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -12,7 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 import dincl
 from dincl.checks import array, describe, number
 from dincl.scenes import Scene
-from dincl.schemes.pilots import FALLS, distance_outside
+from dincl.schemes.pilots import FALLS
+from dincl.schemes.resolution import distance_outside, resolving_step, stable_step
 
 Floats = NDArray[np.float64]
 # Two times are the same if they differ by less than this [time]; kept times are multiples of 0.05 or more.
@@ -21,6 +23,9 @@ SAME = 5e-8
 ROUNDING = 4 * np.finfo(float).eps
 # The stated error over the distance between the last two runs with halved steps, and halvings at most.
 SAFETY, MOST_HALVINGS = 2.0, 16
+# Steps of the first run: a prime number, for drifts whose period is a part of the run. The distance of two runs over
+# that of the next two is at most this, for methods of order two.
+FIRST, MOST_FALL = 17, 4.0
 # The bound of a proved reference that names none [length]: no error of double numbers is near it.
 PROVED = 1e-20
 # Times between two output times at which dense output is looked at.
@@ -97,9 +102,11 @@ class Reference:
         times = np.atleast_1d(array("t", t))
         if self.proved:
             return self._proof(times)
+        if self.scheme is not None:
+            return self._halved(self.scheme, times)
         if isinstance(self.problem, Scene) and self.problem.exact is not None:
             return _exact(times, self.problem.exact(times))
-        return self._event_driven(times) if self.scheme is None else self._halved(self.scheme, times)
+        return self._event_driven(times)
 
     def _event_driven(self, t: Floats) -> Known:
         path = dincl.solve(self.problem, dincl.EventDriven(self.tol), t=t)
@@ -117,24 +124,30 @@ class Reference:
         return Known(t, x, proof.radius + float(ROUNDING**2 * np.abs(x).max()), low=low, proved=True)
 
     def _halved(self, scheme: Callable[[float], dincl.Scheme], t: Floats) -> Known:
-        dt = self.dt or float(t[-1]) / 16
-        before, outside = dincl.solve(self.problem, scheme(dt), t=t).x, np.inf
+        dt, end = self.dt or float(t[-1]) / FIRST, float(t[-1])
+        longest = resolving_step(self.problem, end)
+        before, moved, outside = dincl.solve(self.problem, scheme(dt), t=t).x, np.inf, np.inf
         for _ in range(MOST_HALVINGS):
             dt /= 2
             x = dincl.solve(self.problem, scheme(dt), t=t).x
-            moved = np.sqrt(((x - before) ** 2).sum(axis=-1)).max(axis=-1)
-            was, outside = outside, distance_outside(self.problem, t, x)
-            if (stated := SAFETY * max(float(moved.max()), outside)) <= self.tol:
+            last, moved = moved, float(np.sqrt(((x - before) ** 2).sum(axis=-1)).max())
+            was, outside, before = outside, distance_outside(self.problem, t, x), x
+            # Three runs agree: two may by chance, as where the steps of both are multiples of a period of the drift.
+            agree = SAFETY * moved <= self.tol and last <= MOST_FALL * self.tol
+            if not agree or dt > min(longest, stable_step(self.problem, t, x)):
+                continue
+            rounding = ROUNDING * math.sqrt(end / dt) * float(np.abs(x).max())  # adds up as a random walk
+            stated = SAFETY * max(moved, outside) + rounding
+            if stated <= self.tol:
                 return Known(t, x, np.full(len(t), stated))
-            if SAFETY * moved.max() <= self.tol and outside > FALLS * was:
+            if outside > FALLS * was:
                 raise RuntimeError(
-                    f"tol = {self.tol:g}: the last two runs agree to {moved.max():.3g}, but their states are "
-                    f"{outside:.3g} outside of the set: it may be empty, or jump; give a looser tol or another scheme"
+                    f"tol = {self.tol:g}: the last two runs agree to {moved:.3g}, but their states are {outside:.3g} "
+                    "outside of the set: it may be empty, or jump; give a looser tol or another scheme"
                 )
-            before = x
         raise RuntimeError(
             f"tol = {self.tol:g}: not reached by steps down to dt = {dt:.3g}, the last two runs are "
-            f"{moved.max():.3g} apart; give a looser tol or a scheme of higher order"
+            f"{moved:.3g} apart; give a looser tol or a scheme of higher order"
         )
 
 
@@ -149,8 +162,9 @@ def reference(
 
     Exact where the problem is a scene with a formula; otherwise the event-driven scheme with its own estimate; with
     ``scheme``, dt -> Scheme, steps halved from ``dt`` on until two runs are tol/2 apart at every time (of a method
-    that converges with order p >= 1 the finer one is then at most that far from the solution). With ``proved`` the
-    error is a theorem, see ``prove``; ``tol`` is then 1e-20 if it is not given.
+    that converges with order p >= 1 the finer one is then at most that far from the solution), the one before them at
+    most 4 tol, and steps are stable and resolve all functions of time. With ``proved`` the error is a theorem, see
+    ``prove``; ``tol`` is then 1e-20 if it is not given.
 
     Raises
     ------
@@ -164,6 +178,8 @@ def reference(
     if scheme is not None and not callable(scheme):
         raise dincl.InvalidProblem(f"scheme = {describe(scheme)}: must be a function dt -> Scheme")
     step = None if dt is None else number("dt", dt, positive=True)
+    if step is not None and scheme is None:
+        raise dincl.InvalidProblem(f"dt = {describe(dt)}: is the first step of a scheme; give scheme, too")
     if proved and scheme is not None:
         raise dincl.InvalidProblem("proved = True: proves its own approximation, and takes no scheme")
     wanted = PROVED if proved and tol is None else tol

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,26 @@ Dyadic = tuple[int, int]
 
 class BadCertificate(ValueError):
     """A certificate that cannot be read, was changed, or does not prove what it says; the message names the place."""
+
+
+class NotOnBalls(BadCertificate):
+    """A user's function that cannot be evaluated on balls; the message names the function and the reason."""
+
+
+def on_balls(name: str, function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a user's function that raises NotOnBalls where it cannot be evaluated."""
+
+    def evaluated(*given: Any) -> Any:
+        try:
+            return function(*given)
+        except (AttributeError, LookupError, TypeError) as error:
+            reason = "only +, -, *, /, whole powers and NumPy's elementary functions work on balls, not if, abs or max"
+            raise NotOnBalls(f"{name} cannot be evaluated on balls: {error} ({reason})") from error
+        except ValueError as error:
+            reason = "a ball contains a zero of a denominator, or the end of a domain: the function changes too fast"
+            raise NotOnBalls(f"{name} cannot be evaluated on balls: {error} ({reason})") from error
+
+    return evaluated
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from typing import Any
 
 from flint import arb, arb_mat, arb_poly, arb_series, ctx
 
-from verification.proofs.certificate import BadCertificate, Certificate, Dyadic, ExactRow
+from verification.proofs.certificate import BadCertificate, Certificate, Dyadic, ExactRow, on_balls
 
 # The bound of an eigenvalue is too large by a factor of at most n^(1/64).
 SQUARINGS = 6
@@ -120,12 +120,12 @@ def directions(jacobian: Any, opening: list[Any]) -> Any:
 
 
 def called(name: str) -> Any:
-    """Return the user's function "module:name"."""
+    """Return the user's function "module:name", which raises NotOnBalls where it cannot be evaluated."""
     module, _, attribute = name.partition(":")
-    found = import_module(module)
+    found: Any = import_module(module)
     for part in attribute.split("."):
         found = getattr(found, part)
-    return found
+    return on_balls(name, found)
 
 
 class Series:

@@ -18,7 +18,7 @@ from dincl.checks import array, describe
 from dincl.files import write_text
 from verification.proofs import checker
 from verification.proofs.candidate import Event, follow
-from verification.proofs.certificate import BadCertificate, Certificate, Dyadic, ProvedBall
+from verification.proofs.certificate import BadCertificate, Certificate, Dyadic, NotOnBalls, ProvedBall
 from verification.proofs.description import drift_of, dyadic, rows_of
 from verification.proofs.enclosures import ZERO, ExactProblem, RowOnPiece, approximation, length, up
 from verification.proofs.words import assumptions
@@ -137,7 +137,7 @@ def prove(problem: dincl.Problem, t: ArrayLike, bound: float = 1e-12) -> Proof:
     InvalidProblem
         For other sets, functions that cannot be named, times that are not increasing.
     NotProved
-        With the reason, if the bound is not reached.
+        With the reason, if the bound is not reached, or if a function of yours does not work on Arb numbers.
     """
     if not isinstance(problem, dincl.Problem):
         raise dincl.InvalidProblem(f"problem = {describe(problem)}: must be a dincl.Problem")
@@ -147,7 +147,10 @@ def prove(problem: dincl.Problem, t: ArrayLike, bound: float = 1e-12) -> Proof:
     rows, places = rows_of(problem)
     start, drift = tuple([dyadic(v) for v in problem.x0.ravel()]), drift_of(problem)
     empty = Certificate(problem.x0.shape[1], start, drift, rows, (), 64)
-    empty = replace(empty, start_error=_start_error(empty))
+    try:
+        empty = replace(empty, start_error=_start_error(empty))
+    except NotOnBalls as failed:
+        raise NotProved(f"no bound of {wanted:g}: {failed}", math.inf) from failed
     try:
         path = dincl.solve(problem, dincl.EventDriven(EVENTS * max(1.0, float(np.abs(problem.x0).max()))), times)
     except dincl.StepFailed as failed:
@@ -166,6 +169,8 @@ def _search(empty: Certificate, events: list[Event], end: float, wanted: float) 
             pieces = follow(empty, events, end, digits)
             filled = replace(empty, pieces=pieces, precision=-pieces[0].exponent + 32)
             verdict = checker.enclose(filled)
+        except NotOnBalls as failed:  # no number of digits helps
+            raise NotProved(f"no bound of {wanted:g}: {failed}", best) from failed
         except (BadCertificate, ArithmeticError) as failed:
             reason, digits = str(failed), digits + MORE
             continue

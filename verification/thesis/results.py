@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from decimal import ROUND_CEILING, Decimal
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,7 @@ from verification.beyond.chart.references import SCENES
 from verification.claims import Verdict
 from verification.instruments.error_norms import distance
 from verification.page.kept import STUDIES
-from verification.page.parts import number
+from verification.page.parts import PLAIN, number
 from verification.page.prose import text_page
 from verification.thesis.chapter2 import convergence, extrapolation, infeasibility, reference
 from verification.thesis.chapter2.methods import CATCH_UP, PBD
@@ -37,7 +38,7 @@ PROTRUDES, NO_INM = "[BP]", "[B] no INM"
 
 def page() -> str:
     """Return the text of the page."""
-    filters = {"percent": percent, "signed": signed, "number": number}
+    filters = {"percent": percent, "signed": signed, "number": number, "upper": upper, "percent_upper": percent_upper}
     known = {"claims": claims(), "emt": emt(), "w1": w1(), "chart": chart(), "discs": discs(), "tissue": tissue()}
     return text_page(TEMPLATE, filters, **known, meanfield=meanfield(), rule=RULE)
 
@@ -58,6 +59,7 @@ def emt() -> dict[str, Any]:
     """Return the results of the studies of chapter 4, from their kept tables."""
     printed, ratios, controls = kept.read("printed"), kept.read("ratios"), kept.read("controls")
     alone = ratios[ratios["study"].str.startswith("figure10") & (ratios["what"] == "basal")]
+    effects = _main_effects(kept.read("effects"))
     within = printed.groupby(["preset", "time_h"])["agrees"].agg(["sum", "count"])
     apical = controls.assign(preset=controls["study"].map(preset_of)).groupby("preset")["apical"]
     return {
@@ -69,7 +71,9 @@ def emt() -> dict[str, Any]:
         "printed": _only(printed, scenario=NO_INM, what="basal", preset="thesis")["printed"],
         "protruding": sorted(alone[alone["scenario"] == PROTRUDES]["value"]),
         "apical": {preset: (values.min(), values.max()) for preset, values in apical},
-        "effects": _main_effects(kept.read("effects")),
+        "published": _precision(printed[printed["preset"] == "published"]),
+        "effects": effects,
+        "changed": _changed(printed, effects),
         "outside": kept.read("outside").set_index("preset").to_dict("index"),
         "ranking": {name: rows.head(3).to_dict("records") for name, rows in kept.read("ranking").groupby("preset")},
     }
@@ -130,6 +134,7 @@ def discs() -> dict[str, Any]:
 def tissue() -> dict[str, Any]:
     """Return the limits, substeps and dampings of the growing tissue, and DAHA beside PBD."""
     runs, swings = _study("tissue_daha"), beyond.summary(_study("tissue_jitter"))
+    ends = _study("tissue_daha_ends")
     enough = substeps.enough(substeps.heights(_study("tissue_substeps")))
     doubled = growth.doubling(_study("tissue_growth")).groupby("preset")
     kernel = _study("tissue_kernel")
@@ -140,7 +145,8 @@ def tissue() -> dict[str, Any]:
         "enough": enough[enough["t"] == enough["t"].max()].set_index("preset")["substeps"],
         "right": substeps.ENOUGH,
         "end": enough["t"].max(),
-        "ends": daha_ends.shares(_study("tissue_daha_ends")).to_dict("records"),
+        "ends": daha_ends.shares(ends).set_index("reading").to_dict("index"),
+        "stopped": ends.loc[(ends["reading"] == "published program") & ~ends["ended"].astype(bool), "seed"].tolist(),
         "speed": _only(daha.speed(compared)),
         "fit": _only(fits, t=fits["t"].max(), substeps=min(daha.PBD_SUBSTEPS)),
         "doubled": {preset: rows.to_dict("records") for preset, rows in doubled},
@@ -192,12 +198,37 @@ def signed(value: float, digits: int = 3) -> str:
     return f"{value:.{digits}f}"
 
 
+def upper(value: float) -> str:
+    """Format a number that follows "at most": as ``number`` does, but rounded up."""
+    exact, digits = Decimal(repr(float(value))), 3 if PLAIN <= value < 1e3 else 2
+    return number(float(exact.quantize(Decimal(1).scaleb(exact.adjusted() - digits + 1), ROUND_CEILING)))
+
+
+def percent_upper(value: float, digits: int = 0) -> str:
+    """Format a part that follows "at most": as ``percent`` does, but rounded up."""
+    return f"{(100 * Decimal(repr(float(value)))).quantize(Decimal(1).scaleb(-digits), ROUND_CEILING)} %"
+
+
 def _only(table: pd.DataFrame, **wanted: object) -> pd.Series:
     """Return the first row with these values; ratios have the preset in the name of the study."""
     rows = table.assign(preset=table["study"].map(preset_of)) if "study" in table else table
     for name, value in wanted.items():
         rows = rows[rows[name] == value]
     return rows.iloc[0]
+
+
+def _precision(printed: pd.DataFrame) -> dict[str, Any]:
+    """Return the runs behind each ratio, and how far the intervals of the differences from print reach to a side."""
+    sides = pd.concat([printed["high"] - printed["difference"], printed["difference"] - printed["low"]])
+    return {"runs": int(printed["runs"].min()), "reach": sides.max()}
+
+
+def _changed(printed: pd.DataFrame, effects: dict[str, list[dict[str, Any]]]) -> dict[str, Any]:
+    """Return the change of a ratio from print to publication by time, beside the sum of its two largest effects."""
+    name, mine = f"{NO_INM} basal", printed[(printed["scenario"] == NO_INM) & (printed["what"] == "basal")]
+    before = _only(mine, preset="thesis")["measured"]
+    after = mine[mine["preset"] == "published"].set_index("time_h")["measured"]
+    return {"ratio": name, "effects": sum(one["effect"] for one in effects[name][:2]), "by": dict(after - before)}
 
 
 def _main_effects(effects: pd.DataFrame) -> dict[str, list[dict[str, Any]]]:

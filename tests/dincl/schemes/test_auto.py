@@ -7,7 +7,8 @@ import pytest
 
 import dincl
 from dincl.schemes.auto import Choice
-from dincl.schemes.pilots import AIM, FARTHEST, LEAST_RUNS, SAFETY, Candidate, Pilot, distance_outside, event_driven
+from dincl.schemes.pilots import AIM, FARTHEST, LEAST_RUNS, SAFETY, Candidate, Pilot, event_driven
+from dincl.schemes.resolution import distance_outside, stable_step
 
 SCENES = [dincl.scenes.sliding_disc(), dincl.scenes.stack(), dincl.scenes.four_disks(), dincl.scenes.closing_walls()]
 
@@ -20,6 +21,7 @@ def pilot(errors, order, wanted=1e-6, dt=1.0):
         found.outcomes.append(SimpleNamespace(x=np.array([[[error, 0.0]]])))
         found.seconds.append(1e-3 * 8 * 2**k)
         found.outside.append(0.0)
+    found._stable = (len(errors), np.inf)
     return found
 
 
@@ -82,6 +84,26 @@ def test_the_stated_error_is_at_least_the_violation():
     jump = dincl.Problem([[-0.6, 0.9], [0.7, 0.8]], lambda t, x: -x, walls)
     path = dincl.solve(jump, dincl.Auto(1e-3), t=[1.0, 2.0])
     assert (path.error >= path.violation() / 2).all()
+
+
+@pytest.mark.parametrize("rate", [100.0, 1e4])
+def test_steps_that_are_unstable_agree_on_a_wall(rate):
+    """x' = rate (cos t - x) stays near cos t until that falls below 0.2, a wall onto which long steps throw x."""
+    wall = dincl.HalfSpace((1, 0), 0.2)
+    problem = dincl.Problem([[0.9, 0.0]], lambda t, x: -rate * (x - [[np.cos(t), 0.0]]), [wall])
+    times = np.array([0.5, 1.0, 2.0])
+    assert stable_step(problem, np.zeros(1), problem.x0[None]) == pytest.approx(2 / rate, rel=1e-6)
+    path = dincl.solve(problem, dincl.Auto(1e-2), t=times)
+    exact = np.maximum(np.cos(times) + np.sin(times) / rate, 0.2)
+    assert np.abs(path.x[:, 0, 0] - exact).max() <= path.error.max() + 1 / rate**2
+
+
+def test_what_comes_and_goes_between_steps_is_seen():
+    """A wall pushes the particle to 1 within a hundredth of the run."""
+    bump = dincl.Moving(dincl.HalfSpace((1, 0)), lambda t: (np.exp(-(((t - 0.713) / 0.01) ** 2)), 0.0))
+    problem = dincl.Problem([[0.5, 0.0]], lambda t, x: 0 * x, [bump])
+    path = dincl.solve(problem, dincl.Auto(1e-2), t=[4.0])
+    assert abs(path.final[0, 0] - 1.0) <= path.error[0]
 
 
 def test_other_methods_are_begun_only_where_they_can_save_something():

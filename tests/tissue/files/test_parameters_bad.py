@@ -19,6 +19,14 @@ BAD = {
     "key without section": ({"mu": "1 h"}, "mu = '1 h': unknown key; the nearest.* numerics.mu$"),
     "section as key": ({"tissue": {"cells": 3}}, "tissue = {'cells': 3}: unknown key"),
     "key that is no text": ({7: 3}, "7 = 3: unknown key"),
+    "output times that print alike": (
+        {"numerics.keep": ["100 h", "100.0001 h", "200 h"], "numerics.dt": "0.0001 h", "numerics.t_end": "200 h"},
+        "times that differ in six digits: 100.0 h and 100.0001 h are both written 100 h$",
+    ),
+    "an interval of output times that print alike": (
+        {"numerics.keep": "0.0001 h", "numerics.dt": "0.0001 h", "numerics.t_end": "200 h"},
+        "times that differ in six digits: .* are both written",
+    ),
     "wrong unit": (
         {"tissue.height": "5 kg"},
         QUANTITY.format("length > 0", "5 um") + "; kg is not known as a unit; units are um, nm, mm, R_soft$",

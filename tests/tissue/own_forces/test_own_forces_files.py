@@ -41,6 +41,10 @@ def test_a_file_without_forces_has_no_section(own):
         ({"forces.wall": -1}, "forces.wall = -1: must be a number >= 0, without unit"),
         ({"forces.wall": "1 um"}, "forces.wall = '1 um': must be a number >= 0, without unit"),
         ({"forces.wall": math.nan}, "forces.wall = nan: must be a number >= 0"),
+        (
+            {"forces.wall": 1, "tissue.dimension": 3},
+            "forces.wall = 1.0: must be 0 in three dimensions: registered forces act in a slice alone$",
+        ),
         ({"forces.walls": 1}, "forces.walls = 1: unknown key; the nearest known one is forces.wall$"),
     ],
 )

@@ -1,5 +1,7 @@
 """What a file must say of a tissue in three dimensions, and what it must not."""
 
+import re
+
 import pytest
 
 from dincl.errors import InvalidProblem
@@ -17,7 +19,10 @@ from tissue.study.plan import load_study, shipped
             {"tissue.dimension": 2, "layer.shape": "sphere"},
             'must be "line" or "circle" or "ellipse" or "points" in a slice',
         ),
-        ({"tissue.cells": 45}, "space.rows = 0: must be with a number tissue.cells that fills rows"),
+        (
+            {"tissue.cells": 45},
+            "tissue.cells = 45: must be columns times an even number of rows, 4 or more of each, such as 44 or 48",
+        ),
         ({"space.rows": 7}, "space.rows = 7: must be 4 or 8 or 16, or 0"),
         ({"tissue.apical_spacing": "0.6 R_soft"}, 'tissue.apical_spacing = "0.6 R_soft": must be tissue.basal_spacing'),
         (
@@ -77,11 +82,35 @@ def test_a_file_makes_a_sheet_of_its_base_by_one_key(tmp_path):
 @pytest.mark.slow_with("curved_published")
 @pytest.mark.parametrize("name", [name for name in shipped() if name != "space_published"])
 def test_a_study_of_slices_becomes_one_of_sheets_by_one_key(name, tmp_path):
+    """Without the cells of a slice in the same table."""
     slices = load_study(name)
     head, *scenarios = slices.text.split("\n[", 1)
     key = "[overrides.tissue]\ndimension = 3\n"
-    text = slices.text.replace("[overrides.tissue]\n", key) if "[overrides.tissue]" in slices.text else None
+    own = re.sub("(?m)^cells = 51.*\n", "", slices.text)
+    text = own.replace("[overrides.tissue]\n", key) if "[overrides.tissue]" in own else None
     (tmp_path / "sheets.toml").write_text(text or f"{head}\n{key}\n[{scenarios[0]}")
     sheets = load_study(tmp_path / "sheets.toml")
     assert sheets.scenarios.keys() == slices.scenarios.keys()
     assert all(one.in_space for one in sheets.scenarios.values())
+
+
+STUDY = """
+title = "s"
+base = "published"
+replicates = 1
+seed = 1
+"""
+
+
+def test_a_table_with_dimension_and_cells_that_fill_no_rows_is_refused(tmp_path):
+    study = tmp_path / "study.toml"
+    study.write_text(STUDY + "[scenarios.sheet.tissue]\ndimension = 3\ncells = 51\n", "utf-8")
+    with pytest.raises(
+        InvalidProblem, match=r"scenario 'sheet': tissue\.cells = 51: must be columns times an even number"
+    ):
+        load_study(study)
+    study.write_text(STUDY + "[overrides.tissue]\ncells = 51\n[scenarios.sheet.tissue]\ndimension = 3\n", "utf-8")
+    found = load_study(study)
+    assert found.scenarios["sheet"].tissue.cells > 51
+    taken = f"tissue.cells = {found.scenarios['sheet'].tissue.cells} fill the rows in three dimensions"
+    assert found.remarks == [f"scenario 'sheet': {taken}; 51 are those of a slice"]

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import pyarrow as pa
 import pytest
 from typer.testing import CliRunner
 
@@ -12,10 +13,12 @@ from dincl.errors import InvalidProblem
 from tests.tissue.study.figures_stand_in import outcomes
 from tissue.cli.app import app
 from tissue.statistics.contrasts import Family, ProportionContrast, p_value
+from tissue.statistics.ratios import ratio_of_runs
 from tissue.statistics.sequences import bounded
 from tissue.study.answers import scenario_ratios
-from tissue.study.comparing import planned_answers
+from tissue.study.comparing import _difference_so_far, planned_answers
 from tissue.study.export import write_csv
+from tissue.study.outcomes import Outcomes
 from tissue.study.plan import Piece, load_study
 from tissue.study.read import Results
 from tissue.study.store import note
@@ -164,11 +167,14 @@ def test_answers_are_those_of_the_planned_comparisons_alone():
     assert (table["answer"].isin(["larger", "smaller"]) == shown).all()
     assert (table.loc[table["needed"].notna(), "answer"] == "not shown").all()
     assert (table["runs"] == 40).all()
-    shares = results.runs("late, arc")
-    apical = shares["controls_apical_48h"] / shares["controls_48h"]
-    other = results.runs("early, arc")
-    mean = table[(table["outcome"] == "controls_apical") & (table["question"] == "early - late, arc")].iloc[0]
-    assert mean["value"] == pytest.approx((other["controls_apical_48h"] / other["controls_48h"]).mean() - apical.mean())
+    first, second = (
+        ratio_of_runs(runs["controls_apical_48h"], runs["controls_48h"])
+        for runs in map(results.runs, ("early, arc", "late, arc"))
+    )
+    controls = table[(table["outcome"] == "controls_apical") & (table["question"] == "early - late, arc")].iloc[0]
+    assert controls["value"] == pytest.approx(first.value - second.value)
+    low, high = ProportionContrast((1.0, -1.0), (first, second)).interval()
+    assert controls["low"] < low < high < controls["high"]
 
 
 def test_other_comparisons_change_no_run(monkeypatch):
@@ -219,6 +225,10 @@ def test_what_was_not_planned_is_valid_at_any_time():
     first, second = (cells.groupby("replicate")["hit"].mean().to_numpy() for cells in hits)
     assert (one["low"], one["high"]) == bounded(first - second, -1, 1, 1 - 0.05 / 9)
     assert one["runs"] == 48
+    one = table[(table["question"] == "early - late, arc") & (table["outcome"] == "controls_apical")].iloc[0]
+    runs = map(results.runs, ("early, arc", "late, arc"))
+    first, second = (one["controls_apical_48h"] / one["controls_48h"] for one in runs)
+    assert (one["low"], one["high"]) == bounded((first - second).to_numpy(), -1, 1, 1 - 0.05 / 9)
 
 
 @pytest.mark.slow
@@ -252,6 +262,36 @@ def test_the_summary_has_the_answers_and_no_other_comparison():
     assert "Answers: 9 planned comparisons, 95 % for all together (simultaneous)" in done.stdout
     assert INTERACTION in done.stdout
     assert "against each other" not in done.stdout
+
+
+def test_a_scenario_whose_runs_all_failed_hides_no_other(monkeypatch):
+    def failing(parameters, replicates, *rest):
+        cells, runs, tables = outcomes(parameters, replicates, *rest)
+        table, every = runs.to_pandas(), parameters.layer.shape == "circle"
+        table["status"] = np.where(every | (table["replicate"] < 3), "LUMEN_CLOSED", "SUCCESS")
+        kept = [
+            replicate in set(table.loc[table["status"] == "SUCCESS", "replicate"])
+            for replicate in cells["replicate"].to_pylist()
+        ]
+        return Outcomes(cells.filter(kept), pa.Table.from_pandas(table, preserve_index=False), tables)
+
+    monkeypatch.setattr("tissue.study.outcomes.outcomes", failing)
+    results = tissue.run_study(write(HEAD + FACTORS + COMPARE), "out")
+    reason = "all 40 runs of 'late, arc' failed: LUMEN_CLOSED"
+    with pytest.raises(InvalidProblem, match=reason):
+        planned_answers(results)
+    done = CliRunner().invoke(app, ["summary", "out"])
+    assert (done.exit_code, done.stderr) == (0, "")
+    assert f"No answers: {reason}" in done.stdout
+    assert "of 185; of the runs that did not fail: 37 of 40" in done.stdout
+    write_csv(results)
+    assert not Path("out/csv/answers.csv").exists()
+
+
+def test_numbers_without_spread_decide_nothing():
+    values = {"a": np.full(20, 1.0), "b": np.full(20, 0.0)}
+    low, high, _, answer = _difference_so_far({"a": 1.0, "b": -1.0}, values, "height_um", 0.95)[1:5]
+    assert (low, high, answer) == (-np.inf, np.inf, "open")
 
 
 def test_one_run_has_no_spread():

@@ -54,8 +54,16 @@ def test_means_are_compared_as_welch_does():
     assert one.interval() == pytest.approx(tuple(welch.confidence_interval()))
     assert p_value(one) == pytest.approx(welch.pvalue, rel=1e-4)
     equal = MeanContrast((1.0, -1.0), (np.full(4, 2.0), np.full(5, 2.0)))
-    assert equal.interval() == (0, 0)
     assert p_value(equal) == 1
+
+
+def test_runs_without_any_spread_show_no_difference():
+    one = MeanContrast((1.0, -1.0), (np.full(2, 1.0), np.full(2, 0.0)))
+    assert one.interval() == (-np.inf, np.inf)
+    assert MeanContrast((1.0, -1.0), (np.full(3, 0.1), np.full(7, 0.7))).interval() == (-np.inf, np.inf)
+    family = Family(((one, one),))
+    assert family.level_of_each == 0.95
+    assert family.p_values() == [1, 1]
 
 
 def test_the_p_value_is_where_the_interval_ends_at_no_effect():

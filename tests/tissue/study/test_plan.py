@@ -223,3 +223,22 @@ def test_every_study_that_comes_with_the_package():
             assert parameters.tissue.cells == cells
             assert parameters.in_space == (cells == 784)
     assert Path(tissue.__file__).parent.joinpath("studies").is_dir()
+
+
+def test_keys_that_nothing_reads_are_told(written):
+    text = GOOD.split("[scenarios", maxsplit=1)[0].replace('cells = 1\na = "6 h"', "cells = 1")
+    wide = 'layer.perimeter = "250 um"\nspace.boundary = "open"\n'
+    study = load_study(written(f"{text}[scenarios.one]\n[scenarios.wide]\n{wide}"))
+    assert study.remarks == [
+        'scenario \'wide\': nothing reads layer.perimeter = "250 um": layer.shape = "line"',
+        "scenario 'wide': nothing reads space.boundary = \"open\": tissue.dimension = 2",
+        "scenarios 'one', 'wide' differ only in keys that nothing reads",
+    ]
+    arc = 'layer = { shape = "circle", perimeter = "400 um", aspect = 2, side = "outside" }\n'
+    study = load_study(written(f"{text}[scenarios.one]\n[scenarios.arc]\n{arc}"))
+    assert study.remarks == ["scenario 'arc': nothing reads layer.aspect = 2.0: layer.shape = \"circle\""]
+
+
+def test_modules_belong_into_the_base(written):
+    (line,) = refused(written(GOOD.replace("[overrides.numerics]", 'own.modules = ["m.py"]\n[overrides.numerics]')))
+    assert line.endswith("put own.modules into the base, or under [overrides.own]")

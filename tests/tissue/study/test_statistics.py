@@ -37,19 +37,20 @@ TIMES = [
     (6, NEVER, NEVER, 8),  # [P] without [B] never acts
     (NEVER, 6, NEVER, 3),  # [P] waits for [B]
     (7, 6, 5, 8),
-    (6, 48, NEVER, NEVER),  # [B] at the end has no effect
+    (6, 48 + 1e-14, NEVER, NEVER),  # [B] begins in the last step
+    (6, 48.1, NEVER, NEVER),
 ]
 
 
 def test_selection():
     named = by_selection(cells_with(*TIMES), END)
-    assert list(named) == ["none", "A", "AB", "AB", "A", "BP", "ABSP", "A"]
+    assert list(named) == ["none", "A", "AB", "AB", "A", "BP", "ABSP", "AB", "A"]
     assert list(named.cat.categories) == ["none", "A", "AB", "BP", "ABSP"]
 
 
 def test_order():
     named = by_order(cells_with(*TIMES), END)
-    assert list(named) == ["none", "[A]", "[AB]", "[BA]", "[A]", "[BP]", "[SBAP]", "[A]"]
+    assert list(named) == ["none", "[A]", "[AB]", "[BA]", "[A]", "[BP]", "[SBAP]", "[AB]", "[A]"]
 
 
 def test_cells_without_inm_are_told_apart():
@@ -60,7 +61,7 @@ def test_cells_without_inm_are_told_apart():
 
 def test_an_earlier_end_has_fewer_events():
     cells = cells_with(*TIMES)
-    assert happened(cells, 6.5).sum().to_dict() == {"A": 4, "B": 4, "S": 1, "P": 1}
+    assert happened(cells, 6.5).sum().to_dict() == {"A": 5, "B": 4, "S": 1, "P": 1}
     assert (by_selection(cells, 3.0) == "none").all()
 
 

@@ -19,7 +19,7 @@ from dincl.study.parts import fingerprint
 from tests.tissue.study.stand_in import STUDY, outcomes, stored, study_file
 from tissue.study import identity, store
 from tissue.study.plan import Piece, load_study
-from tissue.study.store import note, part
+from tissue.study.store import note, opened, part
 
 PARTS = [f"part-0000{k}.parquet" for k in range(3)]
 
@@ -361,3 +361,19 @@ def test_a_full_disk_stops_the_study_and_keeps_what_there_is(written, monkeypatc
     run()
     assert len(computed) == 6 - finished
     assert stored("out") == whole
+
+
+def test_another_order_of_types_is_another_study():
+    """Runs are a function of the order, the fingerprint of the identity is not."""
+    text = Path("small.toml").read_text("utf-8")
+    hard, soft = (
+        '[overrides.types.hard]\ncells = 1\nplace = "scattered"\n',
+        '[overrides.types.soft]\ncells = 1\nplace = "scattered"\n',
+    )
+    at = text.index("[scenarios")
+    Path("small.toml").write_text(text[:at] + hard + soft + text[at:], "utf-8")
+    with opened(load_study("small.toml"), "out"):
+        pass
+    Path("small.toml").write_text(text[:at] + soft + hard + text[at:], "utf-8")
+    with pytest.raises(InvalidProblem, match="every scenario: order of types: hard, soft -> soft, hard"):
+        run()

@@ -317,6 +317,13 @@ def test_runs_that_agree_outside_of_the_set_are_no_reference():
         v.reference(jaw, 1e-6, scheme=dincl.PBD)([1.0, 2.0])
 
 
+def test_steps_that_are_multiples_of_a_period_are_no_reference():
+    """x' = cos(2 pi t) is at its start after 64 periods; steps of 4, 2 and 1 see the drift as 1."""
+    daily = dincl.Problem([[0.5]], lambda t, x: 0 * x + np.cos(2 * np.pi * t), [dincl.HalfSpace((1,), -10.0)])
+    known = v.reference(daily, 1e-3, scheme=dincl.PBD, dt=4.0)([64.0])
+    assert abs(known.x[0, 0, 0] - 0.5) <= known.error[0] > 0
+
+
 def test_bad_methods_and_maps_are_named():
     with pytest.raises(dincl.InvalidProblem, match="give scheme, a function setting -> Scheme, or run"):
         v.Method("both", scheme=dincl.PBD, run=euler)
@@ -328,6 +335,8 @@ def test_bad_methods_and_maps_are_named():
         v.stability_map(SLIDE, dincl.PBD, [0.1], ("sweeps", [1.0]))
     with pytest.raises(dincl.InvalidProblem, match=r"problem = 3: must be a dincl\.Problem"):
         v.reference(3, 1e-9)
+    with pytest.raises(dincl.InvalidProblem, match=r"dt = 0.1: is the first step of a scheme"):
+        v.reference(SLIDE, 1e-9, dt=0.1)
     with pytest.raises(dincl.InvalidProblem, match="results holds 3"):
         v.save([3], "unused")
     assert [method.label for method in as_methods(METHODS)] == list(METHODS)

@@ -145,10 +145,49 @@ def branching(t, x):
     return np.where(x > 0, -x, x)
 
 
-@pytest.mark.parametrize("drift", [rooted, branching])
+def bent(t, x):
+    """Return a drift with the absolute value of a number."""
+    return 0 * x + [abs(t - 1.0), 0.0]
+
+
+def largest(t, x):
+    """Return a drift with the larger of two numbers."""
+    return 0 * x + [max(0.0, t - 1.0), 0.0]
+
+
+def converted(t, x):
+    """Return a drift that makes the time a double number."""
+    return 0 * x + [np.sin(float(t)), 0.0]
+
+
+@pytest.mark.parametrize("drift", [rooted, branching, bent, largest, converted])
 def test_functions_that_treat_balls_otherwise_than_numbers_are_refused(drift):
-    with pytest.raises(TypeError):
+    with pytest.raises(v.NotProved, match=f"{drift.__name__} cannot be evaluated on balls: .* not if, abs or max"):
         v.prove(dincl.Problem([[1.0, 0.5]], drift), [1.0])
+
+
+def still(t, x):
+    """Return a drift of zero."""
+    return 0 * x
+
+
+def kinked(t):
+    """Return a path that ends at a time by a comparison."""
+    return (t if t < 0.8 else 0.8), 0.0
+
+
+def narrow(t):
+    """Return a path with poles near the real times."""
+    return 0.4 / (1 + ((t - 0.3) / 1e-2) ** 2), 0.0
+
+
+@pytest.mark.parametrize(
+    ("path", "reason"), [(kinked, "not if, abs or max"), (narrow, "a ball contains a zero of a denominator")]
+)
+def test_a_path_that_cannot_be_evaluated_is_named(path, reason):
+    wall = dincl.Moving(dincl.HalfSpace((1.0, 0.0)), path)
+    with pytest.raises(v.NotProved, match=f"{path.__name__} cannot be evaluated on balls: .*{reason}"):
+        v.prove(dincl.Problem([[0.5, 0.0]], still, [wall]), [0.6], bound=1e-6)
 
 
 def test_a_bound_that_cannot_be_reached_is_not_claimed():

@@ -13,7 +13,7 @@ from dincl.errors import InvalidProblem
 from tissue.files.parameter_files import read
 from tissue.pictures.charts import CHART_STYLE, caption, verbatim
 from tissue.pictures.sheet import Figure, style, write
-from tissue.study.comparing import planned_answers
+from tissue.study.comparing import answers_or_reason
 from tissue.study.figures.at_end import at_end, figure_13, figure_15, figure_17, figure_18, figure_19
 from tissue.study.figures.conditional import figure_20, figure_21, figure_22
 from tissue.study.figures.effects import effect_figure, outcome_name
@@ -61,7 +61,7 @@ def drawables(results: Results) -> Iterator[Drawable]:
 
 def _of_answers(results: Results, plan: PlannedComparisons) -> Iterator[Drawable]:
     """Give the picture of each answer for which there are runs."""
-    rows = [row for row in planned_answers(results).to_dict("records") if row["runs"]]
+    rows = [row for row in answers_or_reason(results)[0].to_dict("records") if row["runs"]]
     for number, row in enumerate(rows, 1):
         text = f"{row['question']}: {outcome_name(row['outcome'])}, {row['measure']}"
         draw = partial(effect_figure, results, row, plan.contrasts[row["question"]])

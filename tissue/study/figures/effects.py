@@ -54,10 +54,10 @@ def groups(results: Results, outcome: str, weights: Weights) -> pd.DataFrame:
             continue
         if not results.as_planned:
             ends = bounded(values) if is_share(outcome) else unbounded(values)
-        elif outcome in get_args(What):
+        elif outcome in get_args(What) or (outcome in SHARES and len(values) > 1):
             ends = source.ratio(name, outcome).interval()
         else:
-            half = float(mean_and_half(values)[1]) if len(values) > 1 else np.inf
+            half = float(mean_and_half(values)[1]) if np.ptp(values) > 0 else np.inf
             ends = float(values.mean()) - half, float(values.mean()) + half
         rows[name] = (float(values.mean()), *ends)
     return pd.DataFrame.from_dict(rows, orient="index", columns=["value", "low", "high"])

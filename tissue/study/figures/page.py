@@ -19,7 +19,7 @@ from tissue.pictures.picture import stills
 from tissue.pictures.sheet import Figure, png, style
 from tissue.runs.simulate import simulate
 from tissue.study.answers import control_shares, scenario_changes, scenario_differences, scenario_ratios
-from tissue.study.comparing import correction_text, effect_text, plan_of, planned_answers
+from tissue.study.comparing import answers_or_reason, correction_text, effect_text, plan_of
 from tissue.study.figures.catalogue import drawables
 from tissue.study.figures.effects import effect_figure, outcome_name
 from tissue.study.figures.examples import frames
@@ -70,13 +70,14 @@ def write_page(results: Results, path: Path | None = None) -> Path:
     """
     file = results.folder / NAME if path is None else path
     plan, ratios = plan_of(results), scenario_ratios(results)
-    rows = planned_answers(results).to_dict("records") if plan is not None else []
+    answers, reason = answers_or_reason(results)
+    rows = answers.to_dict("records")
     planned = results.study.compare
     shown = (results.study.scenarios if planned is None else planned.scenarios)[:MOST_MOVIES]
     movies = {name: movie for name in shown if (movie := _movie(results, name)) is not None}
     parts = [_head(results), "<h2>Answers</h2>"]
     if plan is not None:
-        parts += [f"<p class=note>{escape(correction_text(results, plan))}.</p>"]
+        parts += [f"<p class=note>{escape(reason or correction_text(results, plan))}.</p>"]
         parts += [_answer(results, plan, row, movies) for row in rows]
     elif len(ratios):
         differences = scenario_differences(ratios, results.study.replicates)

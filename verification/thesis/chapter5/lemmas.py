@@ -113,15 +113,36 @@ def gronwall() -> tuple[FormalProof, FormalProof, FormalProof]:
     )
 
 
+def bounded_speed() -> FormalProof:
+    """Prove that the speed is bounded on each [0, T], whatever the potentials: all forces are bounded.
+
+    u^2/2 is the kinetic energy, so v = |y'| <= u; its rate is the power of F0, F1 and K, with the bounds of (A1b),
+    (A1d), (A2c) and (A4b): P <= (M0 + MPhi (M1 + MK)) v.
+    """
+    return implication(
+        "u̇ ≤ M₀ + M_Φ(M₁ + M_K) for ‖ẏ‖ ≤ u: it is bounded on each [0, T]",
+        lambda s, u, du, v, P, M0, M1, MK, MP: (
+            [
+                *(each >= 0 for each in (v, M0, M1, MK, MP)),
+                *(u > 0, v <= u, u * du == P, (M0 + MP * (M1 + MK)) * v >= P),
+            ],
+            du <= M0 + s * MP * (M1 + MK),
+        ),
+        "u̇ ≤ M₀",
+        0,
+    )
+
+
 def estimate() -> tuple[FormalProof, ...]:
-    """Prove (5.60) by the rates of its parts and Lemma 5.17.
+    """Prove (5.60) on each [0, T] by a bound of the speed, the rates of its parts and Lemma 5.17.
 
     a = |y1 - y2|, b = |v1 - v2|, c = int |X1 - X2| with an optimal coupling of the starts; k and p are the constants of
     c5.product and c5.acceleration-lipschitz at bounded speed. W1 is at most c, and equal to it at the start.
     """
     return (
+        bounded_speed(),
         implication(
-            "the sum of ‖y₁ − y₂‖, ‖ẏ₁ − ẏ₂‖ and ∫‖X₁ − X₂‖ grows at most at the rate L times itself",
+            "‖y₁ − y₂‖ + ‖ẏ₁ − ẏ₂‖ + ∫‖X₁ − X₂‖ grows at most at L times itself",
             lambda s, a, b, c, da, db, dc, kx, ky, kv, px, py, pv, L: (
                 [
                     *(each >= 0 for each in (a, b, c)),

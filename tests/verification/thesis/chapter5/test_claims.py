@@ -84,6 +84,7 @@ CHANGES: dict[str, Wrong] = {
     "c5.lipschitz-constants": Wrong("chapter5.s3_3_space", "DISTANCE", replaced(2.0), TRUE),
     "c5.push-forward": Wrong("chapter5.s3_4_stability", "soft", replaced(np.ones_like), TRUE),
     "c5.stability-constants": Wrong("chapter5.s3_4_estimate", "amplified", replaced(lambda force, y, v: 1.0), TRUE),
+    "c5.same-estimate": Wrong("chapter5.s3_4_estimate", "amplified", replaced(lambda force, y, v, time: time), TRUE),
     "c5.future-interaction": Wrong("chapter5.s3_4_estimate", "force", replaced(lambda at: float(at.w @ at.X)), TRUE),
     "c5.samples": Wrong("chapter5.s3_5_convergence", "draws", backwards),
 }

@@ -79,16 +79,16 @@ def _multipliers() -> Evidence:
     "A force that is large enough pushes a point out of S against the energy n dist(x, S).",
     "(1.7), (1.8)",
     Verdict.PROVED,
-    chosen="S = [0, ∞) and a constant force; “large enough” is |F| > n",
+    chosen="a closed S, outside where the nearest point is unique; “large enough” is e·F > n, e away from that point",
 )
 def _penalty() -> Evidence:
-    """S = [0, inf), W = n max(0, -x): below 0 the penalty pushes with n, against the force f < 0; v is the velocity."""
+    """Outside of S grad dist(x, S) = e, the unit vector from the nearest point to x; f = e.F, q = e.e = 1, v = e.x'."""
     return proved(
         implication(
-            "below 0 the velocity is f + n: it is positive, towards S, for |f| < n and negative for |f| > n",
-            lambda s, f, n, v: (
-                [n > 0, f < 0, v == f + s * n],
-                [solver_library().Implies(-f < n, v > 0), solver_library().Implies(-f > n, v < 0)],
+            "outside S the distance to S changes by e·(F − ne) = e·F − n: it falls for e·F < n and grows for e·F > n",
+            lambda s, f, n, q, v: (
+                [n > 0, q == 1, v == f - s * n * q],
+                [solver_library().Implies(f < n, v < 0), solver_library().Implies(f > n, v > 0)],
             ),
             "the penalty pushes outwards",
         )

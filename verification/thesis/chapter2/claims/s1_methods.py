@@ -72,10 +72,10 @@ def _event_driven() -> Evidence:
     "A damping other than 1 changes only the time scale of a solution.",
     "(2.1)",
     Verdict.PROVED,
-    chosen="a force that does not depend on time",
+    chosen="F: ℝᵈ → ℝᵈ, as in (2.1): no force of the chapter depends on time",
 )
 def _damping() -> Evidence:
-    """The chain rule for z(t) = x(t/mu); the force does not depend on t, and N is a cone."""
+    """The chain rule for z(t) = x(t/mu); F of (2.1) is a function of x alone, and N is a cone."""
     sp = library()
     t, tau, mu = sp.symbols("t tau mu", positive=True)
     x = sp.Function("x")

@@ -88,16 +88,18 @@ def distance(one: Floats, fine: Floats) -> float:
 
 @claim(
     "c5.convergence",
-    "Particles converge to the mean-field limit, at the rate of their distance at the start.",
+    "At each time particles converge to the mean-field limit, at the rate of their distance at the start.",
     "Corollary 5.19",
     Verdict.PROVED,
     rests_on=("c5.same-estimate", "c5.consistency"),
+    chosen="C and L may depend on the time t, which the corollary does not exclude: for all t there are none, see "
+    "c5.same-estimate",
 )
 def _rate() -> Evidence:
-    """(5.60) for the empirical measure of the start, d <= c w, and w -> 0, which (5.66) asks for."""
+    """(5.60) on [0, t] for the empirical measure of the start, d <= c w, and w -> 0, which (5.66) asks for."""
     return proved(
         implication(
-            "d ≤ C e^{Lt} w with w ≤ δ/(C e^{Lt}) gives d ≤ δ: as w → 0, so does d",
+            "d ≤ C e^{Lt} w is ≤ δ for w ≤ δ/(C e^{Lt})",
             lambda s, d, c, w, e: ([c > 0, w >= 0, e > 0, d <= c * w, c * w <= s * e], d <= e),
             "w ≤ 2δ/(C e^{Lt})",
             2,
