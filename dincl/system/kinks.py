@@ -52,6 +52,11 @@ def kinks_and_pieces(paths: Sequence[Path], end: float) -> tuple[NDArray[np.floa
     return kinks[apart], common_pieces([np.array(pieces).reshape(-1, 2) for _, pieces in divided])
 
 
+def pieces_of(path: Path, end: float) -> NDArray[np.float64]:
+    """Return the pieces (P, 2) of a path whose kinks a run finds on its way, see ``kinks_and_pieces``."""
+    return np.array(_divided(path, end)[1]).reshape(-1, 2)
+
+
 def common_pieces(tables: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
     """Return the pieces (P, 2) that resolve all that these tables of pieces resolve."""
     tables = [table for table in tables if len(table)]
@@ -76,9 +81,10 @@ def _divided(path: Path, end: float) -> tuple[list[Interval], list[Interval]]:
     if not kinks:
         return [], _steps(is_smooth, 0.0, end, pieces, len(first))
     found: list[Interval] = []
-    for a, b in pairwise([(0.0, 0.0), *kinks, (end, end)]):
-        parts = _cuts(a[1], b[0], end)
-        found += _steps(is_smooth, a[1], b[0], _cut(is_smooth, parts, end)[0], len(parts))
+    for (_, a), (b, _) in pairwise([(0.0, 0.0), *kinks, (end, end)]):
+        if b - a > SHORT * end:
+            parts = _cuts(a, b, end)
+            found += _steps(is_smooth, a, b, _cut(is_smooth, parts, end)[0], len(parts))
     return kinks, found
 
 

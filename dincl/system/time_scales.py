@@ -10,7 +10,7 @@ import numpy as np
 
 from dincl.drifts import compiled
 from dincl.errors import StepFailure
-from dincl.system.kinks import CUT, NO_KINKS, common_pieces, kinks_and_pieces
+from dincl.system.kinks import CUT, NO_KINKS, common_pieces, kinks_and_pieces, pieces_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 # A drift that has the same value at x0 at so many times does not depend on time.
 LOOKS = 61
+# Around a singularity pieces become shorter and shorter; so small a part of the run no equal steps need resolve.
+NEGLECTED = 1e-3
 
 
 class TimeScales(NamedTuple):
@@ -37,8 +39,12 @@ class TimeScales(NamedTuple):
 
     @property
     def shortest(self) -> float:
-        """The step that resolves all pieces [time]; infinite if nothing depends on time."""
-        return float(self.pieces[:, 1].min(initial=np.inf))
+        """The step that resolves all but a small part of the run [time]; infinite if nothing depends on time."""
+        if not len(self.pieces):
+            return np.inf
+        order = self.pieces[:, 1].argsort()
+        passed = np.diff(self.pieces[:, 0], prepend=0.0)[order].cumsum()
+        return float(self.pieces[order, 1][passed > NEGLECTED * self.pieces[-1, 0]].min())
 
 
 def time_scales(problem: Problem, end: float) -> TimeScales:
@@ -64,7 +70,7 @@ def time_scales(problem: Problem, end: float) -> TimeScales:
     with suppress(StepFailure):  # a run that gets so far says why
         first = at_start(0.0)
         if any((at_start((k + CUT) / LOOKS * end) != first).any() for k in range(LOOKS)):
-            pieces = common_pieces([pieces, kinks_and_pieces([at_start], end)[1]])
+            pieces = common_pieces([pieces, pieces_of(at_start, end)])
     return TimeScales(kinks, pieces, failure, evaluations)
 
 

@@ -7,6 +7,7 @@ from scipy.optimize import brentq
 import dincl
 from dincl.system.compiled_problem import units_of
 from dincl.system.kinks import kinks_and_pieces, smooth_around
+from dincl.system.time_scales import time_scales
 from tests.dincl.events.hard_problems import hard_problem
 
 
@@ -187,6 +188,7 @@ def test_the_stated_error_has_what_pulls_too_little_to_let_go(s):
 
 SHAKER = dincl.Moving(dincl.HalfSpace(normal=(1, 0)), lambda t: (0.6 * np.sin(t), 0.0))
 BUMP = dincl.Moving(dincl.HalfSpace(normal=(1, 0)), lambda t: (np.exp(-(((t - 0.713) / 0.05) ** 2)), 0.0))
+SHAKEN = dincl.Problem([[0.5, 0.0]], lambda t, x: 0 * x + np.floor(7 * t), [SHAKER])
 BALL = dincl.OutsideBall(centre=lambda t: (t - 2.0, 0.0), distance=0.3)
 
 
@@ -199,6 +201,21 @@ def test_a_set_that_comes_and_goes_pushes_what_is_at_rest(moving, start, t, exac
     path = dincl.solve(problem, dincl.EventDriven(1e-9), [t])
     assert path.final[0, 0] == pytest.approx(exact, abs=1e-9)
     assert abs(path.final[0, 0] - exact) <= path.error[0]
+
+
+def test_scales_of_functions_of_time():
+    """A straight path asks for four steps, a jump or a root of the drift for few more, a shaker for two a period."""
+    wall = dincl.HalfSpace(normal=(1,))
+
+    def shortest(path, drift=lambda t: 0.0):
+        problem = dincl.Problem([[2.0]], lambda t, x: 0 * x + drift(t), [dincl.Moving(wall, lambda t: [path(t)])])
+        return time_scales(problem, 1.0).shortest
+
+    assert shortest(lambda t: -t) == 0.25
+    assert shortest(lambda t: -t, lambda t: float(t > 0.3)) > 0.05
+    assert shortest(lambda t: -t, lambda t: abs(t - 0.3) ** 0.5) > 1e-4
+    assert 0.004 < shortest(lambda t: -np.sin(200 * t)) < np.pi / 200
+    assert (time_scales(SHAKEN, 1.0).pieces[:, 1] > 0).all()
 
 
 def test_a_pulse_of_the_drift_is_seen():
