@@ -25,7 +25,7 @@ Shape = tuple["int | None", ...]
 
 @dataclass(frozen=True)
 class UserFunction:
-    """What is known of a function of the user before it is called.
+    """A function of the user, with all that is known before it is called.
 
     What it raises becomes a FunctionFailed with that as its cause, and so does what it must not return. Passed on
     are MemoryError and what is no Exception, as KeyboardInterrupt and SystemExit are: who means to end a run raises a
@@ -53,7 +53,7 @@ class UserFunction:
             raise self._raised(error, values) from error
 
     def numbers(self, raw: Any, shape: Shape | None = None) -> NDArray[np.float64]:
-        """What it returned as finite float64 numbers, of a shape if one is given; None in ``shape`` is any length."""
+        """Its result as finite float64 numbers, of a shape if one is given; None in ``shape`` is any length."""
         values = plain(raw)
         if values is None or (shape is not None and not fits(values.shape, shape)):
             wanted = "real numbers" + ("" if shape is None else f" of shape {in_words(shape)}")
@@ -70,7 +70,7 @@ class UserFunction:
         return self.numbers(self.call(function, *values), shape)
 
     def failed(self, error: BaseException, how: str) -> FunctionFailed:
-        """What to raise from an error of compiled code, of which the values are not known: ``how`` it failed."""
+        """The failure for an error of compiled code, of which the values are not known: ``how`` it failed."""
         said = f"{type(error).__name__}{_said(error)}"
         return FunctionFailed(self.status, f"{self.name}({', '.join(self.arguments)}) {how} {said}.")
 

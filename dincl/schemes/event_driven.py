@@ -11,6 +11,7 @@ from dincl.checks import number
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.schemes.base import Scheme
 from dincl.status import Status
+from dincl.system.kinks import CUT
 from dincl.trajectory import Between, RunOutcome
 from dincl.work import Work
 
@@ -33,7 +34,7 @@ SAFETY = 2.0
 # Stated at least, relative to the largest coordinate: what rounding leaves in a state that is put onto its contacts.
 ROUNDING = 16 * np.finfo(float).eps
 # Times between kept ones at which the last run may not overlap sets that Python evaluates, as parts of the run.
-WATCHED, SHIFT = 31, 0.3819660112501051
+WATCHED = 31
 # Stated at least, relative to the tolerance: two runs agree at some times better than their steps allow. This is fifty
 # times the tolerance of a step of the second run: by so much a kink of the drift can mislead the estimate of a step.
 AGREEMENT = 5e-2
@@ -138,7 +139,7 @@ class _Start(Between):
 
 def _hidden(system: CompiledProblem, run: EventRun, end: float, tol: float) -> float:
     """Return by how much a run overlaps sets that Python evaluates, at times that nobody chooses, if more than tol."""
-    times = (np.arange(WATCHED) + SHIFT) / WATCHED * end
+    times = (np.arange(WATCHED) + CUT) / WATCHED * end
     largest = float(system.overlaps(times, run.between.states(times)).max())
     return largest if largest > tol else 0.0
 

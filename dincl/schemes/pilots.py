@@ -18,7 +18,7 @@ from dincl.projection import ActiveSet, ProjectedCG
 from dincl.schemes.catch_up import LinearisedCatchUp, MidpointCatchUp
 from dincl.schemes.event_driven import MOST_PARTICLES, EventDriven
 from dincl.schemes.pbd import PBD
-from dincl.schemes.resolution import distance_outside, stable_step
+from dincl.schemes.resolution import FALLS, distance_outside, stable_step
 from dincl.status import Status
 
 if TYPE_CHECKING:
@@ -53,8 +53,6 @@ PART, MOST_SHARE = 1 / 8, 0.2
 MOST_DENSE = 100
 # More steps than these are too many, which so many runs may say.
 MOST_STEPS, BELIEVED = 10**7, 5
-# Finer steps mend violations if the distance from the set falls at least by this factor from one run to the next.
-FALLS = 0.75
 # A run that fails is repeated with finer steps, so often at most.
 MOST_RUNS = 6
 # Methods whose code is loaded, with the dimension.
@@ -129,7 +127,7 @@ class Pilot:
     final: bool = False  # whether finer steps cannot mend the failure in ``why``
     tried: float = 0.0
     unfinished: bool = False
-    _stable: tuple[int, float] = (0, math.inf)  # the number of runs, and ``stable_step`` of the last one
+    stable: float = math.inf  # of the finest run: ``stable_step``, once there are runs enough to believe one
 
     def run(self, steps: int) -> RunOutcome | None:
         """Make the run with so many steps; None, and the reason in ``why``, if it fails."""
@@ -149,6 +147,8 @@ class Pilot:
         self.outcomes.append(outcome)
         self.seconds.append(seconds)
         self.outside.append(distance_outside(self.problem, outcome.t, outcome.x))
+        if len(self.steps) >= LEAST_RUNS - 1:
+            self.stable = stable_step(self.problem, outcome.t, outcome.x)
         if self.is_contradicted():
             self.final = True
             self.why = (
@@ -216,10 +216,7 @@ class Pilot:
 
     def least_steps(self) -> int:
         """Return how many steps resolve functions of time, and are stable at the states of the finest run."""
-        finest = self.outcomes[-1]
-        if self._stable[0] != len(self.steps) >= LEAST_RUNS - 1:
-            self._stable = len(self.steps), stable_step(self.problem, finest.t, finest.x)
-        return math.ceil(float(self.times[-1]) / min(self.longest, self._stable[1]))
+        return math.ceil(float(self.times[-1]) / min(self.longest, self.stable))
 
     def is_contradicted(self) -> bool:
         """Return whether the runs agree better with each other than with the set, and finer steps do not mend it."""

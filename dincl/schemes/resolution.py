@@ -1,4 +1,4 @@
-"""What the agreement of runs does not show: states outside of the set, and steps too long for what happens.
+"""Faults that agreement of runs does not show: states outside of the set, and steps too long for what happens.
 
 Runs with different steps agree, and are all wrong, where steps of either length jump over what comes and goes, or where
 an unstable step throws a particle onto the same wall.
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
     from dincl.problem import Problem
 
+# Finer steps mend violations if the distance from the set falls at least by this factor from one run to the next.
+FALLS = 0.75
 # Steps are at most this part of those that resolve all functions of time in a run of high order.
 PART = 0.25
 # A step of an explicit method is stable if it is at most this over the rate of the drift (Euler, midpoint).

@@ -49,12 +49,12 @@ def kinks_and_pieces(paths: Sequence[Path], end: float) -> tuple[NDArray[np.floa
     found = [_located(path, kinks, end) for path, (kinks, _) in zip(paths, divided, strict=True)]
     kinks = np.array(sorted(kink for some in found for kink in some)).reshape(-1, 2)
     apart = np.append(True, kinks[1:, 0] > kinks[:-1, 1])[: len(kinks)]
-    return kinks[apart], common_pieces([np.array(pieces).reshape(-1, 2) for _, pieces in divided])
+    return kinks[apart], common_pieces([pieces for _, pieces in divided])
 
 
 def pieces_of(path: Path, end: float) -> NDArray[np.float64]:
     """Return the pieces (P, 2) of a path whose kinks a run finds on its way, see ``kinks_and_pieces``."""
-    return np.array(_divided(path, end)[1]).reshape(-1, 2)
+    return _divided(path, end)[1]
 
 
 def common_pieces(tables: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
@@ -73,19 +73,19 @@ def smooth_around(t: float, kinks: NDArray[np.float64]) -> tuple[float, float]:
     return float(kinks[k - 1, 1]) if k else 0.0, float(kinks[k, 0]) if k < len(kinks) else np.inf
 
 
-def _divided(path: Path, end: float) -> tuple[list[Interval], list[Interval]]:
-    """Return the kinks of a path, and its pieces: until when, and how long steps may be."""
+def _divided(path: Path, end: float) -> tuple[list[Interval], NDArray[np.float64]]:
+    """Return the kinks of a path, and its pieces (P, 2): until when, and how long steps may be."""
     is_smooth = _smoothness(path, end)
     first = _cuts(0.0, end, end)
     pieces, kinks = _cut(is_smooth, first, end)
     if not kinks:
-        return [], _steps(is_smooth, 0.0, end, pieces, len(first))
+        return [], np.array(_steps(is_smooth, 0.0, end, pieces, len(first))).reshape(-1, 2)
     found: list[Interval] = []
     for (_, a), (b, _) in pairwise([(0.0, 0.0), *kinks, (end, end)]):
         if b - a > SHORT * end:
             parts = _cuts(a, b, end)
             found += _steps(is_smooth, a, b, _cut(is_smooth, parts, end)[0], len(parts))
-    return kinks, found
+    return kinks, np.array(found).reshape(-1, 2)
 
 
 def _smoothness(path: Path, end: float) -> Callable[[float, float], bool]:

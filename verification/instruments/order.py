@@ -80,7 +80,7 @@ class Order:
 
     @property
     def verdict(self) -> str:
-        """What was found and what was left out, in one sentence."""
+        """One sentence: the order found, and the steps left out."""
         names: dict[Role, str] = {"pre-asymptotic": "pre-asymptotic", "floor": "at the floor", "failed": "failed"}
         parts = [f"{self.count(role)} {name}" for role, name in names.items() if self.count(role)]
         left_out = f" (left out: {', '.join(parts)})" if parts else ""

@@ -1,4 +1,4 @@
-"""What is known of a solution: positions with a stated error, from a formula, from events, or from halved steps."""
+"""Solutions that are known: positions with a stated error, from a formula, from events, or from halved steps."""
 
 from __future__ import annotations
 
@@ -13,8 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 import dincl
 from dincl.checks import array, describe, number
 from dincl.scenes import Scene
-from dincl.schemes.pilots import FALLS
-from dincl.schemes.resolution import distance_outside, resolving_step, stable_step
+from dincl.schemes.resolution import FALLS, distance_outside, resolving_step, stable_step
 
 Floats = NDArray[np.float64]
 # Two times are the same if they differ by less than this [time]; kept times are multiples of 0.05 or more.

@@ -83,7 +83,7 @@ class Proof:
 
     @property
     def assumed(self) -> tuple[str, ...]:
-        """What the theorem presupposes, a sentence each."""
+        """The assumptions of the theorem, a sentence each."""
         return tuple(assumptions(self.certificate))
 
     def errors(self, x: ArrayLike) -> NDArray[np.float64]:
