@@ -1,12 +1,15 @@
 """Prose is filled from templates, block by block; a value that is not given is an error."""
 
+import math
+import re
 from pathlib import Path
 
 import pytest
 from jinja2 import UndefinedError
 
 import verification
-from verification.page.prose import fill, percents
+from verification.page.parts import number_up
+from verification.page.prose import fill, percent_up, percents
 from verification.page.render import counted
 
 TEMPLATE = """
@@ -40,6 +43,42 @@ def test_a_list_without_entries_is_none(template: Path) -> None:
 def test_a_part_with_its_interval_in_percent() -> None:
     assert percents((0.25, 0.204, 0.3)) == "25 % [20, 30]"
     assert percents((0.0123, -0.0002, 0.03), 1, "+") == "+1.2 % [+0.0, +3.0]"
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (2.1186e-14, "2.2·10⁻¹⁴"),
+        (2e-14, "2.0·10⁻¹⁴"),
+        (2.0001e-14, "2.1·10⁻¹⁴"),
+        (0.1, "0.1"),
+        (9.96e-6, "10⁻⁵"),
+        (0.12301, "0.124"),
+        (0.125, "0.125"),
+        (12.31, "12.4"),
+        (0.0, "0"),
+        (math.inf, "∞"),
+    ],
+)
+def test_a_number_after_at_most_is_rounded_up(value: float, text: str) -> None:
+    assert number_up(value) == text
+
+
+def test_a_part_after_at_most_is_rounded_up() -> None:
+    assert percent_up(0.00238298, 1) == "0.3 %"
+    assert percent_up(0.07) == "7 %"
+    assert percent_up(0.070001) == "8 %"
+
+
+def test_every_number_after_at_most_is_rounded_up() -> None:
+    folder = Path(verification.__file__).parent
+    templates = [*folder.rglob("prose/*.html"), folder / "thesis" / "results.md"]
+    text = " ".join(" ".join(path.read_text("utf-8").split()) for path in templates)
+    bounds = re.findall(r"at most \$?\{\{[^}]*\| (\w+)(?:\(\d\))? \}\}", text)
+    bounds += re.findall(r"\{\{[^}]*\| (\w+) \}\}(?: R_soft\$)? at most", text)
+    assert len(bounds) >= 15
+    # A share with its interval is an estimate, not a bound.
+    assert set(bounds) <= {"number_up", "percent_up", "percents"}
 
 
 def test_a_value_that_is_not_given_is_an_error(template: Path) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from decimal import ROUND_CEILING, Decimal
 from pathlib import Path
 from typing import Any
 
@@ -203,3 +204,11 @@ def number(value: float) -> str:
     mantissa, exponent = f"{value:.1e}".split("e")
     raised = f"10{str(int(exponent)).translate(str.maketrans('-0123456789', '⁻⁰¹²³⁴⁵⁶⁷⁸⁹'))}"
     return raised if value == float(f"1e{exponent}") else f"{mantissa}·{raised}"
+
+
+def number_up(value: float) -> str:
+    """Format a number that follows "at most": as ``number`` does, but rounded up."""
+    if not np.isfinite(value):
+        return number(value)
+    exact, digits = Decimal(repr(float(value))), 3 if PLAIN <= value < 1e3 else 2
+    return number(float(exact.quantize(Decimal(1).scaleb(exact.adjusted() - digits + 1), ROUND_CEILING)))

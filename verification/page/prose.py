@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from decimal import ROUND_CEILING, Decimal
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-from verification.page.parts import number
+from verification.page.parts import number, number_up
 from verification.page.render import counted
 
 MAKES_NO_NUMBERS = True
@@ -18,8 +19,9 @@ MAKES_NO_NUMBERS = True
 def fill(template: Path, **values: Any) -> dict[str, str]:
     """Return the blocks of a template by name, with the values filled in and white space made single blanks.
 
-    Filters: ``counted`` (a number with its noun), ``number`` (three digits), ``percent`` (of a part), ``percents`` (of
-    a part and its interval), ``interval`` (two numbers), ``duration`` (of seconds), ``listed`` (a sequence).
+    Filters: ``counted`` (a number with its noun), ``number`` (three digits) and ``percent`` (of a part), which are
+    ``number_up`` and ``percent_up`` after "at most", ``percents`` (of a part and its interval), ``interval`` (two
+    numbers), ``duration`` (of seconds), ``listed`` (a sequence).
 
     Raises
     ------
@@ -55,14 +57,19 @@ def text_page(template: Path, filters: Mapping[str, Callable[..., str]], **value
 def _environment(folder: Path) -> Environment:
     # Values go in as they are: templates are HTML for paragraphs, plain text for captions, which the page escapes.
     made = Environment(loader=FileSystemLoader(folder), undefined=StrictUndefined, autoescape=False)
-    made.filters |= {"number": number, "interval": interval, "listed": listed, "counted": counted}
-    made.filters |= {"percent": percent, "percents": percents, "duration": duration}
+    filters = (counted, number, number_up, percent, percent_up, percents, interval, duration, listed)
+    made.filters |= {one.__name__: one for one in filters}
     return made
 
 
 def percent(part: float, digits: int = 0) -> str:
     """Format 0.25 as ``25 %``."""
     return f"{100 * part:.{digits}f} %"
+
+
+def percent_up(part: float, digits: int = 0) -> str:
+    """Format a part that follows "at most": as ``percent`` does, but rounded up."""
+    return f"{(100 * Decimal(repr(float(part)))).quantize(Decimal(1).scaleb(-digits), ROUND_CEILING)} %"
 
 
 def percents(parts: tuple[float, float, float], digits: int = 0, sign: str = "") -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import Counter
-from decimal import ROUND_CEILING, Decimal
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -17,8 +16,8 @@ from verification.beyond.chart.references import SCENES
 from verification.claims import Verdict
 from verification.instruments.error_norms import distance
 from verification.page.kept import STUDIES
-from verification.page.parts import PLAIN, number
-from verification.page.prose import text_page
+from verification.page.parts import number, number_up
+from verification.page.prose import percent, percent_up, text_page
 from verification.thesis.chapter2 import convergence, extrapolation, infeasibility, reference
 from verification.thesis.chapter2.methods import CATCH_UP, PBD
 from verification.thesis.chapter3 import beyond, daha, daha_ends, daha_fit, growth, substeps
@@ -38,7 +37,7 @@ PROTRUDES, NO_INM = "[BP]", "[B] no INM"
 
 def page() -> str:
     """Return the text of the page."""
-    filters = {"percent": percent, "signed": signed, "number": number, "upper": upper, "percent_upper": percent_upper}
+    filters = {one.__name__: one for one in (percent, percent_up, signed, number, number_up)}
     known = {"claims": claims(), "emt": emt(), "w1": w1(), "chart": chart(), "discs": discs(), "tissue": tissue()}
     return text_page(TEMPLATE, filters, **known, meanfield=meanfield(), rule=RULE)
 
@@ -188,25 +187,9 @@ def _range(values: pd.Series) -> tuple[float, float]:
     return values.min(), values.max()
 
 
-def percent(value: float, digits: int = 0) -> str:
-    """Format 0.1 as 10 %."""
-    return f"{100 * value:.{digits}f} %"
-
-
 def signed(value: float, digits: int = 3) -> str:
     """Format a number with so many digits behind the point."""
     return f"{value:.{digits}f}"
-
-
-def upper(value: float) -> str:
-    """Format a number that follows "at most": as ``number`` does, but rounded up."""
-    exact, digits = Decimal(repr(float(value))), 3 if PLAIN <= value < 1e3 else 2
-    return number(float(exact.quantize(Decimal(1).scaleb(exact.adjusted() - digits + 1), ROUND_CEILING)))
-
-
-def percent_upper(value: float, digits: int = 0) -> str:
-    """Format a part that follows "at most": as ``percent`` does, but rounded up."""
-    return f"{(100 * Decimal(repr(float(value)))).quantize(Decimal(1).scaleb(-digits), ROUND_CEILING)} %"
 
 
 def _only(table: pd.DataFrame, **wanted: object) -> pd.Series:

@@ -36,37 +36,6 @@ def test_a_changed_study_changes_the_page(monkeypatch):
     results.discs.cache_clear()
 
 
-@pytest.mark.parametrize(
-    ("value", "text"),
-    [
-        (2.1186e-14, "2.2·10⁻¹⁴"),
-        (2e-14, "2.0·10⁻¹⁴"),
-        (2.0001e-14, "2.1·10⁻¹⁴"),
-        (0.1, "0.1"),
-        (9.96e-6, "10⁻⁵"),
-        (0.12301, "0.124"),
-        (0.125, "0.125"),
-        (12.31, "12.4"),
-        (0.0, "0"),
-    ],
-)
-def test_a_number_after_at_most_is_rounded_up(value, text):
-    assert results.upper(value) == text
-
-
-def test_a_part_after_at_most_is_rounded_up():
-    assert results.percent_upper(0.00238298, 1) == "0.3 %"
-    assert results.percent_upper(0.07) == "7 %"
-    assert results.percent_upper(0.070001) == "8 %"
-
-
-def test_every_number_after_at_most_is_rounded_up():
-    text = " ".join(results.TEMPLATE.read_text("utf-8").split())
-    bounds = re.findall(r"at most \{\{.*?\| (\w+)", text)
-    assert len(bounds) >= 4
-    assert set(bounds) <= {"upper", "percent_upper"}
-
-
 def test_the_laws_in_the_plane_and_in_space_are_those_of_two_samples():
     table = results.read_sealed(results.sampling.FILE)
     assert set(table.loc[table["d"] > 1, "start"]) == {results.sampling.PAIR}
