@@ -16,7 +16,7 @@ from verification.thesis.chapter1 import figures as figures_geometry
 COLUMNS = read_columns(Path(__file__).parent / "columns.toml")
 PROSE = Path(__file__).parent / "prose"
 SHOWN = "two contacts, oblique"
-# Rows of at most so many discs are searched again, and so many arrangements.
+# Rows and arrangements of at most so many discs are searched again.
 FEW = 4
 
 
@@ -25,7 +25,8 @@ def run(context: Context) -> None:
     form = context.form(prox_regularity.FULL)
     constants, around = prox_regularity.constants(form), prox_regularity.configurations(form)
     context.tables["prox_constants"] = context.rows_of(constants, constants.only(lambda key: key["count"] <= FEW))
-    context.tables["prox_arrangements"] = context.rows_of(around, around.some(FEW))
+    few = [name for name, x in prox_regularity.arrangements().items() if len(x) <= FEW]
+    context.tables["prox_arrangements"] = context.rows_of(around, around.only(lambda key: key["arrangement"] in few))
     steps, settled = consistency.single_steps(), consistency.settling()
     context.keep("consistency_steps", steps)
     context.keep("consistency_settling", settled)
