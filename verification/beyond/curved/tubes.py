@@ -17,7 +17,7 @@ from dincl.study import progress
 from tissue.files.parameters import Parameters, preset
 from tissue.frames.frame import Frame
 from tissue.runs.batch import Batch
-from tissue.state.cells import Flags, Integers
+from tissue.state.cells import CONTROL, EMT, Flags, Integers
 from tissue.statistics.proportions import wilson
 from tissue.study.outcomes import SIDES
 from tissue.study.plan import run_seeds
@@ -148,9 +148,9 @@ def _apart(frame: Frame) -> Frame:
     cells = frame.cells
     n, m = len(cells.x), int((cells.emt >= 0).sum())
     chosen = n * (2 * np.arange(m) + 1) // (2 * m)
-    emt, divides = np.full(n, -1), np.ones(n, np.bool_)
-    emt[chosen], divides[chosen] = np.arange(m), False
-    return frame._replace(cells=cells._replace(emt=emt, divides=divides))
+    emt, kind, divides = np.full(n, -1), np.full(n, CONTROL), np.ones(n, np.bool_)
+    emt[chosen], kind[chosen], divides[chosen] = np.arange(m), EMT, False
+    return frame._replace(cells=cells._replace(emt=emt, kind=kind, divides=divides))
 
 
 def _spacing(frame: Frame, parameters: Parameters) -> float:
