@@ -1,18 +1,31 @@
 """The tables that come with the repository know what makes them, and say what has changed since."""
 
 from collections.abc import Callable
+from importlib.metadata import version
 from pathlib import Path
 
 import pandas as pd
 import pytest
 
+from dincl.provenance import differences
 from dincl.study.sealed import is_sealed, read_sealed
 from dincl.study.table import ATTRIBUTE
+from tests.executors import Nowhere
 from verification.beyond.chart import pile_reference
 from verification.page import kept
+from verification.page.chapters import CHAPTERS
+from verification.page.context import Context
+from verification.thesis import studies
 from verification.thesis.chapter5 import sampling
 
 TABLE = pd.DataFrame({"N": [10, 100], "w1": [0.5, 0.1]})
+# Tables that are still to be made again, by the beginnings of their names.
+OF_CODE_BEFORE = (
+    *("decisions", "emt_", "iterations", "prox_", "space_choices", "space_growth", "space_strip"),
+    *("space_substeps", "space_catch_up", "stability_", "tissue_", "work_"),
+    *("meanfield_agreement", "meanfield_energy", "meanfield_stability", "meanfield_grid", "meanfield_cost"),
+    *("meanfield_side", "meanfield_failures", "meanfield_stiff", "meanfield_pushed", "meanfield_drift"),
+)
 FILES = sorted(kept.DATA.glob("*.parquet"))
 
 
@@ -46,10 +59,21 @@ def test_tables_without_a_checksum_get_one(tmp_path: Path, monkeypatch: pytest.M
 
 
 @pytest.mark.slow
-def test_tables_of_before_their_provenance_was_kept_say_so() -> None:
+def test_what_ships_was_made_by_this_code(tmp_path: Path) -> None:
+    """Otherwise: make kept. Versions between releases may have tables of the code before."""
+    if ".dev" in version("dincl-testbed"):
+        return
+    context = Context(tmp_path, False, Nowhere(), complete=kept.STUDIES)
+    for chapter in CHAPTERS:
+        if chapter.name in studies.NAMES:
+            chapter.run(context)
+    assert {f"{name}.parquet" for name in context.studies} == {file.name for file in kept.STUDIES.glob("*.parquet")}
     found = kept.all_changes()
-    assert found.keys() == {file.stem for file in FILES}
-    assert found["w1_rates"] == ["the file does not record what it was made by"]
+    for name, study in context.studies.items():
+        rows = read_sealed(kept.STUDIES / f"{name}.parquet")
+        found[name] = differences(rows.attrs[ATTRIBUTE], study.provenance())
+    assert {name: lines for name, lines in found.items() if lines and not name.startswith(OF_CODE_BEFORE)} == {}
+    assert all(found[name] for name in found if name.startswith(OF_CODE_BEFORE))
 
 
 def test_a_table_knows_whether_its_code_has_changed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,7 +1,7 @@
 """Curved basal layers: does the way out of a tissue depend on curvature, and does a large circle become the line?
 
-``python -m verification.beyond.curved.curved FOLDER`` makes the runs that are missing in FOLDER, 40,000 in a quarter
-of an hour on two cores, and ``verification/data/curved_*.parquet``.
+``python -m verification.beyond.curved.curved FOLDER`` makes the runs that are missing in FOLDER, 36,000 in half
+an hour on two cores, and ``verification/data/curved_*.parquet``.
 """
 
 from __future__ import annotations

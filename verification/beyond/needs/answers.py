@@ -1,6 +1,6 @@
 """The simplest models that answer the questions of ``verification.beyond.needs.questions``: the kept table.
 
-``python -m verification.beyond.needs.answers`` makes it again, in half an hour of two cores, and writes
+``python -m verification.beyond.needs.answers`` makes it again, in twenty minutes of two cores, and writes
 ``verification/data/needs_answers.parquet``; with names of questions behind it, such as Q1 Q2, it makes their rows
 alone. Interrupted, it goes on from the runs in FOLDER.
 """

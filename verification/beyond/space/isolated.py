@@ -1,7 +1,7 @@
 """Isolated cells in sheets beside those in slices: ratios with intervals, and which comparisons of chapter 4 hold.
 
 ``python -m verification.beyond.space.isolated FOLDER`` makes the runs of the study ``space_published`` that are missing
-in FOLDER, 88 in 40 minutes of two cores, and ``verification/data/space_isolated.parquet``.
+in FOLDER, 88 in half an hour of two cores, and ``verification/data/space_isolated.parquet``.
 """
 
 from __future__ import annotations
