@@ -8,14 +8,12 @@ import numpy as np
 import pandas as pd
 import pytest
 from PIL import Image
-from rich.console import Console
 from typer.testing import CliRunner
 
 import dincl.study.execute
 import tissue
 from dincl.errors import InvalidProblem
 from dincl.status import Status
-from dincl.study import progress
 from tissue.cli.app import app
 from tissue.pictures.picture import picture
 
@@ -291,15 +289,6 @@ def test_progress_is_told_in_lines_where_there_is_no_terminal(monkeypatch):
     result = call("run", "small.toml", "--out", "x")
     lines = result.stderr.splitlines()
     assert [line.split(" h,")[0] for line in lines] == [f"growing: {t} of 1" for t in (0.25, 0.5, 0.75, 1)]
-
-
-def test_progress_is_a_bar_on_a_terminal(capsys):
-    console = Console(force_terminal=True, width=80)
-    with progress("growing", 48.0, "h", console) as done:
-        done(12.0)
-    shown = capsys.readouterr().out
-    assert "12 of 48 h" in shown
-    assert "growing" in shown
 
 
 def test_the_watch_is_told_every_kept_time():

@@ -21,8 +21,8 @@ from tissue.state.running import contents
 BASE = preset("published")
 MODELS = {"kernels": kernels, "twins": twins}
 # Of the five cells of ``in_all_phases``, in this order; the last one is in mitosis and has no INM.
-PHASES = ("G1", "G1 again", "G2", "mitosis", "resting")
-AGES, CYCLE = (5.0, 5.0, 11.25, 11.75, 11.75), 12.0
+PHASES, AGES = ("G1", "G1 again", "G2", "mitosis", "resting"), (5.0, 5.0, 11.25, 11.75, 11.75)
+CYCLE = 12.0
 JUNCTIONS = ("G1-G1", "G1-G2", "G2-mitosis", "mitosis-resting")
 STIFF = ("stiff_ax", "stiff_bx", "stiff_axb", "stiff_aa")
 # Displacements of 1e-3 of points that are some 10 away have lost four digits; factors differ by far more.
@@ -254,9 +254,7 @@ CHANGES = {
     ),
     "events.at_depth": ("stays", {"[[]P] way at depth": 0}),
 }
-# Keys that no step depends on, those of the other solver, and times of events, which tests of the
-# events look at, as they do at the key of [AC], and rules of divisions, as those of the modules of users and curved
-# layers do.
+# Keys that no step depends on, and those with tests of their own: the other solver, times of events, [AC], divisions.
 WHOLE = ("emt", "daha", "layer", "own", "space", "types")
 ASIDE = (
     "tissue.dimension",
@@ -299,5 +297,4 @@ def test_a_rule_changes_what_it_names(model, before, key):
 
 
 def test_every_key_is_tried():
-    keys = known_keys(Parameters)
-    assert sorted(CHANGES) == sorted(key for key in keys if not any(fnmatch(key, pattern) for pattern in ASIDE))
+    assert set(CHANGES) == {key for key in known_keys(Parameters) if not any(fnmatch(key, rule) for rule in ASIDE)}

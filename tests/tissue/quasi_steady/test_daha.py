@@ -22,6 +22,7 @@ from tissue.state.running import contents, new_state
 
 TABLE_4 = Daha(alpha=1e-4, beta=0.25, gamma=1e-3, c=2.0, dtau=1.0, eps=1e-6, most_iterations=100_000)
 NEVER = 1e-100  # an eps that no move meets
+BAD = {"alpha": 0.0, "beta": -1.0, "gamma": -1e-9, "c": math.nan, "dtau": 0, "eps": 0.0, "most_iterations": 0}
 
 
 def found(state, network, given, **changes):
@@ -276,18 +277,7 @@ def test_violation_is_the_largest_of_all():
     assert broken(two(0.1), layers(2), FREE) == 0.0
 
 
-@pytest.mark.parametrize(
-    ("name", "value"),
-    [
-        ("alpha", 0.0),
-        ("beta", -1.0),
-        ("gamma", -1e-9),
-        ("c", math.nan),
-        ("dtau", 0),
-        ("eps", 0.0),
-        ("most_iterations", 0),
-    ],
-)
+@pytest.mark.parametrize(("name", "value"), BAD.items())
 def test_bad_numbers(name, value):
     with pytest.raises(dincl.InvalidProblem, match=name):
         TissueArrowHurwicz(TABLE_4._replace(**{name: value}))
@@ -301,11 +291,8 @@ def test_a_state_beyond_all_bounds(place):
         found(state, layers(4), numbers())
 
 
-def test_layers_of_another_tissue():
+def test_layers_and_numbers_of_another_tissue():
     with pytest.raises(dincl.InvalidProblem, match="= 8: must be an index"):
         found(cells(8, 1), layers(8, basal=[0, 8]), numbers())
-
-
-def test_numbers_of_another_kind():
     with pytest.raises(dincl.InvalidProblem, match="daha_numbers"):
         TissueArrowHurwicz(numbers())

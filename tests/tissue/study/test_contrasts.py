@@ -136,3 +136,16 @@ def test_equal_comparisons_twice_cost_nothing():
 def test_an_unknown_correction_is_refused():
     with pytest.raises(InvalidProblem, match="correction = 'none': must be one of simultaneous, holm"):
         Family((), "none")
+
+
+def test_an_effect_in_every_run_is_shown():
+    """Ten runs of each in which all cells left, beside ten in which none did."""
+    ratios = scenario_like(0), scenario_like(10)
+    one = ProportionContrast((-1.0, 1.0), ratios)
+    assert Family(((one,),)).p_values()[0] == p_value(one) < 1e-4
+
+
+def scenario_like(hits):
+    from tissue.statistics.ratios import ratio
+
+    return ratio(pd.Series(np.arange(10) < hits), pd.Series(np.arange(10)))

@@ -10,7 +10,6 @@ import pytest
 import dincl
 import verification as v
 from verification.instruments import measure
-from verification.instruments.method import as_methods
 
 SLIDE = dincl.scenes.sliding_disc()
 T = [1.0, 2.0, 3.0]
@@ -225,6 +224,21 @@ def test_a_tolerance_that_steps_do_not_reach_is_said():
         v.reference(dincl.scenes.four_disks(), 1e-7, dincl.PBD, dt=0.5)([1.0])
 
 
+def test_runs_that_agree_outside_of_the_set_are_no_reference():
+    """Two walls are closer than the disc is wide from t = 0.5 on; all runs leave it on the same side."""
+    walls = [dincl.HalfSpace((side, 0), lambda t: t - 1, 0.5) for side in (1, -1)]
+    jaw = dincl.Problem([[0.0, 0.0]], lambda t, x: 0 * x, walls)
+    with pytest.raises(RuntimeError, match=r"states are .* outside of the set: it may be empty, or jump"):
+        v.reference(jaw, 1e-6, scheme=dincl.PBD)([1.0, 2.0])
+
+
+def test_steps_that_are_multiples_of_a_period_are_no_reference():
+    """x' = cos(2 pi t) is at its start after 64 periods; steps of 4, 2 and 1 see the drift as 1."""
+    daily = dincl.Problem([[0.5]], lambda t, x: 0 * x + np.cos(2 * np.pi * t), [dincl.HalfSpace((1,), -10.0)])
+    known = v.reference(daily, 1e-3, scheme=dincl.PBD, dt=4.0)([64.0])
+    assert abs(known.x[0, 0, 0] - 0.5) <= known.error[0] > 0
+
+
 # Results
 
 
@@ -247,99 +261,6 @@ def test_results_show_and_keep_themselves(chart, tmp_path):
         assert result._repr_html_().count("<table") >= 1
         axes = result.plot()
         assert result.plot(axes) is axes
-
-
-# Input
-
-
-def known(t):
-    return SLIDE.exact(t)
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"methods": {}}, "methods has no entry"),
-        ({"methods": {"PBD": 3}}, r"methods\['PBD'\] = 3: must be a Method or a function"),
-        ({"methods": [v.Method("a", scheme=dincl.PBD)] * 2}, r"two named \['a'\]"),
-        ({"settings": [0.1, -1.0]}, "settings = .*: must be 1 or more different numbers > 0"),
-        ({"settings": {"tol": [0.1]}}, "settings has no entry 'PBD' or 'dt'"),
-        ({"t": [2.0, 1.0]}, "t = .*: must be one or more increasing times"),
-        (
-            {"errors": ("largest", "smallest")},
-            "errors = .*: must be one or more of largest, final, L2, dense, overlap, or",
-        ),
-        ({"budget": 2.0}, r"budget = 2.0: must be CpuSeconds\(...\) or DriftEvaluations"),
-        ({"reference": np.zeros((2, 1, 2))}, "reference of shape .*: must give one state for each of 3 times"),
-        ({"reference": lambda t: SLIDE.exact(t)[:, 0]}, r"reference of shape \(3, 2\): must have shape \(K, N, d\)"),
-        ({"methods": [dincl.PBD]}, "methods holds .*: a list must hold Method; or map labels to functions"),
-    ],
-)
-def test_bad_input_is_named(changes, message):
-    given = {
-        "problem": SLIDE,
-        "methods": {"PBD": dincl.PBD},
-        "settings": [0.1],
-        "t": T,
-        "reference": known,
-        "budget": v.CpuSeconds(1.0),
-    }
-    with pytest.raises(dincl.InvalidProblem, match=message):
-        v.work_precision(**(given | changes))
-
-
-@pytest.mark.parametrize(
-    ("method", "detail"),
-    [
-        (v.Method("a", scheme=lambda dt: None), "'a' made None of the setting 0.1: must make a dincl.Scheme"),
-        (v.Method("a", run=lambda *_: None), "'a' returned None: must return an array of real states"),
-        (v.Method("a", run=lambda *_: np.zeros(3)), "'a' returned shape (3,): must return (3, 1, 2)"),
-        (v.Method("a", run=lambda *_: np.full((3, 1, 2), 1j)), "must return an array of real states"),
-        (v.Method("a", run=lambda problem, dt: None), "is called with (problem, setting, t): too many positional"),
-        (
-            v.Method("a", scheme=euler),
-            "is called with (setting): missing a required argument: 'dt'; a program is",
-        ),
-    ],
-)
-def test_a_method_that_makes_something_else_is_refused(method, detail):
-    chart = v.work_precision(SLIDE, [method], [0.1], T, SLIDE.exact, v.CpuSeconds(1.0))
-    assert chart.table["status"].tolist() == ["REFUSED"]
-    assert detail in chart.table["detail"].iloc[0]
-    assert detail in repr(chart)
-
-
-def test_runs_that_agree_outside_of_the_set_are_no_reference():
-    """Two walls are closer than the disc is wide from t = 0.5 on; all runs leave it on the same side."""
-    walls = [dincl.HalfSpace((side, 0), lambda t: t - 1, 0.5) for side in (1, -1)]
-    jaw = dincl.Problem([[0.0, 0.0]], lambda t, x: 0 * x, walls)
-    with pytest.raises(RuntimeError, match=r"states are .* outside of the set: it may be empty, or jump"):
-        v.reference(jaw, 1e-6, scheme=dincl.PBD)([1.0, 2.0])
-
-
-def test_steps_that_are_multiples_of_a_period_are_no_reference():
-    """x' = cos(2 pi t) is at its start after 64 periods; steps of 4, 2 and 1 see the drift as 1."""
-    daily = dincl.Problem([[0.5]], lambda t, x: 0 * x + np.cos(2 * np.pi * t), [dincl.HalfSpace((1,), -10.0)])
-    known = v.reference(daily, 1e-3, scheme=dincl.PBD, dt=4.0)([64.0])
-    assert abs(known.x[0, 0, 0] - 0.5) <= known.error[0] > 0
-
-
-def test_bad_methods_and_maps_are_named():
-    with pytest.raises(dincl.InvalidProblem, match="give scheme, a function setting -> Scheme, or run"):
-        v.Method("both", scheme=dincl.PBD, run=euler)
-    with pytest.raises(dincl.InvalidProblem, match=r"settings = .*: must be 5 or more"):
-        v.order_study(SLIDE, METHODS, [0.1], T, SLIDE.exact)
-    with pytest.raises(dincl.InvalidProblem, match="'strength': must be an argument of the method, which has dt"):
-        v.stability_map(SLIDE, dincl.PBD, ("dt", [0.1]), ("strength", [1.0]))
-    with pytest.raises(dincl.InvalidProblem, match=r"x = \[0.1\]: must be \(name, values\)"):
-        v.stability_map(SLIDE, dincl.PBD, [0.1], ("sweeps", [1.0]))
-    with pytest.raises(dincl.InvalidProblem, match=r"problem = 3: must be a dincl\.Problem"):
-        v.reference(3, 1e-9)
-    with pytest.raises(dincl.InvalidProblem, match=r"dt = 0.1: is the first step of a scheme"):
-        v.reference(SLIDE, 1e-9, dt=0.1)
-    with pytest.raises(dincl.InvalidProblem, match="results holds 3"):
-        v.save([3], "unused")
-    assert [method.label for method in as_methods(METHODS)] == list(METHODS)
 
 
 def test_a_result_says_in_a_line_what_it_found(chart):

@@ -34,7 +34,7 @@ STUDY = "work_precision"
 # Made again on the machine of the reader: a few settings on the small scenes, within a fraction of a second each.
 AGAIN = work_precision.Form(
     {"dt": [0.1 / 8**k for k in range(5)], "tol": [1e-2, 1e-6, 1e-10]},
-    CpuSeconds(0.2),
+    CpuSeconds(0.1),
     scenes=("sliding_disc", "stack", "four_disks", "ten_disks_corner"),
 )
 # Of the question that users ask first: ten discs to this error.
