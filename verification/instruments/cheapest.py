@@ -58,22 +58,24 @@ def runs_of(rows: pd.DataFrame, error: str, cost: str) -> Runs:
 def cost_of(runs: Runs, target: float) -> Price:
     """Return the cost of one method for an error of ``target``.
 
-    After the last one that misses the target the next one has it, and so have all finer
-    ones; the cost lies on the straight line between these two in (log error, log cost). Nothing is extrapolated: where
-    no run misses the target, the smallest cost of all is taken; where the finest misses it, it is not reached.
+    After the last run that misses the target, the next one has it, and so have all finer ones. The cost is that of the
+    cheapest of these, or lies on the straight line in (log error, log cost) from the last that misses to the next, if
+    that is less. So no error costs more than a finer one. Nothing is extrapolated: where the finest run misses the
+    target, it is not reached.
     """
     reached, costs, spreads = runs
     missing = np.flatnonzero(~(reached <= target))
-    if len(reached) == 0 or (len(missing) and missing[-1] == len(reached) - 1):
+    first = int(missing[-1]) + 1 if len(missing) else 0
+    if first == len(reached):
         return Price(math.inf, 1.0, math.inf)
-    if len(missing) == 0:
-        least = int(np.argmin(costs))
-        return Price(float(costs[least]), float(spreads[least]), float(costs[least]))
-    last = int(missing[-1])
-    pair = slice(last, last + 2)
+    least = first + int(np.argmin(costs[first:]))
+    run = Price(float(costs[least]), float(spreads[least]), float(costs[least]))
+    if first == 0:
+        return run
+    pair = slice(first - 1, first + 1)
     x, y = np.log(np.maximum(reached[pair], np.finfo(float).tiny)), np.log(np.maximum(costs[pair], 1e-300))
     value = float(np.exp(np.interp(np.log(target), x[::-1], y[::-1])))
-    return Price(value, float(spreads[pair].max()), float(costs[pair].max()))
+    return run if run.value < value else Price(value, float(spreads[pair].max()), float(costs[pair].max()))
 
 
 def spreads(rows: pd.DataFrame, cost: str) -> NDArray[np.float64]:

@@ -53,6 +53,13 @@ def test_an_error_that_is_small_by_chance_does_not_count():
     assert seconds_to(table, 1e-3) == pytest.approx(math.sqrt(4.0 * 8.0))
 
 
+def test_no_error_costs_more_than_a_finer_one():
+    """Large steps may be dear, and disturbed; a finer run that is cheaper has the error, too."""
+    table = measured([1e-1, 1e-3, 1e-4, 1e-5], [4.0, 3.0, 1.0, 2.0])
+    assert [seconds_to(table, target) for target in (1e-2, 1e-3, 5e-4, 1e-4)] == [1.0] * 4
+    assert seconds_to(table, 1e-5) == 2.0
+
+
 def test_an_error_below_that_of_the_reference_does_not_count():
     table = measured([1e-1, 1e-7], [1.0, 2.0], reference_error=1e-3)
     assert seconds_to(table, 1.9e-3) == math.inf

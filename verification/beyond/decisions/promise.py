@@ -16,8 +16,8 @@ def judged(table: pd.DataFrame) -> pd.DataFrame:
     """Return a row for each scene in which some method reaches the error that was asked for, in the time of a ladder.
 
     ``error`` is the true one over the one asked for. The CPU time of ``Auto`` with all its runs is divided by that of
-    the cheapest run with the error, chosen with the solution known (``lucky``), of the coarsest one from which on all
-    finer runs have it (``sure``), and of a choice of the step alone, with the best method known (``known``). ``taken``
+    the cheapest run with the error, chosen with the solution known (``lucky``), of the cheapest one of which all
+    finer runs have it, too (``sure``), and of a choice of the step alone, with the best method known (``known``). ``taken``
     is the method of ``Auto``, ``best`` that of the cheapest run.
     """
     sure = costs(table).set_index("seed")
@@ -43,7 +43,7 @@ def kept(rows: pd.DataFrame) -> pd.DataFrame:
     asked = {
         "true error at most the one asked for": rows["error"] <= 1,
         f"cost at most {ENOUGH:g} times the cheapest run, which the solution shows": rows["lucky"] <= ENOUGH,
-        f"cost at most {ENOUGH:g} times the coarsest run from which on the error holds": rows["sure"] <= ENOUGH,
+        f"cost at most {ENOUGH:g} times the cheapest run from which on the error holds": rows["sure"] <= ENOUGH,
         f"cost at most {ENOUGH:g} times a choice of the step with the best method known": rows["known"] <= ENOUGH,
     }
     return pd.DataFrame([{"what": what, **share(good.to_numpy())} for what, good in asked.items()])

@@ -33,8 +33,8 @@ LOGARITHMIC = ("particles", "target")
 def costs(table: pd.DataFrame, targets: Sequence[float] = ()) -> pd.DataFrame:
     """Return a row for each scene and target that some method reaches: features, and the CPU time of each method.
 
-    Without targets, the one of each scene is the error that was asked for. A method reaches a target with the coarsest
-    run that has the error, as all finer runs of its ladder have.
+    Without targets, the one of each scene is the error that was asked for. A method reaches a target with the cheapest
+    run that has the error, if all finer runs of its ladder have it, too.
     """
     runs = table[~table["method"].str.startswith((AUTO, ALONE, "no reference"))]
     rows = []
@@ -51,10 +51,10 @@ def costs(table: pd.DataFrame, targets: Sequence[float] = ()) -> pd.DataFrame:
 
 
 def _reached(ladder: pd.DataFrame, target: float) -> float:
-    """Return the CPU time of the coarsest run from which on all have the error; inf if there is none."""
+    """Return the CPU time of the cheapest run from which on all have the error; inf if there is none."""
     ordered = ladder.sort_values("setting", ascending=False)
     late = ordered[(ordered["error"] > target).to_numpy()[::-1].cumsum()[::-1] == 0]
-    return float(late["seconds"].iloc[0]) if len(late) else np.inf
+    return float(late["seconds"].min()) if len(late) else np.inf
 
 
 @dataclass(frozen=True)

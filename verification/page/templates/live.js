@@ -39,16 +39,15 @@ function methods({scene, norm, cost, without}) {
 
 // The rule of verification/instruments/cheapest.py; a test compares both.
 function cost_of(done, target) {
-  const last = done.findLastIndex(run => !(run.error <= target));
-  if (last === done.length - 1) return null;
-  if (last < 0) {
-    const least = done.reduce((best, run) => run.cost < best.cost ? run : best);
-    return {value: least.cost, spread: least.spread, dearest: least.cost};
-  }
-  const [a, b] = [done[last], done[last + 1]], log = value => Math.log(Math.max(value, TINY));
+  const first = done.findLastIndex(run => !(run.error <= target)) + 1;
+  if (first === done.length) return null;
+  const least = done.slice(first).reduce((best, run) => run.cost < best.cost ? run : best);
+  const run = {value: least.cost, spread: least.spread, dearest: least.cost};
+  if (first === 0) return run;
+  const [a, b] = [done[first - 1], done[first]], log = value => Math.log(Math.max(value, TINY));
   const share = (log(a.error) - log(target)) / (log(a.error) - log(b.error));
   const value = Math.exp(log(a.cost) + share * (log(b.cost) - log(a.cost)));
-  return {value, spread: Math.max(a.spread, b.spread), dearest: Math.max(a.cost, b.cost)};
+  return run.value < value ? run : {value, spread: Math.max(a.spread, b.spread), dearest: Math.max(a.cost, b.cost)};
 }
 function cheapest(there, target, {scene, norm, cost}) {
   const priced = there.map(method => ({label: method.label, ...cost_of(method.done, target)}));
