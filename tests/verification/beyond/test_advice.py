@@ -31,9 +31,9 @@ def test_a_tie_counts_for_each_method_and_what_is_not_reached_for_none():
 def test_many_discs_take_the_finest_error_that_is_decided():
     rows = pd.DataFrame(
         [
-            {"scene": advice.MANY, "target": 1e-2, "cheapest": "a", "cost": 1.0},
-            {"scene": advice.MANY, "target": 1e-3, "cheapest": "b", "cost": 2.0},
-            {"scene": advice.MANY, "target": 1e-4, "cheapest": "at the limit", "cost": 3.0},
+            {"scene": advice.MANY, "target": 1e-2, "cheapest": "a", "tied": "a", "cost": 1.0},
+            {"scene": advice.MANY, "target": 1e-3, "cheapest": "tie", "tied": "b; a", "cost": 2.0},
+            {"scene": advice.MANY, "target": 1e-4, "cheapest": "at the limit", "tied": "a", "cost": 3.0},
         ]
     )
-    assert advice.many(rows) == {"method": "b", "target": 1e-3, "cost": 2.0}
+    assert advice.many(rows) == {"methods": ["a", "b"], "target": 1e-3, "cost": 2.0}

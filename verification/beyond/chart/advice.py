@@ -12,7 +12,7 @@ from dincl.files import write_text
 from dincl.study import read_sealed
 from verification.beyond.chart import cheapest, reach, work_precision
 from verification.beyond.chart.references import SCENES
-from verification.instruments.cheapest import UNDECIDED
+from verification.instruments.cheapest import TIE, UNDECIDED
 from verification.page.kept import DATA, STUDIES
 from verification.page.parts import number
 from verification.page.prose import duration, text_page
@@ -53,10 +53,11 @@ def by_error(winners: pd.DataFrame) -> list[dict[str, Any]]:
 
 
 def many(winners: pd.DataFrame) -> dict[str, Any]:
-    """Return the cheapest method for a thousand discs: its name, the least error it is known for and its cost [s]."""
-    rows = winners[(winners["scene"] == MANY) & ~winners["cheapest"].isin(UNDECIDED)].sort_values("target")
+    """Return the cheapest methods for a thousand discs, the least error they are known for and the least cost [s]."""
+    undecided = set(UNDECIDED) - {TIE}
+    rows = winners[(winners["scene"] == MANY) & ~winners["cheapest"].isin(undecided)].sort_values("target")
     finest = rows.iloc[0]
-    return {"method": finest["cheapest"], "target": finest["target"], "cost": finest["cost"]}
+    return {"methods": sorted(finest["tied"].split("; ")), "target": finest["target"], "cost": finest["cost"]}
 
 
 def piles(table: pd.DataFrame) -> list[dict[str, Any]]:

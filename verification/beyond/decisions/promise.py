@@ -16,8 +16,8 @@ def judged(table: pd.DataFrame) -> pd.DataFrame:
     """Return a row for each scene in which some method reaches the error that was asked for, in the time of a ladder.
 
     ``error`` is the true one over the one asked for. The CPU time of ``Auto`` with all its runs is divided by that of
-    the cheapest run with the error, chosen with the solution known (``lucky``), of the cheapest one of which all
-    finer runs have it, too (``sure``), and of a choice of the step alone, with the best method known (``known``). ``taken``
+    the cheapest run with the error, chosen with the solution known (``lucky``), of the cheapest one of which all finer
+    runs have it, too (``sure``), and of a choice of the step alone, with the best method known (``known``). ``taken``
     is the method of ``Auto``, ``best`` that of the cheapest run.
     """
     sure = costs(table).set_index("seed")
