@@ -1,6 +1,6 @@
 """The complete studies that ship: ``python -m verification.thesis.studies FOLDER [CHAPTER ...]``.
 
-It makes the runs that are missing in FOLDER/tables/made, two hours of two cores for all chapters, can be stopped at
+It makes the runs that are missing in FOLDER/tables/made, 100 minutes of two cores for all chapters, can be stopped at
 any time and called again, and writes ``verification/data/studies/*.parquet``. Chapters go by the names of their
 pages.
 """

@@ -1,6 +1,6 @@
 """The tables of the complete studies, computed once: ``python -m verification.thesis.chapter4.kept FOLDER [PRESET]``.
 
-It makes the runs that are missing in FOLDER, some 215,000 in an hour on two cores, can be stopped at
+It makes the runs that are missing in FOLDER, some 350,000 in an hour on two cores, can be stopped at
 any time and called again, and writes ``verification/data/emt_*.parquet``. With a preset, "published"
 (25,000 runs) or "thesis", it makes the runs and rows of that one and leaves those of the other.
 """
