@@ -1,8 +1,15 @@
-"""Studies of the stand-in count what they compute."""
+"""A folder with the study of the stand-in, and what is computed of it."""
 
 import pytest
 
-from tests.tissue.study.stand_in import outcomes
+from tests.tissue.study.stand_in import outcomes, study_file
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("tissue.study.outcomes.outcomes", outcomes)
+    study_file(".")
 
 
 @pytest.fixture

@@ -33,6 +33,11 @@ def study_file(folder, replicates=300):
     return path
 
 
+def run():
+    """Run the study of the folder, or continue it."""
+    return tissue.run_study("small.toml", "out")
+
+
 def outcomes(parameters, replicates, seeds, whole=()):
     """Random numbers; every 50th run fails."""
     draws = [np.random.default_rng(seed).random(3) for seed in seeds]

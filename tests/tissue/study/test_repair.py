@@ -12,20 +12,11 @@ import pytest
 import tissue
 from dincl.files import replacing
 from dincl.study import StudyStopped
-from tests.tissue.study.stand_in import STUDY, outcomes, stored, study_file
+from tests.tissue.study.stand_in import STUDY, run, stored
 from tissue.study.plan import Piece
 from tissue.study.store import note, part
 
-
-@pytest.fixture(autouse=True)
-def folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("tissue.study.outcomes.outcomes", outcomes)
-    study_file(".")
-
-
-def run():
-    return tissue.run_study("small.toml", "out")
+pytestmark = pytest.mark.usefixtures("folder")
 
 
 def damaged(path, how):

@@ -10,7 +10,7 @@ import pytest
 import tissue
 from dincl.errors import InvalidProblem
 from dincl.study.parts import fingerprint
-from tests.tissue.study.stand_in import STUDY, outcomes, stored, study_file
+from tests.tissue.study.stand_in import STUDY, run, stored
 from tissue.study import identity, store
 from tissue.study.plan import Piece, load_study
 from tissue.study.store import note, opened
@@ -18,15 +18,7 @@ from tissue.study.store import note, opened
 PARTS = [f"part-0000{k}.parquet" for k in range(3)]
 
 
-@pytest.fixture(autouse=True)
-def folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("tissue.study.outcomes.outcomes", outcomes)
-    study_file(".")
-
-
-def run():
-    return tissue.run_study("small.toml", "out")
+pytestmark = pytest.mark.usefixtures("folder")
 
 
 def refusal():

@@ -5,6 +5,7 @@ import pytest
 
 import dincl
 import verification as v
+from verification.instruments.method import as_methods
 
 SLIDE = dincl.scenes.sliding_disc()
 T = [1.0, 2.0, 3.0]
@@ -86,3 +87,5 @@ def test_bad_methods_and_maps_are_named():
         v.reference(SLIDE, 1e-9, dt=0.1)
     with pytest.raises(dincl.InvalidProblem, match="results holds 3"):
         v.save([3], "unused")
+    methods = {"PBD": dincl.PBD, "catch-up": lambda dt: dincl.CatchUp(dt, dincl.Daqp(tol=1e-12))}
+    assert [method.label for method in as_methods(methods)] == list(methods)
