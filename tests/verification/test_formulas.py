@@ -71,7 +71,11 @@ def test_all_formulas_of_the_claims_are_set() -> None:
         ("x_{k+1}", "<msub><mi>x</mi><mrow><mi>k</mi><mo>+</mo><mn>1</mn></mrow></msub>"),
         ("R^soft", "<msup><mi>R</mi><mtext>soft</mtext></msup>"),
         ("X_ij", "<msub><mi>X</mi><mrow><mi>i</mi><mi>j</mi></mrow></msub>"),
-        ("ẍ", '<mover accent="true"><mi>x</mi><mo stretchy="false">¨</mo></mover>'),
+        (
+            "X̃_j",
+            '<msub><mrow><mover accent="true"><mi>X</mi><mo stretchy="false">~</mo></mover><mrow></mrow></mrow>'
+            "<mi>j</mi></msub>",
+        ),
         ("X₁ᵗ", "<msubsup><mi>X</mi><mn>1</mn><mi>t</mi></msubsup>"),
         ("√(2D)", "<msqrt><mn>2</mn><mi>D</mi></msqrt>"),
         ("{0}", "<mo>{</mo><mn>0</mn><mo>}</mo>"),

@@ -199,7 +199,8 @@ def _decorated(letter: str) -> str:
     """Return a letter with its dots or tilde in TeX."""
     base, *marks = list(unicodedata.normalize("NFD", letter) if letter[0].isalpha() else letter)
     for mark in marks:
-        base = f"\\{ACCENTS[mark]}«{base}»" if mark in ACCENTS else base + mark
+        # The empty group keeps docutils from setting a script below it, as below a sum.
+        base = f"«\\{ACCENTS[mark]}«{base}»«»»" if mark in ACCENTS else base + mark
     return base
 
 

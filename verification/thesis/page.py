@@ -65,15 +65,16 @@ def sections(context: Context) -> Sequence[Section]:
     for number, title in TITLES.items():
         rows = table[table["chapter"] == number]
         if not rows.empty:
-            found.append(Section(title, [_graph(rows), Statements(rows, wrong)]))
+            found.append(Section(title, [*_graph(rows), Statements(rows, wrong)]))
     return found
 
 
-def _graph(rows: pd.DataFrame) -> ClaimGraph:
+def _graph(rows: pd.DataFrame) -> list[ClaimGraph]:
     looks = dict(zip(rows["id"], rows["verdict"].map(VERDICTS), strict=True))
     inside = {claim.id: [name for name in claim.rests_on if name in looks] for claim in register() if claim.id in looks}
     edges = sum(map(len, inside.values()))
-    return ClaimGraph(looks, inside, f"Which claim rests on which: {counted(edges, 'arrow')}, from left to right")
+    title = f"Which claim rests on which: {counted(edges, 'arrow')}, from left to right"
+    return [ClaimGraph(looks, inside, title)] if edges else []
 
 
 def _values(table: pd.DataFrame) -> dict[str, Any]:

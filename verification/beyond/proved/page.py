@@ -43,6 +43,7 @@ def _said(context: Context) -> dict[str, str]:
         PROSE,
         proved=len(done),
         least=done["seconds"].min(),
+        longest=done["seconds"].max(),
         four=_row(rows, "Four discs drawn to one point", 1e-12),
         fine=_row(rows, "Four discs drawn to one point", 1e-25),
         ten=_row(rows, "Ten discs in a corner", 1e-12),
