@@ -39,6 +39,11 @@ def test_error_and_order_follow_from_the_differences(order):
     assert made.forecast().low <= made.forecast().error <= made.forecast().high
 
 
+@pytest.mark.parametrize(("seen", "believed"), [(1.0, 0.7 * 2), (1.7, 1.7), (3.0, 2)])
+def test_an_order_is_believed_between_a_part_of_that_in_smooth_motion_and_all_of_it(seen, believed):
+    assert pilot([2.0 ** (-seen * k) for k in range(5)], 2).estimate()[1] == pytest.approx(believed)
+
+
 def test_runs_that_agree_by_chance_are_not_believed():
     """The last difference is tiny, the ones before are not: the estimate rests on all."""
     made = pilot([1.0, 0.5, 0.25, 0.25 + 1e-12], 1)
