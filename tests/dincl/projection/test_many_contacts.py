@@ -55,6 +55,14 @@ def test_redundant_rows_and_any_start(projection, rng):
         assert np.abs(answer.u - row[0]).max() < 1e-12
 
 
+def test_newton_from_where_all_rows_push_takes_one_step(rng):
+    """A quadratic function has its minimum one step away, if no multiplier ends at its bound."""
+    matrix, wanted = rng.normal(size=(4, 6)), rng.exponential(size=4)
+    answer = ProjectedNewton(1e-6).solver().qp(full(matrix), matrix @ matrix.T @ wanted, 2 * wanted, 1e-6)
+    assert answer.multipliers == pytest.approx(wanted, rel=1e-5)
+    assert answer.iterations == 1
+
+
 @BOTH
 @pytest.mark.parametrize("tol", [1e-5, 1e-8, 1e-11])
 def test_a_pile_is_certified_and_agrees_with_daqp(projection, tol):
