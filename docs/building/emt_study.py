@@ -34,6 +34,7 @@ def main(folder: Path) -> None:
     """Run the studies and write the table: the basal extrusion of each scenario, and all planned answers."""
     (text,) = re.findall(r"^```toml\n(title = .*?)^```", PAGE.read_text("utf-8"), flags=re.MULTILINE | re.DOTALL)
     found = []
+    folder.mkdir(parents=True, exist_ok=True)
     for name, changes in STUDIES.items():
         study = text
         for before, after in changes.items():
