@@ -67,6 +67,20 @@ def test_sweep_stays_in_its_arrays(n):
         assert np.isnan(getattr(work, name)[n:].view(np.float64)).all(), name
 
 
+def test_a_nucleus_that_many_push_a_little_meets_one_that_was_far():
+    """Three to its left push the first one by a seventh each; the last one was farther than is looked at."""
+    state = cells(5, 1)
+    state.radius[:] = [0.8, 0.1, 0.1, 0.1, 0.5]
+    x, y = -0.11, 0.0
+    state.x[0], state.y[0], state.x[4], state.y[4] = x, y, x + 0.8 + 0.5 + 0.32, 0.0
+    for i, angle in enumerate(np.radians([40, -40, 0]), start=1):
+        state.x[i], state.y[i] = x - 0.62 * np.cos(angle), y - 0.62 * np.sin(angle)
+        x, y = x + 0.14 * np.cos(angle), y + 0.14 * np.sin(angle)
+    found = kernels.swept([Tissue(state, layers(5), 5)], numbers())[0]
+    np.testing.assert_array_equal((found.x, found.y), twins.separate(state.x, state.y, state.radius))
+    assert found.x[4] > state.x[4]
+
+
 @pytest.mark.slow
 @settings(max_examples=40)
 @given(seeds, st.sampled_from([1, 2, 7, 8, 9, 60, 200]), st.floats(0.0, 3.0))
