@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 import dincl
+from dincl.rows import FormulaRows
+from dincl.rows.formulas import row_formula
 from tests.dincl.catalog import PROJECTIONS
 from tests.dincl.own_constraints import AngleLimit, AngleLimitByHand
 
@@ -70,6 +72,27 @@ def test_rows_that_are_taken_and_shifted(d, rng):
     assert one.keys().tolist() == rows.keys()[1:2].tolist()
     assert len(np.unique(rows.keys(), axis=0)) == 3
     assert one.label(0, d) == "particles 1, 2, 3"
+
+
+@row_formula
+def outside(t, x, out, entries, d, parameter):
+    """g = |X|^2 - c."""
+    square = 0.0
+    for k in range(d):
+        square += x[k] * x[k]
+        out[k] = 2.0 * x[k]
+    out[entries] = square - parameter[0]
+    return 0
+
+
+def test_rows_that_depend_on_the_place_are_carried_with_it(rng):
+    """Angles do not."""
+    x, shift = rng.normal(size=(3, 2)), rng.normal(size=2)
+    rows = FormulaRows(outside, np.array([[0], [2]]), np.array([[0.5], [2.0]]))
+    carried = rows.shifted(shift)
+    assert rows.values(x) == pytest.approx((x[[0, 2]] ** 2).sum(axis=1) - [0.5, 2.0])
+    assert carried.values(x + shift) == pytest.approx(rows.values(x))
+    assert carried.jacobian(x + shift).toarray() == pytest.approx(rows.jacobian(x).toarray())
 
 
 @pytest.mark.parametrize(

@@ -50,6 +50,13 @@ def test_polynomials_have_the_sign_of_g_and_their_steepness(name, d, rng):
 
 
 @cases
+def test_lengths_scale_with_the_unit_of_length(name, d, rng):
+    """Rounding is measured in units of the lengths of a formula: a wall has none."""
+    rows, _ = drawn(name, d, rng)
+    assert rows.longest_length() == float(np.max(getattr(rows, "length", 0.0)))
+
+
+@cases
 def test_the_squared_form_has_the_sign_of_g_and_its_jacobian(name, d, rng):
     rows, x = drawn(name, d, rng)
 
