@@ -36,7 +36,8 @@ def test_error_and_order_follow_from_the_differences(order):
     steps = 1.0 / made.forecast().setting
     assert steps == pytest.approx(128 * (SAFETY * error / (AIM * 1e-4)) ** (1 / order), rel=1e-2)
     assert made.forecast().seconds == pytest.approx(1e-3 * steps, rel=0.1)
-    assert made.forecast().low <= made.forecast().error <= made.forecast().high
+    assert made.forecast().low == made.forecast().error / 8
+    assert made.forecast().error <= made.forecast().high
 
 
 @pytest.mark.parametrize(("seen", "believed"), [(1.0, 0.7 * 2), (1.7, 1.7), (3.0, 2)])

@@ -75,6 +75,15 @@ def test_sweep_of_heaps_overlooks_no_contact(seed, n, size, name):
         state = made
 
 
+def test_a_pair_that_overlaps_is_one_correction():
+    surface = SURFACES["open plane"]
+    state = heap(1, 2, 0.5, surface, radius=0.0)
+    state.radius[:], state.x[:, 1] = 0.5, state.x[:, 0] + [0.9, 0.0, 0.0]
+    made, counts = counted(state, Steps(repulsion=0.0, surface=surface))
+    assert (made.x != state.x).any()
+    assert counts["corrections"] == 1
+
+
 @pytest.mark.slow
 @settings(max_examples=30)
 @given(seeds, st.floats(0.5, 6.0), surfaces)

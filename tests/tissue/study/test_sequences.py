@@ -19,6 +19,10 @@ def share_missed(draw, mean, enclose):
     return np.mean([not low <= mean <= high for low, high in ends])
 
 
+def test_values_that_are_all_alike_have_their_mean():
+    assert unbounded([2.0] * 20) == (2.0, 2.0)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("share", [0.02, 0.3])
 def test_one_proportion_is_covered_at_all_times(share):

@@ -180,6 +180,15 @@ def test_map_finds_the_limit_of_a_penalty():
     assert "unstable" in repr(found)
 
 
+def test_the_one_argument_of_a_method_may_have_any_name():
+    falling = dincl.Problem([[1.0]], lambda t, x: -x)
+    named, unnamed = (
+        v.stability_map(falling, method, ("dt", [0.1, 3.0]), ("dt", [0.1])).table["outcome"].tolist()
+        for method in (dincl.PBD, lambda h: dincl.PBD(h, sweeps=1))
+    )
+    assert unnamed == named
+
+
 def test_a_parameter_of_a_map_may_belong_to_the_problem():
     def pulled(speed):
         return dincl.Problem([[1.0]], lambda t, x: -speed * np.ones_like(x), [dincl.HalfSpace(normal=(1,))])

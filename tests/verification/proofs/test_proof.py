@@ -118,6 +118,16 @@ def test_a_moving_wall_and_a_drift_of_your_own():
     assert any("swung" in one for one in proof.assumed)
 
 
+@pytest.mark.slow
+def test_a_moving_container():
+    ball = dincl.Moving(dincl.InsideBall((0.1, -0.2), 1.0), wall)
+    problem = dincl.Problem([[0.2, 0.1]], constant([1.0, 0.5]), [ball])
+    proof = v.prove(problem, [1.0, 2.0], bound=1e-12)
+    path = dincl.solve(problem, dincl.EventDriven(1e-11), t=[1.0, 2.0])
+    assert path.events
+    assert (proof.errors(path.x) <= 1e-10).all()
+
+
 def test_what_cannot_be_proved_is_refused_with_a_reason():
     ring = [[1.0, 0.0], [0.0, 0.0], [-1.0, 0.0]]
     smooth = dincl.Problem(ring, attraction(0), [dincl.Smooth(lambda x: 2 - (x**2).sum(axis=1))])
