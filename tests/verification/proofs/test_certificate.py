@@ -1,11 +1,13 @@
 """A certificate is found to be wrong whichever number of it is changed, even if its digest is made to fit."""
 
 import ast
+import math
 import random
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from flint import arb, arb_poly
 from typer.testing import CliRunner
 
 import dincl
@@ -39,6 +41,18 @@ def test_the_file_proves_what_the_proof_says(proof, tmp_path):
     verdict = check(read(proof.save(tmp_path / "two.json")))
     assert float(verdict.bound) <= proof.bound <= 1e-12
     assert float(verdict.end) == 1.5
+
+
+def test_a_force_that_pulls_adds_to_the_defect_what_it_moves(proof):
+    """Two discs of diameter 1 are pulled together by 1e-3 each: sqrt 2 of this in the norm of all coordinates."""
+    problem = enclosures.ExactProblem(proof.certificate)
+    piece = next(one for one in proof.certificate.pieces if 0 in one.active)
+    current = checker.PieceInBalls(piece, problem, enclosures.ZERO)
+    current.force[0] = arb_poly([-1e-3])
+    ends = arb(0), arb(0.01)
+    velocity = [enclosures.span(v, *ends) for v in current.velocity]
+    _, added = checker.touched(current, 0, *ends, arb(1e-9), velocity)
+    assert 1e-3 * math.sqrt(2) <= float(added) < 1.01e-3 * math.sqrt(2)
 
 
 def of_row(of_kind, **changes):
