@@ -116,7 +116,8 @@ def favourable(tables: Tables, preset: str) -> Ratio:
     alone = of_kind(tables, preset, "[B]")
     low, high = onsets(tables, preset)
     part = low.of / (low.of + high.of)
-    return Ratio(alone.count, round(part * alone.of), part * alone.size)
+    of = round(part * alone.of)
+    return Ratio(alone.count, of, min(part * alone.size, of))
 
 
 @claim(
