@@ -5,6 +5,7 @@ import pytest
 
 from tests.tissue.space.by_address import follow, insert, relax, remove
 from tests.tissue.space.invariants import check, check_vertices, edges_of, triangles_of
+from tissue.network.halfedges import is_row
 from tissue.network.start import triangulated
 from tissue.state import surface as s
 from tissue.state.space import PRESENT, SUM
@@ -35,6 +36,16 @@ def test_a_row_keeps_its_order_and_its_junctions_wherever_the_points_go(rng):
         assert sorted(edges_of(network).tolist()) == chain(*range(8))
         assert relax(RING, network, *columns, 0.1, 3.0, PRESENT) == 0
     assert network.rest.tolist() == rests.tolist()
+
+
+def test_a_row_is_one_whichever_corner_of_a_triangle_its_ghost_is():
+    network, _ = row()
+    corners = network.corner[: 3 * network.triangles[0]].reshape(-1, 3)
+    for _ in range(3):
+        assert is_row(network)
+        corners[:] = np.roll(corners, 1, axis=1)
+    corners[0] = [0, 1, 2]
+    assert not is_row(network)
 
 
 def test_cells_come_and_go_in_a_row():
