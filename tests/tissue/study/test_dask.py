@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import threading
+import time
 from pathlib import Path
 
 import pytest
@@ -30,8 +31,9 @@ class Dask:
 
     def __init__(self, file):
         self.file, self.scheduler, self.workers = file, self.start(SCHEDULER, file), []
-        while not file.exists():
+        while not (file.exists() and file.stat().st_size):
             assert self.scheduler.poll() is None
+            time.sleep(0.01)
 
     def start(self, what, file):
         program, *options = what
