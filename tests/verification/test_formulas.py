@@ -71,6 +71,7 @@ def test_all_formulas_of_the_claims_are_set() -> None:
         ("x_{k+1}", "<msub><mi>x</mi><mrow><mi>k</mi><mo>+</mo><mn>1</mn></mrow></msub>"),
         ("R^soft", "<msup><mi>R</mi><mtext>soft</mtext></msup>"),
         ("X_ij", "<msub><mi>X</mi><mrow><mi>i</mi><mi>j</mi></mrow></msub>"),
+        ("ẍ", '<mrow><mover accent="true"><mi>x</mi><mo stretchy="false">¨</mo></mover><mrow></mrow></mrow>'),
         (
             "X̃_j",
             '<msub><mrow><mover accent="true"><mi>X</mi><mo stretchy="false">~</mo></mover><mrow></mrow></mrow>'

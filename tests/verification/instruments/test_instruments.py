@@ -181,12 +181,11 @@ def test_map_finds_the_limit_of_a_penalty():
 
 
 def test_the_one_argument_of_a_method_may_have_any_name():
-    falling = dincl.Problem([[1.0]], lambda t, x: -x)
-    named, unnamed = (
-        v.stability_map(falling, method, ("dt", [0.1, 3.0]), ("dt", [0.1])).table["outcome"].tolist()
-        for method in (dincl.PBD, lambda h: dincl.PBD(h, sweeps=1))
-    )
-    assert unnamed == named
+    def drawn(rate):
+        return dincl.Problem([[1.0]], lambda t, x: -rate * x)
+
+    found = v.stability_map(drawn, lambda h: dincl.PBD(h, sweeps=1), ("dt", [0.1, 3.0]), ("rate", [1.0]), t=[30.0])
+    assert found.table.set_index("dt")["outcome"].to_dict() == {0.1: "bounded", 3.0: "unstable"}
 
 
 def test_a_parameter_of_a_map_may_belong_to_the_problem():
