@@ -8,7 +8,6 @@
 #   make docs             write the documentation to site/index.html, with the outputs of its tutorials
 #   make kept             rerun all tables that ship, say what differs, and write it into the pages (resumes)
 #   make bench            measure the time per disc and step, and of the tissue
-#   make mutants          see whether tests notice random faults in the code   (ARGS="50 dincl/rows": how many, and where)
 #   make everything       install what all targets need, and what tests are skipped without
 #   make dist             build the wheels and source archives of the last commit into dist/, and check them
 #   make lock             fix the newest versions of all dependencies in requirements.lock
@@ -30,7 +29,7 @@ ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 # Tests and reports start dozens of processes, each of which would compile all modules that it imports.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: report test numba-range lint docs kept bench mutants everything dist lock clean
+.PHONY: report test numba-range lint docs kept bench everything dist lock clean
 .DELETE_ON_ERROR:
 
 report: .venv/thesis
@@ -56,13 +55,9 @@ kept: .venv/all
 	$(ONE_THREAD) $(BIN)/python -m verification.thesis.remake build/kept
 	$(BIN)/python -m verification.thesis.results
 	$(BIN)/python -m verification.beyond.chart.advice
-	$(BIN)/python -m docs.building.numbers
 
 bench: .venv/thesis
 	$(BIN)/verification bench
-
-mutants: .venv/test
-	$(ONE_THREAD) $(BIN)/python -m tests.mutants $(or $(ARGS),20)
 
 everything: .venv/dev
 

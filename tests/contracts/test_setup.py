@@ -24,7 +24,6 @@ COMMANDS = {
     "lint": ("lint", ".venv/bin/mypy"),
     "docs": ("docs", ".venv/bin/python -m sphinx -q -W -c docs -d build/doctrees . site"),
     "bench": ("thesis", ".venv/bin/verification bench"),
-    "mutants": ("test", ".venv/bin/python -m tests.mutants 20"),
     "everything": ("dev", ""),
     "dist": ("dist", ".venv/bin/python -m twine check --strict dist/*"),
 }
