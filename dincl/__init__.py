@@ -56,7 +56,6 @@ from dincl.schemes import (
     Scheme,
     SecondOrderPBD,
 )
-from dincl.simplify import simplify
 from dincl.solve import solve
 from dincl.status import Status
 from dincl.steps.grid import Stepper, StepState
@@ -132,7 +131,6 @@ __all__ = [
     "rows",
     "scenes",
     "shapes",
-    "simplify",
     "solve",
 ]
 

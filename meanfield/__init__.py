@@ -11,7 +11,6 @@ from meanfield.errors import NotClosed, SolveFailed
 from meanfield.model.examples import LinearFibre, StraightFibre, TissueElement, WavyFibre
 from meanfield.model.model import Model
 from meanfield.model.state import State
-from meanfield.simplify import simplify
 from meanfield.solvers.characteristics import Flow, solve_characteristics
 from meanfield.solvers.dae import solve_dae
 from meanfield.solvers.grid.grid_motion import GridMotion
@@ -49,7 +48,6 @@ __all__ = [
     "push_forward",
     "reduce",
     "sample_moments",
-    "simplify",
     "solve_characteristics",
     "solve_dae",
     "solve_moments",

@@ -74,12 +74,6 @@ def carried(path, scheme):
     return dincl.solve(problem, scheme, [0.3])
 
 
-def simplest(problem, scheme, tolerance, t, simpler=None):
-    """The simplest method for all positions."""
-    found = dincl.simplify(problem, scheme, None, tolerance, t, simpler=simpler)
-    return [found.answer, found.saving]
-
-
 PATHS = (lambda t: np.array([0.0, 0.1 * t]), lambda t: (0.0, 0.0))
 CALLS = (
     Call("Problem", dincl.Problem, {"x0": X0, "drift": DRIFTS, "constraints": LISTS}, ("constraints",)),
@@ -122,18 +116,6 @@ CALLS = (
     Call("attraction", drifts.attraction, {"centre": ((0.0, 1.0), 0), "rate": (1.0, [1.0, 2.0])}, ("rate",)),
     Call("swirl", drifts.swirl, {"centre": ((0.0, 1.0), 0), "rate": (1.0, [1.0, 2.0])}),
     Call("solve", dincl.solve, {"problem": PROBLEMS, "scheme": SCHEMES, "t": TIMES, "throw": FLAG}, ("throw",)),
-    Call(
-        "simplest",
-        simplest,
-        {
-            "problem": PROBLEMS,
-            "scheme": SCHEMES,
-            "tolerance": POSITIVE,
-            "t": TIMES,
-            "simpler": (None, {"mine": SCHEMES[0]}),
-        },
-        ("simpler",),
-    ),
     Call("solved", solved, {"drift": DRIFTS, "constraints": LISTS, "scheme": SCHEMES}),
     Call("late", late, {"drift": DRIFTS, "at": (0.05, 0.25), "scheme": SCHEMES}),
     Call("smooth", smooth, {"g": (FLOOR.g,), "jacobian": (FLOOR.jacobian,), "projection": PROJECTIONS[:3]}),

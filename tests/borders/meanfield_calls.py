@@ -70,11 +70,6 @@ def moments(model, moments0, y0, v0, t, tol, throw=True):
     return read(meanfield.solve_moments(model, moments0, y0, v0, t, tol, throw=throw))
 
 
-def simplest(model, quantity, tolerance, start, t, tol, density=None):
-    found = meanfield.simplify(model, quantity, tolerance, start, t, tol, density=density)
-    return [found.answer, found.saving]
-
-
 def built(*arguments, **named):
     """Build a model; CasADi's warnings about NumPy functions of symbols are for users and are ignored here."""
     with warnings.catch_warnings():
@@ -123,20 +118,6 @@ def reduction_values(model, particles):
 
 
 CALLS = (
-    Call(
-        "simplest",
-        simplest,
-        {
-            "model": MODELS,
-            "quantity": ("y", "v", "mean", "density"),
-            "tolerance": POSITIVE,
-            "start": STARTS,
-            "t": TIMES,
-            "tol": TOL,
-            "density": (None, *DENSITIES),
-        },
-        ("density",),
-    ),
     Call("Model", built, {"g": G, "W0": W, "W1": W, "V": V, "m": POSITIVE, "nx": (1,), "ny": (1,)}, ("V", "nx", "ny")),
     *(Call(f.__name__, f, FIBRE) for f in (meanfield.StraightFibre, meanfield.LinearFibre)),
     Call("WavyFibre", meanfield.WavyFibre, {**FIBRE, "amplitude": (0.5, 0.0)}, ("amplitude",)),

@@ -19,12 +19,12 @@ TOP = "(public names)"  # the __init__ file at the root of a package
 ORDER = {
     "dincl": (
         "constants errors status work norms files conversions checks extras callables",
-        "provenance study equivalence compiled matrices drifts rows neighbours constraints shapes region drawing",
+        "provenance study compiled matrices drifts rows neighbours constraints shapes region drawing",
         "plotting problem solvers system steps projection minimise geometry scenes trajectory",
-        "events schemes solve simplify",
+        "events schemes solve",
     ),
     "meanfield": (
-        "errors weights plotting density model forces transport solvers solvers.grid simplify",
+        "errors weights plotting density model forces transport solvers solvers.grid",
     ),
     "tissue": (
         "plugins state kernels network model rules step events frames files statistics pictures runs quasi_steady",

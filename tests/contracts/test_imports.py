@@ -103,11 +103,11 @@ def test_heavy_library_has_one_door_in_a_package(package: str, library: str) -> 
     assert len(doors) <= 1
 
 
-def test_in_dincl_only_studies_comparisons_and_trajectories_import_pandas() -> None:
+def test_in_dincl_only_studies_and_trajectories_import_pandas() -> None:
     files = [path for path in sources("dincl") if "pandas" in imported(path.read_text("utf-8"))]
     assert files
     rooms = {path.parent.name for path in files if path.name != "trajectory.py"}
-    assert rooms == {"study", "equivalence"}
+    assert rooms == {"study"}
 
 
 def test_import_dincl_loads_nothing_heavy() -> None:

@@ -9,14 +9,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, get_args
 
 from dincl.checks import describe
-from dincl.equivalence.bias import check_tolerance
-from dincl.equivalence.paired import LOOKS
 from dincl.errors import InvalidProblem
 from tissue.files.messages import refuse, unknown
 from tissue.files.parameters import Parameters
 from tissue.files.units import DURATION, parse
 from tissue.plugins import Observable, registered
 from tissue.statistics.categories import What
+from tissue.statistics.equivalence import LOOKS, check_tolerance
 from tissue.study.outcomes import EXTENTS
 from tissue.study.plan import TissueStudy
 from tissue.study.planned import SHARES

@@ -18,12 +18,12 @@ import pandas as pd
 
 from dincl.checks import path as checked_path
 from dincl.compiled.lanes import WIDTH
-from dincl.equivalence.paired import LOOKS, equivalence
-from dincl.equivalence.search import AND, Row, Simplest, compared, search
 from dincl.errors import InvalidProblem
 from dincl.study import Study
 from tissue.files.parameters import Parameters
 from tissue.statistics.categories import What, outcome
+from tissue.statistics.equivalence import LOOKS, equivalence
+from tissue.study.elimination import AND, Row, Simplest, compared, search
 from tissue.study.outcomes import outcomes
 from tissue.study.plan import TissueStudy, load_study, run_seeds
 from tissue.study.planned import SHARES
@@ -59,7 +59,7 @@ def simplify(
     """Find the simplest model that answers a question of a study as the full model does.
 
     Each simplification runs beside the full model with the same seeds, and is decided by the paired differences of runs
-    (``dincl.equivalence.paired``). One looks after 64, 128, ... runs, at most ``runs``, and stops a model once it
+    (``tissue.statistics.equivalence``). One looks after 64, 128, ... runs, at most ``runs``, and stops a model once it
     is decided; "enough" is said of one whose bias is the tolerance in at most 5 % of the cases. Those that are enough
     are combined, the cheapest of each kind, and the combination runs with fresh seeds, up to twice as many. While it is
     not enough, the one with the largest bias is dropped. The k-th combination has 5 %/2^k as its error, so that the

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pandas as pd
 
-from dincl.equivalence.search import AND
 from tissue.pictures.bias import bias_chart
 from tissue.pictures.charts import CHART_STYLE, WIDTH
 from tissue.pictures.picture import box_of, draw_frame
 from tissue.pictures.sheet import Figure, style
 from tissue.runs.simulate import simulate
+from tissue.study.elimination import AND
 from tissue.study.plan import load_study, run_seeds
 from tissue.study.question import asked
 from tissue.study.simplifications import simplified

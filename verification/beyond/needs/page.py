@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pandas as pd
 
-from dincl.equivalence.paired import ERROR, LOOKS
-from dincl.equivalence.search import AND
+from tissue.statistics.equivalence import ERROR, LOOKS
+from tissue.study.elimination import AND
 from verification.beyond.needs import answers
 from verification.beyond.needs.figures import draw_models, draw_tissues
 from verification.beyond.needs.questions import EIGHT, FIVE

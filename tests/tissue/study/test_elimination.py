@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
-from dincl.equivalence.bias import Bias
-from dincl.equivalence.search import AND, Row, compared, search
+from tissue.statistics.equivalence import Equivalence
+from tissue.study.elimination import AND, Row, compared, search
 
 # Bias and CPU time of each simplification; the tolerance is 1.
 BIASES = {"a": 0.3, "b": -0.6, "c": 0.9, "d": 2.0, "e": 0.1}
@@ -25,7 +25,9 @@ class Added:
         names = model.split(AND)
         bias = sum(abs(BIASES[name]) for name in names)
         cost = min(COSTS[name] for name in names)
-        return compared(model, Bias(bias, bias - 0.01, bias + 0.01, 1.0), cpu=cost, work=cost)
+        return compared(
+            model, Equivalence(bias, bias - 0.01, bias + 0.01, 1.0, 0.1, 64, 0.01), cpu=cost, work=cost, runs=64
+        )
 
 
 def test_the_largest_bias_is_dropped_until_the_combination_is_enough() -> None:

@@ -9,15 +9,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dincl.checks import describe
-from dincl.equivalence.bias import Bias, check_tolerance
 from dincl.errors import InvalidProblem
 
 Floats = NDArray[np.float64]
+Verdict = Literal["enough", "not enough", "open"]
 # Numbers of runs after which one may look, and the probability that "enough" is said at any of them of a model whose
 # bias is the tolerance. Each look has an equal part of it (Bonferroni).
 LOOKS = tuple(64 << k for k in range(8))
@@ -27,13 +28,19 @@ POWER = 0.8
 
 
 @dataclass(frozen=True)
-class Equivalence(Bias):
+class Equivalence:
     """Mean bias of paired runs, with the interval of both one-sided tests.
 
     Each end of the interval is passed by the true bias with the probability ``level``.
 
     Attributes
     ----------
+    bias
+        Quantity of the simpler model minus that of the full model.
+    low, high
+        Interval of the true bias.
+    tolerance
+        The largest bias that does not matter, > 0, in the same unit.
     spread
         Standard deviation of the difference in one run, as the tests take it.
     runs
@@ -42,9 +49,20 @@ class Equivalence(Bias):
         The error of one look.
     """
 
+    bias: float
+    low: float
+    high: float
+    tolerance: float
     spread: float
     runs: int
     level: float
+
+    @property
+    def verdict(self) -> Verdict:
+        """Whether the interval lies within the tolerance, outside of it, or neither."""
+        if -self.tolerance < self.low and self.high < self.tolerance:
+            return "enough"
+        return "not enough" if self.low > self.tolerance or self.high < -self.tolerance else "open"
 
     @property
     def missing(self) -> int | None:
@@ -60,6 +78,15 @@ class Equivalence(Bias):
             return None
         needed = (float(ndtri(1 - self.level) + ndtri(POWER)) * self.spread / distance) ** 2
         return max(LOOKS[0], math.ceil((needed - self.runs) / LOOKS[0]) * LOOKS[0])
+
+
+def check_tolerance(tolerance: object, *, shares: bool = False) -> float:
+    """Return a tolerance > 0, of shares < 1; raises InvalidProblem."""
+    number = isinstance(tolerance, int | float) and not isinstance(tolerance, bool) and math.isfinite(tolerance)
+    if not number or not tolerance > 0 or (shares and tolerance >= 1):  # type: ignore[operator]
+        allowed = "above 0 and below 1, such as 0.03 for 3 points" if shares else "above 0, in the unit of the outcome"
+        raise InvalidProblem(f"tolerance = {describe(tolerance)}: must be a number {allowed}")
+    return float(tolerance)  # type: ignore[arg-type]
 
 
 def equivalence(

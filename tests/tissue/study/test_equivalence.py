@@ -8,8 +8,8 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 from statsmodels.stats.weightstats import ttost_paired
 
-from dincl.equivalence.paired import ERROR, LOOKS, equivalence
 from dincl.errors import InvalidProblem
+from tissue.statistics.equivalence import ERROR, LOOKS, equivalence
 
 Floats = NDArray[np.float64]
 REPETITIONS, TOLERANCE = 2000, 0.03

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import TYPE_CHECKING, Any, Protocol
 
-from dincl.equivalence.bias import Bias
-from dincl.equivalence.paired import ERROR, Equivalence
 from dincl.extras import needs
+from tissue.statistics.equivalence import ERROR, Equivalence
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -67,19 +66,18 @@ class Simplest:
         return 1 / float(row["cpu"]), 1 / float(row["work"])
 
 
-def compared(model: str, bias: Bias | None, *, cpu: float, work: float, runs: int = 1, reason: str = "") -> Row:
+def compared(model: str, bias: Equivalence | None, *, cpu: float, work: float, runs: int, reason: str = "") -> Row:
     """Return the row of a model; without a bias its runs fail, and it is not enough for this reason."""
     row: Row = {"model": model, "parts": model.count(AND) + 1, "runs": runs, "cpu": cpu, "work": work, "reason": reason}
     if bias is None:
         return {**row, "verdict": "not enough"}
-    missing = bias.missing if isinstance(bias, Equivalence) else None
     return {
         **row,
         "verdict": bias.verdict,
         "bias": bias.bias,
         "low": bias.low,
         "high": bias.high,
-        "missing": missing,
+        "missing": bias.missing,
     }
 
 
