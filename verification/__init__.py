@@ -15,7 +15,6 @@ if TYPE_CHECKING:
         Claim,
         Comparison,
         Correction,
-        Cost,
         Effect,
         Evidence,
         FormalProof,
@@ -53,7 +52,7 @@ if TYPE_CHECKING:
 # through this file into every project, costs nothing.
 _PLACES = {
     "instruments.budget": ("Budget", "CpuSeconds", "DriftEvaluations"),
-    "claims.claim": ("Claim", "Correction", "Cost", "Effect", "claim"),
+    "claims.claim": ("Claim", "Correction", "Effect", "claim"),
     "claims.evidence": (
         "Comparison",
         "Evidence",
@@ -88,7 +87,6 @@ __all__ = [
     "Claim",
     "Comparison",
     "Correction",
-    "Cost",
     "CpuSeconds",
     "DensityProblem",
     "DriftEvaluations",

@@ -13,7 +13,7 @@ from rich.table import Table
 from rich.text import Text
 
 from dincl.extras import need_thesis, needs
-from verification.claims import Cost, Verdict
+from verification.claims import Verdict
 
 app = typer.Typer(
     help="Measure the methods, check the claims of the thesis, write the report.",
@@ -54,7 +54,6 @@ def claims(
         typer.Option("--id", help="Only these claims, such as c3.box or c3.*; the page of claims has all ids."),
     ] = None,
     chapter: Annotated[list[int] | None, typer.Option(help="Only claims of this chapter of the thesis.")] = None,
-    cost: Annotated[Cost | None, typer.Option(help="Only checks that take no longer.")] = None,
     full: Full = False,
     out: Out = Path("report"),
 ) -> None:
@@ -72,7 +71,7 @@ def claims(
     from verification.thesis.text.errata import errata
 
     try:
-        chosen = selection.select_claims(register(), chapter or (), name or (), cost)
+        chosen = selection.select_claims(register(), chapter or (), name or ())
     except ValueError as error:
         raise typer.BadParameter(str(error)) from None
     with workers() as executor:

@@ -1,6 +1,6 @@
 """Claims: sentences with the checks that decide them."""
 
-from verification.claims.claim import Claim, Correction, Cost, Effect, MissingRow, Tables, claim, stated_in
+from verification.claims.claim import Claim, Correction, Effect, MissingRow, Tables, claim, stated_in
 from verification.claims.evidence import (
     Comparison,
     Evidence,
@@ -19,7 +19,6 @@ __all__ = [
     "Claim",
     "Comparison",
     "Correction",
-    "Cost",
     "Effect",
     "Evidence",
     "FormalProof",

@@ -36,14 +36,6 @@ class Effect(Enum):
     NOTATION = "notation only"
 
 
-class Cost(Enum):
-    """How long a check takes, with the studies whose tables it reads; those that the repository keeps cost nothing."""
-
-    SECONDS = "seconds"
-    MINUTES = "minutes"
-    HOURS = "hours"
-
-
 @dataclass(frozen=True)
 class Correction:
     """What to read instead of a statement that is wrong as printed.
@@ -101,8 +93,6 @@ class Claim:
         refuted", or "proved for an instance" if the cases are proved. Empty where the check decides the whole claim.
     arithmetic
         Whether the check only calculates with printed numbers. Such claims are counted apart.
-    cost
-        See ``Cost``.
 
     Raises
     ------
@@ -124,7 +114,6 @@ class Claim:
     chosen: str = ""
     tried_on: str = ""
     arithmetic: bool = False
-    cost: Cost = Cost.SECONDS
 
     def __post_init__(self) -> None:
         if not isinstance(self.id, str) or not self.id or self.id != "".join(self.id.split()):
@@ -137,8 +126,7 @@ class Claim:
             named = isinstance(given, tuple) and all(isinstance(each, str) and each for each in given)
             self._refuse_unless(name, named and self.id not in given, f"a tuple of {allowed}")
         self._refuse_unless("arithmetic", isinstance(self.arithmetic, bool), "True or False")
-        for name, kind in (("recorded", Verdict), ("cost", Cost)):
-            self._refuse_unless(name, isinstance(getattr(self, name), kind), f"one of {', '.join(map(str, kind))}")
+        self._refuse_unless("recorded", isinstance(self.recorded, Verdict), f"one of {', '.join(map(str, Verdict))}")
         self._refuse_unless(
             "correction", self.correction is None or isinstance(self.correction, Correction), "a Correction or None"
         )
@@ -200,7 +188,6 @@ def claim(
     chosen: str = "",
     tried_on: str = "",
     arithmetic: bool = False,
-    cost: Cost = Cost.SECONDS,
 ) -> Callable[[Callable[..., Evidence]], Claim]:
     """State what a check decides, above the check.
 
@@ -223,7 +210,6 @@ def claim(
             chosen=chosen,
             tried_on=tried_on,
             arithmetic=arithmetic,
-            cost=cost,
         )
 
     return stated

@@ -106,7 +106,6 @@ def _row(claim: Claim) -> Row:
         "arithmetic": claim.arithmetic,
         "check": f"{claim.check.__module__}:{claim.check.__code__.co_firstlineno}",
         "needs": ", ".join(claim.needs),
-        "cost": claim.cost.value,
     }
 
 

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from difflib import get_close_matches
+from fnmatch import fnmatchcase
 
 from dincl.errors import InvalidProblem
-from verification.claims import Claim, Cost, Tables
-from verification.claims.selection import select
+from verification.claims import Claim, Tables
 from verification.page.context import Context
 from verification.thesis.chapter4 import kept
 from verification.thesis.register import chapter_of
 
 
 def select_claims(
-    claims: Iterable[Claim], chapters: Sequence[int] = (), names: Sequence[str] = (), cost: Cost | None = None
+    claims: Iterable[Claim], chapters: Sequence[int] = (), names: Sequence[str] = ()
 ) -> tuple[Claim, ...]:
-    """Select the claims of the chapters whose id fits one of the patterns, and that cost no more; empty: all.
+    """Select the claims of the chapters whose id fits one of the patterns; empty: all.
 
     Raises
     ------
@@ -27,7 +28,16 @@ def select_claims(
     for chapter in chapters:
         if chapter not in known:
             raise InvalidProblem(f"chapter {chapter} has no claims: those that have are {', '.join(map(str, known))}")
-    return tuple(claim for claim in select(claims, names, cost) if not chapters or chapter_of(claim) in chapters)
+    for name in names:
+        if not any(fnmatchcase(claim.id, name) for claim in claims):
+            near = get_close_matches(name, [claim.id for claim in claims], n=5, cutoff=0.0)
+            raise InvalidProblem(f"no claim is named {name}; the nearest are {', '.join(near)}")
+    return tuple(
+        claim
+        for claim in claims
+        if (not chapters or chapter_of(claim) in chapters)
+        and (not names or any(fnmatchcase(claim.id, name) for name in names))
+    )
 
 
 def tables_for(claims: Iterable[Claim], context: Context) -> Tables:

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from dincl import InvalidProblem
-from verification.claims import Claim, Correction, Cost, Effect, Evidence, Verdict, claim, equal, stated_in
+from verification.claims import Claim, Correction, Effect, Evidence, Verdict, claim, equal, stated_in
 from verification.thesis.register import register
 
 ORDERS = {"orders": pd.DataFrame({"order": [1.0]})}
@@ -24,9 +24,9 @@ def order(tables: Any) -> Evidence:
 
 
 def test_a_decorated_check_is_a_claim_that_decides() -> None:
-    made = claim("my.unity", "One is one", cost=Cost.MINUTES)(unity)
+    made = claim("my.unity", "One is one")(unity)
     assert isinstance(made, Claim)
-    assert (made.id, made.statement, made.source, made.cost) == ("my.unity", "One is one", "", Cost.MINUTES)
+    assert (made.id, made.statement, made.source) == ("my.unity", "One is one", "")
     assert made.decide({}).verdict is Verdict.HOLDS
 
 
@@ -55,7 +55,6 @@ def test_a_claim_about_tables_waits_for_them() -> None:
         ({"needs": "orders"}, order, "needs = 'orders': must be a tuple of names of tables"),
         ({"needs": ("",)}, order, "must be a tuple of names of tables"),
         ({"recorded": "holds"}, unity, "recorded = 'holds': must be one of Verdict.PROVED"),
-        ({"cost": 3}, unity, "cost = 3: must be one of Cost.SECONDS, Cost.MINUTES, Cost.HOURS"),
         ({"correction": "two"}, unity, "correction = 'two': must be a Correction or None"),
         (
             {"tried_on": "one"},

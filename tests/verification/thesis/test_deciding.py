@@ -1,4 +1,4 @@
-"""Claims are chosen by chapter, name and cost, decided in parallel and resumed; another verdict fails the command."""
+"""Claims are chosen by chapter and name, decided in parallel and resumed; another verdict fails the command."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 from dincl import study
 from tests.executors import Here, Nowhere
 from verification import cli
-from verification.claims import Claim, Correction, Cost, Effect, Evidence, Tables, Verdict, decide, equal
+from verification.claims import Claim, Correction, Effect, Evidence, Tables, Verdict, decide, equal
 from verification.page import parts
 from verification.page.chapters import CHAPTERS
 from verification.page.context import Context
@@ -39,7 +39,7 @@ ONE = Correction("one", Effect.NUMBER, "all that follows")
 CLAIMS = (
     Claim("c1.right", "Unity.", right, source="(1.1)", quote="1 = 1"),
     Claim("c1.wrong", "Duality.", wrong, source="(1.2)", quote="1 = 2", recorded=Verdict.CORRECTED, correction=ONE),
-    Claim("c2.table", "The order.", from_table, source="(2.1)", needs=("orders",), cost=Cost.MINUTES),
+    Claim("c2.table", "The order.", from_table, source="(2.1)", needs=("orders",)),
 )
 
 
@@ -50,18 +50,16 @@ def few(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.parametrize(
-    ("chapters", "names", "cost", "ids"),
+    ("chapters", "names", "ids"),
     [
-        ((), (), None, ["c1.right", "c1.wrong", "c2.table"]),
-        ((1,), (), None, ["c1.right", "c1.wrong"]),
-        ((), ("c1.w*", "c2.table"), None, ["c1.wrong", "c2.table"]),
-        ((), (), Cost.SECONDS, ["c1.right", "c1.wrong"]),
-        ((), (), Cost.HOURS, ["c1.right", "c1.wrong", "c2.table"]),
-        ((2,), ("c1.*",), None, []),
+        ((), (), ["c1.right", "c1.wrong", "c2.table"]),
+        ((1,), (), ["c1.right", "c1.wrong"]),
+        ((), ("c1.w*", "c2.table"), ["c1.wrong", "c2.table"]),
+        ((2,), ("c1.*",), []),
     ],
 )
-def test_selection(chapters: tuple[int, ...], names: tuple[str, ...], cost: Cost | None, ids: list[str]) -> None:
-    assert [claim.id for claim in selection.select_claims(CLAIMS, chapters, names, cost)] == ids
+def test_selection(chapters: tuple[int, ...], names: tuple[str, ...], ids: list[str]) -> None:
+    assert [claim.id for claim in selection.select_claims(CLAIMS, chapters, names)] == ids
 
 
 def test_a_name_or_chapter_without_claims_is_refused() -> None:
@@ -128,7 +126,7 @@ def test_a_defect_of_a_check_is_not_taken_for_a_verdict() -> None:
 
 
 @pytest.mark.usefixtures("few")
-@pytest.mark.parametrize(("options", "code"), [(["--cost", "seconds"], 0), (["--chapter", "2"], 1)])
+@pytest.mark.parametrize(("options", "code"), [(["--chapter", "1"], 0), (["--chapter", "2"], 1)])
 def test_command_fails_if_a_verdict_differs(
     options: list[str], code: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
