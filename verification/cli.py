@@ -1,4 +1,4 @@
-"""The commands: ``verification report``, ``claims``, ``check``, ``errata``, ``compare``, ``stability``, ``bench``."""
+"""The commands: ``verification report``, ``claims``, ``check``, ``compare``, ``stability``, ``bench``."""
 
 from __future__ import annotations
 
@@ -100,15 +100,6 @@ def _list_claims(table: pd.DataFrame) -> None:
     console.print(f"{len(table)} claims, {len(other)} with another verdict than the recorded one")
     for row in other.itertuples():
         console.print(f"{row.id}: {row.verdict}, recorded is {row.recorded}")
-
-
-@app.command()
-def errata(out: Out = Path("errata")) -> None:
-    """Write the corrections of the thesis as a document: <out>/errata.html and <out>/errata.tex."""
-    need_thesis("verification errata")
-    from verification.thesis.errata_document import write_errata
-
-    print(*write_errata(out), sep="\n")
 
 
 @app.command()

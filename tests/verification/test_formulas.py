@@ -8,8 +8,8 @@ from markupsafe import escape
 
 from verification.claims import Claim
 from verification.page.formulas import FORMULA, marked, plain, typeset
-from verification.thesis.errata_document import listed_errata
 from verification.thesis.register import register
+from verification.thesis.text.errata import errata
 
 
 def texts(claim: Claim) -> list[str]:
@@ -19,7 +19,7 @@ def texts(claim: Claim) -> list[str]:
 
 
 TEXTS = [text for claim in register() for text in texts(claim)]
-TEXTS += [text for one in listed_errata() for text in (one.printed, one.corrected, one.why, one.depends)]
+TEXTS += [text for name in ("printed", "corrected", "why", "depends") for text in errata()[name]]
 
 
 @pytest.mark.parametrize(
