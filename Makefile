@@ -7,7 +7,7 @@
 #   make lint             check style, format and types
 #   make docs             write the documentation to site/index.html, with the outputs of its tutorials
 #   make kept             rerun all tables that ship, say what differs, and write it into the pages (resumes)
-#   make bench            measure the time per disc and step, and of the tissue
+#   make bench            measure steps of PBD, projections and substeps of a tissue on this machine
 #   make everything       install what all targets need, and what tests are skipped without
 #   make dist             build the wheels and source archives of the last commit into dist/, and check them
 #   make lock             fix the newest versions of all dependencies in requirements.lock
@@ -57,7 +57,7 @@ kept: .venv/all
 	$(BIN)/python -m verification.beyond.chart.advice
 
 bench: .venv/thesis
-	$(BIN)/verification bench
+	$(BIN)/python -m verification.thesis.bench
 
 everything: .venv/dev
 

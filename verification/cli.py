@@ -1,4 +1,4 @@
-"""The commands: ``verification report``, ``claims``, ``check``, ``compare``, ``stability``, ``bench``."""
+"""The commands: ``verification report``, ``claims``, ``check``, ``compare``, ``stability``."""
 
 from __future__ import annotations
 
@@ -163,12 +163,3 @@ def compare(
     except InvalidProblem as wrong:
         raise typer.BadParameter(str(wrong)) from None
     print(*map(repr, results), page, sep="\n")
-
-
-@app.command()
-def bench(out: Out = Path("report")) -> None:
-    """Measure the time of PBD per disc and step, and of each projection; write the tables to <out>."""
-    need_thesis("verification bench")
-    from verification.thesis import bench as timing
-
-    timing.main(out)

@@ -23,7 +23,7 @@ COMMANDS = {
     "numba-range": ("test", ".venv/bin/python -m tests.numba_range"),
     "lint": ("lint", ".venv/bin/mypy"),
     "docs": ("docs", ".venv/bin/python -m sphinx -q -W -c docs -d build/doctrees . site"),
-    "bench": ("thesis", ".venv/bin/verification bench"),
+    "bench": ("thesis", ".venv/bin/python -m verification.thesis.bench"),
     "everything": ("dev", ""),
     "dist": ("dist", ".venv/bin/python -m twine check --strict dist/*"),
 }

@@ -1,11 +1,12 @@
-"""Seconds per disc and step of PBD, per projection of each back end, and of the tissue: tables, printed and kept.
+"""Times on this machine: PBD per disc and step, projections, substeps of the tissue (``make bench``).
 
-Warm-up (compilation, first neighbour lists) is apart from what is timed; of several repeats the best and the median are
-kept. Beside each time stands the load under which it was measured.
+Warm-up (compilation, first neighbour lists) is not timed; of several repeats the best and the median are kept.
+``python -m verification.thesis.bench FOLDER`` prints the tables and writes them to FOLDER, by default ``report``.
 """
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -21,10 +22,10 @@ from dincl.errors import StepFailure
 from dincl.files import replacing
 from dincl.projection import Projection
 from dincl.rows.affine import linearised
-from dincl.scenes import Scene, pile
+from dincl.scenes import pile
 from dincl.steps.grid import Reached, Stepper, TimeGrid
-from verification.thesis.chapter3 import bench
-from verification.thesis.chapter4 import bench as emt_bench
+from verification.thesis.chapter3 import kernel
+from verification.thesis.chapter3.growing import PRESETS
 
 SIZES = (1_000, 10_000, 100_000, 1_000_000)
 DT = 1e-3
@@ -35,18 +36,16 @@ REPEATS = 5
 LANDED, JOSTLED = 1_000, 500
 
 PROJECTIONS: dict[str, Projection] = {
+    "ActiveSet": dincl.ActiveSet(tol=1e-9),
     "Daqp": dincl.Daqp(tol=1e-9),
     "Piqp": dincl.Piqp(tol=1e-9),
     "Clarabel": dincl.Clarabel(tol=1e-9),
-    "GaussSeidel": dincl.GaussSeidel(tol=1e-9),
     "CvxpyQP": dincl.CvxpyQP(tol=1e-9),
     "Ipopt": dincl.Ipopt(tol=1e-9),
 }
 COUNTS = (4, 10, 100, 1_000)
 # Different points are projected in turn, so that a warm start helps as it does from one time step to the next.
 VARIANTS = 8
-# A back end that takes longer than this for one quadratic program is not asked for the many that S takes [ms].
-PATIENCE = 1_000.0
 
 
 def pbd_table(sizes: tuple[int, ...] = SIZES) -> pd.DataFrame:
@@ -67,12 +66,6 @@ def jostle(n: int) -> dincl.Problem:
     angle = np.random.default_rng(1).uniform(0, 2 * np.pi, n)
     velocity = np.column_stack((np.cos(angle), np.sin(angle)))
     return dincl.Problem(start.x0, lambda t, x: velocity, start.constraints)
-
-
-def growth(table: pd.DataFrame, scene: str) -> float:
-    """Return p of cost per step ~ n^p, the slope of a line through the logarithms of the best times."""
-    part = table[table["scene"] == scene]
-    return float(np.polyfit(np.log(part["n"]), np.log(part["n"] * part["ns_best"]), 1)[0])
 
 
 def _pbd_row(name: str, problem: dincl.Problem, warm_up: int) -> dict[str, Any]:
@@ -113,71 +106,60 @@ def _timed(action: Callable[[], Any]) -> float:
 
 
 def projection_table(counts: tuple[int, ...] = COUNTS) -> pd.DataFrame:
-    """Return one row per back end, set and size: milliseconds per projection, certified residual, iterations.
+    """Return one row per projection and size: milliseconds, certified residual, iterations.
 
-    The points to project are a landed pile after steps of the drift with dt = 0.008 ... 0.012; the sets are its inner
-    convex approximation S~ (one quadratic program) and S itself.
+    Points to project are a landed pile after steps of the drift with dt = 0.008 ... 0.012; the set is its inner convex
+    approximation S~, so that each projection is one quadratic program.
     """
-    rows: list[dict[str, Any]] = []
-    for n in counts:
-        scene, landed = _landed(n)
-        for name, projection in PROJECTIONS.items():
-            flat = _projection_row(name, projection, "S~", scene, landed)
-            left_out = {"back_end": name, "set": "S", "n": n, "rows": flat["rows"], "status": "LEFT OUT"}
-            curved = flat["ms_best"] < PATIENCE and _projection_row(name, projection, "S", scene, landed)
-            rows += [flat, curved or left_out]
-    return pd.DataFrame(rows)
+    return pd.DataFrame([row for n in counts for row in _projection_rows(n)])
 
 
-def _landed(n: int) -> tuple[Scene, np.ndarray]:
-    """Return a pile of n discs at t = 2 by linearised catch-up, which leaves no overlap."""
-    scene = pile(n)
+def _projection_rows(n: int) -> list[dict[str, Any]]:
+    """Time each projection on a pile of n discs at t = 2, which linearised catch-up leaves without overlap."""
+    scene, rng = pile(n), np.random.default_rng(0)
     scheme = dincl.LinearisedCatchUp(0.02, dincl.Daqp(1e-10) if n <= 30 else dincl.Piqp(1e-9))
-    return scene, dincl.solve(scene, scheme, t=[2.0]).final
+    x = dincl.solve(scene, scheme, t=[2.0]).final
+    points = x + 0.01 * scene.velocity(0.0, x) * rng.uniform(0.8, 1.2, size=(VARIANTS, *x.shape))
+    rows = linearised(scene.rows_within(0.0, x, 0.08), x)
+    return [
+        {"projection": name, "n": n, "rows": len(rows.values(x))} | _projected(projection, rows, points, x)
+        for name, projection in PROJECTIONS.items()
+    ]
 
 
-def _projection_row(name: str, projection: Projection, kind: str, scene: Scene, x: np.ndarray) -> dict[str, Any]:
-    rng = np.random.default_rng(0)
-    moves = 0.01 * scene.velocity(0.0, x) * rng.uniform(0.8, 1.2, size=(VARIANTS, *x.shape))
-    near = scene.rows_within(0.0, x, 0.08)
-    rows = linearised(near, x) if kind == "S~" else near
+def _projected(projection: Projection, rows: Any, points: np.ndarray, x: np.ndarray) -> dict[str, Any]:
     solver = projection.solver()
-    result: dict[str, Any] = {"back_end": name, "set": kind, "n": len(x), "rows": len(rows.values(x))}
+    seconds: list[float] = []
     try:
-        first = _timed(lambda: solver.nearest(rows, x + moves[0], x))
-        seconds: list[float] = []
+        found = solver.nearest(rows, points[0], x)
         began = time.perf_counter()
         while len(seconds) < 3 or (len(seconds) < 50 and time.perf_counter() - began < 1.0):
-            y = x + moves[len(seconds) % VARIANTS]
-            seconds.append(_timed(partial(solver.nearest, rows, y, x)))
-        found = solver.nearest(rows, x + moves[0], x)
+            seconds.append(_timed(partial(solver.nearest, rows, points[len(seconds) % VARIANTS], x)))
     except StepFailure as failure:
-        return {**result, "status": failure.status.name, "ms_best": 0.0}
-    times = {"ms_first": 1e3 * first, "ms_best": 1e3 * min(seconds), "ms_median": 1e3 * float(np.median(seconds))}
-    return {**result, "status": "SUCCESS", **times, "residual": found.residual, "iterations": found.iterations}
+        return {"status": failure.status.name}
+    times = {"ms_best": 1e3 * min(seconds), "ms_median": 1e3 * float(np.median(seconds))}
+    return {"status": "SUCCESS", **times, "residual": found.residual, "iterations": found.iterations}
 
 
-def show(table: pd.DataFrame, title: str) -> None:
-    """Print a table, numbers to three digits."""
-    print(f"\n{title}\n{table.to_string(index=False, float_format='{:.3g}'.format, na_rep='')}")
+def tissue_table(sizes: tuple[int, ...] = kernel.SIZES, cell_substeps: int = kernel.CELL_SUBSTEPS) -> pd.DataFrame:
+    """Return one row per preset and number of cells: microseconds per substep, with the load per substep."""
+    keys = [{"preset": name, "cells": cells} for cells in sizes for name in PRESETS]
+    return pd.DataFrame([row for key in keys for row in kernel.per_substep(key, cell_substeps)])
 
 
 def main(out: Path) -> None:
-    """Measure, print, and keep all tables in the folder ``out``."""
+    """Measure; print each table and write it to the folder ``out``."""
     out.mkdir(parents=True, exist_ok=True)
+    for name, title, table in (
+        ("bench_pbd", "PBD: ns per disc and step, with the pairs and corrections per disc and step", pbd_table),
+        ("bench_projections", "Projections: milliseconds each, with the certified residual", projection_table),
+        ("bench_tissue", "Tissue: microseconds per substep, with the load per substep", tissue_table),
+    ):
+        rows = table()
+        print(f"\n{title}\n{rows.to_string(index=False, float_format='{:.3g}'.format, na_rep='')}")
+        with replacing(out / f"{name}.csv") as unfinished:
+            rows.to_csv(unfinished, index=False)
 
-    def keep(name: str, table: pd.DataFrame) -> None:
-        with replacing(out / f"{name}.csv") as partial:
-            table.to_csv(partial, index=False)
 
-    pbd = pbd_table()
-    show(pbd, "PBD: ns per disc and step, with the pairs and corrections per disc and step")
-    for scene in ("pile", "jostle"):
-        print(f"{scene}: the cost of a step grows as n^{growth(pbd, scene):.2f}")
-    keep("bench_pbd", pbd)
-    projections = projection_table()
-    show(projections, "Projections: milliseconds each, with the certified residual")
-    keep("bench_projections", projections)
-    for name, (title, table) in (bench.tables() | emt_bench.tables()).items():
-        show(table, title)
-        keep(name, table)
+if __name__ == "__main__":
+    main(Path(sys.argv[1]) if sys.argv[1:] else Path("report"))

@@ -79,7 +79,7 @@ def test_a_map_of_one_method_ends_with_the_message():
         v.stability_map(SLIDE, lambda dt, tol: dincl.CatchUp(dt, dincl.Clarabel(tol)), ("dt", [0.1]), ("tol", [1e-9]))
 
 
-@pytest.mark.parametrize("command", ["report", "claims", "stability", "bench"])
+@pytest.mark.parametrize("command", ["report", "claims", "stability"])
 def test_what_one_source_says_needs_all(command, monkeypatch, capsys):
     monkeypatch.setattr(sys, "argv", ["verification", command])
     with pytest.raises(SystemExit) as end:

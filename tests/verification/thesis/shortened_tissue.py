@@ -7,7 +7,6 @@ import pytest
 from tissue.files.parameters import preset
 from tissue.runs.simulate import simulate
 from verification.thesis.chapter3 import (
-    bench,
     beyond,
     catch_up,
     daha,
@@ -17,6 +16,7 @@ from verification.thesis.chapter3 import (
     frozen,
     growth,
     judged,
+    kernel,
     limits,
     maps,
     substeps,
@@ -63,7 +63,7 @@ TISSUE = (
     beyond.BeyondForm({"thesis": (10, 20), "published": (20, 40)}, 2, (1.0, 5.0)),
     limits.LimitsForm(tuple(case for case in limits.CASES if case.id in FEW_LIMITS)),
     maps.MapsForm(few_values()),
-    bench.KernelForm((60, 120), cell_substeps=10_000),
+    kernel.KernelForm((60, 120), cell_substeps=10_000),
 )
 # Runs of one hour, few seeds.
 DAHA = (

@@ -1,16 +1,15 @@
-"""The bench measures what it says; how long anything takes is not asserted."""
+"""The benchmark measures what it says; how long anything takes is not asserted."""
 
 import numpy as np
-import pandas as pd
 import pytest
 
-import dincl
-from verification.thesis import bench as timing
+from verification.thesis import bench
+from verification.thesis.chapter3.growing import PRESETS
 
 
-def test_pbd_rows_carry_their_load(monkeypatch):
-    monkeypatch.setattr(timing, "DISC_STEPS", 1_000)
-    table = timing.pbd_table((50, 200))
+def test_pbd_rows_state_their_load(monkeypatch):
+    monkeypatch.setattr(bench, "DISC_STEPS", 1_000)
+    table = bench.pbd_table((50, 200))
     assert table["n"].tolist() == [50, 50, 200, 200]
     assert (table["ns_best"] > 0).all()
     assert (table["ns_median"] >= table["ns_best"]).all()
@@ -20,30 +19,26 @@ def test_pbd_rows_carry_their_load(monkeypatch):
     assert (table["steps_per_list"] > 5).all()
 
 
-def test_growth_is_the_exponent():
-    n = np.array([10.0, 100.0, 1000.0])
-    table = pd.DataFrame({"scene": "pile", "n": n, "ns_best": 7.0 * n**0.25})
-    assert timing.growth(table, "pile") == pytest.approx(1.25)
-
-
-@pytest.mark.slow
 def test_every_projection_is_timed_with_its_residual():
-    table = timing.projection_table((4,))
-    assert sorted(table["back_end"].unique()) == sorted(timing.PROJECTIONS)
+    table = bench.projection_table((4,))
+    assert table["projection"].tolist() == list(bench.PROJECTIONS)
     assert (table["status"] == "SUCCESS").all()
     assert (table["residual"] <= 1e-9).all()
     assert (table["ms_best"] > 0).all()
 
 
-def test_a_slow_back_end_is_left_out_as_a_row(monkeypatch):
-    monkeypatch.setattr(timing, "PATIENCE", 0.0)
-    table = timing.projection_table((4,))
-    assert (table[table["set"] == "S"]["status"] == "LEFT OUT").all()
-    assert len(table) == 2 * len(timing.PROJECTIONS)
-
-
-def test_jostling_discs_are_a_problem_of_their_own():
-    problem = timing.jostle(100)
-    assert isinstance(problem, dincl.Problem)
+def test_jostling_discs_all_move_with_speed_one():
+    problem = bench.jostle(100)
     speed = np.linalg.norm(problem.velocity(0.0, problem.x0), axis=1)
     assert speed == pytest.approx(np.ones(100))
+
+
+@pytest.mark.slow
+def test_the_tissue_is_timed_with_its_load():
+    rows = bench.tissue_table((60, 120), cell_substeps=5_000)
+    assert rows[["preset", "cells"]].to_numpy().tolist() == [[name, count] for count in (60, 120) for name in PRESETS]
+    assert (rows["us_median"] >= rows["us_best"]).all()
+    # Twice the cells in a tissue as crowded meet twice the pairs.
+    pairs = rows.set_index(["preset", "cells"])["pairs"]
+    for name in PRESETS:
+        assert 1.6 < pairs[name, 120] / pairs[name, 60] < 2.8

@@ -11,7 +11,7 @@ from tests.tissue.states import tissue
 from tests.verification.thesis.shortened_tissue import simulated
 from tissue.frames.observables import height
 from verification.thesis.chapter2 import large_steps
-from verification.thesis.chapter3 import bench, disturbed, growing, growth, substeps
+from verification.thesis.chapter3 import disturbed, growing, growth, kernel, substeps
 from verification.thesis.chapter3.growing import OUT_OF_BOUNDS, PRESETS, SUCCESS
 from verification.thesis.chapter3.intervals import over_seeds
 
@@ -233,26 +233,10 @@ def test_what_the_text_says_of_growth():
     assert np.isnan(rows[-1]["ratio"])
 
 
-# Bench
+# Time
 
 
-@pytest.mark.slow
-def test_the_bench_measures_all_it_says(monkeypatch):
-    monkeypatch.setattr(bench, "CELL_SUBSTEPS", 5_000)
-    monkeypatch.setattr(bench, "REPEATS", 2)
-    found = {name: made for name, (_, made) in bench.tables((60, 120), (1.0,), 1).items()}
-    rows = found["bench_tissue"]
-    assert rows[["preset", "cells"]].to_numpy().tolist() == [[name, count] for count in (60, 120) for name in PRESETS]
-    assert (rows["us_median"] >= rows["us_best"]).all()
-    # Twice the cells in a tissue as crowded meet twice the pairs.
-    pairs = rows.set_index(["preset", "cells"])["pairs"]
-    for name in PRESETS:
-        assert 1.6 < pairs[name, 120] / pairs[name, 60] < 2.8
-    assert (found["bench_tissue_runs"]["us_substep_abreast"] > 0).all()
-    assert (found["bench_tissue_threads"]["throughput_ratio"] > 0).all()
-
-
-def test_the_exponent_of_the_bench():
+def test_the_exponent_of_the_time_per_substep():
     cells_then = np.array([60.0, 600.0, 6000.0])
     rows = pd.DataFrame({"preset": "thesis", "cells": cells_then, "us_best": 0.3 * cells_then**1.25})
-    assert bench.growth(rows)["exponent"].to_numpy() == pytest.approx([1.25])
+    assert kernel.growth(rows)["exponent"].to_numpy() == pytest.approx([1.25])

@@ -12,7 +12,7 @@ from tests.verification.thesis.shortened_emt import FEW, SECTIONS, emt_form
 from tests.verification.undrawn import draw_nothing
 from verification.page.context import Context
 from verification.page.report import write_report
-from verification.thesis.chapter4 import bench, kept, printed, sensitivity, studies, summaries
+from verification.thesis.chapter4 import kept, printed, sensitivity, studies, summaries
 from verification.thesis.chapter4 import page as chapter
 from verification.thesis.chapter4.claims import s3_1_counts
 
@@ -116,18 +116,6 @@ def test_sensitivity_has_a_scenario_for_each_point():
     assert 2.9 < max(stiffness) <= 3.0
     kept_table = kept.read(sensitivity.NAME)
     assert set(kept_table["parameter"]) == set(sensitivity.BOUNDS)
-
-
-def test_the_bench_extrapolates_from_its_largest_sample():
-    table = pd.DataFrame(
-        {"threads": [1, 2, 2], "runs": [256, 512, 2048], "s": [4.0, 4.0, 17.0], "s_statistics": [0.1, 0.1, 0.2]}
-    )
-    table["ms_per_run"] = 1e3 * table["s"] / table["runs"]
-    found = bench.extrapolated(table).iloc[0]
-    assert found["min"] == pytest.approx(17.2 * 50_000 / 2048 / 60)
-    assert found["throughput_ratio"] == pytest.approx(2.0)
-    assert found["larger_over_smaller"] == pytest.approx(17 / 16)
-    assert found["of_aim"] == pytest.approx(found["min"] / 12)
 
 
 def test_the_footnote_of_orders():

@@ -5,16 +5,16 @@ from __future__ import annotations
 from verification.page.context import Context
 from verification.page.parts import Follows, Grid, Section, Text
 from verification.page.prose import fill
-from verification.thesis.chapter3 import bench
+from verification.thesis.chapter3 import kernel
 from verification.thesis.chapter3.growing import PRESETS
 from verification.thesis.chapter3.sections.part import COLUMNS, PROSE, Part, named
 
 
 def _run_kernel(context: Context) -> None:
-    study = bench.kernel(context.form(bench.FULL))
-    table = context.rows_of(study, study.only(lambda key: key["cells"] == bench.SIZES[0]))
+    study = kernel.kernel(context.form(kernel.FULL))
+    table = context.rows_of(study, study.only(lambda key: key["cells"] == kernel.SIZES[0]))
     context.tables["tissue_kernel"] = table
-    context.keep("tissue_kernel_growth", bench.growth(table))
+    context.keep("tissue_kernel_growth", kernel.growth(table))
 
 
 def _kernel(context: Context) -> Section:
@@ -29,7 +29,7 @@ def _kernel(context: Context) -> Section:
         }
         for name in PRESETS
     ]
-    said = fill(PROSE / "kernel.html", repeats=bench.REPEATS, presets=presets)
+    said = fill(PROSE / "kernel.html", repeats=kernel.REPEATS, presets=presets)
     grid = Grid(named(table, COLUMNS["kernel"]), said["table"], "tissue_kernel")
     return Section("How long does a substep take?", [Text(said["times"]), grid, Follows(said["follows"])])
 
