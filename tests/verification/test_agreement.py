@@ -63,17 +63,6 @@ def test_a_part_is_made_again_once_and_laid_over_it(tmp_path: Path) -> None:
     assert made_again("c", context, context.agreements_of(("other",))) == []
 
 
-def test_rows_that_differ_are_given_a_reason(tmp_path: Path) -> None:
-    context = Context(tmp_path, False, Here())
-    found = {
-        name: Agreement(name, 1, 3, 2, apart) for name, apart in (("tissue_map_bending", 1), ("few", 1), ("one", 0))
-    }
-    (section,) = made_again("c", context, found)
-    chaos, unknown, none = section.parts[1].rows["Reason"]  # type: ignore[union-attr]
-    assert "chaotic" in chaos
-    assert (unknown, none) == ("not known", "")
-
-
 def test_anew_the_complete_study_is_made_and_what_ships_is_laid_beside_it(tmp_path: Path) -> None:
     old = shipped(tmp_path / "ships").assign(error=7.0)
     write(old, tmp_path / "ships" / "few.parquet")

@@ -14,7 +14,6 @@ import pandas as pd
 
 from verification.claims import Verdict
 from verification.claims.decide import READING, readings
-from verification.page.claim_graph import ClaimGraph
 from verification.page.sources import link
 
 MAKES_NO_NUMBERS = True
@@ -156,7 +155,7 @@ class HowMeasured:
     kind: str = field(default="method", init=False)
 
 
-Part = Text | Follows | Picture | Chart | Grid | ClaimGraph | SearchField | Statements | HowMeasured
+Part = Text | Follows | Picture | Chart | Grid | SearchField | Statements | HowMeasured
 
 
 @dataclass(frozen=True)
@@ -174,7 +173,7 @@ class Section:
         """
         if not any(isinstance(part, Picture | Chart) for part in self.parts):
             return self.parts
-        kinds = ((Picture, Chart), (Follows,), (Grid,), (ClaimGraph, SearchField, Statements, HowMeasured))
+        kinds = ((Picture, Chart), (Follows,), (Grid,), (SearchField, Statements, HowMeasured))
         found = [part for kind in kinds for part in self.parts if isinstance(part, kind)]
         texts = [part for part in self.parts if isinstance(part, Text)]
         return [*found, HowMeasured(texts)] if texts else found

@@ -12,12 +12,10 @@ from verification.claims import Effect, Verdict
 from verification.claims.decide import READING, decide_all, differing, readings
 from verification.claims.graph import corrected_below
 from verification.page import cards, kept
-from verification.page.claim_graph import ClaimGraph
 from verification.page.columns import headed, read_columns
 from verification.page.context import Context
-from verification.page.parts import VERDICTS, Grid, SearchField, Section, Statements, Text
+from verification.page.parts import Grid, SearchField, Section, Statements, Text
 from verification.page.prose import fill
-from verification.page.render import counted
 from verification.page.report import Card, Chapter, Finding
 from verification.page.sources import write_source
 from verification.thesis.chapter4.frequencies import READINGS, RULE
@@ -65,16 +63,8 @@ def sections(context: Context) -> Sequence[Section]:
     for number, title in TITLES.items():
         rows = table[table["chapter"] == number]
         if not rows.empty:
-            found.append(Section(title, [*_graph(rows), Statements(rows, wrong)]))
+            found.append(Section(title, [Statements(rows, wrong)]))
     return found
-
-
-def _graph(rows: pd.DataFrame) -> list[ClaimGraph]:
-    looks = dict(zip(rows["id"], rows["verdict"].map(VERDICTS), strict=True))
-    inside = {claim.id: [name for name in claim.rests_on if name in looks] for claim in register() if claim.id in looks}
-    edges = sum(map(len, inside.values()))
-    title = f"Which claim rests on which: {counted(edges, 'arrow')}, from left to right"
-    return [ClaimGraph(looks, inside, title)] if edges else []
 
 
 def _values(table: pd.DataFrame) -> dict[str, Any]:

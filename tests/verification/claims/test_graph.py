@@ -1,11 +1,10 @@
-"""The graph of claims, and its drawing: each claim stands to the right of the claims that it rests on."""
+"""Claims rest on claims: their order, and the corrections below each."""
 
 import pytest
 
 from dincl import InvalidProblem
 from verification.claims import Claim, Correction, Effect, Evidence, Verdict, equal
 from verification.claims.graph import corrected_below, ordered
-from verification.page.claim_graph import ClaimGraph
 
 
 def state(name: str, *rests_on: str, wrong: bool = False) -> Claim:
@@ -36,12 +35,3 @@ def test_unknown_names_and_circles_are_refused() -> None:
         ordered([state("a", "b"), state("b", "a")])
     with pytest.raises(InvalidProblem, match=r"claim a: rests_on = \('a',\): must be a tuple of ids of other claims"):
         state("a", "a")
-
-
-def test_arrows_lead_to_the_right_and_claims_alone_are_left_out() -> None:
-    graph = ClaimGraph(dict.fromkeys("abcde", "holds"), {claim.id: claim.rests_on for claim in CLAIMS}, "All.")
-    assert graph.columns == [["a"], ["b"], ["c"], ["d"]]
-    assert [box.id for box in graph.boxes] == list("abcd")
-    assert len(graph.arrows) == 4
-    assert all(arrow.x0 < arrow.x1 for arrow in graph.arrows)
-    assert all(0 <= arrow.y0 <= graph.size[1] for arrow in graph.arrows)
