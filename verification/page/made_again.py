@@ -18,8 +18,8 @@ SAID = (
     "The pace is the median of the times here over those of the complete study. Seconds in speed against accuracy are "
     "those of the complete study times the pace, so they are those of this machine; other seconds are those of the "
     "complete study. What has changed since are modules, data, libraries and settings that the study depends on. Far "
-    "above the linear limit a tissue at rest can swing chaotically. Rounding then changes its amplitude, so rows of the "
-    "maps of bending and springs may differ."
+    "above the linear limit a tissue at rest can swing chaotically. Rounding then changes its amplitude, so rows of "
+    "the maps of bending and springs may differ."
 )
 CAPTION = "Agreement to three digits of runs made here with those of the complete studies."
 

@@ -6,14 +6,11 @@ import pytest
 
 from tissue.study import plan
 from verification.thesis.chapter4 import studies
-from verification.thesis.chapter4.sections import TITLES
 
 # A lot of eight for each scenario, and of the groups as many as the ranking of factors needs at least.
 FEW = dict.fromkeys(studies.SHORT.replicates, 8) | {"table5_35": 24, "table5_63": 16, "table5_7": 16}
 # Of the figures and tables some.
 FEWEST = {"figure10": 8, "figure12": 8, "table5_35": 24}
-# Of the page.
-SECTIONS = list(TITLES.values())
 END = "25 h"  # after all events
 
 

@@ -14,17 +14,6 @@ from verification.thesis.chapter5 import (
     stability_constant,
 )
 
-# Of the page and of its files.
-SECTIONS = [
-    "Constrained and reduced equations give one motion",
-    "Which solvers keep the energy?",
-    "How fast do N particles find their limit?",
-    "How large is the constant of the stability estimate (5.60)?",
-    "How accurate are grids for the PDE (5.42)?",
-    "Which is cheapest: particles, characteristics, PDE or moments?",
-    "Where do the mean-field solvers fail?",
-]
-PICTURES = 10
 FEW_FAILURES = ("U-ode", "zero-moments", "kernel-1/r²")
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from dincl.errors import InvalidProblem
 from tests.executors import Here, Nowhere
-from tests.verification.thesis.shortened_emt import FEW, SECTIONS, emt_form
+from tests.verification.thesis.shortened_emt import FEW, emt_form
 from tests.verification.undrawn import draw_nothing
 from verification.page.context import Context
 from verification.page.report import write_report
@@ -30,10 +30,8 @@ def made(tmp_path_factory):
     return (context.out / "emt.html").read_text("utf-8"), context
 
 
-def test_the_page_has_all_sections(made):
+def test_the_page_shows_all_figures_and_printed_tables(made):
     text, context = made
-    for name in SECTIONS:
-        assert f">{name}</h2>" in text
     drawn = [path for path in (context.out / "figures").iterdir() if not path.name.startswith("card_")]
     assert text.count("<img") == len(drawn) > 10
     assert not re.search(r"\bnan\b", text)
