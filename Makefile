@@ -4,7 +4,7 @@
 #   make report           run the experiments, write report/index.html    (FULL=1: the complete studies)
 #   make test             run the tests                                    (ARGS=--slow: all but those of minutes)
 #   make numba-range      run the tests of kernels with the oldest and the newest numba that pyproject.toml allows
-#   make lint             check style, format and types
+#   make lint             check style, format, imports and types
 #   make docs             write the documentation to site/index.html, with the outputs of its tutorials
 #   make kept             rerun all tables that ship, say what differs, and write it into the pages (resumes)
 #   make bench            measure steps of PBD, projections and substeps of a tissue on this machine
@@ -45,6 +45,7 @@ numba-range: .venv/test
 lint: .venv/lint
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+	$(BIN)/lint-imports --no-cache
 	$(BIN)/mypy
 
 docs: .venv/docs

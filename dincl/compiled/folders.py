@@ -20,7 +20,7 @@ from dincl.provenance.code import PACKAGES, closure, digest_of, read_source
 
 MAKES_NO_NUMBERS = True
 # Modules with kernels, and packages, which stand for all that is beneath them. Kernels take no numbers from elsewhere:
-# tests/contracts/test_compiled_room.py follows their imports.
+# tests/dincl/compiled/test_kernel_imports.py follows their imports.
 FOLDERS = (
     "dincl.compiled",
     "dincl.constants",

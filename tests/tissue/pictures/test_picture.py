@@ -8,7 +8,6 @@ import pytest
 from matplotlib.colors import to_rgb
 
 from dincl.errors import InvalidProblem
-from tests.contracts.test_imports import imported, sources
 from tests.tissue.space.in_space import of_surface
 from tests.tissue.states import layers
 from tests.tissue.stills import THESIS, UM, coloured, drawn, pair, trio, two_hours
@@ -225,9 +224,3 @@ def test_the_style_of_others_is_left_alone(run):
         for _ in stills(run.frames[:2], run.parameters):
             assert mpl.rcParams["font.size"] == 3.0
             assert mpl.rcParams["axes.spines.top"]
-
-
-@pytest.mark.slow_with("matplotlib")
-@pytest.mark.parametrize(("library", "door"), [("matplotlib", "sheet.py"), ("PIL", "movie.py")])
-def test_one_file_draws_and_one_makes_movies(library, door):
-    assert [path.name for path in sources("tissue") if library in imported(path.read_text("utf-8"))] == [door]
