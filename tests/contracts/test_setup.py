@@ -1,4 +1,4 @@
-"""The lock file fits pyproject.toml and what is installed; each target installs its extra, once and never half."""
+"""The lock file fits pyproject.toml and what is installed; each target installs its extra."""
 
 import os
 import re
@@ -30,13 +30,6 @@ COMMANDS = {
 INSTALL = ".venv/bin/python -m pip --disable-pip-version-check install --quiet"
 ADD = f"{INSTALL} --no-compile --no-build-isolation --constraint requirements.lock --editable"
 FAILS = "#!/bin/sh\nexit 1\n"
-# Passes every check and copies itself into the environment, where it fails to install, as without a network.
-INSTALL_FAILS = """#!/bin/sh
-case "$*" in
-    *"-m venv"*) mkdir -p .venv/bin && cp "$0" .venv/bin/python ;;
-    *"pip"*" install "*) exit 1 ;;
-esac
-"""
 
 
 def locked() -> list[Requirement]:
@@ -74,17 +67,6 @@ def fresh(tmp_path: Path) -> Path:
     return tmp_path
 
 
-@pytest.fixture
-def installed(fresh: Path) -> Path:
-    """Make a folder whose stamps say that the extra of each target is installed."""
-    (fresh / ".venv").mkdir()
-    stamps = [f".venv/{extra}" for extra in {extra for extra, _ in COMMANDS.values()}]
-    for age, name in enumerate((*stamps, ".venv/made", *SETUP_FILES)):
-        (fresh / name).touch()
-        os.utime(fresh / name, (1e9 - age, 1e9 - age))
-    return fresh
-
-
 def test_lock_lists_every_dependency() -> None:
     assert wanted() <= {canonicalize_name(requirement.name) for requirement in locked()}
 
@@ -115,41 +97,6 @@ def test_target_installs_its_extra_alone_then_runs(target: str, fresh: Path) -> 
     assert re.findall(rf"^{re.escape(ADD)} '\.\[(\w+)\]'$", run.stdout, re.MULTILINE) == [extra]
     first = run.stdout.index(f"{INSTALL} --constraint requirements.lock setuptools")
     assert first < run.stdout.index(ADD) < run.stdout.rindex(command)
-
-
-def test_a_target_adds_to_the_environment_of_others(installed: Path) -> None:
-    (installed / ".venv/test").unlink()
-    commands = make(installed, "-n", "test").stdout
-    assert "[test]" in commands
-    assert "venv .venv" not in commands
-    assert "pip" not in make(installed, "-n", "report").stdout
-
-
-@pytest.mark.parametrize("target", COMMANDS)
-def test_second_call_does_not_reinstall(target: str, installed: Path) -> None:
-    assert "pip" not in make(installed, "-n", target).stdout
-
-
-@pytest.mark.parametrize(
-    ("changed", "locked_again"), [("pyproject.toml", False), ("requirements.lock", True), ("Makefile", None)]
-)
-def test_changed_file_reinstalls_what_depends_on_it(changed: str, locked_again: bool | None, installed: Path) -> None:
-    (installed / changed).touch()
-    commands = make(installed, "-n", "test").stdout
-    assert ("--editable '.[test]'" in commands) is (locked_again is not None)
-    assert ("rm -rf .venv" in commands) is bool(locked_again)
-
-
-@pytest.mark.parametrize(("full", "handed_on"), [("FULL=1", True), ("FULL=0", False), ("FULL=", False)])
-def test_full_is_handed_to_the_report(full: str, handed_on: bool, fresh: Path) -> None:
-    assert ("verification report --full" in make(fresh, "-n", "report", full).stdout) is handed_on
-
-
-def test_broken_install_leaves_no_stamp(fresh: Path) -> None:
-    run = make(fresh, "test", f"PYTHON={script(fresh / 'python', INSTALL_FAILS)}")
-    assert run.returncode != 0
-    assert (fresh / ".venv/bin/python").exists()
-    assert {path.name for path in (fresh / ".venv").iterdir()} == {"bin"}
 
 
 @pytest.mark.parametrize(
