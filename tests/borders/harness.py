@@ -8,7 +8,6 @@ given, and no call may last.
 import dataclasses
 import signal
 import warnings
-from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import contextmanager
 from copy import deepcopy
@@ -105,11 +104,6 @@ def complaints(calls: Sequence[Call], allowed: tuple[type[Exception], ...], seed
         if wrong:
             found.append(f"{wrong}: {made}")
     return found
-
-
-def by_kind(found: Sequence[str]) -> Counter[str]:
-    """How many complaints there are of each kind."""
-    return Counter(text.partition(":")[0] for text in found)
 
 
 @contextmanager

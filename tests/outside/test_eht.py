@@ -44,12 +44,3 @@ def test_all_means_are_those_of_that_program():
 @pytest.mark.xslow
 def test_all_means_of_many_runs_are_those_of_that_program():
     compare(SCENARIOS, MANY)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("wrong", ["A12_noINM", "B12", "S12"])
-def test_the_comparison_sees_an_event_in_place_of_another(wrong, monkeypatch):
-    """The runs of A12 against the means of another scenario."""
-    there = theirs().loc[[wrong]].rename(index={wrong: "A12"})
-    monkeypatch.setattr("tests.outside.eht.theirs", lambda: there)
-    assert p_values("A12", SOME).min() < LEVEL / 360

@@ -7,7 +7,6 @@ import dincl
 from dincl import scenes
 from dincl.scenes.discs import PAST_OTHER
 from tests.dincl.catalog import SCENES
-from tests.twins.events.roots import first_negative
 from tests.twins.events.scheme import PlainEventDriven
 
 EXACT = [scene for scene in SCENES if scene.exact]
@@ -254,13 +253,3 @@ def test_two_runs_have_no_step_in_common():
 def test_tolerance_must_be_positive(tol):
     with pytest.raises(dincl.InvalidProblem, match="tol"):
         dincl.EventDriven(tol)
-
-
-def test_first_negative():
-    nodes = [0.0, 1.0, 2.0, 3.0]
-    assert first_negative(lambda t: 2.5 - t, nodes) == pytest.approx(2.5, abs=1e-15)
-    assert first_negative(lambda t: -1.0, nodes) == 0.0
-    assert first_negative(lambda t: 1.0 + t, nodes) is None
-    # A dip between nodes, and one that does not reach zero.
-    assert first_negative(lambda t: (t - 1.1) ** 2 - 0.0016, nodes) == pytest.approx(1.06, abs=1e-14)
-    assert first_negative(lambda t: (t - 1.1) ** 2 + 0.0016, nodes) is None

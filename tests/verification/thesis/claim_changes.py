@@ -22,12 +22,6 @@ class Wrong(NamedTuple):
     tables: Mapping[str, Any] = {}
 
 
-def measured(claims: Mapping[str, Claim]) -> set[str]:
-    """List the claims whose checks compare numbers; a proof itself refutes a wrong variant of what it proves."""
-    proofs = {"proved", "put_right"}
-    return {name for name, claim in claims.items() if proofs.isdisjoint(claim.check.__code__.co_names)}
-
-
 def times(factor: float) -> Change:
     """A function whose values are off by a factor."""
     return lambda f: lambda *given, **named: factor * f(*given, **named)

@@ -9,8 +9,7 @@ import pandas as pd
 import pytest
 
 import dincl
-from tests.verification.thesis.claim_changes import Change, Wrong, decided, measured, replaced, times
-from tests.verification.thesis.evidence import differences
+from tests.verification.thesis.claim_changes import Change, Wrong, decided, replaced, times
 from verification.claims import Verdict
 from verification.thesis.chapter3 import sampled
 from verification.thesis.chapter3.daha import DOUBLED_CASE, PRINTED, TERMINATING, THEORY
@@ -198,10 +197,6 @@ CHANGES: Mapping[str, Wrong] = {
 }
 
 
-def test_every_claim_is_tried() -> None:
-    assert CHANGES.keys() == measured(CLAIMS)
-
-
 @pytest.mark.slow_with(
     "c3.inm",
     "c3.apical-mitosis",
@@ -225,7 +220,6 @@ def test_the_verdict_is_the_recorded_one(name: str) -> None:
     claim = CLAIMS[name]
     found = claim.decide(FOUND)
     assert claim.verdict(found) is claim.recorded, found
-    assert differences(name, found) == []
 
 
 def test_the_runs_that_show_the_best_damping_follow_from_its_interval() -> None:
