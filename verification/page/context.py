@@ -129,6 +129,7 @@ class Context:
         """
         path, wanted = self.out / "figures" / f"{name}{ending}", digest(pickle.dumps((figure, arguments)))
         if self._drawn.get(name) != wanted:
+            path.parent.mkdir(parents=True, exist_ok=True)
             self.drawings.append(self.executor.submit(figure, *arguments, path))
             self._drawn[name] = wanted
         return path

@@ -52,14 +52,6 @@ class Picture:
         """Width and height in dots, so that a page keeps room for it; the file is a PNG."""
         return struct.unpack(">II", self.path.read_bytes()[16:24])
 
-    @property
-    def narrow(self) -> Picture | None:
-        """The form for telephones, if there is one."""
-        from verification.page.sheet import narrow
-
-        path = narrow(self.path)
-        return Picture(path, self.caption) if path.exists() else None
-
 
 @dataclass(frozen=True)
 class Chart:

@@ -12,9 +12,8 @@ import pandas as pd
 from tissue.files.parameters import preset
 from tissue.pictures.charts import CHART_STYLE, WIDTH, legend, page
 from tissue.pictures.picture import draw_frame
-from tissue.pictures.sheet import Figure, Line2D, Patch, style
+from tissue.pictures.sheet import Figure, Line2D, Patch, style, write
 from tissue.runs.simulate import simulate
-from verification.page.telephones import write_both
 
 # A label, colour, mark and what it is filled with, rows.
 Series = tuple[str, tuple[str, ...], pd.DataFrame]
@@ -90,7 +89,8 @@ def draw_sides(series: Sequence[Series], names: Sequence[str], height: float, pa
             for between in range(1, len(names)):
                 panel.axhline(between - 0.5, color="0.8", linewidth=0.6, zorder=0)
         legend(figure, entries)
-    return write_both(figure, path)
+    write(figure, path)
+    return path
 
 
 def draw_tissues(path: Path) -> Path:
@@ -103,4 +103,5 @@ def draw_tissues(path: Path) -> Path:
             parameters = preset("published").changed(given | changes)
             draw_frame(panel, simulate(parameters, 0, throw=False).final, parameters)
             panel.set_title(name, pad=18.0)  # above the line on the state
-    return write_both(figure, path)
+    write(figure, path)
+    return path

@@ -9,14 +9,13 @@ import pandas as pd
 from tissue.pictures.bias import bias_chart
 from tissue.pictures.charts import CHART_STYLE, WIDTH
 from tissue.pictures.picture import box_of, draw_frame
-from tissue.pictures.sheet import Figure, style
+from tissue.pictures.sheet import Figure, style, write
 from tissue.runs.simulate import simulate
 from tissue.study.elimination import AND
 from tissue.study.plan import load_study, run_seeds
 from tissue.study.question import asked
 from tissue.study.simplifications import simplified
 from verification.beyond.needs.questions import QUESTIONS
-from verification.page.telephones import write_both
 
 SIDES, AROUND = 1.5, 1.2  # inches: beside both panels; above and below them
 DPI = 120  # many discs make large files
@@ -46,9 +45,11 @@ def draw_tissues(name: str, answer: str, path: Path) -> Path:
         for panel, (title, parameters), frame in zip(panels, models.items(), frames, strict=True):
             draw_frame(panel, frame, parameters, box)
             panel.set_title(title, pad=18.0)  # above the line on the state
-    return write_both(figure, path)
+    write(figure, path)
+    return path
 
 
 def draw_models(table: pd.DataFrame, tolerance: float, unit: str, answer: str, path: Path) -> Path:
     """Draw bias against cost; arguments as in ``bias_chart``."""
-    return write_both(bias_chart(table, tolerance, unit, answer), path)
+    write(bias_chart(table, tolerance, unit, answer), path)
+    return path

@@ -8,11 +8,10 @@ from typing import Any
 import pandas as pd
 
 from tissue.pictures.charts import CHART_STYLE, legend, page
-from tissue.pictures.sheet import Line2D, Patch, style
+from tissue.pictures.sheet import Line2D, Patch, style, write
 from verification.beyond.curved.figures import draw_sides
 from verification.beyond.space.growth import ALL, SOME
 from verification.beyond.space.isolated import SLICES, TISSUES
-from verification.page.telephones import write_both
 
 HEIGHT = 4.0  # inches
 LOOKS = {
@@ -57,7 +56,8 @@ def draw_growth(growth: pd.DataFrame, path: Path) -> Path:
             panel.set(xlabel="time [h]", title=f"both daughters stay: {part}")
         panels[0].set_ylabel("height / height at the start")
         legend(figure, entries)
-    return write_both(figure, path)
+    write(figure, path)
+    return path
 
 
 def draw_isolated(ratios: pd.DataFrame, path: Path) -> Path:

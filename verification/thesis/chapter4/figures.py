@@ -16,7 +16,6 @@ from tissue.study.plan import TissueStudy
 from tissue.study.read import Results
 from verification.page.context import Context
 from verification.page.parts import Picture
-from verification.page.telephones import write_both
 from verification.thesis.chapter4 import kept, studies
 from verification.thesis.chapter4.beside import COLUMNS
 
@@ -98,7 +97,5 @@ def drawn(
     path.parent.mkdir(parents=True, exist_ok=True)
     sources = by_preset({name: Results(folder) for name, folder in where.items()}, complete)
     figure = of_presets(FIGURES[number], {preset: sources[preset] for preset in presets})
-    if number not in EXAMPLES:
-        return write_both(figure, path)
     write(figure, path)
     return path
