@@ -1,6 +1,5 @@
 """The pages about extensions: their Python runs, what they mention exists, and no page is left out."""
 
-import importlib
 import re
 
 import pytest
@@ -34,9 +33,3 @@ def test_files_and_names_exist(page):
     names = [words for words in named if re.fullmatch(r"\w+(\.\w+)+", words) and words.split(".")[0] in PACKAGES]
     assert [words for words in files if not (ROOT / words).exists() and not words.startswith("report/")] == []
     assert [words for words in names if not resolves(words)] == []
-
-
-def test_names_of_modules_that_are_run_resolve():
-    for page in PAGES:
-        for module in re.findall(r"`python -m ([\w.]+)", page.read_text("utf-8")):
-            assert importlib.util.find_spec(module), module

@@ -6,7 +6,7 @@ import pytest
 
 import tissue
 from dincl.errors import InvalidProblem
-from tests.pages import ROOT, blocks, play
+from tests.pages import ROOT, play
 from tissue.plugins import registry
 from tissue.quasi_steady.run import simulate_quasi_steady
 
@@ -21,12 +21,6 @@ def found(tmp_path_factory):
     """What the page leaves; at the end nothing is registered."""
     yield play(PAGE, tmp_path_factory.mktemp("own_force"))
     registry(tissue.Force).clear()
-
-
-def test_the_module_is_short():
-    (module,) = blocks(TEXT, "py")
-    lines = [line for line in module.splitlines() if line.strip()]
-    assert 10 <= len(lines) <= 30
 
 
 def test_the_force_is_right_and_a_wrong_sign_is_seen(found):

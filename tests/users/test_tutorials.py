@@ -6,23 +6,12 @@ import pytest
 
 import tissue
 from docs.building import notebooks
-from docs.building.shown import is_notebook
 from tests.optional import need_module
-from tests.pages import ROOT, blocks, links, play
+from tests.pages import ROOT, blocks, play
 from tissue.study.comparing import planned_answers
 from verification.claims import Verdict
 
 PAGES, HOW_TO = ROOT / "docs" / "tutorials", ROOT / "docs" / "howto"
-# Those that have a file of tests.
-APART = {
-    f"{name}.md"
-    for name in ("own_problem", "own_scheme", "moving_sets", "cell_types", "own_event", "own_force", "space")
-}
-HERE = {f"{name}.md" for name in ("first_steps", "solve", "claims", "meanfield", "tissue", "emt_study", "simplify")}
-
-
-def test_every_notebook_is_run():
-    assert {page.name for page in (ROOT / "docs").rglob("*.md") if is_notebook(page)} == HERE | APART
 
 
 @pytest.mark.slow
@@ -118,8 +107,3 @@ def test_solve(tmp_path):
     words = play(PAGES / "solve.md", tmp_path)["printed"]
     wanted = ("SUCCESS", "LinearisedCatchUp", "contact, particle", "smaller dt")
     assert [word for word in wanted if word not in words] == []
-
-
-@pytest.mark.parametrize("page", sorted((ROOT / "docs").rglob("*.md")), ids=lambda path: path.name)
-def test_links_are_there(page):
-    assert [path for path in links(page) if not path.exists()] == []

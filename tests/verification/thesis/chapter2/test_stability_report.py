@@ -46,7 +46,6 @@ def test_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     write_report([stability.CHAPTER], Context(tmp_path, False, Here(), STABILITY))
     page = (tmp_path / "failures.html").read_text("utf-8")
     assert "3 failures that theory predicts" in page
-    assert page.count("<img") == len(names) + 2
 
 
 def _nothing_runs(*_: object) -> None:

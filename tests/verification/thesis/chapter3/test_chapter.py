@@ -18,13 +18,6 @@ from verification.thesis.chapter3.sections import page as chapter
 
 pytestmark = pytest.mark.slow
 
-NAMES = [
-    "How exact and how fast are substeps?",
-    "How long can nuclei be predicted?",
-    "At which damping does the height double?",
-    "At which step do substeps become unstable?",
-    "How long does a substep take?",
-]
 PARTS = (substeps.PART, predicted.PART, growth.PART, stability.PART, kernel.PART)
 
 
@@ -40,11 +33,8 @@ def made(tmp_path_factory):
     return (out / "tissue.html").read_text("utf-8"), context
 
 
-def test_the_page_has_all_sections_and_says_what_the_tables_say(made):
+def test_the_page_says_what_the_tables_say(made):
     page, context = made
-    for name in NAMES:
-        assert f">{name}</h2>" in page
-    assert page.count("<img") == 6
     assert not re.search(r"\bnan\b", page)
     tables = context.tables
     for order in tables["tissue_orders"]["order"]:

@@ -23,9 +23,7 @@ from verification.thesis.chapter4 import (
 from verification.thesis.chapter4.beside import COLUMNS, LABELS, beside, printed, ranked, with_ratios
 from verification.thesis.chapter4.claims import s4_1_isolated
 from verification.thesis.chapter4.figures import CHECKED, Pictures
-from verification.thesis.chapter4.questions import ANSWERS as ANSWERED
 from verification.thesis.chapter4.questions import QUESTIONS, answered
-from verification.thesis.chapter4.sections import sections
 
 TABLES = {name: kept.read(name) for name in kept.COMPLETE}
 BASAL = TABLES["ratios"][TABLES["ratios"]["what"] == "basal"].set_index(["study", "scenario"])
@@ -65,16 +63,6 @@ def test_figures_are_drawn_of_complete_tables_where_those_have_what_is_needed(tm
         assert bool(where) == (number in from_runs or (number in CHECKED and not full))
         assert bool(tables) != (full and number in from_runs)
     assert full or "from 256 runs of this page" in captions[0]
-
-
-@pytest.mark.slow
-def test_each_section_ends_with_what_follows(tmp_path):
-    context = Context(tmp_path, False, Noted(), tables=kept.tables() | {ANSWERED: answers()})
-    ratios = TABLES["ratios"]
-    context.tables["emt_ratios"] = ratios[ratios["study"].isin(studies.SHORT.replicates)]
-    for section in sections(context):
-        assert section.parts[-1].html.startswith("It follows that"), section.title
-        assert section.parts[-1].html.count("It follows") == 1
 
 
 def test_presets_stand_beside_each_other():
@@ -195,13 +183,6 @@ def test_what_makes_a_ratio_agree_is_told():
     assert not any(one["makes"] for one in found if not one["agrees"])
     largest = [told[name]["largest"][0] for name in ("[A] leaves basally", "[B] without INM leaves basally")]
     assert largest == ["energy of the cytoskeleton +28 [+26, +29]", "energy of the cytoskeleton +58 [+56, +60]"]
-
-
-def test_the_answers_and_the_differences_are_in_words():
-    shown = section_differences.answers(section_differences.found(TABLES["changed"], TABLES["effects"]))
-    assert list(shown["Printed"]) == ["30 %", "10 %", "60 %", "0 %", "20 %", "70 %"]
-    assert list(shown.iloc[:, 3]) == ["needs none", "none", "none", "needs none", "none", "none"]
-    assert list(section_differences.meanings()["Difference"]) == [*differences.ROWS, effects.COUNTING]
 
 
 def test_the_correction_of_the_printed_ratios_has_the_effects_of_the_table():
