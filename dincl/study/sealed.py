@@ -72,11 +72,6 @@ def read_sealed(path: Path) -> pd.DataFrame:
         raise DamagedTable(path, f"it cannot be read: {str(error).strip()}") from error
 
 
-def is_sealed(path: Path) -> bool:
-    """Return whether a table was written with a checksum."""
-    return _checksum_in(path.read_bytes()) is not None
-
-
 def _checksum_in(data: bytes) -> bytes | None:
     """Find the checksum that a file states; the metadata are at its end, behind any text of the table."""
     found = FIELD.findall(data)

@@ -1,7 +1,4 @@
-"""The tables that come with the repository: what each was made by, and what has changed since.
-
-``python -m verification.page.kept`` adds its checksum to each table that has none.
-"""
+"""Tables that come with the repository: what each was made by, and what has changed since."""
 
 from __future__ import annotations
 
@@ -15,7 +12,7 @@ import pandas as pd
 from dincl.extras import tables_of_studies
 from dincl.provenance import provenance
 from dincl.study import Table
-from dincl.study.sealed import is_sealed, read_sealed, write_sealed
+from dincl.study.sealed import read_sealed
 from dincl.study.table import ATTRIBUTE
 
 MAKES_NO_NUMBERS = True
@@ -56,23 +53,6 @@ def files() -> list[Path]:
     return sorted(DATA.glob("*.parquet"))
 
 
-def all_changes() -> dict[str, list[str]]:
-    """Return ``changes`` of each kept table, by its name."""
-    return {file.stem: changes(file) for file in files()}
-
-
-def seal() -> list[Path]:
-    """Add its checksum to each table that has none, as those of before; returns the files."""
-    without = [file for file in sorted(DATA.rglob("*.parquet")) if not is_sealed(file)]
-    for file in without:
-        write_sealed(read_sealed(file), file)
-    return without
-
-
 def _module(main: Callable[..., None]) -> str:
     spec = sys.modules[main.__module__].__spec__
     return main.__module__ if spec is None else spec.name
-
-
-if __name__ == "__main__":
-    print(*seal(), sep="\n")

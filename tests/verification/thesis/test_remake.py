@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from verification.page.kept import all_changes, files
+from verification.page.kept import changes, files
 from verification.thesis import remake, studies
 
 BEFORE = pd.DataFrame({"method": ["PBD", "PBD", "XPBD"], "error": [1.0, 2.0, np.nan], "seconds": [1.0, 1.0, 1.0]})
@@ -33,7 +33,7 @@ def test_rows_that_came_or_went_are_counted_and_the_others_paired() -> None:
 
 @pytest.mark.slow
 def test_what_the_present_code_made_is_left() -> None:
-    stale = {name for name, lines in all_changes().items() if lines}
+    stale = {file.stem for file in files() if changes(file)}
     named = {name for names, _ in remake.commands(Path("folder")) for name in names.split(", ")}
     assert named == stale | {f"studies of {name}" for name in studies.NAMES}
     assert stale <= {file.stem for file in files()}
