@@ -1,4 +1,4 @@
-"""Environments made from a wheel: what pip installs for an extra, how large it is, and what a stranger runs there."""
+"""Environments made from a wheel: what pip installs for an extra, and what a stranger runs there."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ import shutil
 import subprocess
 import sys
 import tomllib
-from collections.abc import Iterable
 from pathlib import Path
 
 from packaging.requirements import Requirement
@@ -69,22 +68,9 @@ def run(command: list[object], cwd: Path) -> str:
     return done.stdout
 
 
-def installed(python: str, extra: str, wheel: Path, folder: Path, *others: Path) -> tuple[Path, float]:
-    """Make an environment with the wheel, an extra ("": none) and other wheels; return its commands and size [MB]."""
+def installed(python: str, extra: str, wheel: Path, folder: Path, *others: Path) -> Path:
+    """Make an environment with the wheel, an extra ("": none) and other wheels; return the folder of its commands."""
     run([python, "-m", "venv", folder / "venv"], cwd=folder)
-    (packages,) = (folder / "venv/lib").glob("python*/site-packages")
-    before = size(packages)
     what = f"dincl-testbed[{extra}] @ {wheel.as_uri()}" if extra else f"dincl-testbed @ {wheel.as_uri()}"
     pip(folder / "venv/bin/python", "install", "--constraint", ROOT / "requirements.lock", what, *others)
-    return folder / "venv/bin", size(packages) - before
-
-
-def size(folder: Path) -> float:
-    """Return the size on the disk [MB]; what has several names counts once."""
-    return size_of(folder.rglob("*"))
-
-
-def size_of(files: Iterable[Path]) -> float:
-    """Return the size of some files on the disk [MB]."""
-    found = [file.stat() for file in files if file.exists() and not file.is_symlink()]
-    return sum({one.st_ino: one.st_blocks for one in found}.values()) * 512 / 2**20
+    return folder / "venv/bin"

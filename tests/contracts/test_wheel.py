@@ -9,11 +9,9 @@ import tomllib
 import zipfile
 from pathlib import Path
 
-import pandas as pd
 import pytest
 import yaml  # comes with bokeh
 
-from tests import installed_sizes
 from tests.installing import (
     BESIDE,
     LEFTOVERS,
@@ -33,7 +31,6 @@ from tests.optional import need_rendering
 PYTHONS = ("3.11", "3.12", "3.13")
 FILES = ("pyproject.toml", f"{TABLES}/pyproject.toml")
 LARGEST = {"packages": 2e6, "tables": 4.5e6}  # bytes
-SIZES = pd.read_csv(installed_sizes.FILE, index_col="installed")["megabytes"]
 CORE = """
 import dincl, meanfield, tissue, verification
 
@@ -239,9 +236,8 @@ def test_the_wheel_says_what_it_is(wheel):
 
 @pytest.mark.xslow
 @pytest.mark.parametrize("version", PYTHONS)
-def test_the_core_is_small_and_runs_outside_of_the_tree(version, wheel, folder):
-    commands, megabytes = installed(interpreter(version), "", wheel, folder)
-    assert megabytes == pytest.approx(SIZES[installed_sizes.CORE], rel=0.15)
+def test_the_core_runs_outside_of_the_tree(version, wheel, folder):
+    commands = installed(interpreter(version), "", wheel, folder)
     assert run([commands / "python", "-c", CORE], cwd=folder) == "SUCCESS (1, 10, 2)\n"
     said = subprocess.run([commands / "tissue", "--help"], capture_output=True, text=True, check=False)
     assert (said.returncode, "pip install '.[tissue]'" in said.stderr) == (2, True)
@@ -253,18 +249,17 @@ def test_every_extra_for_users_is_installed_alone():
 
 @pytest.mark.xslow
 @pytest.mark.parametrize("extra", EXTRAS)
-def test_an_extra_alone_is_as_large_as_measured_and_does_what_it_is_for(extra, wheel, folder):
+def test_an_extra_alone_does_what_it_is_for(extra, wheel, folder):
     if extra == "views":
         need_rendering()
-    commands, megabytes = installed(sys.executable, extra, wheel, folder)
+    commands = installed(sys.executable, extra, wheel, folder)
     (folder / "program.py").write_text(EXTRAS[extra])
     run([commands / "python", "program.py"], cwd=folder)
-    assert megabytes == pytest.approx(SIZES[extra], rel=0.05)
 
 
 @pytest.mark.xslow
 def test_the_claims_are_decided_from_the_tables(wheels, folder):
-    commands, _ = installed(sys.executable, "thesis", wheels[0], folder)
+    commands = installed(sys.executable, "thesis", wheels[0], folder)
     claims = [commands / "verification", "claims", "--chapter", "2"]
     said = subprocess.run(claims, cwd=folder, capture_output=True, text=True, check=False)
     assert (said.returncode, "needs dincl-testbed-data" in said.stderr) == (2, True)
@@ -275,7 +270,7 @@ def test_the_claims_are_decided_from_the_tables(wheels, folder):
 @pytest.mark.xslow
 @pytest.mark.parametrize("version", PYTHONS)
 def test_every_package_and_command_runs_outside_of_the_tree(version, wheel, folder):
-    commands, _ = installed(interpreter(version), "all", wheel, folder)
+    commands = installed(interpreter(version), "all", wheel, folder)
     for program in PROGRAMS.values():
         run([commands / "python", "-c", program], cwd=folder)
     for name in ("tissue", "verification"):
