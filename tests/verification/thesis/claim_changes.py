@@ -8,6 +8,9 @@ from typing import Any, NamedTuple
 import pytest
 
 from verification.claims import Claim, Evidence, Verdict
+from verification.thesis.register import register
+
+CLAIMS = {claim.id: claim for claim in register()}
 
 Change = Callable[[Any], Any]
 

@@ -100,7 +100,7 @@ def short_context(*arguments: Any, complete: object = None, **options: Any) -> C
 
 
 def few_claims() -> tuple[Claim, ...]:
-    """Those that read tables, and some of the others; tests/verification/thesis/chapter*/test_claims*.py decide all."""
+    """Those that read tables, and some of the others; test_claims.py decides all."""
     few = [claim for number, claim in enumerate(CLAIMS) if claim.needs or number % 16 == 0 or claim.id in KEPT]
     names = {claim.id for claim in few}
     return tuple(replace(claim, rests_on=tuple(names.intersection(claim.rests_on))) for claim in few)

@@ -1,4 +1,4 @@
-"""The register: every claim says what it states, how it came out and why; its tables exist."""
+"""The register: each claim is complete, has the recorded verdict, and another one if an ingredient is wrong."""
 
 from dataclasses import replace
 from importlib import import_module
@@ -9,12 +9,42 @@ import pytest
 import verification.thesis
 from dincl import InvalidProblem
 from dincl.provenance import closure
+from tests.verification.thesis.chapter1.test_claims import CHANGES as CHANGES1
+from tests.verification.thesis.chapter2.test_claims import CHANGES as CHANGES2
+from tests.verification.thesis.chapter2.test_claims import RIGHT
+from tests.verification.thesis.chapter3.test_claims import CHANGES as CHANGES3
+from tests.verification.thesis.chapter3.test_claims import FOUND
+from tests.verification.thesis.chapter4.test_claims import CHANGES as CHANGES4
+from tests.verification.thesis.chapter5.test_claims import CHANGES as CHANGES5
+from tests.verification.thesis.claim_changes import CLAIMS, decided
+from tests.verification.thesis.emt_tables import KEPT
 from verification.claims import Claim, Effect, Verdict
 from verification.page.chapters import CHAPTERS
 from verification.thesis import register
 from verification.thesis.chapter1.claims import s1_1_newton
 
-CLAIMS = {claim.id: claim for claim in register.register()}
+CHANGES = CHANGES1 | CHANGES2 | CHANGES3 | CHANGES4 | CHANGES5
+SLOW = ("c1.mazur", "c1.neither", "c3.slice", "c3.diffusion", "c3.stopping", "c3.part-way", "c3.accumulation")
+SLOW += ("c4.pulled-back", "c5.velocity", "c5.globally-lipschitz", "c5.independent", "c5.differentiable-flow")
+SLOW_CHANGES = ("c2.linear-runtime", "c3.inm", "c3.apical-mitosis", "c3.last-hour", "c3.pushing", "c3.phases")
+SLOW_CHANGES += ("c3.passive-springs", "c3.part-way", "c3.accumulation")
+SLOW_CHANGES += ("c4.pulled-back", "c5.independent", "c5.differentiable-flow")
+
+
+@pytest.mark.slow_with(*SLOW)
+@pytest.mark.parametrize("name", CLAIMS)
+def test_the_verdict_is_the_recorded_one(name: str) -> None:
+    claim = CLAIMS[name]
+    found = claim.decide(RIGHT.get(name) or (FOUND if name.startswith("c3.") else KEPT))
+    assert claim.verdict(found) is claim.recorded, found.measured
+    assert found.measured
+
+
+@pytest.mark.slow_with(*SLOW_CHANGES)
+@pytest.mark.parametrize("name", CHANGES)
+def test_a_wrong_ingredient_changes_the_verdict(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    found = decided(CLAIMS[name], CHANGES[name], monkeypatch)
+    assert found.verdict is CHANGES[name].verdict is not CLAIMS[name].recorded, found.measured
 
 
 def test_every_file_with_claims_is_in_the_register() -> None:

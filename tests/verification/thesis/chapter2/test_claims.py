@@ -1,24 +1,16 @@
-"""Chapter 2 and the s1_conclusions: a wrong ingredient changes the verdict of its claim."""
+"""Chapter 2 and the conclusions: tables that checks read, and wrong ingredients."""
 
 import pandas as pd
-import pytest
 
 import dincl
-from tests.verification.thesis.claim_changes import Wrong, decided, replaced, times
-from verification.claims import Verdict, stated_in
+from tests.verification.thesis.claim_changes import CLAIMS, Wrong, replaced, times
+from verification.claims import Verdict
 from verification.thesis.chapter2.claims import (
     s1_methods,
-    s2_2_method,
-    s2_4_algorithm,
-    s3_consistency,
-    s4_1_numerics,
-    s4_3_penalty,
 )
 from verification.thesis.chapter2.discs import separated
 from verification.thesis.conclusions.claims import s1_conclusions
 
-PARTS = (s1_methods, s2_2_method, s2_4_algorithm, s3_consistency, s4_1_numerics, s4_3_penalty, s1_conclusions)
-CLAIMS = {claim.id: claim for part in PARTS for claim in stated_in(part)}
 Tables = dict[str, pd.DataFrame]
 
 
@@ -134,19 +126,6 @@ RIGHT: dict[str, Tables] = {
     "c2.a-priori": best(1.5, stronger=2.0),
     "c2.margin": best(1.5),
 }
-
-
-@pytest.mark.parametrize("name", CLAIMS)
-def test_a_claim_comes_out_as_recorded(name: str) -> None:
-    evidence = CLAIMS[name].decide(RIGHT.get(name, {}))
-    assert CLAIMS[name].verdict(evidence) is CLAIMS[name].recorded, evidence
-
-
-@pytest.mark.slow_with("c2.linear-runtime")
-@pytest.mark.parametrize("name", CHANGES)
-def test_a_wrong_ingredient_changes_the_verdict(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    evidence = decided(CLAIMS[name], CHANGES[name], monkeypatch)
-    assert evidence.verdict is CHANGES[name].verdict is not CLAIMS[name].recorded, evidence
 
 
 def test_the_margin_is_told_and_does_not_decide() -> None:

@@ -1,21 +1,13 @@
-"""Chapter 5: a wrong value in what a check reads changes its verdict, and the rig under the checks is right."""
+"""Chapter 5: wrong values in what checks read, and the rig under the checks is right."""
 
 from collections.abc import Callable
-from importlib import import_module
-from pkgutil import iter_modules
 from typing import Any
 
 import numpy as np
-import pytest
 
-from tests.verification.thesis.claim_changes import Change, Wrong, decided, replaced, times
-from verification.claims import Verdict, stated_in
-from verification.thesis.appendix.claims import s2_derivation
-from verification.thesis.chapter5 import claims
+from tests.verification.thesis.claim_changes import Change, Wrong, replaced, times
+from verification.claims import Verdict
 from verification.thesis.chapter5.instant import Instant, general_instant, kinetic, potential
-
-MODULES = (*(import_module(one.name) for one in iter_modules(claims.__path__, f"{claims.__name__}.")), s2_derivation)
-CLAIMS = {claim.id: claim for module in MODULES for claim in stated_in(module)}
 
 
 def disturbed(**by: float) -> Change:
@@ -87,23 +79,6 @@ CHANGES: dict[str, Wrong] = {
     "c5.future-interaction": Wrong("chapter5.s3_4_estimate", "force", replaced(lambda at: float(at.w @ at.X)), TRUE),
     "c5.samples": Wrong("chapter5.s3_5_convergence", "draws", backwards),
 }
-
-
-@pytest.mark.slow_with("c5.velocity", "c5.globally-lipschitz", "c5.independent", "c5.differentiable-flow")
-@pytest.mark.parametrize("name", CLAIMS)
-def test_the_verdict_is_the_recorded_one(name: str) -> None:
-    claim = CLAIMS[name]
-    evidence = claim.decide({})
-    assert claim.verdict(evidence) is claim.recorded, evidence.measured
-    assert (claim.correction is not None) == (claim.recorded is Verdict.CORRECTED)
-
-
-@pytest.mark.slow_with("c5.independent", "c5.differentiable-flow")
-@pytest.mark.parametrize("name", CHANGES)
-def test_a_wrong_value_changes_the_verdict(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    wrong = CHANGES[name]
-    evidence = decided(CLAIMS[name], wrong, monkeypatch)
-    assert evidence.verdict is wrong.verdict is not CLAIMS[name].recorded, evidence.measured
 
 
 def test_the_rig_moves_on_the_constraint_and_keeps_the_energy() -> None:
