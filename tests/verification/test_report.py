@@ -49,7 +49,7 @@ SECTIONS = [
     "Which methods stand large steps?",
     AGAIN,
     "Choose a scene, an error and a cost",
-    "Which method is the cheapest?",
+    "Six chosen scenes: which method is the cheapest?",
     "Up to how many discs does the event-driven scheme pay?",
     *(f"Speed against accuracy: {make().title.lower()}" for make in SCENES.values()),
     decisions.TITLE,
