@@ -150,7 +150,10 @@ NUMBERS = Plane(
 )
 CASES = (
     Case(
-        "collapse", "A thousand attracted discs, one sweep", "one sweep does not carry dt R²/2: it collapses", _collapse
+        "collapse",
+        "A thousand attracted discs, one sweep",
+        "one sweep does not carry the load dt R²/2: the heap collapses",
+        _collapse,
     ),
     *(
         Case(
