@@ -10,6 +10,7 @@ import numpy as np
 from verification.beyond.decisions import profile, promise, study, tree
 from verification.beyond.decisions.scenes import MOST_PARTICLES
 from verification.beyond.decisions.study import AUTO, NO_REFERENCE
+from verification.instruments.cheapest import LEAST_SPREAD
 from verification.page.columns import headed, read_columns
 from verification.page.context import Context
 from verification.page.parts import Follows, Grid, Picture, Section, Text
@@ -64,9 +65,8 @@ def _said(context: Context) -> dict[str, str]:
         judged=len(judged),
         compared=by_time[0]["scenes"],
         by_time=by_time,
-        tie=profile.LEAST_SPREAD,
-        usually=max(by_time, key=lambda row: row[f"{profile.LEAST_SPREAD:g}"]),
-        within=f"{profile.LEAST_SPREAD:g}",
+        usually=max(by_time, key=lambda row: row[f"{LEAST_SPREAD:g}"]),
+        within=f"{LEAST_SPREAD:g}",
         patience=study.PATIENCE,
         longest=study.LONGEST,
         kept=next(context.tables["decisions_promise"].iloc[:1].itertuples()),
