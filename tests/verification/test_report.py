@@ -48,8 +48,9 @@ SECTIONS = [
     "Do discs overlap less with PBD than with the best penalty method?",
     "Which methods stand large steps?",
     AGAIN,
+    decisions.PROFILE,
     "Choose a scene, an error and a cost",
-    "Which method is the cheapest?",
+    "Six chosen scenes: which method is the cheapest?",
     "Up to how many discs does the event-driven scheme pay?",
     *(f"Speed against accuracy: {make().title.lower()}" for make in SCENES.values()),
     decisions.TITLE,
@@ -98,7 +99,7 @@ SECTIONS = [
     *TITLES.values(),
 ]
 # With the cards of the first page.
-IMAGES = 58 + 7 + 1 + 2 * len(page_needs.answered()) + MEANFIELD_PICTURES
+IMAGES = 59 + 7 + 1 + 2 * len(page_needs.answered()) + MEANFIELD_PICTURES
 LARGEST = 3e6  # bytes of a page, the script of its charts included
 
 
