@@ -6,7 +6,7 @@
 #   make numba-range      run the tests of kernels with the oldest and the newest numba that pyproject.toml allows
 #   make lint             check style, format, imports and types
 #   make docs             write the documentation to site/index.html, with the outputs of its tutorials
-#   make kept             rerun all tables that ship, say what differs, and write it into the pages (resumes)
+#   make kept             rerun all tables that ship, and say what differs (resumes)
 #   make bench            measure steps of PBD, projections and substeps of a tissue on this machine
 #   make everything       install what all targets need, and what tests are skipped without
 #   make dist             build the wheels and source archives of the last commit into dist/, and check them
@@ -54,8 +54,6 @@ docs: .venv/docs
 
 kept: .venv/all
 	$(ONE_THREAD) $(BIN)/python -m verification.thesis.remake build/kept
-	$(BIN)/python -m verification.thesis.results
-	$(BIN)/python -m verification.beyond.chart.advice
 
 bench: .venv/thesis
 	$(BIN)/python -m verification.thesis.bench

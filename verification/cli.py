@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from pathlib import Path
 from typing import Annotated
@@ -140,7 +141,8 @@ def stability(full: Full = False, out: Out = Path("report")) -> None:
         shown.add_column(name)
     for row in context.tables["stability_verdicts"].itertuples():
         agrees = "[green]yes[/]" if row.agrees else "[red]no[/]"
-        shown.add_row(row.title, row.theory, f"{row.expected:.5g}", f"{row.found:.5g}", agrees)
+        numbers = [f"{value:.5g}" if math.isfinite(value) else "" for value in (row.expected, row.found)]
+        shown.add_row(row.title, row.theory, *numbers, agrees)
     Console().print(shown)
     print(f"tables in {context.folder}, figures in {out / 'figures'}")
 

@@ -73,7 +73,7 @@ class MidpointCatchUp(CatchUp):
     dt
         Step [time].
     projection
-        Computes the nearest point of S~, e.g. ``Daqp(tol=1e-9)`` or, for many particles, ``ProjectedNewton(tol=1e-7)``.
+        Computes the nearest point of S~, e.g. ``ActiveSet(tol=1e-9)``.
         To keep order 2, tol = O(dt^3). For x^ the geometric mean of tol and the length of the move is good enough.
     """
 

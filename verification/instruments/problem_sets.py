@@ -55,17 +55,9 @@ class WorkPrecisionSet(Result):
     def profile(self, target: float = TARGET, error: str = "", cost: str = "cpu_seconds") -> pd.DataFrame:
         """Return performance profiles: the ``share`` of problems that a method solves within ``ratio`` of the best.
 
-        rho_m(r) = |{p : cost_pm <= r min_k cost_pk}| / |{p}|; rows are the ratios where a share changes. Source: Dolan
-        and Moré, Benchmarking optimization software with performance profiles, Math. Program. 91 (2002), (2.1).
+        See ``profiles``.
         """
-        costs = self.costs(target, error, cost)
-        ratios = costs.div(costs.min(axis=1), axis=0)
-        rows = [
-            {"method": method, "ratio": ratio, "share": (ratios[method] <= ratio).sum() / max(len(costs), 1)}
-            for method in costs
-            for ratio in [1.0, *np.sort(ratios[method].dropna().unique())]
-        ]
-        return pd.DataFrame(rows, columns=["method", "ratio", "share"]).drop_duplicates(ignore_index=True)
+        return profiles(self.costs(target, error, cost))
 
     def means(self, target: float = TARGET, error: str = "", cost: str = "cpu_seconds") -> pd.DataFrame:
         """Return the shifted geometric mean of each method's costs, over that of the best method, and its failures.
@@ -111,6 +103,21 @@ class WorkPrecisionSet(Result):
         for chart in self.charts.values():
             looks |= chart.looks
         return looks
+
+
+def profiles(costs: pd.DataFrame) -> pd.DataFrame:
+    """Return performance profiles of costs: one row a problem, one column a method, NaN where it is not solved.
+
+    rho_m(r) = |{p : cost_pm <= r min_k cost_pk}| / |{p}|; rows are the ratios where a share changes. Source: Dolan
+    and Moré, Benchmarking optimization software with performance profiles, Math. Program. 91 (2002), (2.1).
+    """
+    ratios = costs.div(costs.min(axis=1), axis=0)
+    rows = [
+        {"method": method, "ratio": ratio, "share": (ratios[method] <= ratio).sum() / max(len(costs), 1)}
+        for method in costs
+        for ratio in [1.0, *np.sort(ratios[method].dropna().unique())]
+    ]
+    return pd.DataFrame(rows, columns=["method", "ratio", "share"]).drop_duplicates(ignore_index=True)
 
 
 def names_of(problems: Sequence[object] | Mapping[str, object]) -> dict[str, object]:

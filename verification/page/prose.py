@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
 from decimal import ROUND_CEILING, Decimal
 from functools import cache
 from pathlib import Path
@@ -31,26 +30,6 @@ def fill(template: Path, **values: Any) -> dict[str, str]:
     made = _environment(template.parent).get_template(template.name)
     context = made.new_context(values)
     return {name: " ".join("".join(block(context)).split()) for name, block in made.blocks.items()}
-
-
-def text_page(template: Path, filters: Mapping[str, Callable[..., str]], **values: Any) -> str:
-    """Return a page of plain text, such as Markdown, from a template; lines that only steer it leave no trace.
-
-    Raises
-    ------
-    jinja2.UndefinedError
-        If the template uses a value that is not given.
-    """
-    made = Environment(
-        loader=FileSystemLoader(template.parent),
-        autoescape=False,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
-    made.filters |= filters
-    return made.get_template(template.name).render(**values)
 
 
 @cache

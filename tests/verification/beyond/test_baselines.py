@@ -106,6 +106,12 @@ def test_nobody_takes_a_spent_budget_for_an_error_of_its_own(scheme):
 
 
 @pytest.mark.parametrize("scheme", [Lsoda(tol=1e-3), Chipmunk(dt=0.1, iterations=10)])
+def test_each_step_of_an_external_program_counts_as_a_call_of_python(scheme):
+    found = dincl.solve(SLIDE, scheme, t=[1.0]).stats
+    assert found.callbacks == found.steps > 0
+
+
+@pytest.mark.parametrize("scheme", [Lsoda(tol=1e-3), Chipmunk(dt=0.1, iterations=10)])
 def test_kept_states_are_joined_by_straight_lines(scheme):
     path = dincl.solve(on_the_floor(), scheme, t=[0.0, 0.1, 0.4])
     assert path([0.0, 0.1, 0.4]) == pytest.approx(path.x, abs=1e-15)

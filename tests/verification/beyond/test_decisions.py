@@ -4,7 +4,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from verification.beyond.decisions import promise, study, tree
+import dincl
+from dincl.schemes.pilots import candidates
+from dincl.study import read_sealed
+from verification.beyond.decisions import profile, promise, study, tree
 from verification.beyond.decisions.scenes import DRIFTS, SETS, scene
 from verification.page.kept import STUDIES
 
@@ -94,3 +97,37 @@ def test_auto_keeps_the_error_on_the_kept_scenes() -> None:
     assert kept["share"] >= promise.WANTED
     judged = promise.judged(table)
     assert len(judged) > 0.8 * len(study.FULL.seeds)
+
+
+def test_a_profile_counts_who_is_the_cheapest_who_ties_and_who_fails() -> None:
+    """Three scenes: PBD alone the cheapest, a tie, and one that only the event-driven scheme solves."""
+    rows = []
+    for seed, seconds in enumerate([(1.0, 2.0, np.inf), (1.0, 1.2, 3.0), (np.inf, np.inf, 1.0)]):
+        about = {"seed": seed, "asked": 5e-4, "setting": 0.1, "status": "SUCCESS"}
+        for name, cost in zip(("PBD", "midpoint catch-up", "event-driven"), seconds, strict=True):
+            error = 1e-4 if np.isfinite(cost) else 1.0
+            rows.append(about | {"method": name, "error": error, "seconds": min(cost, 9.0), "drift_evaluations": 7.0})
+    rows += [about | {"seed": 3, "method": study.NO_REFERENCE, "error": np.nan, "seconds": np.nan}]
+    found = profile.shares(pd.DataFrame(rows)).set_index(["cost", "error", "method"]).sort_index()
+    mine = found.loc["CPU time", "10⁻⁴ to 10⁻³"]
+    assert (mine["scenes"] == 3).all()
+    assert mine.loc["PBD", ["alone", "1.25", "reached"]].tolist() == pytest.approx([1 / 3, 2 / 3, 2 / 3])
+    assert mine.loc["midpoint catch-up", ["alone", "1.25", "2"]].tolist() == pytest.approx([0, 1 / 3, 2 / 3])
+    assert mine.loc["event-driven", ["alone", "1.25", "10"]].tolist() == pytest.approx([1 / 3, 1 / 3, 2 / 3])
+    assert mine.loc["linearised catch-up", "reached"] == 0
+    counted = found.loc["evaluations of the drift", "10⁻⁴ to 10⁻³"]
+    assert (counted["1.25"] == counted["reached"]).all()
+    assert found.loc["CPU time", "10⁻⁵ to 10⁻⁴"]["scenes"].tolist() == [0, 0, 0, 0]
+
+
+@pytest.mark.slow
+def test_work_is_counted_on_the_kept_scenes() -> None:
+    """Evaluations of the drift of all runs that were counted; two runs again."""
+    table = read_sealed(STUDIES / "decisions.parquet")
+    mine = table["method"].isin(profile.LOOKS)
+    assert table.loc[mine, "drift_evaluations"].notna().all()
+    given = scene(1004)
+    for row in table[mine & (table["seed"] == 1004)].groupby("method").head(1).itertuples():
+        method = next(one for one in candidates(given.problem, given.error) if one.label == row.method)
+        made = dincl.solve(given.problem, method.make(row.setting), t=given.t)
+        assert made.stats.drift_evaluations == row.drift_evaluations

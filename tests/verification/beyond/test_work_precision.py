@@ -16,10 +16,12 @@ from verification.beyond.chart import work_precision
 from verification.beyond.chart.references import reference, rows
 from verification.beyond.chart.work_precision import ChartRun, Form
 from verification.instruments.budget import CpuSeconds
+from verification.instruments.charts import made_of
 from verification.instruments.measure import REPEATS
 from verification.instruments.references import Known
 from verification.page import sheet
 from verification.page.context import Context
+from verification.page.kept import STUDIES
 from verification.thesis.chapter2.methods import (
     CATCH_UP_ACTIVE,
     CATCH_UP_DAQP,
@@ -205,16 +207,17 @@ def test_chapter_writes_its_charts_from_its_tables(tmp_path, monkeypatch):
     context = Context(tmp_path, False, Here(), forms)
     chapter.CHAPTER.run(context)
     kept = {"work_references", "work_precision", "work_times", "work_winners", "work_reach"}
-    decided = {"decisions", *(f"decisions_{name}" for name in ("tree", "usual", "judged", "promise"))}
+    decided = {"decisions", *(f"decisions_{name}" for name in ("profile", "tree", "usual", "judged", "promise"))}
     assert context.tables.keys() == kept | decided
     sections = chapter.CHAPTER.sections(context)
-    assert len(sections) == 6
+    assert len(sections) == 7
     parts = [part for section in sections for part in section.parts]
     pictures = [part.path for part in parts if part.kind == "picture"]
-    assert len(pictures) == 2
+    assert len(pictures) == 3
     assert all(Path(path).stat().st_size > 1000 for path in pictures)
     files = {part.file for part in parts if part.kind == "grid"}
-    shown = {"work_precision", "work_reach", "work_times", "work_winners", "decisions_tree", "decisions_promise"}
+    shown = {"work_precision", "work_reach", "work_times", "work_winners"}
+    shown |= {"decisions_profile", "decisions_tree", "decisions_promise"}
     assert files == shown
     assert all((context.folder / f"{name}.csv").is_file() for name in files)
     grids = [part for part in parts if part.kind == "grid" and part.file == "work_winners"]
@@ -225,6 +228,17 @@ def test_chapter_writes_its_charts_from_its_tables(tmp_path, monkeypatch):
     chapter.CHAPTER.run(again)
     for name, table in again.tables.items():
         pd.testing.assert_frame_equal(table, before[name])
+
+
+def test_legends_of_the_charts_that_ship_say_who_calls_python(tmp_path):
+    """Also of methods some of whose settings were left out, which are neither compiled nor not."""
+    context = Context(tmp_path, False, Nowhere(), complete=STUDIES)
+    chapter.CHAPTER.run(context)
+    python = {"lsoda", "chipmunk", "catch_up_ipopt", "midpoint_cg", "midpoint_newton", "moreau_jean_daqp"}
+    python |= {"catch_up_daqp", "linearised_clarabel", "linearised_daqp", "linearised_piqp"}
+    for (_, method), mine in context.tables["work_precision"].groupby(["scene", "method"]):
+        if (mine["status"] == "SUCCESS").any():
+            assert made_of(mine) == (" (calls Python)" if method in python else " (compiled)"), method
 
 
 def test_the_run_of_the_chart_travels_to_other_processes(references):

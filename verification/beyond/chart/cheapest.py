@@ -1,27 +1,21 @@
-"""The cheapest methods on each scene of the report, in tables and in words."""
+"""The cheapest methods on each scene of the report, in tables."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from pathlib import Path
 
-import numpy as np
 import pandas as pd
 
 from verification.beyond.chart.references import SCENES
 from verification.beyond.chart.work_precision import Form, chart
 from verification.instruments.chart import TARGETS, WorkPrecision
-from verification.instruments.cheapest import NOT_TRIED, UNDECIDED, accuracy
+from verification.instruments.cheapest import NOT_TRIED, accuracy
 from verification.instruments.order import MIN_STEPS, estimate, order_text
 from verification.page.parts import number
-from verification.page.prose import fill
 from verification.thesis.chapter2.methods import CHARTED, PBD
 
 SETTINGS = {method.label: method.setting for method in CHARTED}
-PROSE = Path(__file__).parent / "prose"
-# Compared in the summary: the cheapest way to the first error, and that of PBD to the second one.
-FINE, COARSE = 1e-12, 1e-3
 
 
 def times(table: pd.DataFrame, form: Form, targets: Sequence[float] = TARGETS) -> pd.DataFrame:
@@ -81,32 +75,3 @@ def wide(rows: pd.DataFrame) -> pd.DataFrame:
     titles = rows.assign(Scene=[SCENES[name]().title for name in rows["scene"]])
     table = titles.pivot(index="Scene", columns="target", values="cheapest").rename_axis(columns=None)
     return table[sorted(table, reverse=True)].rename(columns=number).reset_index()
-
-
-def against_pbd(rows: pd.DataFrame) -> pd.DataFrame:
-    """Return what the cheapest method needs for the error FINE, and PBD for COARSE, from the table of ``winners``.
-
-    Columns scene, fine, coarse [s], for the scenes where both are reached.
-    """
-    costs = rows.assign(pbd=rows["cost"] * rows["pbd_ratio"]).set_index("scene")
-    fine = costs.loc[costs["target"] == FINE, "cost"]
-    return pd.DataFrame({"fine": fine, "coarse": costs.loc[costs["target"] == COARSE, "pbd"]}).dropna().reset_index()
-
-
-def summary(rows: pd.DataFrame) -> str:
-    """Say how often each method wins, where PBD wins, and what the finest error costs, by the table of ``winners``."""
-    counts = rows["cheapest"].value_counts(sort=True)
-    wins = counts.drop(list(UNDECIDED), errors="ignore")
-    both = against_pbd(rows)
-    both["title"] = both["scene"].map(lambda scene: SCENES[scene]().title.lower())
-    return fill(
-        PROSE / "cheapest_summary.html",
-        pairs=len(rows),
-        decided=wins.sum(),
-        wins=list(wins.items()),
-        own=list(np.unique(rows.loc[rows["cheapest"] == PBD.label, "target"])[::-1]),
-        fine=FINE,
-        coarse=COARSE,
-        both=list(both.itertuples()),
-        **{word.replace(" ", "_"): counts.get(word, 0) for word in UNDECIDED},
-    )["summary"]

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 
@@ -16,15 +14,14 @@ from verification.beyond.chart.references import SCENES
 from verification.beyond.decisions import section as decisions
 from verification.instruments.budget import GRACE, CpuSeconds
 from verification.instruments.chart import TARGETS
-from verification.instruments.cheapest import LEAST_SPREAD, RESOLVED, UNDECIDED, costs
+from verification.instruments.cheapest import LEAST_SPREAD, RESOLVED
 from verification.instruments.measure import BRIEF, REPEATS
-from verification.page import cards
 from verification.page.columns import Columns, headed, read_columns
 from verification.page.context import Context
-from verification.page.parts import Chart, Follows, Grid, HowMeasured, Part, Picture, Section, Text, number
+from verification.page.parts import Chart, Follows, Grid, HowMeasured, Picture, Section, Text, number
 from verification.page.prose import fill
-from verification.page.report import Card, Chapter, Finding
-from verification.thesis.chapter2.methods import EVENT_DRIVEN, LINEARISED_ACTIVE, METHODS, MIDPOINT_ACTIVE, PBD
+from verification.page.report import Chapter, Finding
+from verification.thesis.chapter2.methods import METHODS
 
 COLUMNS = read_columns(Path(__file__).parent / "columns.toml")
 TITLES = COLUMNS["sections"]
@@ -39,12 +36,6 @@ AGAIN = work_precision.Form(
 )
 # Of the question that users ask first: ten discs to this error.
 TEN, MODERATE = "ten_disks_corner", 1e-4
-# Errors up to this one are fine.
-FINE = 1e-6
-# Programs of others, each step of which is called from Python; their counts do not say so.
-OUTSIDE = ("lsoda", "chipmunk")
-# The methods on the first page.
-CARD = (PBD, LINEARISED_ACTIVE, MIDPOINT_ACTIVE, EVENT_DRIVEN)
 PROSE = Path(__file__).parent / "prose"
 
 
@@ -56,20 +47,20 @@ def run(context: Context) -> None:
     references = {name: work_references.reference(known, name) for name in form.scenes}
     study = work_precision.study(references, form)
     table = context.rows_of(study, work_precision.study(references, again), ("setting",))
-    compiled = table["compiled"] & ~table["method"].isin(OUTSIDE)
-    context.tables |= {"work_references": known, STUDY: context.paced(STUDY, table.assign(compiled=compiled))}
+    context.tables |= {"work_references": known, STUDY: context.paced(STUDY, table)}
     context.keep("work_times", cheapest.times(context.tables[STUDY], form))
-    # Who is cheapest does not depend on the machine that reads it; the seconds do.
+    # Who is the cheapest is decided by the times of the complete study; the seconds shown are those of this machine.
     winners = cheapest.winners(table, form)
     context.keep("work_winners", winners.assign(cost=context.pace(STUDY) * winners["cost"]))
-    context.keep("work_reach", reach.table())
+    context.keep("work_reach", reach.ratios())
     decisions.run(context)
 
 
 def sections(context: Context) -> Sequence[Section]:
-    """Write which method is the cheapest, how far the event-driven scheme pays, each scene, which method to take."""
+    """Write how often each method is the cheapest, the chosen scenes and piles, and which method to take."""
     scenes = (_scene(context, name) for name in _form(context).scenes)
-    return [_live(context), _summary(context), _reach(context), *scenes, decisions.section(context)]
+    six = [_live(context), _summary(context), _reach(context), *scenes]
+    return [decisions.profile_section(context), *six, decisions.section(context)]
 
 
 def _named(table: pd.DataFrame, columns: Columns) -> pd.DataFrame:
@@ -107,22 +98,10 @@ def _summary(context: Context) -> Section:
         resolved=RESOLVED,
         budget=_form(context).budget,
         grace=GRACE,
-        fine=FINE,
-        finest=_most_often(winners[winners["target"] <= FINE]),
-        coarsest=_most_often(winners[winners["target"] > FINE]),
     )
     wide = Grid(cheapest.wide(winners), said["wide"], "work_winners")
     texts = [Text(said[name]) for name in ("error", "time", "second_order", "baselines", "references", "limits")]
-    parts: list[Part] = [Follows(said["follows"]), wide, Text(cheapest.summary(winners)), HowMeasured(texts)]
-    return Section(TITLES["cheapest"], parts)
-
-
-def _most_often(winners: pd.DataFrame) -> dict[str, Any]:
-    """Return the method that is most often among the cheapest, where errors are reached."""
-    reached = winners[winners["tied"] != ""]["tied"].str.split("; ")
-    counts = reached.explode().value_counts()
-    name = counts.index[0] if len(counts) else "none"
-    return {"name": name, "count": int(counts.max()) if len(counts) else 0, "of": len(reached)}
+    return Section(TITLES["cheapest"], [Text(said["chosen"]), wide, HowMeasured(texts)])
 
 
 def _reach(context: Context) -> Section:
@@ -150,37 +129,12 @@ def _scene(context: Context, name: str) -> Section:
 
 
 def findings(context: Context) -> Sequence[Finding]:
-    """Say which method is the cheapest, on all scenes and on ten discs to a moderate error."""
+    """Say how often each method is the cheapest on random scenes, and which one is for ten discs."""
     winners = context.tables["work_winners"]
-    alone = winners[~winners["cheapest"].isin(UNDECIDED)]["cheapest"]
     ten = winners[(winners["scene"] == TEN) & (winners["target"] == MODERATE)]
-    said = fill(
-        PROSE / "learned_speed.html",
-        pairs=len(winners),
-        alone=len(alone),
-        own=int((alone == EVENT_DRIVEN.label).sum()),
-        pbd=int((alone == PBD.label).sum()),
-        ten=list(ten.itertuples()),
-        moderate=MODERATE,
-        times=_times_as_long(context.tables[STUDY]),
-    )
-    runs = context.tables[STUDY]
-    mine = runs[(runs["scene"] == TEN) & (runs["status"] == "SUCCESS")]
-    shown = {one.label.removesuffix(" with ActiveSet"): mine[mine["method"] == one.name] for one in CARD}
-    labels = ("CPU time [s]", "largest error, ten discs [length]")
-    picture = context.draw(
-        "card_speed", cards.lines, shown, "cpu_seconds", "largest", labels, [one.colour for one in CARD]
-    )
-    found = [Finding(said[name], TITLES["cheapest"]) for name in ("winners", "ten") if said[name]]
-    return [replace(found[0], card=Card(picture, said["card"], 1)), *found[1:]]
-
-
-def _times_as_long(runs: pd.DataFrame) -> tuple[float, float, float]:
-    """Return how many times as long as the cheapest method PBD takes for ten discs, and the ends of its spread."""
-    found = costs(runs[runs["scene"] == TEN], [MODERATE], "largest", "cpu_seconds").set_index("method")
-    pbd, best = found.loc[PBD.name], found.loc[found["value"].idxmin()]
-    ratio, spread = float(pbd["value"] / best["value"]), float(max(pbd["spread"], best["spread"]))
-    return ratio, ratio / spread, ratio * spread
+    said = fill(PROSE / "learned_speed.html", ten=list(ten.itertuples()))
+    first = Finding(decisions.often(context), decisions.PROFILE, decisions.card(context, place=1))
+    return [first, *([Finding(said["ten"], TITLES["cheapest"])] if said["ten"] else [])]
 
 
 CHAPTER = Chapter(

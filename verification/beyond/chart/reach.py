@@ -51,6 +51,12 @@ def table() -> pd.DataFrame:
     return read_sealed(FILE)
 
 
+def ratios() -> pd.DataFrame:
+    """Return the kept table with the times over the least of their row: seconds belong to the machine of the table."""
+    rows, names = table(), [method.name for method in METHODS]
+    return rows.assign(**rows[names].div(rows[names].min(axis=1), axis=0))
+
+
 def first(rows: pd.DataFrame) -> pd.DataFrame:
     """Return, for each number of discs, the error below which the event-driven scheme is the cheapest, or NaN."""
     found = []
@@ -70,8 +76,6 @@ def said() -> dict[str, str]:
         events=rows["events"].unique(),
         first=[row._replace(target=None if np.isnan(row.target) else row.target) for row in begins.itertuples()],
         least=begins["target"].min(skipna=False),
-        finest=min(TARGETS),
-        last=list(rows[(rows["target"] == min(TARGETS)) & rows["event_driven"].notna()].itertuples()),
         budget=BUDGET,
     )
 

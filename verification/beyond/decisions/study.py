@@ -25,6 +25,7 @@ from verification.instruments.error_norms import distance
 Array = NDArray[np.float64]
 AUTO = "Auto"
 ALONE = "alone: "
+NO_REFERENCE = "no reference"
 # References have at most this part of the error that is asked for, and take at most so many seconds.
 REFERENCE, PATIENCE = 1 / 20, 10.0
 # Ladders: steps grow by this factor from so many on, until a run takes so many seconds or its error is the finest.
@@ -60,7 +61,7 @@ def run(key: Key) -> list[Row]:
     about |= {"end": float(given.t[-1]), "asked": given.error}
     exact = known(given)
     if exact is None:
-        return [about | _row("no reference", np.nan, np.nan, np.nan)]
+        return [about | _row(NO_REFERENCE, np.nan, np.nan, np.nan)]
     methods = candidates(given.problem, given.error)
     rows = [row for method in methods for row in ladder(given, method, exact)]
     enough = [row for row in rows if row["error"] <= given.error]
@@ -130,7 +131,12 @@ def _chosen(given: RandomScene, exact: Array, label: str, methods: Sequence[Cand
     row = _measured(given, exact, label, given.error, choose)
     made = choices[-1]
     stated = float(np.max(made.error)) if made.error is not None else np.nan
-    return row | {"stated": stated, "took": type(made.scheme).__name__ if made.scheme is not None else ""}
+    # How many pilot runs a choice makes depends on times, so its work is not counted.
+    return row | {
+        "drift_evaluations": np.nan,
+        "stated": stated,
+        "took": type(made.scheme).__name__ if made.scheme is not None else "",
+    }
 
 
 def _solve(given: RandomScene, scheme: dincl.Scheme) -> Any:
@@ -138,7 +144,10 @@ def _solve(given: RandomScene, scheme: dincl.Scheme) -> Any:
 
 
 def _measured(given: RandomScene, exact: Array, label: str, setting: float, make: Callable[[], Any]) -> dict[str, Any]:
-    """Return the row of a run: largest error over the output times, CPU time; an infinite error if it failed."""
+    """Return the row of a run: largest error over the output times, CPU time, calls of the drift.
+
+    The error is infinite if the run failed.
+    """
     seconds = np.inf
     for _ in range(2):
         began = time.process_time()
@@ -147,7 +156,8 @@ def _measured(given: RandomScene, exact: Array, label: str, setting: float, make
         if seconds > BRIEF:
             break
     reached = bool(made.status) and len(made.x) == len(given.t)
-    return _row(label, setting, _apart(made.x, exact) if reached else np.inf, seconds) | {"status": made.status.name}
+    row = _row(label, setting, _apart(made.x, exact) if reached else np.inf, seconds)
+    return row | {"drift_evaluations": float(made.stats.drift_evaluations), "status": made.status.name}
 
 
 def _row(method: str, setting: float, error: float, seconds: float) -> dict[str, Any]:
@@ -156,6 +166,7 @@ def _row(method: str, setting: float, error: float, seconds: float) -> dict[str,
         "setting": setting,
         "error": error,
         "seconds": seconds,
+        "drift_evaluations": np.nan,
         "status": "",
         "stated": np.nan,
         "took": "",

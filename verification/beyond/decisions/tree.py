@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from verification.beyond.decisions.study import ALONE, AUTO
+from verification.beyond.decisions.study import ALONE, AUTO, NO_REFERENCE
 from verification.page.parts import number
 
 # Errors that the tree is fitted for, in diameters of the largest disc; it is tried on the error of each scene.
@@ -36,7 +36,7 @@ def costs(table: pd.DataFrame, targets: Sequence[float] = ()) -> pd.DataFrame:
     Without targets, the one of each scene is the error that was asked for. A method reaches a target with the cheapest
     run that has the error, if all finer runs of its ladder have it, too.
     """
-    runs = table[~table["method"].str.startswith((AUTO, ALONE, "no reference"))]
+    runs = table[~table["method"].str.startswith((AUTO, ALONE, NO_REFERENCE))]
     rows = []
     for seed, mine in runs.groupby("seed"):
         first = mine.iloc[0]

@@ -62,6 +62,7 @@ class Kept:
     def outcome(self, failure: StepFailure | None = None) -> dincl.RunOutcome:
         """Return the run so far, and how it ended; a run that kept nothing still has its start."""
         t, x = np.array([0.0, *self._t]), np.array([self._problem.x0, *self._x])
+        self.work.callbacks = self.work.steps  # Python makes each step by a call of the external program.
         first = 1 if self._t else 0
         return dincl.RunOutcome(
             t=t[first:],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -10,7 +11,10 @@ from dincl.study import Key, Row, Study
 
 
 class Found(NamedTuple):
-    """The number of the theory and the number found, whether they agree, and the particulars."""
+    """The number of the theory and the number found, of the same quantity, whether they agree, and the particulars.
+
+    Both are NaN where theory predicts what happens, and no number: see ``happens``.
+    """
 
     expected: float
     found: float
@@ -42,6 +46,11 @@ def within(expected: float, found: float, relative: float, words: str) -> Found:
     """Say whether two numbers agree up to the part ``relative`` of the first."""
     agrees = abs(found - expected) <= relative * abs(expected)
     return Found(expected, found, agrees, f"{words}; deviation {found / expected - 1:+.1e}")
+
+
+def happens(agrees: bool, words: str) -> Found:
+    """Say whether what theory predicts happens, where it predicts no number."""
+    return Found(math.nan, math.nan, agrees, words)
 
 
 def study(cases: Sequence[Case]) -> Study:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 import dincl
 from dincl import FixedStep
 from dincl.drifts import attraction
-from verification.thesis.chapter2.stability.case import Case, Found
+from verification.thesis.chapter2.stability.case import Case, Found, happens
 from verification.thesis.chapter2.stability.contestants import CONTESTANTS, named
 from verification.thesis.chapter2.stability.outcome import row
 from verification.thesis.chapter2.stability.plane import Axis, Line, Plane, geometric
@@ -94,9 +94,7 @@ def _collapse() -> Found:
     # Across a radius of the heap R discs lie behind each other, and dt R^2/2 is what their drift adds up to in a step.
     load = radius(MANY) ** 2 / 2
     collapsed, cured = rows[1][2], rows[-1][2]
-    return Found(
-        1.0,
-        collapsed,
+    return happens(
         collapsed < 0.75 and rows[2][2] < 0.4 and cured > 1 - ALIKE and rows[0][3] > 1e-3 * load / 2,
         f"radius of gyration over that of the densest heap, and largest overlap, for dt, sweeps: {listed} (a single "
         f"sweep needs dt well below 2/R² = {1 / load:.3f}, R = {radius(MANY):.0f} discs)",
@@ -111,8 +109,7 @@ def _coincide(method: str) -> Found:
         outcomes[dt] = path.status
     refused = dincl.Status.COINCIDENT_CENTRES
     words = ", ".join(f"dt = {dt:g}: {status.name}" for dt, status in outcomes.items())
-    found = float(sum(status is refused for status in outcomes.values()))
-    return Found(1.0, found, outcomes[1.0] is refused and found == 1, words)
+    return happens([dt for dt, status in outcomes.items() if status is refused] == [1.0], words)
 
 
 def _coincide_linearised() -> Found:
@@ -121,7 +118,7 @@ def _coincide_linearised() -> Found:
     path = dincl.solve(problem, CONTESTANTS["linearised_daqp"].scheme(1.0), t=20.0, throw=False)
     overlap = float(path.violation()[-1])
     words = f"{path.status.name}, overlap {overlap:.0e}, while the prediction is a single point"
-    return Found(0.0, overlap, bool(path.status) and overlap < 1e-8, words)
+    return happens(bool(path.status) and overlap < 1e-8, words)
 
 
 def limit_line(n: Floats) -> Floats:
@@ -152,7 +149,12 @@ NUMBERS = Plane(
     lines=(Line("dt R²/2 = 0.1", ("pbd",), limit_line),),
 )
 CASES = (
-    Case("collapse", "A thousand attracted discs, one sweep", "overlap dt R²/2: not the size 1", _collapse),
+    Case(
+        "collapse",
+        "A thousand attracted discs, one sweep",
+        "one sweep does not carry the load dt R²/2: the heap collapses",
+        _collapse,
+    ),
     *(
         Case(
             f"coincide-{method}",

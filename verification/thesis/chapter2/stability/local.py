@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 import dincl
 from dincl.drifts import constant
-from verification.thesis.chapter2.stability.case import Case, Found, within
+from verification.thesis.chapter2.stability.case import Case, Found, happens, within
 from verification.thesis.chapter2.stability.contestants import TOL
 
 Floats = NDArray[np.float64]
@@ -47,7 +47,7 @@ def _many() -> Found:
         away.append(float(np.linalg.norm(found - y)))
     different = len(np.unique(np.round(away, 6)))
     words = f"{different} points that meet the first-order conditions, {min(away):.3f} ... {max(away):.3f} away"
-    return Found(1.0, max(away) / min(away), different > 1, words)
+    return happens(different > 1, words)
 
 
 def _strip(x: Floats) -> Floats:
@@ -78,7 +78,7 @@ def _limits() -> Found:
     ended = {name: dincl.solve(crooked(), scheme, t=1.0, throw=False) for name, scheme in schemes.items()}
     reported = [name for name, path in ended.items() if path.status is dincl.Status.NOT_CONVERGED]
     words = "; ".join(f"{name}: {path.detail.split(' This was')[0]}" for name, path in ended.items())
-    return Found(len(schemes), len(reported), len(reported) == len(schemes), words)
+    return happens(len(reported) == len(schemes), words)
 
 
 CASES = (

@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from verification.thesis.chapter2.stability.case import Case, Found
+from verification.thesis.chapter2.stability.case import Case, Found, happens
 
 Floats = NDArray[np.float64]
 TWIN = 1e-12
@@ -100,11 +100,13 @@ def _split() -> Found:
 def _convex() -> Found:
     apart = [split(dt, WIDE) for dt in (1e-1, 1e-2, 1e-3)]
     words = "a mouth of 240 degrees leaves a set that is convex at the tip: the two runs stay together"
-    return Found(0.0, max(apart), max(apart) <= 2 * TWIN, words)
+    return happens(max(apart) <= 2 * TWIN, words)
 
 
 CASES = (
-    Case("pacman-tie", "Pacman: nearest points near the tip", "two of them, ρ sin 2α apart, for every ρ > 0", _tie),
+    Case(
+        "pacman-tie", "Pacman: nearest points near the tip", "two of them for every ρ > 0: distance over ρ sin 2α", _tie
+    ),
     Case("pacman-split", "Pacman: catch-up of two starts 1e-12 apart", "t sin 2α apart, however small dt", _split),
     Case("pacman-convex", "Pacman: a mouth beyond 180 degrees", "convex: no split", _convex),
 )

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import pandas as pd
 
-from verification.page import cards
 from verification.page.columns import headed, read_columns
 from verification.page.context import Context
 from verification.page.parts import Follows, Grid, Picture, Section, Text
@@ -70,16 +69,31 @@ def _counted(context: Context, plane: Plane) -> pd.DataFrame:
 
 def _cases(context: Context) -> Section:
     table = context.tables["stability_verdicts"]
-    said = fill(PROSE / "cases.html", count=len(table), agreeing=int(table["agrees"].sum()))
+    places, kinds = places_and_kinds(table)
+    said = fill(PROSE / "cases.html", **_counts(table))
     return Section(
         TITLES["cases"],
         [
             Text(said["found"]),
-            Grid(headed(table, COLUMNS["cases"]), said["table"], "stability_verdicts"),
+            Grid(headed(places, COLUMNS["places"]), said["places"], "stability_verdicts"),
+            Grid(headed(kinds, COLUMNS["kinds"]), said["kinds"], "stability_verdicts"),
             Grid(headed(table, COLUMNS["particulars"]), said["particulars"], "stability_verdicts", folded=True),
             Follows(said["follows"]),
         ],
     )
+
+
+def places_and_kinds(table: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Divide the verdicts: failures of which theory predicts a number, and those of which it predicts the kind only."""
+    predicted = table["expected"].notna()
+    return table[predicted], table[~predicted]
+
+
+def _counts(table: pd.DataFrame) -> dict[str, int]:
+    """Count the places and kinds of failures, and those that are as predicted."""
+    places, kinds = places_and_kinds(table)
+    agreeing = {"places_agree": int(places["agrees"].sum()), "kinds_agree": int(kinds["agrees"].sum())}
+    return {"places": len(places), "kinds": len(kinds)} | agreeing
 
 
 def _map(context: Context, plane: Plane) -> Section:
@@ -121,12 +135,9 @@ def _pacman(context: Context) -> Section:
 
 
 def findings(context: Context) -> Sequence[Finding]:
-    """Say how many failures are where they were expected, and where PBD fails."""
+    """Say how many failures are where and as they were expected, and where PBD fails."""
     table = context.tables["stability_verdicts"]
-    cases = {row.case: row for row in table.itertuples()}
-    counts = {"count": len(table), "agreeing": int(table["agrees"].sum())}
-    part = cards.share(counts["agreeing"], len(table))
-    said = fill(PROSE / "learned.html", part=part, **counts, stiff=cases.get("drift-pbd"), crowd=cases.get("collapse"))
+    said = fill(PROSE / "learned.html", **_counts(table), cases=set(table["case"]))
     picture = context.draw("card_failures", figures_stability.card, context.tables[_name(CARD)], CARD, SPRINGS)
     return [Finding(said["cases"], TITLES["cases"], Card(picture, said["card"], 2))]
 

@@ -151,7 +151,7 @@ CASES = (
     Case(
         "penalty-printed",
         "The force as printed",
-        "constant in size, so a disc chatters over dt k at every dt: there is no limit value",
+        "constant in size, so a disc chatters at every dt: its range over dt k",
         _printed,
     ),
 )

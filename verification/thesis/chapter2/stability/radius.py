@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 import dincl
 from dincl.drifts import constant
 from verification.thesis.chapter2.stability.boundary import boundary
-from verification.thesis.chapter2.stability.case import Case, Found, within
+from verification.thesis.chapter2.stability.case import Case, Found, happens, within
 from verification.thesis.chapter2.stability.contestants import CONTESTANTS, named
 from verification.thesis.chapter2.stability.outcome import measured
 from verification.thesis.chapter2.stability.plane import Axis, Line, Plane, even, geometric
@@ -115,7 +115,7 @@ def _linearised() -> Found:
     """S~ at the corner is the tangent wedge, which the point cannot leave."""
     steps = (0.5, 1.0, 2.0, 10.0, 1e3)
     held = [stays(0.6, CONTESTANTS["linearised_daqp"].scheme, s) for s in steps]
-    return Found(1.0, float(np.mean(held)), all(held), f"it stays above for steps up to {steps[-1]:g} times η")
+    return happens(all(held), f"it stays above for steps up to {steps[-1]:g} times η")
 
 
 def cell(method: str, part: float, c: float) -> dict[str, Any]:
@@ -155,7 +155,9 @@ PLANE = Plane(
     ),
 )
 CASES = (
-    Case("radius-disc", "A step of η into a round obstacle", "starts δ apart end δ η/(η − s) apart; split at η", _disc),
+    Case(
+        "radius-disc", "A step of η into a round obstacle", "distance of two starts over δ η/(η − s); split at η", _disc
+    ),
     Case("radius-pair", "A step of η into another disc", "the same with η = √2 R for two discs", _pair),
     Case(
         "gap-sweeps", "Through the gap of two discs, PBD", "each projection keeps the side until step = η = h", _sweeps

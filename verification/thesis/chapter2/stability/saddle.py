@@ -12,7 +12,7 @@ import dincl
 from dincl.drifts import attraction, constant
 from dincl.minimise import ArrowHurwicz, DampedArrowHurwicz, Minimiser, Stationary, Uzawa, minimise
 from verification.thesis.chapter2.stability.boundary import boundary
-from verification.thesis.chapter2.stability.case import Case, Found, within
+from verification.thesis.chapter2.stability.case import Case, Found, happens, within
 from verification.thesis.chapter2.stability.outcome import row
 from verification.thesis.chapter2.stability.plane import Axis, Line, Plane, geometric
 
@@ -88,7 +88,7 @@ def _weight() -> Found:
     reported = sum(status is dincl.Status.NOT_CONVERGED for status in swings)
     words = f"a weight on a floor: {reported} of {len(swings)} choices reach {LIMIT} steps; damped with γ: "
     agrees = reported == len(swings) and bool(damped.status)
-    return Found(len(swings), reported, agrees, f"{words}{damped.status.name} in {damped.iterations}")
+    return happens(agrees, f"{words}{damped.status.name} in {damped.iterations}")
 
 
 def cell(method: str, alpha: float, beta: float) -> dict[str, Any]:
