@@ -364,10 +364,10 @@ class _Search:
                 start, a, before = a, middle, left
             # A slope beside the interval over a much longer time differs from the one inside though all is smooth.
             if a - start > BESIDE_AT_MOST * (b - a):
-                start = a - (b - a)
+                start = a - 2.0 * (b - a)
                 before = slope(start, a)
             if stop - b > BESIDE_AT_MOST * (b - a):
-                stop = b + (b - a)
+                stop = b + 2.0 * (b - a)
                 after = slope(b, stop)
             inside = slope(a, b)
             turn = max(abs(inside - before), abs(inside - after))
