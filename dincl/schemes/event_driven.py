@@ -121,7 +121,9 @@ class EventDriven(Scheme):
             if before is not None and system.scales.rest > self.tol:
                 break
             before = x
-        detail = f"The estimated error is {error.max():.2g}, asked for was {self.tol:.2g}. {system.scales.detail}".strip()
+        detail = (
+            f"The estimated error is {error.max():.2g}, asked for was {self.tol:.2g}. {system.scales.detail}".strip()
+        )
         return _outcome(run, times, x[: len(times)], work, Status.NOT_CONVERGED, detail, error)
 
 

@@ -74,14 +74,16 @@ class TimeScales(NamedTuple):
 
     ``breaks`` (K, 2) are intervals, as short as rounding allows, with a jump of a set or of its velocity in each;
     ``stops`` (S, 2) are these and those of the drift at x0. Pieces (P, 2) are times until which, since the one before,
-    all functions are resolved by steps of the second number [time]. ``rest`` is how far a set may be from where it is
-    taken to be, since it has more breaks than are looked for [length], and ``detail`` says which and where. ``failure``
-    says why there are no breaks, if so. ``evaluations`` of the drift were made.
+    all functions are resolved by steps of the second number [time]; ``set_pieces`` are those of the sets alone.
+    ``rest`` is how far a set may be from where it is taken to be, since it has more breaks than are looked for
+    [length], and ``detail`` says which and where. ``failure`` says why there are no breaks, if so. ``evaluations`` of
+    the drift were made.
     """
 
     breaks: NDArray[np.float64] = NO_BREAKS
     stops: NDArray[np.float64] = NO_BREAKS
     pieces: NDArray[np.float64] = NO_BREAKS
+    set_pieces: NDArray[np.float64] = NO_BREAKS
     rest: float = 0.0
     detail: str = ""
     failure: StepFailure | None = None
@@ -121,6 +123,7 @@ def time_scales(problem: Problem, times: ArrayLike, accuracy: float = 0.0) -> Ti
         if found.rest(size) > rest:
             rest = found.rest(size)
             detail = f"{name} changes too often, near t = {found.place:.6g}, to be resolved by {MOST_VALUES} values."
+    set_pieces = _common(pieces)
     drift, calls = compiled(problem.drift), 0
     if drift is None or not drift.autonomous:
 
@@ -137,7 +140,7 @@ def time_scales(problem: Problem, times: ArrayLike, accuracy: float = 0.0) -> Ti
                 stops += found.breaks
                 pieces.append(found.pieces(at_nodes=True))
     joined = _joined(breaks, end), _joined(breaks + stops, end)
-    return TimeScales(*joined, _common(pieces), rest, detail, failure, calls)
+    return TimeScales(*joined, _common(pieces), set_pieces, rest, detail, failure, calls)
 
 
 def _paths(problem: Problem) -> Iterator[tuple[str, Path]]:
@@ -204,9 +207,7 @@ class _Search:
     Noise up to ``negligible`` [units of the function] counts as smooth.
     """
 
-    def __init__(
-        self, function: Path, end: float, looks: NDArray[np.float64], negligible: float, name: str
-    ) -> None:
+    def __init__(self, function: Path, end: float, looks: NDArray[np.float64], negligible: float, name: str) -> None:
         self._function, self._end, self._negligible, self._name = function, end, negligible, name
         self._looks, self._most = looks, MOST_VALUES + len(looks)
         self._values: dict[float, NDArray[np.float64]] = {}

@@ -59,7 +59,10 @@ def test_a_set_that_jumps(name):
 def test_the_function_says_on_which_side_the_time_of_the_jump_lies(at):
     for onto in (False, True):
         after = -0.2 if onto else -9.0
-        for function, jumped in ((lambda t: -0.25 if t <= at else after, False), (lambda t: -0.25 if t < at else after, True)):
+        for function, jumped in (
+            (lambda t: -0.25 if t <= at else after, False),
+            (lambda t: -0.25 if t < at else after, True),
+        ):
             wall = dincl.HalfSpace((-1.0,), function)
             path = dincl.solve(dincl.Problem([[0.0]], RIGHT, [wall]), dincl.EventDriven(1e-8), [at])
             assert path.final[0, 0] == pytest.approx(0.2 if onto and jumped else 0.25, abs=1e-12)

@@ -71,7 +71,7 @@ def test_scales_of_functions_of_time():
         (lambda t: np.interp(t, [0, 9.9, 10, 10.1, 30], [0, 0, 2, 0, 0]), 30.0, [9.9, 10.0, 10.1], 700),
         (lambda t: np.interp(t, [0, 0.5, 0.5 + 1e-6, 1], [0, 0, 1, 1]), 1.0, [0.5, 0.5 + 1e-6], 1000),
         (lambda t: np.interp(t, [0, 0.5, 0.5 + 1e-10, 1], [0, 0, 1, 1]), 1.0, [0.5, 0.5 + 1e-10], 1000),
-        (lambda t: -abs(t - 0.37) ** 0.5, 1.0, None, 3500),
+        (lambda t: -(abs(t - 0.37) ** 0.5), 1.0, None, 3500),
         (lambda t: -(max(t - 0.3, 0.0) ** 2), 1.0, None, 1000),
         (lambda t: -1e3 + np.cos(40 * t), 2.0, [], 1000),
         (lambda t: np.exp(-(((t - 0.713) / 0.003) ** 2)), 2.0, [], 1000),
