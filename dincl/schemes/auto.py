@@ -81,7 +81,7 @@ class Choice:
         self, problem: Problem, times: NDArray[np.float64], error: float, methods: Sequence[Candidate]
     ) -> None:
         self._problem, self._times, self._error = problem, times, error
-        longest = resolving_step(problem, float(times[-1]))
+        longest = resolving_step(problem, times, error)
         self.pilots = [Pilot(problem, method, times, error, longest) for method in methods if method.order]
         # Of each method that takes the error itself: its forecast, and the seconds that it was tried for.
         self._events = [(method, left_out(method, error, NOT_TRIED), 0.0) for method in methods if not method.order]

@@ -124,7 +124,7 @@ class Reference:
 
     def _halved(self, scheme: Callable[[float], dincl.Scheme], t: Floats) -> Known:
         dt, end = self.dt or float(t[-1]) / FIRST, float(t[-1])
-        longest = resolving_step(self.problem, end)
+        longest = resolving_step(self.problem, t, self.tol)
         before, moved, outside = dincl.solve(self.problem, scheme(dt), t=t).x, np.inf, np.inf
         for _ in range(MOST_HALVINGS):
             dt /= 2
