@@ -28,8 +28,8 @@ from dincl.status import Status
 if TYPE_CHECKING:
     from dincl.plotting import Axes
 
-# A start may miss a constraint by this much, times the largest coordinate, radius or offset: contacts in decimal numbers
-# are not exact, and the gap of a wall, n . x - offset - radius, rounds with its largest part.
+# A start may miss a constraint by this much, times the largest coordinate, radius or offset: contacts in decimal
+# numbers are not exact, and the gap of a wall, n . x - offset - radius, rounds with its largest part.
 START_TOLERANCE = 1e-9
 
 DRIFT = UserFunction("drift", ("t", "x"), Status.DRIFT_FAILED)
@@ -44,9 +44,9 @@ class Problem:
     Parameters
     ----------
     x0
-        Start, shape (N, d), N, d >= 1, feasible to 1e-9 of the largest coordinate, radius or offset [length]. Coordinates are of
-        magnitude at most 1e100; radii, lengths, tolerances and time steps lie between 1e-100 and 1e100, so that their
-        squares are numbers, too. Others are refused.
+        Start, shape (N, d), N, d >= 1, feasible to 1e-9 of the largest coordinate, radius or offset [length].
+        Coordinates are of magnitude at most 1e100; radii, lengths, tolerances and time steps lie between 1e-100 and
+        1e100, so that their squares are numbers, too. Others are refused.
     drift
         F: (t, x) -> velocity of the unconstrained particles, (N, d) -> (N, d) [length / time]. x is read-only.
         ``dincl.drifts`` has the usual ones.

@@ -9,6 +9,7 @@ import numpy as np
 
 from dincl.compiled.structs import StructPointer
 from dincl.constants import LARGEST
+from dincl.constraints.selection import row_lengths
 from dincl.errors import StepFailure
 from dincl.events import integrate as kernels
 from dincl.events.contacts import TOUCHING
@@ -27,7 +28,6 @@ from dincl.events.workspace import (
     sparse_gram,
     step_table,
 )
-from dincl.constraints.selection import row_lengths
 from dincl.matrices import row_squares
 from dincl.norms import longest
 from dincl.projection.active_set import ActiveSet
@@ -124,7 +124,9 @@ class EventSystem:
             return problem.x0
         # The tolerance of a projection is in units of g, that of contacts is a length.
         rows = problem.rows_within(0.0, problem.x0, violation)
-        longest_row = max((float(row_lengths(block, problem.x0).max(initial=0.0)) for block in rows.blocks), default=1.0)
+        longest_row = max(
+            (float(row_lengths(block, problem.x0).max(initial=0.0)) for block in rows.blocks), default=1.0
+        )
         feasible = FeasibleSet(problem, ActiveSet(allowed * max(1.0, longest_row)).solver(), work, linearised=False)
         return feasible.nearest(0.0, problem.x0, problem.x0, violation).point
 

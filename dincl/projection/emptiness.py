@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.sparse import csr_array
 
-# Multipliers of sum 1 prove that a set is empty if |A^T mu| is at most OPPOSITE, and no point within so many sizes of the problem meets the rows even if |A^T mu| were a few roundings.
+# Multipliers of sum 1 prove that a set is empty if |A^T mu| is at most OPPOSITE, and no point within so many sizes of
+# the problem meets the rows even if |A^T mu| were a few roundings.
 REGION, ROUNDING = 1e6, 4 * np.finfo(float).eps
 # Programs of more rows times columns than these are only examined for the rows that have multipliers.
 MOST_ENTRIES = 1_000_000
@@ -77,7 +78,9 @@ def why_unsolved(
         return failure
     if found.remainder > OPPOSITE:
         return wedge(2.0 * found.remainder, failure.detail)
-    detail = f"{failure.detail} Constraints are opposite to each other, and rounding decides whether there is room left."
+    detail = (
+        f"{failure.detail} Constraints are opposite to each other, and rounding decides whether there is room left."
+    )
     return StepFailure(failure.status, detail)
 
 
@@ -85,8 +88,8 @@ def wedge(opening: float, detail: str = "") -> StepFailure:
     """Return the failure in a wedge of constraints, whose opening magnifies what their gaps are off."""
     return StepFailure(
         Status.NOT_CONVERGED,
-        f"{detail} Constraints are opposite to each other but for {opening:.1g} rad, so that rounding and tolerances count "
-        f"{1 / opening:.0e} times in the position: widen this wedge, or leave out one of them.".lstrip(),
+        f"{detail} Constraints are opposite to each other but for {opening:.1g} rad, so that rounding and tolerances "
+        f"count {1 / opening:.0e} times in the position: widen this wedge, or leave out one of them.".lstrip(),
     )
 
 
@@ -128,4 +131,3 @@ def least_combination(
     if (corrected > 0).all() and length(of_used @ corrected) / corrected.sum() < length(of_used @ weights):
         weights = corrected / corrected.sum()
     return Combination(length(of_used @ weights), float(missing[chosen][used] @ weights))
-

@@ -99,9 +99,7 @@ class QpSolver(Solver):
         """
 
 
-def stop_if_suspected(
-    matrix: csr_array, least: NDArray[np.float64], weights: NDArray[np.float64]
-) -> None:
+def stop_if_suspected(matrix: csr_array, least: NDArray[np.float64], weights: NDArray[np.float64]) -> None:
     """StepFailure if ``weights`` (m,) >= 0 show that all u with A u >= least are far away: iterations would not end.
 
     Any such u has |u| >= least . weights / |A^T weights|; of an empty set, multipliers grow towards such weights.

@@ -290,7 +290,7 @@ def _method(clear: Any, warm_start: Any, meet: Any, solve: Any) -> Callable[...,
 
 # (rows, listed, count, program, factor, size): write the nearest point z = y + sum_r multiplier_r a_r of the first
 # ``count`` listed rows; OK, CYCLES where rounding prevents a solution, or UNMET, after which the rows with multipliers
-# are those that contradict each other. Rounding is relative to the largest number in y or ``size``, whichever is larger.
+# are those that contradict each other. Rounding is relative to the largest number in y or ``size``, if that is larger.
 nearest = _method(clear, warm_start, meet, solve_envelope)
 # For rows that the factor has analysed. CYCLES also where rounding makes independent rows dependent: ``nearest`` may
 # still find the point.

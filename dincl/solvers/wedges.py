@@ -1,4 +1,4 @@
-"""The narrowest wedge of rows that share their coordinates, such as two walls of one particle that are nearly opposite."""
+"""The narrowest wedge of rows that share their coordinates, such as two nearly opposite walls of one particle."""
 
 import numpy as np
 
@@ -46,10 +46,10 @@ def share_columns(rows: RowTable, r: int, s: int) -> bool:
     entries, first, second = rows.stop[r] - rows.start[r], rows.start[r], rows.start[s]
     if is_pair(rows, s) or rows.stop[s] - second != entries:
         return False
+    same = True
     for e in range(entries):
-        if rows.column[first + e] != rows.column[second + e]:
-            return False
-    return True
+        same = same and rows.column[first + e] == rows.column[second + e]
+    return same
 
 
 @inner
@@ -80,6 +80,4 @@ def between_three(rows: RowTable, gradient: Floats, r: int, s: int, t: int) -> f
 @inner
 def triple(a: Floats, b: Floats, n0: float, n1: float, n2: float) -> float:
     """Compute (a x b) . n."""
-    return float(
-        (a[1] * b[2] - a[2] * b[1]) * n0 + (a[2] * b[0] - a[0] * b[2]) * n1 + (a[0] * b[1] - a[1] * b[0]) * n2
-    )
+    return float((a[1] * b[2] - a[2] * b[1]) * n0 + (a[2] * b[0] - a[0] * b[2]) * n1 + (a[0] * b[1] - a[1] * b[0]) * n2)

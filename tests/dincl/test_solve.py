@@ -152,5 +152,5 @@ CONTACTS = {
 @pytest.mark.parametrize("c", [0.0, 1e-12, 1.0, 1e3])
 def test_a_start_in_contact_is_judged_alike_wherever_the_origin_is(contact, out, c):
     dincl.Problem([[c]], lambda t, x: 0 * x, [contact(c)])
-    with pytest.raises(dincl.InvalidProblem, match="x0 violates .* the nearest point that is feasible"):
+    with pytest.raises(dincl.InvalidProblem, match=r"x0 violates .* the nearest point that is feasible"):
         dincl.Problem([[c + 1e-3 * out]], lambda t, x: 0 * x, [contact(c)])
