@@ -66,7 +66,7 @@ class HalfSpace(Timed):
 
     def longest_length(self, d: int) -> float:
         now = self.at(0.0)
-        return max(abs(now.offset), float(np.max(now.radius)))
+        return float(max(abs(now.offset), np.max(now.radius)))
 
     def select(self, x: NDArray[np.float64], search_radius: float) -> HeightRows:
         """Return the particles closer to the wall than ``search_radius``, or beyond it."""

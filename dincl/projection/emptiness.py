@@ -30,6 +30,7 @@ class Combination(NamedTuple):
 
     remainder: float  # |A^T mu|
     missing: float  # mu . missing
+    opening: float  # of two nearly opposite rows: |A^T mu| times the number of rows with a multiplier [rad]
 
 
 def why_unsolved(
@@ -74,10 +75,10 @@ def why_unsolved(
             failure.status,
             f"{failure.detail} The constraints as linearised cannot be met together; the curved set may have points.",
         )
-    if found.remainder > NARROW:
+    if found.opening > NARROW:
         return failure
-    if found.remainder > OPPOSITE:
-        return wedge(2.0 * found.remainder, failure.detail)
+    if found.opening > OPPOSITE:
+        return wedge(found.opening, failure.detail)
     detail = (
         f"{failure.detail} Constraints are opposite to each other, and rounding decides whether there is room left."
     )
@@ -130,4 +131,5 @@ def least_combination(
     corrected = weights - np.linalg.lstsq(of_used, of_used @ weights, rcond=NARROW)[0]
     if (corrected > 0).all() and length(of_used @ corrected) / corrected.sum() < length(of_used @ weights):
         weights = corrected / corrected.sum()
-    return Combination(length(of_used @ weights), float(missing[chosen][used] @ weights))
+    remainder = length(of_used @ weights)
+    return Combination(remainder, float(missing[chosen][used] @ weights), remainder * len(weights))

@@ -74,7 +74,7 @@ def between_three(rows: RowTable, gradient: Floats, r: int, s: int, t: int) -> f
     n2 = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
     if not triple(a, b, n0, n1, n2) > 0.0 or not triple(b, c, n0, n1, n2) > 0.0 or not triple(c, a, n0, n1, n2) > 0.0:
         return np.inf
-    return abs(a[0] * n0 + a[1] * n1 + a[2] * n2) / float(np.sqrt(n0 * n0 + n1 * n1 + n2 * n2))
+    return float(abs(a[0] * n0 + a[1] * n1 + a[2] * n2) / np.sqrt(n0 * n0 + n1 * n1 + n2 * n2))
 
 
 @inner
