@@ -64,6 +64,10 @@ class HalfSpace(Timed):
         bounds: NDArray[np.float64] = self.offset + spread("radius", np.asarray(self.radius), count, "particles")
         return bounds
 
+    def longest_length(self, d: int) -> float:
+        now = self.at(0.0)
+        return float(max(abs(now.offset), np.max(now.radius)))
+
     def select(self, x: NDArray[np.float64], search_radius: float) -> HeightRows:
         """Return the particles closer to the wall than ``search_radius``, or beyond it."""
         normal, bound = np.asarray(self.normal), self.bounds(len(x))

@@ -143,6 +143,9 @@ class Moving(Constraint):
             return self.path.at(t, d)
         return np.eye(d), PATH.evaluated(self.path, t, shape=(d,))
 
+    def longest_length(self, d: int) -> float:
+        return max(self.constraint.longest_length(d), float(np.abs(self.placement(0.0, d)[1]).max()))
+
     @property
     def timed(self) -> bool:
         return True

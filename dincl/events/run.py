@@ -9,6 +9,7 @@ import numpy as np
 
 from dincl.compiled.structs import StructPointer
 from dincl.constants import LARGEST
+from dincl.constraints.selection import row_lengths
 from dincl.errors import StepFailure
 from dincl.events import integrate as kernels
 from dincl.events.contacts import TOUCHING
@@ -40,8 +41,6 @@ from dincl.trajectory import Event
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from collections.abc import Sequence
-
     from dincl.problem import Problem
     from dincl.work import Work
 
@@ -59,6 +58,10 @@ PLACES = 256
 # More particles than these meet so often that steps are short: they are of order 5, and at an event a step is cut, at
 # its dense output, in place of being repeated. With 200 discs and tol = 1e-8 this takes 0.28 of the evaluations.
 MANY = 100
+SLOWLY = f"The run would need more than {kernels.MOST_STEPS} steps, at the rate of its last {kernels.CHECK}"
+# Normals are compared so far away, as a part of the size of the problem. A step is limited by a contact that turns the
+# motion by this angle in it, or by more.
+NEARBY, STIFF = 1e-9, 0.3
 # How a kernel ends a run too early.
 ENDS = {
     STUCK: (Status.NOT_CONVERGED, f"More than {kernels.MOST_AT_ONCE} changes of the contacts at one time."),
@@ -68,8 +71,7 @@ ENDS = {
     ),
     SLOW: (
         Status.TOO_MANY_STEPS,
-        f"The run would need more than {kernels.MOST_STEPS} steps, at the rate of its last {kernels.CHECK}: the drift "
-        "is stiff, has noise, or jumps again and again.",
+        f"{SLOWLY}: the drift is stiff, has noise, or jumps again and again.",
     ),
     JUMPS: (
         Status.TOO_MANY_STEPS,
@@ -130,7 +132,10 @@ class EventSystem:
         violation = float(self.compiled.overlaps(np.array([t]), x[None])[0])
         if violation <= allowed:
             return x
-        feasible = FeasibleSet(problem, ActiveSet(allowed).solver(), work, linearised=False)
+        # The tolerance of a projection is in units of g, that of contacts is a length.
+        rows = problem.rows_within(t, x, violation)
+        longest_row = max((float(row_lengths(block, x).max(initial=0.0)) for block in rows.blocks), default=1.0)
+        feasible = FeasibleSet(problem, ActiveSet(allowed * max(1.0, longest_row)).solver(), work, linearised=False)
         return feasible.nearest(t, x, x, violation).point
 
 
@@ -196,11 +201,41 @@ class EventRun:
             if sum(map(len, self._events)) > MOST_EVENTS:
                 raise StepFailure(Status.TOO_MANY_STEPS, f"More than {MOST_EVENTS} changes of the contacts.")
         if code in ENDS:
-            raise StepFailure(*ENDS[code])
+            status, detail = ENDS[code]
+            raise StepFailure(status, (code == SLOW and self._stiff_contact()) or detail)
         if code != DONE:
             self._system.failure(code)
         if self._whole.scales.failure is not None:
             raise self._whole.scales.failure
+
+    def _stiff_contact(self) -> str:
+        """Say which contact makes the motion stiff, if one does; else an empty string.
+
+        A contact with the multiplier lambda and normals n(x) turns the motion at the rate lambda |dn/dx|: a pull over a
+        radius of curvature.
+        """
+        run, system, t = self._pointer.value, self._system, self.now
+        count, x = int(run.active.number[0]), self.state()
+        if count == 0:
+            return ""
+        active, selection = run.active.row[:count], system.selection
+        away = NEARBY * self._whole.size * np.random.default_rng(0).normal(size=x.shape)
+        normals = []
+        for point in (x, x + away):
+            rows = selection.at(t)
+            lengths = np.concatenate([row_lengths(block, point) for block in rows.blocks])
+            normals.append(rows.jacobian(point).toarray()[active] / lengths[active, None])
+        moved = np.sqrt((normals[0] != 0).astype(float) @ away.ravel() ** 2)
+        curvature = np.sqrt(((normals[1] - normals[0]) ** 2).sum(axis=1)) / np.where(moved > 0, moved, 1.0)
+        rates = run.multiplier[0, :count] * self._unit.speed * curvature
+        k = int(rates.argmax())
+        if rates[k] * float(self._state["last_h"][0]) * self._unit.time < STIFF:
+            return ""
+        constraint, row = system.names[int(active[k])]
+        return (
+            f"{SLOWLY}: {row} (constraints[{constraint}]) is pulled against a set so curved that it turns at the rate "
+            f"{rates[k]:.2g}, the pull over the radius of curvature: use a larger radius, or a scheme with fixed steps."
+        )
 
     @property
     def events(self) -> tuple[Event, ...]:

@@ -14,8 +14,8 @@ from dincl.solvers.active_set import LeastDistance, least_distance
 from dincl.solvers.envelope_factor import EnvelopeFactor, envelope_factor
 
 # How steps end; the first ones are those of ``active_set.nearest``.
-OK, INFEASIBLE, CYCLES, DRIFT, SETS, COINCIDENT, TOO_FAR, MISSED, NOT_A_NUMBER, SINGULAR = range(10)
-FLAT, UNSETTLED, PYTHON = range(10, 13)
+OK, UNMET, CYCLES, DRIFT, SETS, COINCIDENT, TOO_FAR, MISSED, NOT_A_NUMBER, SINGULAR = range(10)
+FLAT, UNSETTLED, PYTHON, WEDGE = range(10, 14)
 
 
 class Drift(NamedTuple):
@@ -36,8 +36,8 @@ class Solving(NamedTuple):
     """The solver of least-distance programs, called by its address with the signature of ``DRIFT``.
 
     It gets the tolerance, y and z, the address of the system and ``answer``, and solves the program of the near rows:
-    it writes z, the multipliers, and the residual into the answer. A solver that is ``whole`` gets the start of the
-    search in place of y, and ``question``, and projects onto the set itself.
+    it writes z and the multipliers. A solver that is ``whole`` gets the start of the search in place of y, and projects
+    onto the set itself. ``question`` says what is projected onto.
     """
 
     address: int

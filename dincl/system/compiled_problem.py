@@ -40,7 +40,7 @@ NO_SWEEPS: Mapping[int, CustomSweep] = {}
 # The name in ``Work.back_ends``.
 NAME = "active set"
 FAILURES = {
-    codes.INFEASIBLE: (Status.INFEASIBLE, f"{NAME}: no point meets all constraints."),
+    codes.UNMET: (Status.NOT_CONVERGED, f"{NAME}: active rows keep a violated row from being met."),
     codes.CYCLES: (Status.NOT_CONVERGED, f"{NAME}: rounding keeps it from an answer."),
     codes.TOO_FAR: (Status.NOT_CONVERGED, "The projection moved a particle again and again beyond the rows looked at."),
     codes.NOT_A_NUMBER: (Status.NON_FINITE, f"A coordinate is not a number, or exceeds {LARGEST:g} in magnitude."),
@@ -199,6 +199,7 @@ class CompiledProblem:
         arrays = {f"rows.{name}": part for name, part in rows._asdict().items()}
         arrays |= {f"factor.{name}": part for name, part in self._factor(m)._asdict().items()}
         arrays |= {"program.gradient": np.zeros(len(rows.column)), "program.bound": np.zeros(m)}
+        arrays |= {"program.length": np.ones(m)}
         arrays |= {"program.multiplier": multiplier, "near.row": np.arange(m), "near.key": np.zeros(m)}
         self._pointer.replace(arrays)
         self.sets.reselect(self.selection, called)
@@ -247,11 +248,30 @@ class CompiledProblem:
             self.drift.failure(float(at[0]), at[1 : n + 1], at[n + 1 :], int(arrays.drift.calls[1]))
         if code == codes.COINCIDENT:
             raise self.selection.coincidence(int(arrays.offending[0]))
-        if code == codes.MISSED:
-            residual = float(arrays.program.answer[1])
-            detail = f"{self.name} left a residual of {residual:.2g}, asked for was {tol:.2g}."
-            raise StepFailure(Status.NOT_CONVERGED, detail)
-        raise StepFailure(*FAILURES[code])
+        from dincl.projection.base import missed
+        from dincl.projection.emptiness import wedge
+
+        if code == codes.WEDGE:
+            raise wedge(2.0 * float(arrays.program.answer[1]))
+        failure = missed(self.name, float(arrays.program.answer[1]), tol) if code == codes.MISSED else None
+        raise self.reason(failure or StepFailure(*FAILURES[code]), contradicting=code == codes.UNMET)
+
+    def reason(self, failure: StepFailure, *, contradicting: bool = False) -> StepFailure:
+        """Return INFEASIBLE if the program of the near rows is proved to be so, else the failure with its reason.
+
+        Of programs of velocities only the rows ``contradicting`` each other are known, which then have multipliers.
+        """
+        if not self._programs or (self.solver is None and not contradicting):
+            return failure
+        from dincl.matrices import from_rows
+        from dincl.projection.emptiness import why_unsolved
+        from dincl.steps.programs import near_program
+
+        indptr, indices, data, missing, _, multipliers, binding = near_program(self.place)
+        program, keep = self.arrays.program, multipliers > 0 if contradicting else np.ones(len(missing), dtype=np.bool_)
+        matrix = from_rows(indptr, indices, data, program.y.size)[keep]
+        size = max(float(np.abs(program.y).max()), float(np.abs(self.problem.x0).max()) / self.units.length)
+        return why_unsolved(failure, matrix, missing[keep], size, binding[keep], multipliers[keep])
 
 
 def tabulate(
