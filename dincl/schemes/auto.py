@@ -156,9 +156,13 @@ class Choice:
 
 
 def _errors(pilot: Pilot) -> NDArray[np.float64]:
-    """Return the estimated errors of the finest run at all times, the largest one scaled to Richardson's estimate."""
+    """Return the estimated errors of the finest run at all times, the largest one scaled to Richardson's estimate.
+
+    At each time counts the largest difference until then: a single one may be small by chance.
+    """
     fine, coarse = pilot.outcomes[-1].x, pilot.outcomes[-2].x
     moved = norms((fine - coarse).reshape(-1, fine.shape[-1])).reshape(len(fine), -1).max(axis=1)
+    moved = np.maximum.accumulate(moved)
     found = SAFETY * pilot.estimate()[0]
     scaled = moved * (found / max(float(moved.max()), 1e-300))
     errors: NDArray[np.float64] = np.maximum(scaled, LEAST_SHARE * found) + ROUNDING * float(np.abs(fine).max())

@@ -142,11 +142,15 @@ class Pilot:
             self.why = f"{outcome.status.name} with {steps} steps: {outcome.detail}"
             self.final = outcome.status is Status.DRIFT_FAILED
             return None
+        outside = distance_outside(self.problem, outcome.t, outcome.x)
+        if not math.isfinite(outside):
+            self.why = f"a constraint is not defined at its states with {steps} steps, as where two centres coincide"
+            return None
         self.why = ""
         self.steps.append(steps)
         self.outcomes.append(outcome)
         self.seconds.append(seconds)
-        self.outside.append(distance_outside(self.problem, outcome.t, outcome.x))
+        self.outside.append(outside)
         if len(self.steps) >= LEAST_RUNS - 1:
             self.stable = stable_step(self.problem, outcome.t, outcome.x)
         if self.is_contradicted():
@@ -236,8 +240,10 @@ class Pilot:
         (found, order), finest = self.estimate(), self.steps[-1]
         if self.is_done():
             return self._forecast(finest, found, 0.0)
+        # No further than to too many steps, of which the number may overflow.
+        finer = min(found * SAFETY / (AIM * self.error), float(MOST_STEPS) ** order) ** (1 / order)
         steps = max(
-            math.ceil(finest * (found * SAFETY / (AIM * self.error)) ** (1 / order)),
+            math.ceil(finest * finer),
             math.ceil(NEAREST * finest),
             self.least_steps(),
         )

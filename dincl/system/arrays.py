@@ -46,6 +46,22 @@ class Solving(NamedTuple):
     called: Floats  # (1,): 0 if y itself solved the last program
 
 
+class Curvature(NamedTuple):
+    """Workspace of projections onto curved sets, see ``dincl.steps.programs.bend``; n coordinates, m rows."""
+
+    y: Floats  # (n,): the point that is projected, while a program has another one
+    last: Floats  # (n,): where the rows were linearised last
+    step: Floats  # (n,): from there to the point reached
+    root: Floats  # (n,): roots of the diagonal Hessian; a program has coordinates times these
+    slope: Floats  # (m,): how far the step goes along the last gradient of each row
+    largest: Floats  # (1,): the largest entry of the Hessian in this search
+
+
+def curvature(n: int, m: int) -> Curvature:
+    """Allocate the workspace."""
+    return Curvature(np.zeros(n), np.zeros(n), np.zeros(n), np.ones(n), np.zeros(m), np.ones(1))
+
+
 class SystemArrays(NamedTuple):
     """A problem and workspace; ``velocity`` is the last value of the drift, ``offending`` the row of a failure."""
 
@@ -60,6 +76,7 @@ class SystemArrays(NamedTuple):
     move: Floats  # (families, d)
     offending: Offsets  # (1,)
     solving: Solving
+    curvature: Curvature
 
 
 # An example, for its types.
@@ -88,6 +105,7 @@ SYSTEM = SystemArrays(
     np.zeros((0, 1)),
     np.zeros(1, dtype=np.int64),
     Solving(0, 0, np.zeros(4), np.zeros(1)),
+    curvature(0, 0),
 )
 system_at = reader(SYSTEM)
 

@@ -18,7 +18,7 @@ from dincl.solvers.active_set import least_distance
 from dincl.solvers.envelope_factor import EnvelopeFactor, envelope_factor
 from dincl.status import Status
 from dincl.system import arrays as codes
-from dincl.system.arrays import Drift, Solving, SystemArrays, overlaps_at
+from dincl.system.arrays import Drift, Solving, SystemArrays, curvature, overlaps_at
 from dincl.system.callbacks import DriftPointer, PythonFunction, catching, numbers_at
 from dincl.system.sets_pointer import SetsPointer, entries_for
 
@@ -39,6 +39,9 @@ MOST_PARTICLES = 200
 NO_SWEEPS: Mapping[int, CustomSweep] = {}
 # The name in ``Work.back_ends``.
 NAME = "active set"
+# A failure names the curvature of the set where a point is outside of it by more than this part of a radius, and where
+# the residual is more than rounding, relative to the coordinates.
+CURVED, ROUNDED = 0.5, 1e-10
 FAILURES = {
     codes.UNMET: (Status.NOT_CONVERGED, f"{NAME}: active rows keep a violated row from being met."),
     codes.CYCLES: (Status.NOT_CONVERGED, f"{NAME}: rounding keeps it from an answer."),
@@ -141,6 +144,7 @@ class CompiledProblem:
                     question=np.zeros(4),
                     called=np.zeros(1),
                 ),
+                curvature=curvature(n if programs else 0, m if programs else 0),
             )
         )
         self.place = self._pointer.address
@@ -201,6 +205,7 @@ class CompiledProblem:
         arrays |= {"program.gradient": np.zeros(len(rows.column)), "program.bound": np.zeros(m)}
         arrays |= {"program.length": np.ones(m)}
         arrays |= {"program.multiplier": multiplier, "near.row": np.arange(m), "near.key": np.zeros(m)}
+        arrays["curvature.slope"] = np.zeros(m if self._programs else 0)
         self._pointer.replace(arrays)
         self.sets.reselect(self.selection, called)
         self.arrays.near.number[0] = m
@@ -253,8 +258,18 @@ class CompiledProblem:
 
         if code == codes.WEDGE:
             raise wedge(2.0 * float(arrays.program.answer[1]))
-        failure = missed(self.name, float(arrays.program.answer[1]), tol) if code == codes.MISSED else None
-        raise self.reason(failure or StepFailure(*FAILURES[code]), contradicting=code == codes.UNMET)
+        if code == codes.MISSED:
+            residual, bent = float(arrays.program.answer[1]), float(arrays.curvature.largest[0]) - 1.0
+            failure = missed(self.name, residual, tol)
+            if bent > CURVED and residual > ROUNDED * np.abs(arrays.program.y).max():
+                detail = (
+                    f"{failure.detail} The set is strongly curved on the scale of a step: the point to project lies "
+                    f"{bent:.2g} radii of curvature outside of it. A smaller dt makes steps shorter than that radius."
+                )
+                raise StepFailure(failure.status, detail)
+        else:
+            failure = StepFailure(*FAILURES[code])
+        raise self.reason(failure, contradicting=code == codes.UNMET)
 
     def reason(self, failure: StepFailure, *, contradicting: bool = False) -> StepFailure:
         """Return INFEASIBLE if the program of the near rows is proved to be so, else the failure with its reason.
