@@ -175,7 +175,7 @@ class Model:
         axes, n = (2, self.nx) if name in PARTICLE else (1, self.ny)
         if type(value) is np.ndarray and value.dtype == FLOAT and value.ndim == axes and value.shape[-1] == n:
             return value
-        return shaped(name, value, (None, n) if axes == 2 else (n,))
+        return shaped(name, value, ("Q", n) if axes == 2 else (n,))
 
     def _check_even(self) -> None:
         """Check V(-r) = V(r) and V(0) = 0 at points in general position."""

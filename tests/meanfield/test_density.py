@@ -136,18 +136,18 @@ def test_bad_input_is_refused_by_name(message):
 
 
 FAR_SHAPES = {  # density of a centre and a width, and the variance over the square of the width
-    "bump": (meanfield.Density.bump, 1 / 11),
-    "normal": (meanfield.Density.normal, 1.0),
-    "uniform": (lambda c, w: meanfield.Density.uniform(c - w, c + w), 1 / 3),
+    "bump": (Density.bump, 1 / 11),
+    "normal": (Density.normal, 1.0),
+    "uniform": (lambda c, w: Density.uniform(c - w, c + w), 1 / 3),
     "cosine": (
-        lambda c, w: meanfield.Density(lambda x: (1 + np.cos(np.pi * (x[:, 0] - c) / w)) / (2 * w), c - w, c + w),
+        lambda c, w: Density(lambda x: (1 + np.cos(np.pi * (x[:, 0] - c) / w)) / (2 * w), c - w, c + w),
         1 / 3 - 2 / np.pi**2,
     ),
     "unlisted kink": (
-        lambda c, w: meanfield.Density(lambda x: np.maximum(1 - np.abs(x[:, 0] - c) / w, 0) / w, c - w, c + w),
+        lambda c, w: Density(lambda x: np.maximum(1 - np.abs(x[:, 0] - c) / w, 0) / w, c - w, c + w),
         1 / 6,
     ),
-    "plane": (lambda c, w: meanfield.Density.normal([c, -c], [w, 2 * w]), 1.0),
+    "plane": (lambda c, w: Density.normal([c, -c], [w, 2 * w]), 1.0),
 }
 
 
