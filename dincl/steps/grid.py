@@ -169,7 +169,8 @@ class Stepper(ABC):
             if getattr(after.v, "shape", None) != getattr(state.v, "shape", None):
                 raise InvalidProblem(
                     f"scheme: {type(self).__name__}.step returned v = {describe(after.v)} after "
-                    f"v = {describe(state.v)}: must have velocities of the shape of those of start(), or none if it has none; states of earlier "
+                    f"v = {describe(state.v)}: must have velocities of the shape of those of start(), or "
+                    "none if it has none; states of earlier "
                     "steps belong into memory"
                 )
             if not bounded(after.x):

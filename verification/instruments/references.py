@@ -95,7 +95,7 @@ class Known:
         index = np.abs(self.t - wanted[:, None]).argmin(axis=1) if len(self.t) else np.zeros(0, dtype=np.intp)
         if len(index) < len(wanted) or (np.abs(self.t[index] - wanted) > SAME).any():
             raise dincl.InvalidProblem(
-                f"times = {describe(wanted)}: must be among those of the reference, {describe(self.t)}"
+                f"times = {describe(wanted)}: must be among the times of the reference, {describe(self.t)}"
             )
         return index
 

@@ -190,8 +190,8 @@ def test_maps_of_nothing_are_named(changes, message):
 @pytest.mark.parametrize(
     ("reference", "message"),
     [
-        (lambda t: v.reference(WALL, 1e-9)([0.1, 0.2]), "times = .* must be among those of the reference"),
-        (lambda t: v.reference(WALL, 1e-9)([0.5]), "times = .* must be among those of the reference"),
+        (lambda t: v.reference(WALL, 1e-9)([0.1, 0.2]), "times = .* must be among the times of the reference"),
+        (lambda t: v.reference(WALL, 1e-9)([0.5]), "times = .* must be among the times of the reference"),
         (lambda t: v.Known(t, np.ones((2, 1, 2)), np.full(2, np.nan)), "error = .* must be 2 finite numbers >= 0"),
         (lambda t: v.Known(t, np.ones((2, 1, 2)), np.full(2, -1e-9)), "error = .* must be 2 finite numbers >= 0"),
         (lambda t: v.Known(t, np.ones((2, 1, 2)), np.full(2, np.inf)), "error = .* must be 2 finite numbers >= 0"),
@@ -209,7 +209,7 @@ def test_a_reference_to_another_question_is_refused(reference, message):
 
 def test_a_known_at_other_times_is_refused():
     known = v.reference(WALL, 1e-9)([0.5, 0.9])
-    with pytest.raises(dincl.InvalidProblem, match="must be among those of the reference"):
+    with pytest.raises(dincl.InvalidProblem, match="must be among the times of the reference"):
         v.order_study(WALL, {"PBD": dincl.PBD}, STEPS, [0.5, 1.0], known)
 
 
