@@ -38,22 +38,40 @@ def unresolved_dip(model: Model, before: tuple[Floats, Floats], after: tuple[Flo
         length of the step; between its ends the values follow the cubic that meets both ends.
     """
     (z, rate), (end, end_rate) = before, after
-    s = np.linspace(0, 1, PARTS + 1)[:, None]
-    path = _cubic(s, z, h * rate, end, h * end_rate)
-    speed = _cubic_slope(s, z, h * rate, end, h * end_rate) / h
-    speed[0], speed[-1] = rate, end_rate
-    found = []
     try:
-        for values, rates in zip(path, speed, strict=True):
-            y, X = values[: model.ny], values[model.ny :].reshape(-1, model.nx)
-            v, U = rates[: model.ny], rates[model.ny :].reshape(-1, model.nx)
-            found.append(model.determinant(X, y, U, v))
+        ends = [_determinant(model, values, rates) for values, rates in (before, after)]
+        close = _may_dip(*ends, h)
+        if not close.any():
+            return None
+        chosen = np.concatenate([np.ones(model.ny, dtype=bool), np.repeat(close, model.nx)])
+        z, rate, end, end_rate = z[chosen], h * rate[chosen], end[chosen], h * end_rate[chosen]
+        s = np.linspace(0, 1, PARTS + 1)[1:-1, None]
+        path, speed = _cubic(s, z, rate, end, end_rate), _cubic_slope(s, z, rate, end, end_rate) / h
+        inside = [_determinant(model, values, rates) for values, rates in zip(path, speed, strict=True)]
     except StepFailure:
         return 0.5
-    det, slope = np.array(found).swapaxes(0, 1)
+    first, last = ((det[close], slope[close]) for det, slope in ends)
+    det, slope = np.array([first, *inside, last]).swapaxes(0, 1)
     with np.errstate(all="ignore"):
         places = [_first(det, h / PARTS * slope), _first(1 / det, -h / PARTS * slope / det**2)]
     return min((place for place in places if place is not None), default=None)
+
+
+def _determinant(model: Model, values: Floats, rates: Floats) -> tuple[Floats, Floats]:
+    y, v, X, U = values[: model.ny], rates[: model.ny], values[model.ny :], rates[model.ny :]
+    return model.determinant(X.reshape(-1, model.nx), y, U.reshape(-1, model.nx), v)
+
+
+def _may_dip(before: tuple[Floats, Floats], after: tuple[Floats, Floats], h: float) -> NDArray[np.bool_]:
+    """Return the particles (Q,) whose determinant may fall or rise by a factor of two inside of a step.
+
+    A cubic leaves the range of its ends by at most 4/27 of the sum of its slopes.
+    """
+    sign = np.sign(before[0])
+    a, b = sign * before[0], sign * after[0]
+    beyond = 4 / 27 * h * (np.abs(before[1]) + np.abs(after[1]))
+    low, high = np.minimum(a, b), np.maximum(a, b)
+    return ~((low - beyond >= high / 2) & (high + beyond <= 2 * low))
 
 
 def _first(values: Floats, slopes: Floats) -> float | None:
