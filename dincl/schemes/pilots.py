@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -265,8 +266,9 @@ def warm_up(problem: Problem, candidate: Candidate, times: NDArray[np.float64], 
     if name in _WARM:
         return
     _WARM.add(name)
-    scheme = candidate.make(1e-6 * float(times[-1]) if candidate.order else error)
-    scheme.run(problem, 1e-6 * times[-1:])
+    with suppress(InvalidProblem):  # the first run says why
+        scheme = candidate.make(1e-6 * float(times[-1]) if candidate.order else error)
+        scheme.run(problem, 1e-6 * times[-1:])
 
 
 def event_driven(
@@ -278,6 +280,8 @@ def event_driven(
     began = time.process_time()
     try:
         outcome = candidate.make(error).run(limited(problem, limit), PART * times[-1:])
+    except InvalidProblem as refusal:
+        return left_out(candidate, error, str(refusal))
     except OutOfBudgetError:
         return left_out(candidate, error, f"takes more than {limit / PART:.2g} s")
     seconds = time.process_time() - began
