@@ -28,7 +28,9 @@ MOST_BITS, MOST_EXPONENT = 2**13, 2**14
 LEAST_PRECISION, MOST_PRECISION = 64, 2**14
 # Particles, rows, pieces, balls: at most as many as bytes.
 MOST = MOST_BYTES
-FUNCTION = re.compile(r"[A-Za-z_]\w{0,99}(\.[A-Za-z_]\w{0,99}){0,9}:[A-Za-z_]\w{0,99}(\.[A-Za-z_]\w{0,99}){0,9}", re.ASCII)
+FUNCTION = re.compile(
+    r"[A-Za-z_]\w{0,99}(\.[A-Za-z_]\w{0,99}){0,9}:[A-Za-z_]\w{0,99}(\.[A-Za-z_]\w{0,99}){0,9}", re.ASCII
+)
 
 
 class BadCertificate(ValueError):

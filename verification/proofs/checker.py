@@ -19,8 +19,8 @@ from flint import arb, arb_mat, arb_poly, ctx
 
 from verification.proofs.certificate import BadCertificate, Certificate, ExactRow, PolynomialPiece
 from verification.proofs.enclosures import (
-    ZERO,
     SQUARINGS,
+    ZERO,
     ExactProblem,
     Functions,
     RowOnPiece,

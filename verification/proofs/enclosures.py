@@ -1,7 +1,8 @@
 """Enclosures of what a certificate holds: numbers, polynomials, the drift, and rows along a piece.
 
-With ``checker`` and the format of certificates this is all that a proof rests on, beside flint, numpy's arrays of
-objects, the standard library, and the user's functions if the problem has any. A polynomial in s in [-1, 1] is an arb_poly.
+With ``checker`` and the format of certificates this is all that a proof rests on, beside flint, the standard library,
+and the user's functions if the problem has any, which get NumPy's arrays of objects. A polynomial in s in [-1, 1] is an
+arb_poly.
 """
 
 from __future__ import annotations
@@ -151,9 +152,6 @@ class Series:
             _refuse(f"power {power}: must be a whole number; for a root numpy.sqrt")
         return Series(self.of ** int(power))
 
-    def __hash__(self) -> int:
-        _refuse("a ball has no hash")
-
 
 def _refuse(reason: str) -> NoReturn:
     Series.refused.append(reason)
@@ -202,7 +200,24 @@ for _of in (operator.add, operator.sub, operator.mul, operator.truediv):
 for _name in ("sin", "cos", "tan", "exp", "log", "sqrt"):
     setattr(Series, _name, _unary(_name))
 for _name in (
-    *("eq", "ne", "lt", "le", "gt", "ge", "bool", "float", "int", "complex", "index", "abs", "round", "floor", "ceil"),
+    *(
+        "hash",
+        "eq",
+        "ne",
+        "lt",
+        "le",
+        "gt",
+        "ge",
+        "bool",
+        "float",
+        "int",
+        "complex",
+        "index",
+        "abs",
+        "round",
+        "floor",
+        "ceil",
+    ),
     *("trunc", "floordiv", "rfloordiv", "mod", "rmod", "divmod", "rdivmod", "rpow"),
 ):
     setattr(Series, f"__{_name}__", _refused(_name))
@@ -303,8 +318,8 @@ def approximation(certificate: Certificate, t: Any) -> list[Any]:
 class RowOnPiece:
     """A row on a piece: its arrow X_i - X_j, the directions b of its force, and q, which has the sign of g.
 
-    For a distance q = sign (|arrow|^2 - length^2) = g (|arrow| + length), for an affine row q = g. The length of weights
-    is a ball where it is no dyadic number.
+    For a distance q = sign (|arrow|^2 - length^2) = g (|arrow| + length), for an affine row q = g. The length
+    of weights is a ball where it is no dyadic number.
     """
 
     def __init__(self, row: ExactRow, x: Any, d: int, path: Any) -> None:

@@ -159,6 +159,7 @@ def prove(problem: dincl.Problem, t: ArrayLike, bound: float = 1e-12) -> Proof:
         raise dincl.InvalidProblem(f"t = {describe(t)}: must be one or more increasing times >= 0, the last one > 0")
     empty, functions, places = described(problem)
     try:
+        _compare(problem, empty, functions, [0.0], [problem.x0])
         empty = replace(empty, start_error=_start_error(empty, functions))
     except NotOnBalls as failed:
         raise NotProved(f"no bound of {wanted:g}: {failed}", math.inf) from failed
@@ -168,7 +169,7 @@ def prove(problem: dincl.Problem, t: ArrayLike, bound: float = 1e-12) -> Proof:
         raise NotProved(f"no approximation: {failed}", math.inf) from failed
     events = [(event.t, event.kind == "contact", places[event.constraint, event.row]) for event in path.events]
     try:
-        _compare(problem, empty, functions, path)
+        _compare(problem, empty, functions, path.t, path.x)
     except NotOnBalls as failed:
         raise NotProved(f"no bound of {wanted:g}: {failed}", math.inf) from failed
     certificate, verdict = _search(empty, functions, events, float(times[-1]), wanted)
@@ -216,11 +217,11 @@ def _proof(
     return Proof(problem, times, np.array(radii), bound, filled)
 
 
-def _compare(problem: dincl.Problem, empty: Certificate, functions: Functions, path: dincl.Trajectory) -> None:
-    """Raise NotProved if a function has other values on balls than on numbers, at states of a path."""
+def _compare(problem: dincl.Problem, empty: Certificate, functions: Functions, times: Any, states: Any) -> None:
+    """Raise NotProved if a function has other values on balls than on numbers, at some times and states (N, d)."""
     exact = ExactProblem(empty, functions)
     with ctx.workprec(EXACTLY):
-        for t, x in zip(path.t, path.x, strict=True):
+        for t, x in zip(times, states, strict=True):
             now, pairs = arb(float(t)), []
             if exact.function:
                 values = exact.field(now, [arb(float(v)) for v in x.ravel()])

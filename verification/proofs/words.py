@@ -57,7 +57,8 @@ def theorem(certificate: Certificate, verdict: Proven) -> str:
         f"The bound that follows is {above(_up(verdict.bound), 6)}.",
     ]
     lines += [
-        f"At t = {value(ball.t)!r} within {above(value(ball.radius))} of the stated state." for ball in certificate.balls
+        f"At t = {value(ball.t)!r} within {above(value(ball.radius))} of the stated state."
+        for ball in certificate.balls
     ]
     return "\n".join([*lines, "Assumed:", *(f"- {one}" for one in assumptions(certificate))])
 

@@ -12,7 +12,6 @@ from mpmath import mp, mpf
 import dincl
 import verification as v
 from dincl.drifts import attraction, constant, swirl
-from verification.proofs import certificate
 from verification.proofs.certificate import FORMAT, BadCertificate, digest, read
 from verification.proofs.checker import check
 
@@ -69,7 +68,14 @@ def solution(c):
     if len(x0) == d == 2 and kinds == [("distance", -1)] and exact(c.rows[0].length) > 50:
         rate = mpmath.mpc(stretch[0], turn[0])
         return lambda t: parts(flow(mpmath.mpc(*x0), mpmath.mpc(*velocity), rate, t)), ROUNDED
-    if d == 1 and len(x0) == 2 and len(kinds) == 1 and kinds[0][0] == "distance" and len(c.rows[0].places) == 2 and steady:
+    if (
+        d == 1
+        and len(x0) == 2
+        and len(kinds) == 1
+        and kinds[0][0] == "distance"
+        and len(c.rows[0].places) == 2
+        and steady
+    ):
         return pair(c, x0, velocity)
     return by_events(c)
 
@@ -120,7 +126,7 @@ def along_a_wall(c, x0, velocity):
 
 
 def around_a_ball(c, x0, velocity):
-    """Return a point that moves straight to a fixed ball, slides: tan(a/2) falls exponentially, and leaves at a = 90."""
+    """Return a point that moves straight to a ball, slides, tan(a/2) falls exponentially, and leaves at a = 90."""
     anchor, radius = [exact(a) for a in c.rows[0].anchor], exact(c.rows[0].length)
     z, u = mpmath.mpc(*x0) - mpmath.mpc(*anchor), mpmath.mpc(*velocity)
     if radius - abs(z) > exact(c.start_error):
@@ -173,6 +179,13 @@ def pair(c, x0, velocity):
     return at, ROUNDED
 
 
+def linear(places, weights, length, size):
+    """Return the set of a row whose weights are on coordinates of several particles."""
+    gradient = np.zeros(size)
+    gradient[list(places)] = weights / np.linalg.norm(weights)
+    return dincl.Smooth(lambda x: np.array([gradient @ x.ravel() - length]), lambda x: gradient.reshape(1, *x.shape))
+
+
 def by_events(c):
     """Return the solution that EventDriven finds, for other rows."""
     n, d = len(c.start) // c.dimension, c.dimension
@@ -198,8 +211,13 @@ def by_events(c):
             far = min(length, 0.0) - 1e3
             alone[row.places[0] // d] = length - far
             sets.append(dincl.HalfSpace(normal, far, alone))
+        elif row.kind == "distance":
+            distance = np.full(n, 1e-50 if row.sign > 0 else 1e50)
+            distance[row.places[0]] = length
+            ball = dincl.OutsideBall if row.sign > 0 else dincl.InsideBall
+            sets.append(ball([near(a) for a in row.anchor], distance))
         else:
-            pytest.fail(f"no independent solution for {row}")
+            sets.append(linear(row.places, np.array([near(w) for w in row.weights]), length, n * d))
     if abs(near(c.start_error)) > EVENTS:
         return None, None
     try:
@@ -210,13 +228,17 @@ def by_events(c):
         raise
 
     def at(t):
-        return [mpf(a) for a in dincl.solve(path, dincl.EventDriven(1e-11), [float(t)]).final.ravel()] if t > 0 else x0.ravel()
+        return (
+            [mpf(a) for a in dincl.solve(path, dincl.EventDriven(1e-11), [float(t)]).final.ravel()]
+            if t > 0
+            else x0.ravel()
+        )
 
     return at, EVENTS
 
 
 def is_true(c):
-    """Return whether the stated balls and the bound hold for the solution, at some times; Vacuous without a solution."""
+    """Return whether balls and bound hold for the solution, at some times; Vacuous without a solution."""
     x, error = solution(c)
     if x is None:
         raise Vacuous
@@ -267,7 +289,9 @@ def one_number(content, rng):
         kinds.setdefault(tuple(key for key in path if isinstance(key, str)), []).append(path)
     within, key = entry(content, rng.choice(kinds[rng.choice(sorted(kinds))]))
     old = within[key]
-    within[key] = rng.choice((old + 1, old - 1, -old, 0, 2 * old, old + (old >> 30), old + (old >> 60), rng.randrange(-9, 9)))
+    within[key] = rng.choice(
+        (old + 1, old - 1, -old, 0, 2 * old, old + (old >> 30), old + (old >> 60), rng.randrange(-9, 9))
+    )
 
 
 def shifted_states(content, rng):
@@ -375,9 +399,7 @@ def tampered(proof, seed, file):
     return found
 
 
-@pytest.mark.parametrize(
-    "count", [120, pytest.param(10_000, marks=pytest.mark.slow)], ids=["some", "many"]
-)
+@pytest.mark.parametrize("count", [120, pytest.param(10_000, marks=pytest.mark.slow)], ids=["some", "many"])
 def test_changed_certificates_that_pass_are_true(proofs, tmp_path, count):
     passed, vacuous = 0, 0
     with mp.workdps(DIGITS):
