@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -41,19 +41,18 @@ class AffineDrift(CompiledDrift):
     stretch, turn
         a and b [1 / time], shape () for all particles, or (N,). A turn needs d = 2.
     terms
-        The terms as they were given, whose products and sums c, a and b are, rounded; proofs take them. Empty: one
-        term, with centre 0, of the numbers above.
+        The terms as they were given, whose products and sums c, a and b are, rounded; proofs take them. Of a drift that
+        was made of c, a and b it is one term with centre 0.
     """
 
     velocity: NDArray[np.float64]
     stretch: NDArray[np.float64]
     turn: NDArray[np.float64]
-    terms: tuple[AffineTerm, ...] = ()
+    terms: tuple[AffineTerm, ...] = field(init=False, repr=False)
     autonomous = True
 
     def __post_init__(self) -> None:
-        if not self.terms:
-            object.__setattr__(self, "terms", (AffineTerm(self.velocity, _ZERO, self.stretch, self.turn),))
+        object.__setattr__(self, "terms", (AffineTerm(self.velocity, _ZERO, self.stretch, self.turn),))
 
     def __call__(self, t: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
         value: NDArray[np.float64] | None
@@ -71,12 +70,10 @@ class AffineDrift(CompiledDrift):
     def __add__(self, other: Any) -> AffineDrift:
         if not isinstance(other, AffineDrift):
             return NotImplemented
-        return AffineDrift(
-            _sum(self.velocity, other.velocity),
-            _sum(self.stretch, other.stretch),
-            _sum(self.turn, other.turn),
-            self.terms + other.terms,
+        total = AffineDrift(
+            _sum(self.velocity, other.velocity), _sum(self.stretch, other.stretch), _sum(self.turn, other.turn)
         )
+        return _of_terms(total, *self.terms, *other.terms)
 
     def __eq__(self, other: object) -> bool:
         return self._content == other._content if isinstance(other, AffineDrift) else NotImplemented
@@ -152,7 +149,7 @@ def attraction(centre: ArrayLike, rate: ArrayLike = 1.0) -> AffineDrift:
     """
     middle, rates = _centre(centre), _rate(rate)
     term = AffineTerm(_ZERO, middle, array("rate", -rates), _ZERO)
-    return AffineDrift(_scaled(rates, middle), term.stretch, _ZERO, (term,))
+    return _of_terms(AffineDrift(_scaled(rates, middle), term.stretch, _ZERO), term)
 
 
 def swirl(centre: ArrayLike, rate: ArrayLike) -> AffineDrift:
@@ -176,7 +173,13 @@ def swirl(centre: ArrayLike, rate: ArrayLike) -> AffineDrift:
     if middle.shape not in ((), (2,)):
         raise InvalidProblem(f"centre of shape {middle.shape}: must have shape (2,), as a swirl is in the plane")
     back = middle if middle.ndim == 0 else np.array([middle[1], -middle[0]])
-    return AffineDrift(_scaled(rates, back), _ZERO, rates, (AffineTerm(_ZERO, middle, _ZERO, rates),))
+    return _of_terms(AffineDrift(_scaled(rates, back), _ZERO, rates), AffineTerm(_ZERO, middle, _ZERO, rates))
+
+
+def _of_terms(drift: AffineDrift, *terms: AffineTerm) -> AffineDrift:
+    """Return a new drift with the terms that it was made of."""
+    object.__setattr__(drift, "terms", terms)
+    return drift
 
 
 def _centre(centre: ArrayLike) -> NDArray[np.float64]:

@@ -426,6 +426,10 @@ WRITTEN = {
         lambda: dincl.Problem(PLANE, (attraction(0, 0.1) + attraction((0.3, 0.3), 0.2)) + constant([0.7, 0.1]), BOX),
         lambda: [flowed(M(x), M(0.2) * M(0.3) + M(u), -(M(0.1) + M(0.2)), 4) for x, u in ((2.0, 0.7), (1.0, 0.1))],
     ),
+    "numbers of a drift": (
+        lambda: dincl.Problem(PLANE, replace(attraction((0.3, 0.7), 0.1), velocity=np.array([0.1, 0.2])), BOX),
+        lambda: [flowed(M(x), M(u), -M(0.1), 4) for x, u in ((2.0, 0.1), (1.0, 0.2))],
+    ),
     "swirl": (
         lambda: dincl.Problem(PLANE, swirl((0.3, 0.1), 0.7) + attraction((0.1, 0.2), 0.3), BOX),
         lambda: turned(
