@@ -26,11 +26,9 @@ T = TypeVar("T")
 MOST_BYTES = 2**26
 MOST_BITS, MOST_EXPONENT = 2**13, 2**14
 LEAST_PRECISION, MOST_PRECISION = 64, 2**14
-# Particles, rows, pieces, balls: at most as many as bytes.
-MOST = MOST_BYTES
-FUNCTION = re.compile(
-    r"[A-Za-z_]\w{0,99}(\.[A-Za-z_]\w{0,99}){0,9}:[A-Za-z_]\w{0,99}(\.[A-Za-z_]\w{0,99}){0,9}", re.ASCII
-)
+# Particles, rows, pieces, balls: at most as many as bytes. Letters of a name.
+MOST, LONGEST_NAME = MOST_BYTES, 300
+FUNCTION = re.compile(r"[^\W\d]\w*(\.[^\W\d]\w*)*:[^\W\d]\w*(\.[^\W\d]\w*)*")
 
 
 class BadCertificate(ValueError):
@@ -161,6 +159,7 @@ def digest(content: dict[str, Any]) -> str:
 
 def read(file: str | Path) -> Certificate:
     """Read a certificate, which imports and calls nothing; BadCertificate if it is not one, or was changed."""
+    name = str(file).encode("utf-8", "backslashreplace").decode()  # which can be printed
     try:
         content = json.loads(
             _text(Path(file)),
@@ -175,11 +174,11 @@ def read(file: str | Path) -> Certificate:
             raise BadCertificate("the digest does not fit the content: the file was changed")
         return _certificate(content)
     except OSError as error:
-        raise BadCertificate(f"{file}: cannot be read: {error.strerror or error}") from error
+        raise BadCertificate(f"{name}: cannot be read: {error.strerror or error}") from error
     except RecursionError:
-        raise BadCertificate(f"{file}: lists within lists without end") from None
+        raise BadCertificate(f"{name}: lists within lists without end") from None
     except ValueError as error:
-        raise BadCertificate(f"{file}: {error}") from error
+        raise BadCertificate(f"{name}: {error}") from error
 
 
 def _text(file: Path) -> str:
@@ -348,14 +347,14 @@ def _series(place: str, value: Any, size: int) -> None:
 
 
 def _name(place: str, value: Any) -> None:
-    if type(value) is not str or (value and not FUNCTION.fullmatch(value)):
+    if type(value) is not str or len(value) > LONGEST_NAME or (value and not FUNCTION.fullmatch(value)):
         _bad(place, value, 'empty or "module:name"')
 
 
 def _all(place: str, value: Any, kind: type[T]) -> tuple[T, ...]:
     if type(value) is not tuple or not all(type(one) is kind for one in value):
         _bad(place, value, f"a list of {kind.__name__}")
-    return value  # type: ignore[no-any-return]
+    return value
 
 
 def _bad(place: str, value: Any, allowed: str) -> NoReturn:

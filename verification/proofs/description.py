@@ -13,7 +13,7 @@ import numpy as np
 import dincl
 from dincl.checks import describe
 from dincl.drifts.affine import AffineDrift
-from verification.proofs.certificate import LEAST_PRECISION, Certificate, Dyadic, ExactDrift, ExactRow
+from verification.proofs.certificate import FUNCTION, LEAST_PRECISION, Certificate, Dyadic, ExactDrift, ExactRow
 
 if TYPE_CHECKING:
     from dincl.constraints.base import Constraint
@@ -149,7 +149,7 @@ def _named(what: str, function: Any, functions: dict[str, Any]) -> str:
     found = sys.modules.get(module) if isinstance(module, str) else None
     for part in str(name).split("."):
         found = getattr(found, part, None)
-    if type(function) is not FunctionType or found is not function:
+    if type(function) is not FunctionType or found is not function or not FUNCTION.fullmatch(f"{module}:{name}"):
         other = f": {module}:{name} leads to another object" if found is not None else ""
         raise dincl.InvalidProblem(
             f"{what} = {describe(function)}: must be a function at the top of a module, which a certificate can name"

@@ -281,7 +281,8 @@ def test_what_is_no_file_is_refused_at_once(tmp_path):
     pipe, link = tmp_path / "pipe", tmp_path / "link"
     os.mkfifo(pipe)
     link.symlink_to(link)
-    for file in (pipe, link, tmp_path, tmp_path / "none", Path("/dev/zero")):
+    no_letters = tmp_path / os.fsdecode(b"\xff")
+    for file in (pipe, link, tmp_path, tmp_path / "none", no_letters, Path("/dev/zero")):
         refused(file)
 
 
