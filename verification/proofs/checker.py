@@ -345,7 +345,9 @@ def check(certificate: Certificate, trust: Iterable[str] = ()) -> Proven:
     verdict = enclose(certificate, trusted(certificate, trust))
     if not verdict.bound <= number(certificate.bound):
         raise BadCertificate(f"the bound that follows is {float(verdict.bound):.3g}, larger than what is stated")
+    work = Work(certificate.numbers())
     for stated in certificate.balls:
+        work.spend(len(certificate.pieces) + len(verdict.stretches))
         with ctx.workprec(certificate.precision):
             t = number(stated.t)
             off = length([v - number(c) for v, c in zip(approximation(certificate, t), stated.centre, strict=True)])
