@@ -129,8 +129,7 @@ def _drift(problem: dincl.Problem, functions: dict[str, Any]) -> ExactDrift:
             if b[i]:  # less b J c, J (x, y) = (-y, x)
                 velocity[i][0] += b[i] * c[i][1]
                 velocity[i][1] -= b[i] * c[i][0]
-    flat = [v for row in velocity for v in row]
-    return ExactDrift(*(tuple([_of_fraction(v) for v in part]) for part in (flat, stretch, turn)))
+    return ExactDrift(_dyadics([v for row in velocity for v in row]), _dyadics(stretch), _dyadics(turn))
 
 
 def _fractions(numbers: Any, shape: tuple[int, ...]) -> Any:
@@ -139,14 +138,15 @@ def _fractions(numbers: Any, shape: tuple[int, ...]) -> Any:
     return np.broadcast_to(exact, shape).tolist()
 
 
-def _of_fraction(value: Fraction) -> Dyadic:
-    return short(value.numerator, 1 - value.denominator.bit_length())
+def _dyadics(values: list[Fraction]) -> tuple[Dyadic, ...]:
+    """Return sums and products of double numbers, whose denominators are powers of two."""
+    return tuple([short(v.numerator, 1 - v.denominator.bit_length()) for v in values])
 
 
 def _named(what: str, function: Any, functions: dict[str, Any]) -> str:
     """Return "module:name" of a function that this name leads to, and note the function; InvalidProblem for others."""
     module, name = getattr(function, "__module__", None), getattr(function, "__qualname__", "<none>")
-    found = sys.modules.get(module) if isinstance(module, str) else None
+    found: Any = sys.modules.get(module) if isinstance(module, str) else None
     for part in str(name).split("."):
         found = getattr(found, part, None)
     if type(function) is not FunctionType or found is not function or not FUNCTION.fullmatch(f"{module}:{name}"):

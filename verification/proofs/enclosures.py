@@ -7,6 +7,7 @@ arb_poly.
 
 from __future__ import annotations
 
+import math
 import operator
 from collections.abc import Callable, Mapping
 from typing import Any, NoReturn
@@ -165,7 +166,7 @@ def _exact(value: Any) -> Any:
     if isinstance(value, (int, np.integer, np.bool_)):
         return arb_series([arb(int(value))])
     if isinstance(value, (float, np.float32, np.float16)):
-        if not abs(value) < np.inf:
+        if not math.isfinite(value):
             _refuse(f"{value} is not a finite number")
         return arb_series([arb(float(value))])
     _refuse(f"{type(value).__name__} is neither a ball nor a whole or double number")
