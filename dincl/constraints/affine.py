@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -38,6 +38,8 @@ class HalfSpace(Timed):
     normal: Any
     offset: Any = 0.0
     radius: Any = 0.0
+    # The normal as it was given, of any length: the unit normal is rounded, and proofs need the exact one.
+    given_normal: Any = field(init=False, repr=False, default=None)
     functions_of_time = ("normal", "offset", "radius")
 
     def __post_init__(self) -> None:
@@ -51,6 +53,7 @@ class HalfSpace(Timed):
         unit = scaled / np.sqrt(scaled @ scaled)
         unit.flags.writeable = False
         object.__setattr__(self, "normal", unit)
+        object.__setattr__(self, "given_normal", normal)
         object.__setattr__(self, "offset", number("offset", self.offset))
         object.__setattr__(self, "radius", lengths("radius", self.radius, positive=False))
 
