@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 # Tolerance of a projection, relative to that of a step.
 PROJECTION = 1e-3
-# A run has at least so many steps; the first step is this part of the longest one, for nothing is known of its contacts.
+# A run has at least so many steps; the first one is this part of the longest one: nothing is known of its contacts yet.
 FEWEST, FIRST = 8, 1 / 64
 # Particles times steps in one call of compiled code, so that an interrupt or a budget does not wait.
 CHUNK = 6400
@@ -60,9 +60,8 @@ class AdaptiveCatchUp(Scheme):
 
     def run(self, problem: Problem, times: Floats) -> RunOutcome:
         """Make steps to each of the output times, or until one fails."""
-        end = float(times[-1])
-        runs = AdaptiveRuns(problem, PROJECTION * self.tol)
-        return runs.run(times, self.tol, min(end / FEWEST, resolving_step(problem, end)))
+        longest_step = min(float(times[-1]) / FEWEST, resolving_step(problem, times, self.tol))
+        return AdaptiveRuns(problem, PROJECTION * self.tol).run(times, self.tol, longest_step)
 
 
 class Reached(NamedTuple):

@@ -101,7 +101,7 @@ def first_contact(system: Any, kept: Adapting, count: int, x: Floats, h: float, 
             elif ahead < open_now:
                 place = open_now / (open_now - ahead)
             place = min(place, 1.0)
-            wrong = fall * min(1.0, min(NEAR * place, NEAR * (1.0 - place)))
+            wrong = fall * min(1.0, NEAR * place, NEAR * (1.0 - place))
             worst = max(worst, wrong)
             if wrong > tau:
                 earliest = min(earliest, place)
