@@ -82,7 +82,7 @@ def test_the_end_says_how_it_went(film):
 
 
 def test_a_run_that_fails_ends_with_its_status():
-    wild = PARAMETERS.changed({"numerics.mu": "1e-12 h", "numerics.substeps": 1})
+    wild = PARAMETERS.changed({"tissue.diffusion": "1e16 um^2/h"})
     run = tissue.simulate(finely_kept(wild), 0, throw=False)
     film = parsed(stream(wild, 0))
     assert film[-1][0]["status"] == run.status.name
