@@ -1,4 +1,4 @@
-"""Files that are there as a whole or not at all, whatever happens while they are written; and safe ways to read them."""
+"""Files that are there as a whole or not at all, whatever happens while they are written; and how to read them."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ DEVICES = Path("/dev")
 def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     """Give a name beside ``path`` to write to; at the end force the file to the disk and rename it.
 
-    If the block raises, as on a full disk, ``path`` is as it was before. A symbolic link is replaced itself: in a folder
-    from somebody else it may lead to any file of the user. Devices and pipes are written to directly.
+    If the block raises, as on a full disk, ``path`` is as it was before. A symbolic link is replaced itself: in a
+    folder from somebody else it may lead to any file of the user. Devices and pipes are written to directly.
 
     Raises
     ------

@@ -43,8 +43,8 @@ class Status(Enum):
         "end the run earlier."
     )
     UNSTABLE = (
-        "The steps are too long for the stiffness, so that points swing or jump from step to step and measurements mean "
-        "nothing: use more substeps or a smaller dt, or softer springs and forces."
+        "The steps are too long for the stiffness, so that points swing or jump from step to step and measurements "
+        "mean nothing: use more substeps or a smaller dt, or softer springs and forces."
     )
     SINGULAR = (
         "dg/dX lost its full rank (5.5), so that y no longer determines the particles: start elsewhere, or end the run "

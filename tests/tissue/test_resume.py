@@ -129,7 +129,10 @@ def test_another_step_after_the_start():
     ("changes", "message"),
     [
         ({"numerics.t_end": "2 h"}, r'numerics\.t_end = "2 h": must be at least the time of the start, t = 2\.5 h'),
-        ({"numerics.dt": "0.2 h", "numerics.keep": "1 h", "numerics.substeps": 40}, r"numerics\.dt = .* must divide the time of the start"),
+        (
+            {"numerics.dt": "0.2 h", "numerics.keep": "1 h", "numerics.substeps": 40},
+            r"numerics\.dt = .* must divide the time of the start",
+        ),
         ({"emt.cells": 4}, r"emt\.cells = 4: must be 3, as many as there are at the start"),
         ({"emt.b": "2 h"}, r'emt\.b = "2 h": must be after the time of the start, t = 2\.5 h, for cell \d+, in which'),
     ],
@@ -166,7 +169,7 @@ def test_a_group_that_is_larger_than_the_tissue():
 
 
 def test_a_state_that_failed_is_no_start(tmp_path):
-    failing = parameters_of("thesis").changed({"tissue.diffusion": "1e16 um^2/h"})
+    failing = parameters_of("thesis").changed({"tissue.diffusion": "1e12 um^2/h"})
     run = simulate(failing, throw=False)
     assert not run.status
     run.final.save(tmp_path / "failed.npz")

@@ -38,7 +38,7 @@ SLICES = {
     "noise in substeps": EMT | {"numerics.noise": "substep"},
     "constriction": {"emt.cells": 6, "emt.ac": "1 h to 3 h", "emt.a": "2 h, 50 %"},
     "a cap": EMT | {"cell.max_cytoskeleton": "4 R_soft"},
-    "types": TYPES | {"emt.cells": 2, "emt.s": "1 h", "numerics.substeps": 40},
+    "types": TYPES | {"emt.cells": 2, "emt.s": "1 h"},
     "no cores": EMT | {"cell.hard_radius": "0 um", "cell.enlarged_radius": "0 um", "cell.alpha_xx": 0},
     "arc": EMT | TUBE | {"layer.closed": False, "tissue.cells": 60},
     "tube": EMT | TUBE | {"layer.side": "outside"},

@@ -4,7 +4,7 @@ A substep h of explicit Euler is stable where h lambda / mu < 2 for all eigenval
 every growing tissue makes, whatever its state, so that longer steps cannot be right; other states are stiffer, and a
 run that meets them ends with the Status UNSTABLE. Each is of one kind of force, with no other at work:
 
-    bending    2 alpha / R^2             a cell in mitosis, its nucleus R from its apical point, its basal point far away
+    bending    2 alpha / R^2             a cell in mitosis: its nucleus R from its apical point, its basal point far
     springs    4 alpha_ax / R^p          its apical spring of length l = R, both ends free: W = alpha (d - l)^2 / l^p
                2 alpha_bx / R^p          the basal one, whose basal end is held
     junctions  2 k (1 + cos(pi / n))     neighbours of a row of n move against each other

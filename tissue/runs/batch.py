@@ -84,6 +84,7 @@ class Batch:
         Swings are looked for a few times in a run, where steps are not far from the limit.
         """
         last = round(self.parameters.t_end / self.parameters.numerics.dt.value)
+        floored = self.parameters.rules.floor_rest_length
         looks = step == last or step * LOOKS // last > before * LOOKS // last
         for first, group in zip(range(0, len(self.seeds), len(self._groups[0].states)), self._groups, strict=True):
             running = group.ended == RUNNING
@@ -91,7 +92,7 @@ class Batch:
                 continue
             swing = swings(group) if looks and not self._surely_stable else np.zeros(len(group.states))
             for lane, state in enumerate(group.states):
-                fault = stability_fault(state, swing[lane]) if running[lane] else ""
+                fault = stability_fault(state, swing[lane], floored=floored) if running[lane] else ""
                 if fault:
                     self._unstable[first + lane], group.ended[lane] = fault, step
 

@@ -48,8 +48,8 @@ class StateArrays(NamedTuple):
     cells: Cells
     layers: CellLayers
     emt: Emt  # with room for as many as there may be cells, if there are EMT cells
-    # Number of cells, of cells in the apical and in the basal layer, next id, number of EMT cells; 1 + id of a cell that
-    # jumped, see ``tissue.step.copies.find_jump``, else 0
+    # Number of cells, of cells in the apical and in the basal layer, next id, number of EMT cells; 1 + id of a cell
+    # that jumped, see ``tissue.step.copies.find_jump``, else 0
     sizes: Integers
     motion: BasalMotion
     blocks: Blocks

@@ -131,8 +131,8 @@ class Results:
         strange = [] if self._trust else not_imported(values)
         if strange:
             raise InvalidProblem(
-                f"{self.folder}: scenario {scenario!r} needs files of Python, {', '.join(strange)}: must be trusted, as "
-                "they are run; --trust of the command, or Results(folder, trust=True)"
+                f"{self.folder}: scenario {scenario!r} needs files of Python, {', '.join(strange)}: must be trusted, "
+                "as they are run: --trust of the command, or Results(folder, trust=True)"
             )
         return preset("thesis").changed(values)
 

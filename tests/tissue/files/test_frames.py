@@ -16,6 +16,7 @@ from tissue.frames.frame import Frame
 from tissue.runs.simulate import simulate
 
 pytestmark = pytest.mark.filterwarnings("ignore:.* never begins")
+UNREADABLE = r"must be a readable file that Frame\.save wrote"
 SMALL = {
     "tissue.cells": 5,
     "tissue.width": "15 um",
@@ -153,10 +154,10 @@ def test_a_file_takes_no_more_memory_than_it_has_bytes(name, tmp_path):
     squeezed = archive_of(tmp_path / "a", zipfile.ZIP_DEFLATED, **{name: (header((1 << 23,)), 1 << 26)})
     for shape, why in (((1 << 40,), "states"), ((1 << 20, 1 << 20, 1 << 20), "states"), ((0,), "states")):
         stated = archive_of(tmp_path / "b", zipfile.ZIP_STORED, **{name: (header(shape), 1 << 20)})
-        with pytest.raises(InvalidProblem, match=f"must be a readable file that Frame.save wrote.* {why} "):
+        with pytest.raises(InvalidProblem, match=rf"{UNREADABLE}.* {why} "):
             Frame.load(stated)
     tracemalloc.reset_peak()
-    with pytest.raises(InvalidProblem, match="must be a readable file that Frame.save wrote.* is compressed"):
+    with pytest.raises(InvalidProblem, match=rf"{UNREADABLE}.* is compressed"):
         Frame.load(squeezed)
     assert tracemalloc.get_traced_memory()[1] < 8e6
     tracemalloc.stop()
@@ -172,7 +173,7 @@ def test_members_that_share_their_bytes(file, tmp_path):
     tail[8:10] = tail[10:12] = names.to_bytes(2, "little")
     tail[12:16] = (names * len(entry)).to_bytes(4, "little")
     (tmp_path / "many").write_bytes(raw[:begin] + names * entry + tail)
-    with pytest.raises(InvalidProblem, match="must be a readable file that Frame.save wrote"):
+    with pytest.raises(InvalidProblem, match=UNREADABLE):
         Frame.load(tmp_path / "many")
 
 
@@ -204,5 +205,5 @@ def test_a_pipe_is_no_state(tmp_path):
     os.mkfifo(tmp_path / "pipe")
     (tmp_path / "loop").symlink_to("loop")
     for name in ("pipe", "loop", "."):
-        with pytest.raises(InvalidProblem, match="must be a readable file that Frame.save wrote"):
+        with pytest.raises(InvalidProblem, match=UNREADABLE):
             Frame.load(tmp_path / name)

@@ -18,6 +18,7 @@ from tissue.study.identity import IDENTITY
 from tissue.study.read import Results
 
 OUT = Path("out")
+WRITES = "with open('{}', 'a') as file:\n    file.write('x')\n"
 
 
 @pytest.fixture(autouse=True)
@@ -46,7 +47,7 @@ def named(modules, place):
     def change(noted):
         for tables in noted["scenarios"].values():
             tables.pop("own", None)
-            tables |= {"own": {"modules": modules}} if place == "table" else {"own.modules": modules}
+            tables.update({"own": {"modules": modules}} if place == "table" else {"own.modules": modules})
 
     return change
 
@@ -63,28 +64,27 @@ def commands(*more):
 def test_results_run_no_python(place, path, folder):
     name = f"{place}{len(path)}"
     file = folder / "out" / f"foreign_{name}.py"
-    file.write_text(f"open({str(folder / 'RAN')!r}, 'a').write('x')\n")
+    file.write_text(WRITES.format(folder / "RAN"))
     given = str(file) if path == "{}" else path.format(name)
     rewrite(named([given], place))
     results = Results(OUT)
     for scenario in results.study.scenarios:
         results.cells(scenario), results.runs(scenario)
-        with pytest.raises(InvalidProblem, match=r"needs files of Python, .*foreign_.*: must be trusted, as they are run"):
+        with pytest.raises(InvalidProblem, match=r"needs files of Python, .*foreign_.*: must be trusted, as"):
             results.parameters(scenario)
     results.summary(), results.to_frame(), repr(results), results.origin
-    said = commands()
-    assert all("--trust" in one.output for one in said)
-    assert all(one.exit_code == 2 for one in said[:3])  # figures says so beside each one
+    *said, _ = commands()  # that figures cannot be drawn is said of each one
+    assert all("--trust" in one.output and one.exit_code == 2 for one in said)
     assert not (folder / "RAN").exists()
     assert file.stem not in sys.modules
 
 
 def test_results_that_are_trusted_run_it(folder):
     file = folder / "out" / "trusted_rules.py"
-    file.write_text(f"open({str(folder / 'RAN')!r}, 'a').write('x')\n")
+    file.write_text(WRITES.format(folder / "RAN"))
     rewrite(named([str(file)], "table"))
-    said = CliRunner().invoke(app, ["summary", str(OUT), "--trust"])
-    assert said.exit_code == 0, said.output
+    for said in commands("--trust"):  # the tables of the stand-in lack columns of which they would speak
+        assert "--trust" not in said.output
     assert (folder / "RAN").read_text() == "x"
     assert Results(OUT).parameters("[A]").own.modules == (str(file),)  # which this process has run by now
     sys.modules.pop("trusted_rules")
@@ -109,10 +109,8 @@ def test_a_link_in_the_folder_is_not_written_through(name, folder):
     (folder / "precious").write_text("precious\n")
     (OUT / name).unlink()
     (OUT / name).symlink_to(folder / "precious")
-    try:
-        tissue.run_study("small.toml", OUT)
-    except InvalidProblem as error:
-        assert "must be the note of a study" in str(error)
+    tissue.run_study("small.toml", OUT)
+    assert not (OUT / name).is_symlink()
     assert (folder / "precious").read_text() == "precious\n"
 
 

@@ -9,7 +9,7 @@ from tissue.frames.observables import ab_positions
 from tissue.runs.simulate import simulate_many
 from tissue.study.outcomes import EXTENTS, SIDES, outcomes
 
-WILD = {"tissue.diffusion": "1e16 um^2/h"}
+WILD = {"tissue.diffusion": "1e12 um^2/h"}
 SEEDS, REPLICATES = [7, 3, 11, 5, 2, 13, 17, 19, 23, 29], range(40, 50)
 TIMES = (0, 2, 4, 6, 8, 10)
 SCENARIO = {
