@@ -7,10 +7,10 @@ import os
 import stat
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from io import BufferedReader
 from pathlib import Path
 from secrets import token_hex
 from shutil import copymode
-from typing import BinaryIO
 
 MAKES_NO_NUMBERS = True
 
@@ -79,7 +79,7 @@ def check_writable(path: str | os.PathLike[str]) -> None:
     partial.unlink()
 
 
-def open_file(path: str | os.PathLike[str]) -> BinaryIO:
+def open_file(path: str | os.PathLike[str]) -> BufferedReader:
     """Open a file to read bytes.
 
     Raises
