@@ -1,11 +1,13 @@
-"""Files that are there as a whole or not at all, whatever happens while they are written."""
+"""Files that are there as a whole or not at all, whatever happens while they are written; and how to read them."""
 
 from __future__ import annotations
 
 import errno
 import os
+import stat
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from io import BufferedReader
 from pathlib import Path
 from secrets import token_hex
 from shutil import copymode
@@ -14,29 +16,32 @@ MAKES_NO_NUMBERS = True
 
 # How the names of files begin that are being written: readers of a folder of Parquet files pass over this first letter.
 PARTIAL = "_partial-"
+DEVICES = Path("/dev")
 
 
 @contextmanager
 def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     """Give a name beside ``path`` to write to; at the end force the file to the disk and rename it.
 
-    If the block raises, as on a full disk, ``path`` is as it was before. Devices and pipes are written to directly.
+    If the block raises, as on a full disk, ``path`` is as it was before. A symbolic link is replaced itself: in a
+    folder from somebody else it may lead to any file of the user. Devices and pipes are written to directly.
 
     Raises
     ------
     OSError
         As ``open`` would for ``path`` itself.
     """
-    target = Path(path).resolve()  # a link stays a link
-    if target.exists() and not target.is_file():
-        yield Path(path)
+    target = Path(path)
+    is_link = _is_link(target)
+    if not is_link and target.exists() and not target.is_file():
+        yield target
         return
-    if target.exists() and not os.access(target, os.W_OK):
+    if not is_link and target.exists() and not os.access(target, os.W_OK):
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path))
     partial = _beside(target)
     try:
         yield partial
-        if target.exists():
+        if not is_link and target.exists():
             copymode(target, partial)
         _force(partial)
         os.replace(partial, target)
@@ -63,8 +68,8 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
 
 def check_writable(path: str | os.PathLike[str]) -> None:
     """Raise OSError if a file could not be written there: asked before long work. Nothing is left behind."""
-    target = Path(path).resolve()
-    if target.exists():
+    target = Path(path)
+    if not _is_link(target) and target.exists():
         with target.open("ab"):
             return
     try:
@@ -72,6 +77,32 @@ def check_writable(path: str | os.PathLike[str]) -> None:
     except OSError as error:
         raise OSError(error.errno, error.strerror, str(path)) from error
     partial.unlink()
+
+
+def open_file(path: str | os.PathLike[str]) -> BufferedReader:
+    """Open a file to read bytes.
+
+    Raises
+    ------
+    OSError
+        As ``open`` would, and for what is no file: to open a pipe would wait until somebody writes to it.
+    """
+    descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK)
+    if not stat.S_ISREG(os.fstat(descriptor).st_mode):
+        os.close(descriptor)
+        raise OSError(errno.EINVAL, "must be a file, and no folder, pipe or device", str(path))
+    return os.fdopen(descriptor, "rb")
+
+
+def read_bytes(path: str | os.PathLike[str]) -> bytes:
+    """Read a file as a whole; raises OSError as ``open_file``."""
+    with open_file(path) as file:
+        return file.read()
+
+
+def _is_link(target: Path) -> bool:
+    """Return whether a name is a symbolic link, but for those of devices such as /dev/stdout."""
+    return target.is_symlink() and target.parent != DEVICES
 
 
 def _beside(target: Path) -> Path:

@@ -42,6 +42,10 @@ class Status(Enum):
         "A network of neighbouring cells could not follow its points: use a smaller dt or offset of daughters, or "
         "end the run earlier."
     )
+    UNSTABLE = (
+        "The steps are too long for the stiffness, so that points swing or jump from step to step and measurements "
+        "mean nothing: use more substeps or a smaller dt, or softer springs and forces."
+    )
     SINGULAR = (
         "dg/dX lost its full rank (5.5), so that y no longer determines the particles: start elsewhere, or end the run "
         "earlier."

@@ -37,9 +37,9 @@ UNUSED = 30 * 24 * 3600.0  # seconds after which the machine code of other code 
 class CheckedFiles(IndexDataCacheFile):
     """Files of one function: an index, from types of arguments to names of files, and a file for each of these.
 
-    Each begins with a checksum, also of the version of numba and of the stamp: numba could not read types in it whose
-    classes were renamed. Each file of machine code contains its key: two processes may have given the same name to two
-    of them.
+    Each begins with a checksum, also of its name, of the version of numba and of the stamp: a file under the name of
+    another one is no such file, and numba could not read types in it whose classes were renamed. Each file of machine
+    code contains its key: two processes may have given the same name to two of them.
     """
 
     def load(self, key: Any) -> Any:
@@ -68,7 +68,7 @@ class CheckedFiles(IndexDataCacheFile):
     def _write(self, path: str, value: Any) -> None:
         data = dumps(value)
         with self._open_for_write(path) as file:  # which is renamed at the end
-            file.write(self._checksum(data) + data)
+            file.write(self._checksum(path, data) + data)
 
     def _read(self, path: str) -> Any:
         """Return the content of a file; None if it is missing, damaged, or of another version or stamp."""
@@ -76,10 +76,12 @@ class CheckedFiles(IndexDataCacheFile):
             data = Path(path).read_bytes()
         except OSError:
             return None
-        return pickle.loads(data[DIGEST:]) if data[:DIGEST] == self._checksum(data[DIGEST:]) else None
+        return pickle.loads(data[DIGEST:]) if data[:DIGEST] == self._checksum(path, data[DIGEST:]) else None
 
-    def _checksum(self, data: bytes) -> bytes:
-        return sha256(f"{numba.__version__} {self._source_stamp} ".encode() + data).digest()
+    def _checksum(self, path: str, data: bytes) -> bytes:
+        place = Path(path)
+        name = f"{place.parent.name}/{place.name}"  # one folder for each module
+        return sha256(f"{numba.__version__} {self._source_stamp} {name} ".encode() + data).digest()
 
 
 class _Locator(_CacheLocator):

@@ -54,6 +54,8 @@ FOLDERS = (
     "tissue.step",
 )
 LIBRARIES = ("numba", "llvmlite", "numpy")
+# How ``dincl.compiled.cache`` writes its files: programs that write them in another way have folders of their own.
+FILES = "files 2"
 _ROOT = Path(__file__).parents[2]
 
 
@@ -96,8 +98,8 @@ _CODE: dict[str, list[str]] = {}
 
 @cache
 def versions() -> list[str]:
-    """List the versions of Python and of the libraries that make machine code; numba itself adds the processor."""
-    return [platform.python_version(), *map(version, LIBRARIES)]
+    """List the versions of what makes machine code and its files; numba itself adds the processor."""
+    return [platform.python_version(), FILES, *map(version, LIBRARIES)]
 
 
 @cache

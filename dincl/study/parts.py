@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 from dincl.errors import InvalidProblem
 from dincl.extras import needs
-from dincl.files import PARTIAL, replacing, write_text
+from dincl.files import PARTIAL, open_file, read_bytes, replacing, write_text
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -128,7 +128,7 @@ def write_note(path: Path, noted: Mapping[str, Any]) -> None:
 def read_note(path: Path) -> dict[str, Any] | None:
     """Read a note; None if there is none that can be read."""
     try:
-        noted = json.loads(path.read_bytes())
+        noted = json.loads(read_bytes(path))
     except (ValueError, RecursionError, OSError):
         return None
     return noted if isinstance(noted, dict) else None
@@ -161,7 +161,7 @@ def _remembered(file: Path, *_: int) -> str:
 def checksum(path: Path) -> str:
     """Return the SHA-256 of a file; "" if it is not there or cannot be read."""
     try:
-        with path.open("rb") as file:
+        with open_file(path) as file:
             return file_digest(file, "sha256").hexdigest()
     except OSError:
         return ""

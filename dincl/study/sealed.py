@@ -7,10 +7,10 @@ import re
 from hashlib import sha256
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, BinaryIO
 
 from dincl.errors import InvalidProblem
-from dincl.files import write_bytes
+from dincl.files import read_bytes, write_bytes
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -23,6 +23,9 @@ KEY, BLANK = "dincl.sha256", b"0" * 64
 FIELD = re.compile(re.escape(KEY.encode()) + rb"\x18\x40(.{64})", re.DOTALL)
 # Where pandas looks for the attributes of a table.
 ATTRIBUTES = "PANDAS_ATTRS"
+# Tables that take more memory than this, and more than so many times their file, are refused: a column that repeats one
+# value has 10^9 rows in a few kB. Tables of runs take 2 to 30 times their file.
+MOST_MEMORY, MOST_EXPANDED = 64e6, 1000
 
 
 class DamagedTable(InvalidProblem):
@@ -62,7 +65,11 @@ def read_sealed(path: Path) -> pd.DataFrame:
     import pandas as pd
     import pyarrow as pa
 
-    data = path.read_bytes()
+    data = read_bytes(path)
+    try:
+        check_memory(path, BytesIO(data), len(data))
+    except (OSError, ValueError, pa.ArrowException) as error:
+        raise DamagedTable(path, f"it cannot be read: {str(error).strip()}") from error
     stated = _checksum_in(data)
     if stated is not None and sha256(_with_checksum(data, BLANK)).hexdigest().encode() != stated:
         raise DamagedTable(path, "its checksum differs")
@@ -70,6 +77,23 @@ def read_sealed(path: Path) -> pd.DataFrame:
         return pd.read_parquet(BytesIO(data))
     except (OSError, ValueError, LookupError, pa.ArrowException) as error:
         raise DamagedTable(path, f"it cannot be read: {str(error).strip()}") from error
+
+
+def check_memory(path: Path, file: Path | BinaryIO, size: int) -> None:
+    """Refuse a Parquet file of so many bytes whose footer states far more than it can have, before rows are read.
+
+    Raises InvalidProblem; ArrowException or OSError if it is none.
+    """
+    import pyarrow.parquet as pq
+
+    found = pq.read_metadata(file)
+    stated = sum(found.row_group(k).total_byte_size for k in range(found.num_row_groups))
+    needed = max(8 * found.num_rows * found.num_columns, stated)
+    if needed > max(MOST_MEMORY, MOST_EXPANDED * size):
+        raise InvalidProblem(
+            f"{path}: must be a table of at most {MOST_EXPANDED} times its {size} bytes in memory, but states "
+            f"{found.num_rows} rows and {needed:.2g} bytes"
+        )
 
 
 def _checksum_in(data: bytes) -> bytes | None:

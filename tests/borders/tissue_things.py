@@ -12,7 +12,7 @@ FOLDER = Path(tempfile.mkdtemp())
 atexit.register(shutil.rmtree, FOLDER, ignore_errors=True)
 
 TINY = {"tissue.cells": 8, "numerics.t_end": "0.4 h", "numerics.dt": "0.1 h", "numerics.keep": "0.2 h"}
-TINY |= {"numerics.substeps": 5, "numerics.mu": "0.15 h"}
+TINY |= {"numerics.substeps": 12, "numerics.mu": "0.15 h"}
 SMALL = tissue.preset("published").changed(TINY)
 EMT = SMALL.changed({"emt.cells": 2, "emt.a": "0.1 h", "emt.b": "0.1 h to 0.3 h", "emt.p": "0.2 h, 50 %"})
 TYPES = SMALL.changed({"types.soft.cells": 2, "types.soft.alpha_ax": 0.5, "types.soft.place": 0.3})

@@ -1,4 +1,4 @@
-"""A file is there as a whole or as it was before; devices, links and modes are left as they are."""
+"""A file is there as a whole or as it was before; devices and modes are left as they are, links are replaced."""
 
 import os
 import stat
@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from dincl.files import PARTIAL, check_writable, replacing, write_bytes, write_text
+from dincl.files import PARTIAL, check_writable, read_bytes, replacing, write_bytes, write_text
 from tests.full_disk import full_disk
 
 LONG = "new " * 100
@@ -57,16 +57,42 @@ def test_writers_at_the_same_time_do_not_mix(tmp_path: Path) -> None:
     assert names(tmp_path) == ["table.csv"]
 
 
-def test_a_link_stays_a_link_and_a_mode_a_mode(tmp_path: Path) -> None:
+@pytest.mark.parametrize("to", ["far/real.txt", "nowhere", "link.txt", "far", "pipe"])
+def test_a_link_is_replaced_and_never_written_through(to: str, tmp_path: Path) -> None:
+    """A folder from somebody else may have one that leads to any file of the user."""
     (tmp_path / "far").mkdir()
     real, link = tmp_path / "far" / "real.txt", tmp_path / "link.txt"
     real.write_text("old")
-    real.chmod(0o640)
-    link.symlink_to(real)
+    os.mkfifo(tmp_path / "pipe")
+    link.symlink_to(tmp_path / to)
+    check_writable(link)
     write_text(link, "new")
-    assert link.is_symlink()
-    assert real.read_text() == "new"
-    assert stat.S_IMODE(real.stat().st_mode) == 0o640
+    assert not link.is_symlink()
+    assert link.read_text() == "new"
+    assert real.read_text() == "old"
+    assert names(tmp_path) == ["far", "link.txt", "pipe"]
+    assert names(tmp_path / "far") == ["real.txt"]
+
+
+def test_a_mode_stays_a_mode(tmp_path: Path) -> None:
+    path = tmp_path / "real.txt"
+    path.write_text("old")
+    path.chmod(0o640)
+    write_text(path, "new")
+    assert stat.S_IMODE(path.stat().st_mode) == 0o640
+
+
+def test_only_files_are_read(tmp_path: Path) -> None:
+    """To open a pipe into which nobody writes would wait without an end."""
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "loop").symlink_to(tmp_path / "loop")
+    (tmp_path / "link").symlink_to(tmp_path / "file")
+    (tmp_path / "file").write_bytes(b"data")
+    assert read_bytes(tmp_path / "link") == b"data"
+    for name in ("pipe", "loop", ".", "/dev/zero", "nowhere"):
+        with pytest.raises(OSError) as caught:  # noqa: PT011 - of several kinds
+            read_bytes(tmp_path / name)
+        assert caught.value.filename == str(tmp_path / name)
 
 
 def test_the_mode_of_a_new_file_is_the_usual_one(tmp_path: Path) -> None:

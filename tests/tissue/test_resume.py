@@ -129,7 +129,10 @@ def test_another_step_after_the_start():
     ("changes", "message"),
     [
         ({"numerics.t_end": "2 h"}, r'numerics\.t_end = "2 h": must be at least the time of the start, t = 2\.5 h'),
-        ({"numerics.dt": "0.2 h", "numerics.keep": "1 h"}, r"numerics\.dt = .* must divide the time of the start"),
+        (
+            {"numerics.dt": "0.2 h", "numerics.keep": "1 h", "numerics.substeps": 40},
+            r"numerics\.dt = .* must divide the time of the start",
+        ),
         ({"emt.cells": 4}, r"emt\.cells = 4: must be 3, as many as there are at the start"),
         ({"emt.b": "2 h"}, r'emt\.b = "2 h": must be after the time of the start, t = 2\.5 h, for cell \d+, in which'),
     ],
@@ -141,6 +144,22 @@ def test_changes_that_make_no_sense(changes, message):
         simulate(parameters.changed(changes), 3, start)
 
 
+@pytest.mark.parametrize("radius", ["5.001 um", "10 um", "4 um"])
+def test_a_state_knows_its_unit(radius, tmp_path):
+    """Lengths of a state are over R_soft: with another one 38.85 um would be 77.7 um at the same time."""
+    parameters = parameters_of("thesis")
+    run = simulate(parameters, 3)
+    run.frames[2].save(tmp_path / "state")
+    later = parameters.changed({"cell.soft_radius": radius, "numerics.substeps": 40})
+    for start in (run.frames[2], Frame.load(tmp_path / "state")):
+        with pytest.raises(InvalidProblem, match=rf'cell\.soft_radius = "{radius}": must be that of the start, 5 um'):
+            simulate(later, 3, start)
+    with pytest.raises(InvalidProblem, match=r'cell\.soft_radius = "6 um": must be that of the start'):
+        simulate(preset("gastrulation"), 3, start)
+    same = simulate(parameters, 3, Frame.load(tmp_path / "state"))
+    assert same.summary().iloc[0].height_um == run.summary().iloc[2].height_um
+
+
 def test_a_group_that_is_larger_than_the_tissue():
     start = simulate(parameters_of("thesis"), 3).frames[0]
     with pytest.raises(InvalidProblem, match=r"emt\.cells = 40: must be at most 28"):
@@ -150,7 +169,7 @@ def test_a_group_that_is_larger_than_the_tissue():
 
 
 def test_a_state_that_failed_is_no_start(tmp_path):
-    failing = parameters_of("thesis").changed({"numerics.mu": "1e-5 h"})
+    failing = parameters_of("thesis").changed({"tissue.diffusion": "1e12 um^2/h"})
     run = simulate(failing, throw=False)
     assert not run.status
     run.final.save(tmp_path / "failed.npz")

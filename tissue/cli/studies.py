@@ -96,24 +96,28 @@ def _summary(results: Results, runs: int, seconds: float) -> str:
 
 
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Results of a study, or a folder with such folders in it.")]
+Trust = Annotated[
+    bool, typer.Option("--trust", help="Run the files of Python that the study names: they may do all that you may.")
+]
 
 
 def summarise(
     folder: Folder,
     csv: Annotated[bool, typer.Option("--csv", help="Also write the tables into the folder csv of each.")] = False,
+    trust: Trust = False,
 ) -> None:
     """Say what studies found: answers to their comparisons, ratios of EMT cells with 95 % intervals, control cells."""
     from tissue.study.export import write_csv
     from tissue.study.figures.catalogue import found
 
     with messages():
-        studies = found(folder)
+        studies = found(folder, trust=trust)
         texts = [_said(results) for results in studies.values()]
         files = [str(file) for results in studies.values() for file in write_csv(results)] if csv else []
     print("\n".join([*texts, *files]))
 
 
-def page(folder: Folder) -> None:
+def page(folder: Folder, trust: Trust = False) -> None:
     """Write one HTML page of each study, page.html in its folder, that opens offline and can be sent to others.
 
     Answers come first, each with a picture and a small movie of a run of each group; then tables, parameters, origin.
@@ -122,7 +126,7 @@ def page(folder: Folder) -> None:
     from tissue.study.figures.page import write_page
 
     with messages():
-        for results in found(folder).values():
+        for results in found(folder, trust=trust).values():
             path = write_page(results)
             print(f"{path}: {path.stat().st_size / 1e6:.1f} MB", flush=True)
 
@@ -219,7 +223,7 @@ def _part(value: float, low: float, high: float) -> str:
     return f"{100 * value:.1f} % [{100 * low:.1f}, {100 * high:.1f}]"
 
 
-def figures(folder: Folder) -> None:
+def figures(folder: Folder, trust: Trust = False) -> None:
     """Draw studies, each into the folder figures in its own: answers, positions, ratios in time, at the end, examples.
 
     Of studies that come with the program also the counterparts of Figures 10 to 22 of chapter 4, into DIR/figures, both
@@ -228,6 +232,6 @@ def figures(folder: Folder) -> None:
     from tissue.study.figures.catalogue import draw_all
 
     with messages():
-        for one in draw_all(folder):
+        for one in draw_all(folder, trust=trust):
             files = f"{one.files[0]} and {one.files[1].suffix}:" if one.files else one.name
             print(f"{files} {one.message}", flush=True)

@@ -16,9 +16,10 @@ from tissue.files.rule import Rule, show
 from tissue.files.space_rules import SPACE_RULES, no_forces
 from tissue.files.timing import NEVER, Timing
 from tissue.files.units import Measure, reduced
+from tissue.model.stiffness import LIMIT, cell_stiffness, junction_stiffness, least_substeps
 from tissue.plugins import EmtEvent
 from tissue.state.basal_curve import LINE, BasalCurve
-from tissue.state.space import FLAT
+from tissue.state.space import FLAT, SPATIAL
 
 # Two descriptions of one value, such as "1/3 R_soft" and "5/3 um", differ by rounding; so do 0.1 h + 0.2 h and 0.3 h.
 ROUNDING = 1e-12
@@ -115,6 +116,39 @@ def _apart(keep: Measure | tuple[Measure, ...], end: Measure, dt: Measure) -> st
     return None
 
 
+def _short_for_cells(
+    substeps: int,
+    dt: Measure,
+    mu: Measure,
+    power: int,
+    factor: float,
+    repulsion: float,
+    bending: float,
+    apical: float,
+    basal: float,
+    soft: Measure,
+    unit: Measure,
+) -> str | None:
+    """Check that substeps are stable for cells by themselves and for pairs of nuclei."""
+    found = cell_stiffness(bending, apical, basal, factor * repulsion, power, reduced(soft, unit))
+    return _short(substeps, dt, mu, found, "of cells (cell.alpha_ax, alpha_bx, alpha_axb, alpha_xx)")
+
+
+def _short_for_junctions(
+    substeps: int, dt: Measure, mu: Measure, factor: float, alpha: float, cells: int, dimension: int
+) -> str | None:
+    found = junction_stiffness(factor * alpha, cells, in_space=dimension == SPATIAL)
+    return _short(substeps, dt, mu, found, "of junctions (cell.alpha_aa)")
+
+
+def _short(substeps: int, dt: Measure, mu: Measure, stiffness: float, of: str) -> str | None:
+    least = least_substeps(dt.value, mu.value, stiffness)
+    if substeps >= least:
+        return None
+    step = f"dt/(substeps mu) = {dt.value / mu.value / substeps:.3g}"
+    return f"at least {least}: {step} must be below {LIMIT / stiffness:.3g}, 2 over the stiffness {of}, to be stable"
+
+
 def _fit(
     cells: int, dimension: int, shape: str, nuclei: str, part: tuple[float, float], *lengths: Measure
 ) -> str | None:
@@ -196,6 +230,14 @@ def _waits(event: EmtEvent) -> Rule:
     return Rule(keys, allowed)
 
 
+# How long substeps may be for cells: also for those of each type.
+SHORT_FOR_CELLS = Rule(
+    (
+        *("numerics.substeps", "numerics.dt", "numerics.mu", "rules.spring_power", "rules.repulsion_factor"),
+        *("cell.alpha_xx", "cell.alpha_axb", "cell.alpha_ax", "cell.alpha_bx", "cell.soft_radius", UNIT),
+    ),
+    _short_for_cells,
+)
 SHAPE = tuple(f"layer.{name}" for name in ("shape", "perimeter", "aspect", "points", "side", "closed"))
 LAYER = (*SHAPE, "cell.soft_radius")
 # Of the distance of basal neighbours.
@@ -216,6 +258,14 @@ RULES = (
     Rule(("cell.max_cycle", "cell.min_cycle"), _cycle),
     Rule(("cell.min_cycle", "cell.g2", "cell.mitosis"), _phases),
     *OF_NEIGHBOURS,
+    SHORT_FOR_CELLS,
+    Rule(
+        (
+            *("numerics.substeps", "numerics.dt", "numerics.mu", "rules.junction_factor", "cell.alpha_aa"),
+            *("tissue.cells", "tissue.dimension"),
+        ),
+        _short_for_junctions,
+    ),
     Rule(("numerics.t_end", "numerics.dt"), _whole_steps),
     Rule(("numerics.keep", "numerics.dt"), _kept),
     Rule(("numerics.keep", "numerics.t_end"), _before_the_end),

@@ -30,6 +30,13 @@ def bring(modules: Any) -> None:
         read_modules(modules or [])
 
 
+def not_imported(values: Mapping[str, Any]) -> list[str]:
+    """Return the files of Python that values by their keys name, and that ``Parameters.changed`` of these would run."""
+    files = values.get("own.modules")
+    names = [file for file in files if isinstance(file, str)] if isinstance(files, (list, tuple)) else []
+    return [file for file in names if not _is_imported(Path(file).resolve())]
+
+
 def placed(tables: Mapping[str, Any], folder: Path, before: Sequence[str] = ()) -> dict[str, Any]:
     """Return the tables of a file, its ``own.modules`` relative to its folder and behind those of its base."""
     own = tables.get("own")
@@ -47,9 +54,8 @@ def imported(file: Path) -> None:
     InvalidProblem
         If there is no such file, it cannot be imported, or its name is that of another module.
     """
-    for known in (sys.modules.get(file.stem), sys.modules["__main__"]):
-        if known is not None and _place(getattr(known, "__file__", None)) == file:
-            return
+    if _is_imported(file):
+        return
     spec = find_spec(file.stem)
     if file.stem in sys.modules or (spec is not None and _place(spec.origin) != file):
         raise InvalidProblem(f"{file}: must have another name, there is a module {file.stem} already")
@@ -67,6 +73,11 @@ def imported(file: Path) -> None:
     finally:
         if not is_whole:  # also after Ctrl-C: what ran half is no module
             del sys.modules[file.stem]
+
+
+def _is_imported(file: Path) -> bool:
+    known = (sys.modules.get(file.stem), sys.modules["__main__"])
+    return any(one is not None and _place(getattr(one, "__file__", None)) == file for one in known)
 
 
 def _place(name: str | None) -> Path | None:

@@ -8,7 +8,7 @@ from typing import Any
 
 from tissue.events.known import events
 from tissue.files.cell_types import MOST_TYPES, OWN_KEYS, PAIR_KEYS, SCATTERED, UNNAMED, TypeKeys, first_of
-from tissue.files.combinations import OF_NEIGHBOURS, RULES, UNIT, broken_of, waiting
+from tissue.files.combinations import OF_NEIGHBOURS, RULES, SHORT_FOR_CELLS, UNIT, broken_of, waiting
 from tissue.files.rule import show
 from tissue.files.space_rules import IN_SPACE
 from tissue.files.timing import Timing
@@ -56,7 +56,7 @@ def _own(name: str, one: TypeKeys, values: Mapping[str, Any]) -> list[str]:
     own = {f"{OWN_KEYS[key]}.{key}": value for key, value in one.own().items()}
     times: dict[str, Any] = {f"emt.{event.name}": Timing() for event in events()}
     times |= {f"emt.{key}": value for key, value in one.times().items()}
-    rules = (*_CELL_RULES, *OF_NEIGHBOURS)
+    rules = (*_CELL_RULES, *OF_NEIGHBOURS, SHORT_FOR_CELLS)
     unit = {UNIT: values["cell.soft_radius"]} if "cell.soft_radius" in values else {}
     found = broken_of(rules, {**values, **own, **unit}) + broken_of(waiting(), times)
     mine = "|".join(re.escape(key) for key in (*own, *times))

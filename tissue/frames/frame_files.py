@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
+import math
 import re
 import struct
 import zlib
 from collections.abc import Iterator, Mapping
 from os import PathLike
-from typing import Any
-from zipfile import BadZipFile, is_zipfile
+from typing import Any, BinaryIO
+from zipfile import ZIP_STORED, BadZipFile, ZipFile, is_zipfile
 
 import numpy as np
 
 from dincl.checks import instance, number
 from dincl.checks import path as checked_path
 from dincl.errors import InvalidProblem
-from dincl.files import replacing
+from dincl.files import open_file, replacing
 from tissue.events.known import events as known
 from tissue.state.basal_curve import ORDER, BasalCurve
 from tissue.state.cells import COORDINATES, DEPTHS, KINDS, NAMED, CellLayers, Cells, Emt
@@ -26,7 +27,7 @@ from tissue.state.running import COUNTERS
 from tissue.state.surface import CYLINDER, PLANE, SPHERE, Surface
 
 # In each file; another number with other contents.
-FORMAT = "tissue frame 3"
+FORMAT = "tissue frame 4"
 # A seed may have more decimals than Python writes.
 _HEXADECIMAL = re.compile("[0-9a-f]+")
 TEXTS = ("format", "seed", "events", "types")
@@ -85,6 +86,7 @@ def _arrays(parts: Parts) -> Arrays:
     arrays |= {"events": _events(), "types": " ".join(past.types)}
     arrays |= {"counts": past.counts, "generators": past.generators}
     arrays |= {"parted_sweeps": past.separation.sweeps, "parted_moved": past.separation.moved}
+    arrays |= {"soft_radius_um": float(past.soft_radius)}
     arrays |= {f"curve.{name}": value for name, value in vars(curve).items()}
     arrays |= {f"sheets.{name}": array for name, array in as_arrays(sheets).items()}
     for group, fields in (("cells", cells), ("layers", layers), ("emt", past.emt)):
@@ -95,17 +97,41 @@ def _arrays(parts: Parts) -> Arrays:
 def load(path: str | PathLike[str]) -> Parts:
     """Load the fields of a frame, see ``Frame.load``."""
     file_path = checked_path("path", path)
-    if file_path.is_file() and not is_zipfile(file_path):
-        raise InvalidProblem(f"{path}: must be a readable file that Frame.save wrote: it is no archive npz")
     try:
-        with file_path.open("rb") as file, np.load(file, allow_pickle=False) as held:
-            arrays = {name: held[name] for name in held.files}
+        with open_file(file_path) as file:
+            if not is_zipfile(file):
+                raise BadZipFile("it is no archive npz")
+            _check_sizes(file)
+            with np.load(file, allow_pickle=False) as held:
+                arrays = {name: held[name] for name in held.files}
     except UNREADABLE as error:
         why = "an array holds Python objects" if "allow_pickle" in str(error) else error
         raise InvalidProblem(f"{path}: must be a readable file that Frame.save wrote: {why}") from error
     for wrong in _wrong(arrays):
         raise InvalidProblem(f"{path}: must be a file that Frame.save wrote: {wrong}")
     return _parts(arrays)
+
+
+def _check_sizes(file: BinaryIO) -> None:
+    """Refuse an archive whose arrays would take more memory than the file has bytes, before any is read.
+
+    ``save`` does not compress: each array is in the file as it is in memory. Raises BadZipFile or ValueError.
+    """
+    size, whole = file.seek(0, 2), 0
+    file.seek(0)
+    with ZipFile(file) as archive:
+        for one in archive.infolist():
+            whole += one.file_size
+            if one.compress_type != ZIP_STORED or whole > size:
+                raise BadZipFile(f"{one.filename} is compressed, which Frame.save does not do")
+            with archive.open(one) as member:
+                if np.lib.format.read_magic(member) != (1, 0):
+                    raise BadZipFile(f"{one.filename} is no array as Frame.save writes it")
+                shape, _, kind = np.lib.format.read_array_header_1_0(member)
+                stated = member.tell() + math.prod(shape) * kind.itemsize
+            if stated != one.file_size:
+                raise BadZipFile(f"{one.filename} states {stated} bytes and has {one.file_size}")
+    file.seek(0)
 
 
 def _events() -> str:
@@ -121,7 +147,8 @@ def _parts(arrays: Arrays) -> Parts:
     separation = Separation(int(arrays["parted_sweeps"]), float(arrays["parted_moved"]))
     seed, next_id = int(str(arrays["seed"]), 16), int(arrays["next_id"])
     types = tuple(str(arrays["types"]).split())
-    checkpoint = TissueCheckpoint(seed, next_id, emt, arrays["counts"], arrays["generators"], separation, types)
+    unit = float(arrays["soft_radius_um"])
+    checkpoint = TissueCheckpoint(seed, next_id, emt, arrays["counts"], arrays["generators"], separation, unit, types)
     table, (length, origin), (around, ring) = (
         arrays["curve.table"],
         (float(arrays[f"curve.{name}"]) for name in ("length", "origin")),
@@ -150,6 +177,7 @@ def _shapes(arrays: Mapping[str, Any]) -> dict[str, tuple[Any, tuple[int, ...]]]
         "next_id": (np.int64, ()),
         "parted_sweeps": (np.int64, ()),
         "parted_moved": (np.float64, ()),
+        "soft_radius_um": (np.float64, ()),
         "counts": (np.int64, (len(COUNTERS),)),
         "generators": (np.uint64, (len(DRAWN), WORDS)),
         "curve.table": (np.float64, (len(np.atleast_1d(arrays.get("curve.table", 0))), 2 * ORDER)),
@@ -204,6 +232,7 @@ def _impossible(arrays: Arrays) -> Iterator[str]:
     for name in (
         "t",
         "parted_moved",
+        "soft_radius_um",
         "curve.table",
         "curve.length",
         "curve.origin",
@@ -218,6 +247,7 @@ def _impossible(arrays: Arrays) -> Iterator[str]:
     kinds = len(str(arrays["types"]).split())
     checks = {
         "t": arrays["t"] >= 0,
+        "soft_radius_um": arrays["soft_radius_um"] > 0,
         "cells.x": n > 0,
         "curve.length": arrays["curve.length"] > 0 or len(arrays["curve.table"]) == 0,
         "cells.id": len({*ids.tolist()}) == n and ids.min(initial=0) >= 0,

@@ -19,6 +19,7 @@ from tissue.plugins import DivisionRule, EmtEvent, Force, registered
 from tissue.runs.group import Group
 from tissue.runs.resume import checkpoint_of, resumed, steps_made
 from tissue.runs.run import Run
+from tissue.runs.stability import LOOKS, stability_fault, surely_stable, swings
 from tissue.runs.start import started
 from tissue.state.cells import COORDINATES, DEPTHS, KINDS, Cells
 from tissue.state.checkpoint import Separation, Streams, TissueCheckpoint, generator_states, streams
@@ -42,6 +43,7 @@ class Batch:
         instance("parameters", parameters, Parameters, "tissue.Parameters, made by load, preset or changed")
         self.parameters, self.seeds = parameters, seeds
         self.fault: FunctionFailed | None = None
+        self._unstable: dict[int, str] = {}  # what showed that, by run
         self._begin = steps_made(parameters, starts[0]) if starts else 0
         if starts:
             states, random = zip(*map(resumed, repeat(parameters), starts, seeds), strict=True)
@@ -53,6 +55,7 @@ class Batch:
         rule, forces, named = parameters.division_rule(), parameters.forces.acting(), parameters.named_numbers()
         size = 1 if parameters.in_space else len(states)  # in space they are not side by side
         parts = [slice(k, k + size) for k in range(0, len(states), size)]
+        self._surely_stable = surely_stable(parameters)
         self._groups = [Group(states[k], parameters.numbers(), random[k], rule, forces, named) for k in parts]
 
     def times(self, ask: Callable[[], None] | None = None) -> Iterator[float]:
@@ -63,6 +66,7 @@ class Batch:
         made, dt = self._begin, self.parameters.numerics.dt.value
         yield made * dt
         for step in output_steps(self.parameters):
+            looked = made
             while made < step:
                 end = step
                 if ask is not None:
@@ -71,7 +75,26 @@ class Batch:
                 self._advance(made, end)
                 made = end
                 if made == step:
+                    self._end_unstable(looked, step)
                     yield step * dt
+
+    def _end_unstable(self, before: int, step: int) -> None:
+        """End the runs whose steps are unstable, at an output time; ``before``: the steps to the one before it.
+
+        Swings are looked for a few times in a run, where steps are not far from the limit.
+        """
+        last = round(self.parameters.t_end / self.parameters.numerics.dt.value)
+        floored = self.parameters.rules.floor_rest_length
+        looks = step == last or step * LOOKS // last > before * LOOKS // last
+        for first, group in zip(range(0, len(self.seeds), len(self._groups[0].states)), self._groups, strict=True):
+            running = group.ended == RUNNING
+            if not running.any():
+                continue
+            swing = swings(group) if looks and not self._surely_stable else np.zeros(len(group.states))
+            for lane, state in enumerate(group.states):
+                fault = stability_fault(state, swing[lane], floored=floored) if running[lane] else ""
+                if fault:
+                    self._unstable[first + lane], group.ended[lane] = fault, step
 
     def runs(self, watch: Callable[[float], None] | None = None) -> list[Run]:
         """Make the runs to their ends; ``watch`` gets the time [h] of each saved state of the first one.
@@ -121,6 +144,8 @@ class Batch:
         """Return how run k ended, or that it goes on."""
         if self.goes_on(k):
             return Status.SUCCESS if self.fault is None else self.fault.status
+        if k in self._unstable:
+            return Status.UNSTABLE
         if find_lost(self.state(k)) >= 0:
             return Status.NON_FINITE
         return Status.NETWORK_TORN if self.state(k).space.torn[0] else Status.LUMEN_CLOSED
@@ -130,6 +155,8 @@ class Batch:
         if self.goes_on(k):
             return "" if self.fault is None else self.fault.detail
         state = self.state(k)
+        if k in self._unstable:
+            return f"t = {self._stopped(k):g} h: {self._unstable[k]}."
         if self.status(k) is Status.LUMEN_CLOSED:
             return f"t = {self._stopped(k):g} h: opposite parts of the apical layer cross."
         if self.status(k) is Status.NETWORK_TORN:
@@ -193,9 +220,8 @@ def checkpoint_at(
 ) -> TissueCheckpoint:
     """Return a copy of what a run is besides its cells, at the present time."""
     states, types = generator_states(random), tuple(parameters.types.named())
-    return TissueCheckpoint(
-        seed, int(state.sizes[NEXT_ID]), copied(state.emt), state.counts.copy(), states, separation, types
-    )
+    next_id, unit = int(state.sizes[NEXT_ID]), parameters.cell.soft_radius.value
+    return TissueCheckpoint(seed, next_id, copied(state.emt), state.counts.copy(), states, separation, unit, types)
 
 
 def output_steps(parameters: Parameters) -> Iterator[int]:

@@ -96,6 +96,15 @@ class Group:
             move_all(self._step)
         return bool(find_lost(self.states[0]) < 0)
 
+    def with_single_substeps(self, states: Sequence[TissueState]) -> Group:
+        """Make the same group of other states, whose dt is one substep of this one, without noise."""
+        numbers = self._numbers._replace(
+            dt=self._numbers.dt / self._numbers.substeps, substeps=1, noise_in_substeps=False
+        )
+        group = Group(states, numbers, forces=self.forces, named=self._named)
+        group.ended[:] = self.ended
+        return group
+
     @property
     def pairs(self) -> int:
         """Count the pairs of cells looked at for the repulsion; of tissues side by side those of all at once."""

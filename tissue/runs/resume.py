@@ -49,13 +49,14 @@ def resumed(parameters: Parameters, start: Frame, seed: int) -> tuple[TissueStat
     past = checkpoint_of(start)
     goes_on = checked_seed("seed", seed) == past.seed
     random = resumed_streams(seed, past.generators) if goes_on else streams(seed)
+    _refuse_unit(parameters, past)
+    _refuse_layer(parameters, start)
     cells = Cells._make(array.copy() for array in start.cells)
     emt = typed(parameters, start, cells, random)
     _stiffen(parameters, cells)
     changed = start.cells.events & sum(bit(event.name) for event in registered(EmtEvent)) > 0
     for name in ("stiff_ax", "stiff_bx", "stiff_axb", "moves", "divides"):  # as events of users have left them
         getattr(cells, name)[changed] = getattr(start.cells, name)[changed]
-    _refuse_layer(parameters, start)
     curve = curve_numbers(parameters.curve())
     capacity = 2 * len(cells.x)
     space = in_plane() if start.sheets is None else space_of(start.sheets, parameters.exchange(), capacity)
@@ -68,6 +69,15 @@ def resumed(parameters: Parameters, start: Frame, seed: int) -> tuple[TissueStat
             f"{LOST:g} R_soft: must be a state before the run failed"
         )
     return state, random
+
+
+def _refuse_unit(parameters: Parameters, past: TissueCheckpoint) -> None:
+    """Refuse another unit of length: all coordinates, rest lengths and radii of a state are over R_soft."""
+    unit = parameters.cell.soft_radius
+    if abs(unit.value - past.soft_radius) > ROUNDING * past.soft_radius:
+        raise InvalidProblem(
+            f'cell.soft_radius = "{unit}": must be that of the start, {past.soft_radius:g} um, the unit of its lengths'
+        )
 
 
 def _refuse_layer(parameters: Parameters, start: Frame) -> None:

@@ -59,6 +59,7 @@ class TissueCheckpoint(NamedTuple):
     counts: Integers  # one for each of ``tissue.state.running.COUNTERS``, since t = 0
     generators: Words  # (2, WORDS): where the streams DRAWN stand
     separation: Separation  # at t = 0
+    soft_radius: float  # the unit of all lengths of the state, that of [cell] [um]
     types: tuple[str, ...] = ()  # the names of the named types, by their numbers
 
 

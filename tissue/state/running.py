@@ -12,7 +12,7 @@ from tissue.state.cells import KINDS, CellLayers, Cells, Emt, Flags, Floats, For
 from tissue.state.space import Space, no_space, with_room
 
 # Places in TissueState.sizes
-CELLS, APICAL, BASAL, NEXT_ID, EMT_CELLS = range(5)
+CELLS, APICAL, BASAL, NEXT_ID, EMT_CELLS, JUMPED = range(6)
 # What is counted, and where in TissueState.counts
 COUNTERS = ("substeps", "corrections", "basal_corrections", "divisions")
 SUBSTEPS, CORRECTIONS, BASAL_CORRECTIONS, DIVISIONS = range(len(COUNTERS))
@@ -48,7 +48,9 @@ class StateArrays(NamedTuple):
     cells: Cells
     layers: CellLayers
     emt: Emt  # with room for as many as there may be cells, if there are EMT cells
-    sizes: Integers  # number of cells, of cells in the apical and in the basal layer, next id, number of EMT cells
+    # Number of cells, of cells in the apical and in the basal layer, next id, number of EMT cells; 1 + id of a cell
+    # that jumped, see ``tissue.step.copies.find_jump``, else 0
+    sizes: Integers
     motion: BasalMotion
     blocks: Blocks
     daughters: Daughters
@@ -109,7 +111,7 @@ def new_state(
         getattr(parts.cells, name)[:n] = array
     parts.layers.apical[: len(layers.apical)] = layers.apical
     parts.layers.basal[: len(layers.basal)] = layers.basal
-    parts.sizes[:] = n, len(layers.apical), len(layers.basal), 0, 0 if emt is None else len(emt.side)
+    parts.sizes[:] = n, len(layers.apical), len(layers.basal), 0, 0 if emt is None else len(emt.side), 0
     parts.sizes[NEXT_ID] = int(cells.id.max(initial=-1)) + 1 if next_id is None else next_id
     parts.motion.moves[:n] = 1.0
     parts.motion.held[layers.basal] = 1.0
@@ -136,7 +138,7 @@ def _room(capacity: int, emt: Emt, curve: CurveNumbers, space: Space) -> StateAr
     blocks: Any = Blocks._make(made.values())
     layers = CellLayers(*np.zeros((2, capacity), np.int64))
     motion = BasalMotion(*np.zeros((3, capacity)))
-    sizes, key, counts = np.zeros(5, np.int64), np.zeros(2, np.int64), np.zeros(len(COUNTERS), np.int64)
+    sizes, key, counts = np.zeros(6, np.int64), np.zeros(2, np.int64), np.zeros(len(COUNTERS), np.int64)
     on = Forces(*np.zeros((len(Forces._fields), capacity)))
     daughters = Daughters(*np.zeros((2, capacity)))
     return StateArrays(cells, layers, emt, sizes, motion, blocks, daughters, key, counts, curve, on, space)
@@ -163,7 +165,7 @@ def grown(state: TissueState) -> TissueState:
         curve=state.curve,
         space=state.space,
     )
-    larger.counts[:] = state.counts
+    larger.counts[:], larger.sizes[JUMPED] = state.counts, state.sizes[JUMPED]
     return larger
 
 

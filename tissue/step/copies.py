@@ -2,21 +2,39 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from dincl.compiled import inner
+from dincl.compiled.lanes import load
 from dincl.compiled.lanes import store as put
 from tissue.kernels import surface_workspace as on_workspace
 from tissue.kernels.curve import evaluate
 from tissue.kernels.layers import chained_before
 from tissue.kernels.surface_workspace import JUNCTIONS, NEIGHBOURS, ORDERED, SurfaceWorkspace
 from tissue.kernels.workspace import FAR, RUNNING, Workspace
-from tissue.model.springs import coefficient
+from tissue.model.springs import apical_length, basal_length, coefficient
 from tissue.network.halfedges import LEFT, begins_edge, is_row, preceding
 from tissue.state.cells import Cells, Integers
 from tissue.state.network import Network
 from tissue.state.numbers import Numbers, numbers_of
-from tissue.state.running import APICAL, BASAL_CORRECTIONS, CELLS, CORRECTIONS, SUBSTEPS, TissueState, state_at
+from tissue.state.running import (
+    APICAL,
+    BASAL_CORRECTIONS,
+    CELLS,
+    CORRECTIONS,
+    JUMPED,
+    SUBSTEPS,
+    TissueState,
+    state_at,
+)
+
+# A point that moves in one dt by more than twice the length of its cell and so many R_soft, besides its noise and its
+# own run, has jumped: springs that contract move it by the length of the cell at most. In stable runs of all presets
+# and events points move by 5 R_soft at most, of which cells up to 23 R_soft long are freed at both ends.
+MOST_MOVED = 10.0
+# Standard deviations of the noise of one dt that no point ever moves by.
+MOST_NOISE = 10.0
 
 
 @inner
@@ -111,10 +129,33 @@ def copy_out(work: Workspace, states: Integers) -> None:
     for k in range(width):
         if work.cells[k] > 0:
             state = state_at(states[k])
+            find_jump(work, state, work.cells[k], k, width)
             put_back(work, state, k)
             state.counts[SUBSTEPS] += work.substeps
             state.counts[CORRECTIONS] += int(work.counts[k])
             state.counts[BASAL_CORRECTIONS] += int(work.counts[width + k])
+
+
+@inner
+def find_jump(work: Any, state: TissueState, n: int, first: int, width: int) -> None:
+    """Note in the sizes of a tissue a cell of which a point jumped in this dt: steps that are unstable throw it.
+
+    The state has its points before the substeps, the workspace those after: cell i at place ``first`` + ``width`` i.
+    """
+    cells, sizes = state.cells, state.sizes
+    noise = MOST_NOISE * work.deviation * math.sqrt(work.substeps)
+    for i in range(n):
+        place = width * i + first
+        length = apical_length(cells, i) + basal_length(cells, i)
+        most = MOST_MOVED + noise + 2.0 * length + work.runs[place] * work.substeps
+        x, y, z = work.x[place] - cells.x[i], work.y[place] - cells.y[i], load(work.z, place) - cells.z[i]
+        farthest = x * x + y * y + z * z
+        x, y, z = work.ax[place] - cells.ax[i], work.ay[place] - cells.ay[i], load(work.az, place) - cells.az[i]
+        farthest = max(farthest, x * x + y * y + z * z)
+        x, y, z = work.bx[place] - cells.bx[i], work.by[place] - cells.by[i], load(work.bz, place) - cells.bz[i]
+        farthest = max(farthest, x * x + y * y + z * z)
+        if farthest > most * most:
+            sizes[JUMPED] = 1 + cells.id[i]
 
 
 @inner
@@ -183,6 +224,7 @@ def _list_neighbours(network: Network, work: SurfaceWorkspace) -> None:
 def copy_from_workspace(work: SurfaceWorkspace, state: TissueState) -> None:
     """Copy positions and counts back."""
     cells, n = state.cells, state.sizes[CELLS]
+    find_jump(work, state, n, 0, 1)
     _put_back(work, cells, n, 0, 1)
     for i in range(n):
         cells.z[i], cells.az[i], cells.bz[i] = work.z[i], work.az[i], work.bz[i]

@@ -188,7 +188,7 @@ def _runs(batch: Batch, replicates: Sequence[int], series: _Measured, sound: Fla
     """Return one row for each run; what was not measured, because it had failed, is null."""
     n, scale = len(replicates), batch.parameters.cell.soft_radius.value
     detail = [batch.failure(k) or ("" if sound[k] else "y_AB could not be measured") for k in range(n)]
-    states = [Status.NON_FINITE, Status.SUCCESS, Status.LUMEN_CLOSED, Status.NETWORK_TORN]
+    states = [Status.NON_FINITE, Status.SUCCESS, Status.LUMEN_CLOSED, Status.NETWORK_TORN, Status.UNSTABLE]
     ended = [batch.status(k) if sound[k] or not batch.goes_on(k) else Status.NON_FINITE for k in range(n)]
     columns: dict[str, Any] = {
         "replicate": np.array(replicates, np.int64),

@@ -11,10 +11,12 @@ from typing import TYPE_CHECKING, NamedTuple
 import pyarrow as pa
 import pyarrow.dataset as ds
 
-from dincl.checks import describe, integer, items, text
+from dincl.checks import describe, flag, integer, items, text
 from dincl.checks import path as checked_path
 from dincl.errors import InvalidProblem
 from dincl.study.parts import StoredPart, fingerprint
+from dincl.study.sealed import check_memory
+from tissue.files.own_modules import not_imported
 from tissue.files.parameter_files import flat
 from tissue.files.parameters import Parameters, preset
 from tissue.study.planned import PlannedComparisons
@@ -60,6 +62,10 @@ class Results:
     ----------
     folder
         The ``out`` of ``run_study``.
+    trust
+        Whether files of Python may be run that the study names in own.modules: they may do all that you may. To read
+        tables needs none; ``parameters``, and with it pictures and pages, does. Those that this process has imported
+        before need no trust.
 
     Raises
     ------
@@ -68,8 +74,8 @@ class Results:
         nothing of it is stored, or if a file is damaged: the message says which, and how it is made again.
     """
 
-    def __init__(self, folder: str | PathLike[str]) -> None:
-        self.folder = checked_path("folder", folder)
+    def __init__(self, folder: str | PathLike[str], *, trust: bool = False) -> None:
+        self.folder, self._trust = checked_path("folder", folder), flag("trust", trust)
         noted = about(self.folder)
         if noted is None:
             raise InvalidProblem(f"{self.folder}: must be the folder of a study; its notes are missing")
@@ -119,9 +125,16 @@ class Results:
         }
 
     def parameters(self, scenario: str) -> Parameters:
-        """Return the parameters of a scenario."""
+        """Return the parameters of a scenario; raises InvalidProblem if that takes files of Python without trust."""
         self._check(scenario)
-        return preset("thesis").changed(flat(self._noted["scenarios"][scenario]))
+        values = flat(self._noted["scenarios"][scenario])
+        strange = [] if self._trust else not_imported(values)
+        if strange:
+            raise InvalidProblem(
+                f"{self.folder}: scenario {scenario!r} needs files of Python, {', '.join(strange)}: must be trusted, "
+                "as they are run: --trust of the command, or Results(folder, trust=True)"
+            )
+        return preset("thesis").changed(values)
 
     def cells(self, scenario: str, columns: Sequence[str] | None = None) -> pd.DataFrame:
         """Return one row for each replicate and EMT cell, in this order; ``columns``: those to read, all if None.
@@ -150,7 +163,7 @@ class Results:
 
         =========================================  ========  =========================================================
         ``replicate``, ``seed``                    int64     its number in the scenario; its run's seed
-        ``status``                                 category  "SUCCESS", "NON_FINITE", "LUMEN_CLOSED"
+        ``status``                                 category  "SUCCESS", "NON_FINITE", "UNSTABLE", "LUMEN_CLOSED", ...
         ``detail``                                 str       what happened, if it failed
         ``controls_0h``, ``controls_1h``, ...      int64     control cells at each output time
         ``controls_apical_0h``, ...                int64     of those, with y_AB > 1
@@ -243,6 +256,8 @@ class Results:
     def _read(self, files: Mapping[Piece, Path], columns: Sequence[str] | None = None) -> pd.DataFrame:
         self._refuse_damaged(files)
         try:
+            for file in files.values():
+                check_memory(file, file, file.stat().st_size)
             stored = ds.dataset([str(file) for file in files.values()])
             if unknown := [name for name in columns or () if name not in stored.schema.names]:
                 raise InvalidProblem(f"columns = {describe(unknown)}: must be of {', '.join(stored.schema.names)}")

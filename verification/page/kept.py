@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from dincl.errors import InvalidProblem
 from dincl.extras import tables_of_studies
 from dincl.provenance import provenance
 from dincl.study import Table
@@ -42,9 +43,17 @@ def keep(table: pd.DataFrame, file: Path, main: Callable[..., None], before: Ite
     Table(file, (), now if same else {}, {MAKER: module}).replace(table.reset_index(drop=True))
 
 
+def maker_of(file: Path) -> str:
+    """Return the module that makes a kept table; raises InvalidProblem for one that is not of this package."""
+    module = str(read_sealed(file).attrs[MAKER])
+    if module.partition(".")[0] != __name__.partition(".")[0]:
+        raise InvalidProblem(f"{file}: {MAKER} = {module!r}: must be a module of verification")
+    return module
+
+
 def changes(file: Path) -> list[str]:
     """List what differs in code, data and libraries since a kept table was made, a line each."""
-    maker = import_module(read_sealed(file).attrs[MAKER])
+    maker = import_module(maker_of(file))
     return Table(file, (), provenance(maker.main)).changes()
 
 

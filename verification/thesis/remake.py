@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from dincl.files import replacing
 from dincl.study import read_sealed
 from verification.page.agreement import OF_THE_MACHINE, RELATIVE, relative
-from verification.page.kept import DATA, MAKER, changes, files
+from verification.page.kept import DATA, changes, files, maker_of
 from verification.thesis import studies
 
 MAKES_NO_NUMBERS = True
@@ -33,7 +33,7 @@ FIRST = ("verification.beyond.chart.pile_reference",)
 
 def makers() -> list[str]:
     """List the modules whose ``main`` makes a kept table, in the order in which they can run."""
-    found = {str(read_sealed(file).attrs[MAKER]) for file in files()}
+    found = {maker_of(file) for file in files()}
     return [*FIRST, *sorted(found.difference(FIRST))]
 
 
@@ -41,7 +41,7 @@ def commands(folder: Path) -> list[tuple[str, list[str]]]:
     """List what has to run, with its name: arguments of Python; no maker whose tables the present code made."""
     found = []
     for module in makers():
-        stale = [file.stem for file in files() if read_sealed(file).attrs[MAKER] == module and changes(file)]
+        stale = [file.stem for file in files() if maker_of(file) == module and changes(file)]
         if stale:
             takes_folder = "folder" in signature(import_module(module).main).parameters
             found.append((", ".join(stale), [module, str(folder / module)] if takes_folder else [module]))

@@ -52,6 +52,16 @@ for path in files:
         assert misses + 1 - hits > 0, path
         assert run() == (right, 0, 1), path
         again += 1
+# Files under the name of another one: of the index, of other code.
+for path in files:
+    whole = path.read_bytes()
+    for other in files:
+        if other != path:
+            path.write_bytes(other.read_bytes())
+            values, misses, hits = run()
+            assert values == right, (path, other, values)
+            assert run() == (right, 0, 1), (path, other)
+    path.write_bytes(whole)
 # Two processes that chose one name at once.
 one, two = (path for path in files if path.suffix == ".nbc" and "scaled" in path.name)
 one.write_bytes(two.read_bytes())
@@ -87,6 +97,20 @@ def test_saved_code_is_loaded(tmp_path: Path) -> None:
     assert files(tmp_path, "of other code").load("double") is None
     files(tmp_path).flush()
     assert files(tmp_path).load("double") is None
+
+
+def test_a_file_under_another_name_is_not_read(tmp_path: Path) -> None:
+    files(tmp_path).save("double", [1])
+    files(tmp_path).save("int", [2])
+    names = ("function.nbi", "function.1.nbc", "function.2.nbc")
+    whole = {name: (tmp_path / name).read_bytes() for name in names}
+    for name in names:
+        for other in names:
+            (tmp_path / name).write_bytes(whole[other])
+            found = [files(tmp_path).load("double"), files(tmp_path).load("int")]
+            assert all(one in (None, right) for one, right in zip(found, ([1], [2]), strict=True))
+            assert (found == [[1], [2]]) == (name == other)
+        (tmp_path / name).write_bytes(whole[name])
 
 
 def test_of_another_version_of_numba_nothing_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,6 +1,9 @@
 """A state on disk has the bits of the one in memory; a file that is damaged, or is none, is refused with a message."""
 
 import io
+import os
+import tracemalloc
+import zipfile
 
 import numpy as np
 import pytest
@@ -13,6 +16,7 @@ from tissue.frames.frame import Frame
 from tissue.runs.simulate import simulate
 
 pytestmark = pytest.mark.filterwarnings("ignore:.* never begins")
+UNREADABLE = r"must be a readable file that Frame\.save wrote"
 SMALL = {
     "tissue.cells": 5,
     "tissue.width": "15 um",
@@ -123,3 +127,83 @@ def test_files_that_are_no_states(tmp_path):
 def test_a_place_where_nothing_can_be_written(frame, tmp_path):
     with pytest.raises(InvalidProblem, match="cannot be written"):
         frame.save(tmp_path / "no folder" / "state.npz")
+
+
+def header(shape, kind="<f8"):
+    """The beginning of an array in a file."""
+    stream = io.BytesIO()
+    np.lib.format.write_array_header_1_0(stream, {"descr": kind, "fortran_order": False, "shape": shape})
+    return stream.getvalue()
+
+
+def archive_of(path, method, **members):
+    """A file of these members, each (beginning, zeros behind it)."""
+    with zipfile.ZipFile(path, "w", method) as archive:
+        for name, (begin, zeros) in members.items():
+            with archive.open(f"{name}.npy", "w") as member:
+                member.write(begin)
+                for _ in range(zeros >> 20):
+                    member.write(bytes(1 << 20))
+    return path
+
+
+@pytest.mark.parametrize("name", ["format", "cells.x", "emt.at", "no_name_of_ours"])
+def test_a_file_takes_no_more_memory_than_it_has_bytes(name, tmp_path):
+    """64 MB of zeros in 64 kB; and arrays that say that they are larger than the file."""
+    tracemalloc.start()
+    squeezed = archive_of(tmp_path / "a", zipfile.ZIP_DEFLATED, **{name: (header((1 << 23,)), 1 << 26)})
+    for shape, why in (((1 << 40,), "states"), ((1 << 20, 1 << 20, 1 << 20), "states"), ((0,), "states")):
+        stated = archive_of(tmp_path / "b", zipfile.ZIP_STORED, **{name: (header(shape), 1 << 20)})
+        with pytest.raises(InvalidProblem, match=rf"{UNREADABLE}.* {why} "):
+            Frame.load(stated)
+    tracemalloc.reset_peak()
+    with pytest.raises(InvalidProblem, match=rf"{UNREADABLE}.* is compressed"):
+        Frame.load(squeezed)
+    assert tracemalloc.get_traced_memory()[1] < 8e6
+    tracemalloc.stop()
+
+
+def test_members_that_share_their_bytes(file, tmp_path):
+    """Many names of an archive may lead to the same bytes."""
+    raw = archive_of(tmp_path / "one", zipfile.ZIP_STORED, a=(header((1 << 17,)), 1 << 20)).read_bytes()
+    end = raw.index(b"PK\x05\x06")
+    begin = raw.index(b"PK\x01\x02")
+    entry, names = raw[begin:end], 40
+    tail = bytearray(raw[end:])
+    tail[8:10] = tail[10:12] = names.to_bytes(2, "little")
+    tail[12:16] = (names * len(entry)).to_bytes(4, "little")
+    (tmp_path / "many").write_bytes(raw[:begin] + names * entry + tail)
+    with pytest.raises(InvalidProblem, match=UNREADABLE):
+        Frame.load(tmp_path / "many")
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_made_up_files_are_refused_and_take_no_memory(file, seed, tmp_path):
+    """Names, kinds, shapes and methods of members drawn at random, one or several at once."""
+    rng = np.random.default_rng(seed)
+    with np.load(file) as held:
+        found = {name: held[name] for name in held.files}
+    with zipfile.ZipFile(tmp_path / "made", "w") as archive:
+        for name, array in found.items():
+            stream = io.BytesIO()
+            np.save(stream, array)
+            data = stream.getvalue()
+            if rng.random() < 0.2:
+                kind = rng.choice(["<f8", "<i8", "|b1", "<U9", "<c16", "|O", "<f4"])
+                shape = tuple(int(2 ** rng.uniform(0, 30)) for _ in range(rng.integers(1, 3)))
+                data = header(shape, str(kind)) + data[128:]
+            method = zipfile.ZIP_DEFLATED if rng.random() < 0.1 else zipfile.ZIP_STORED
+            archive.writestr(f"{name if rng.random() < 0.95 else name[::-1]}.npy", data, method)
+    tracemalloc.start()
+    with pytest.raises(InvalidProblem, match="must be a"):
+        Frame.load(tmp_path / "made")
+    assert tracemalloc.get_traced_memory()[1] < 4e6
+    tracemalloc.stop()
+
+
+def test_a_pipe_is_no_state(tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "loop").symlink_to("loop")
+    for name in ("pipe", "loop", "."):
+        with pytest.raises(InvalidProblem, match=UNREADABLE):
+            Frame.load(tmp_path / name)

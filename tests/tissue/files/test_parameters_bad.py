@@ -139,7 +139,7 @@ BAD = {
     "a point twice": ({"layer.shape": "points", "layer.points": [["0 um", "0 um"]] * 5}, "twice in a row"),
     "a point of one length": ({"layer.points": [["0 um"]]}, "a list of points, each of two lengths"),
     "a type with larger cores": (
-        {"types.big.cells": 9, "types.big.soft_radius": "3 um"},
+        {"types.big.cells": 9, "types.big.soft_radius": "3 um", "numerics.substeps": 40},
         r'cell\.enlarged_radius = "0\.7 R_soft": must be at most types\.big\.',
     ),
     "a type that breaks (C2) at the start": (

@@ -9,6 +9,7 @@ from tissue.frames.observables import ab_positions
 from tissue.runs.simulate import simulate_many
 from tissue.study.outcomes import EXTENTS, SIDES, outcomes
 
+WILD = {"tissue.diffusion": "1e12 um^2/h"}
 SEEDS, REPLICATES = [7, 3, 11, 5, 2, 13, 17, 19, 23, 29], range(40, 50)
 TIMES = (0, 2, 4, 6, 8, 10)
 SCENARIO = {
@@ -103,8 +104,8 @@ def test_rows_do_not_depend_on_the_company(made):
 
 
 def test_a_run_that_fails_has_no_cells_and_says_so():
-    """Far too few substeps for the stiffness: coordinates leave the finite numbers."""
-    wild = preset("thesis").changed(SCENARIO | {"numerics.mu": "0.001 h", "numerics.substeps": 1})
+    """Noise throws nuclei out of all bounds."""
+    wild = preset("thesis").changed(SCENARIO | WILD)
     made = outcomes(wild, [0, 1], [0, 1])
     runs = made.runs.to_pandas()
     assert set(runs["status"]) == {"NON_FINITE"}
@@ -123,7 +124,7 @@ def test_a_tissue_without_emt_has_runs_and_no_cells():
     assert made.runs["controls_1h"].to_pylist() == [len(simulate_many(preset("thesis"), [5])[0].frames[1].cells.x)]
 
 
-@pytest.mark.parametrize("changes", [{}, {"numerics.mu": "0.001 h", "numerics.substeps": 1}])
+@pytest.mark.parametrize("changes", [{}, WILD])
 def test_to_be_asked_often_changes_no_row(changes, monkeypatch):
     """Also of runs that fail between two output times."""
     parameters = preset("thesis").changed(SCENARIO | changes)

@@ -1,6 +1,7 @@
 """The folder of the page: no name leads out of it, nothing is overwritten, no code comes from elsewhere."""
 
 import json
+import os
 import sys
 from pathlib import Path
 
@@ -42,6 +43,27 @@ def test_a_link_out_of_the_folder_is_no_file_of_it(folder, outside):
     with pytest.raises(InvalidProblem):
         folder.parameters("link.toml")
     assert folder.parameter_files() == []
+
+
+@pytest.mark.parametrize("name", ["pipe.toml", "loop.toml", "folder.toml", "missing.toml", "to_pipe.toml"])
+def test_what_is_no_file_is_refused_at_once(folder, name):
+    """To open a pipe would wait, and all visitors with it; a link to itself has no end."""
+    os.mkfifo(folder.root / "pipe.toml")
+    (folder.root / "loop.toml").symlink_to("loop.toml")
+    (folder.root / "to_pipe.toml").symlink_to("pipe.toml")
+    (folder.root / "folder.toml").mkdir()
+    (folder.root / "above.toml").write_text(f'base = "{name}"\n')
+    (folder.root / "results" / "a").mkdir(parents=True)
+    os.mkfifo(folder.root / "results" / "a" / "study.json")
+    (folder.root / "b").mkdir()
+    (folder.root / "b" / "study.json").symlink_to("study.json")
+    for asked in (name, "above.toml"):
+        with pytest.raises(InvalidProblem, match="must be a file in mine"):
+            folder.parameters(asked)
+    assert folder.parameter_files() == ["above.toml"]
+    for study in folder.studies():
+        with pytest.raises(InvalidProblem, match="must be the note of a study"):
+            folder.results(study)
 
 
 @pytest.mark.parametrize(

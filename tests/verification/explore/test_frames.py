@@ -82,7 +82,7 @@ def test_the_end_says_how_it_went(film):
 
 
 def test_a_run_that_fails_ends_with_its_status():
-    wild = PARAMETERS.changed({"numerics.mu": "1e-12 h", "numerics.substeps": 1})
+    wild = PARAMETERS.changed({"tissue.diffusion": "1e12 um^2/h"})
     run = tissue.simulate(finely_kept(wild), 0, throw=False)
     film = parsed(stream(wild, 0))
     assert film[-1][0]["status"] == run.status.name
@@ -107,7 +107,8 @@ def test_who_leaves_ends_work_without_an_end():
 
 
 @pytest.mark.parametrize(
-    "changes", [{"numerics.t_end": "48 h"}, {"numerics.keep": ["1 h", "2 h"]}, {"numerics.dt": "1 h"}]
+    "changes",
+    [{"numerics.t_end": "48 h"}, {"numerics.keep": ["1 h", "2 h"]}, {"numerics.dt": "1 h", "numerics.substeps": 120}],
 )
 def test_pictures_are_kept_often_but_no_more_than_a_screen_shows(changes):
     fine = finely_kept(PARAMETERS.changed(changes))

@@ -130,8 +130,10 @@ class FigureFile(NamedTuple):
     message: str  # what it shows, and from which studies; or what is missing
 
 
-def found(folder: str | PathLike[str]) -> dict[str, Results]:
+def found(folder: str | PathLike[str], *, trust: bool = False) -> dict[str, Results]:
     """Open the results in a folder, or in its folders, by the names of the studies, which their titles tell.
+
+    ``trust``: as of ``Results``.
 
     Raises
     ------
@@ -142,7 +144,7 @@ def found(folder: str | PathLike[str]) -> dict[str, Results]:
     folders = [top] if _is_study(top) else sorted(path for path in top.glob("*") if path.is_dir() and _is_study(path))
     studies: dict[str, Results] = {}
     for path in folders:
-        results = Results(path)
+        results = Results(path, trust=trust)
         name = names.get(results.study.title, path.name)
         if name in studies:
             raise InvalidProblem(f"{studies[name].folder} and {path}: must be one of these, both are of {name}")
@@ -152,14 +154,14 @@ def found(folder: str | PathLike[str]) -> dict[str, Results]:
     return studies
 
 
-def draw_all(folder: str | PathLike[str]) -> Iterator[FigureFile]:
+def draw_all(folder: str | PathLike[str], *, trust: bool = False) -> Iterator[FigureFile]:
     """Draw what can be drawn, one after the other; and say what cannot, and why.
 
     Those of a study go into the folder ``figures`` in that of the study, those of chapter 4 into the one in ``folder``.
 
     Parameters
     ----------
-    folder
+    folder, trust
         As in ``found``.
 
     Returns
@@ -167,7 +169,7 @@ def draw_all(folder: str | PathLike[str]) -> Iterator[FigureFile]:
     Iterator[FigureFile]
         The figures of each study; then those of chapter 4, by number, that are drawn from one of the studies.
     """
-    studies, top = found(folder), Path(folder)
+    studies, top = found(folder, trust=trust), Path(folder)
     for results in studies.values():
         state = "" if results.complete else ", not complete yet"
         for one in drawables(results):

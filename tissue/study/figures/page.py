@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from dincl.errors import InvalidProblem
-from dincl.files import write_text
+from dincl.files import read_bytes, write_text
 from tissue.frames.observables import measurable
 from tissue.pictures.movie import small_movie
 from tissue.pictures.picture import stills
@@ -168,7 +168,9 @@ def _parameters(results: Results) -> Iterable[str]:
 def _origin(results: Results) -> str:
     """Return the file of the study, the command that makes it again, the versions and the processors."""
     origin = results.origin
-    text = (results.folder / COPY).read_text("utf-8") if (results.folder / COPY).exists() else ""
+    copy = results.folder / COPY
+    # A link could lead to any file of the user, and pages are sent to others.
+    text = read_bytes(copy).decode() if copy.is_file() and not copy.is_symlink() else ""
     rows = "".join(f"<tr><td>{escape(name)}</td><td>{escape(str(value))}</td></tr>" for name, value in origin.items())
     file = f"<details open><summary>The file of the study</summary><pre>{escape(text)}</pre></details>" if text else ""
     command = "<code>tissue study study.toml --out results/study</code>"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -54,9 +55,22 @@ class Folder:
             If it is no plain name, or leads out of the folder.
         """
         plain = isinstance(name, str) and name not in ("", ".", "..") and not set(name) & set("/\\\0")
-        found = (self.root / name).resolve() if plain else self.root
+        found = Path(os.path.realpath(self.root / name)) if plain else self.root
         if not plain or name.startswith(".") or found.parent != self.root:
             raise InvalidProblem(f"{describe(name)}: must be the name of a file in {self.root.name}, without a folder")
+        return found
+
+    def file(self, name: Any) -> Path:
+        """Return where the file of this name is.
+
+        Raises
+        ------
+        InvalidProblem
+            As ``path``, and if there is none: to open a pipe would wait, and all visitors with it.
+        """
+        found = self.path(name)
+        if not found.is_file():
+            raise InvalidProblem(f"{describe(name)}: must be a file in {self.root.name}")
         return found
 
     def parameters(self, name: str, *, agreed: bool = False) -> Parameters:
@@ -77,7 +91,7 @@ class Folder:
         """
         if name in PRESETS:
             return preset(name)
-        path = self.path(name)
+        path = self.file(name)
         files = self._checked(read(path), (path,))
         if (strange := sorted(file.name for file in files - self._imported)) and not agreed:
             raise NeedsPython(f"{name}: needs {', '.join(strange)}: files of Python, which are not imported yet")
@@ -129,7 +143,7 @@ class Folder:
         """
         base, own, found = tables.get("base"), tables.get("own"), set()
         if isinstance(base, str) and base not in PRESETS:
-            path = self.path(base)
+            path = self.file(base)
             if path in above:
                 raise InvalidProblem(f"{above[-1].name}: base = {describe(base)}: must not be based on this file")
             found |= self._checked(read(path), (*above, path))
@@ -150,4 +164,4 @@ class Folder:
             return False
 
     def _is_within(self, path: Path) -> bool:
-        return path.resolve().is_relative_to(self.root)
+        return Path(os.path.realpath(path)).is_relative_to(self.root)
