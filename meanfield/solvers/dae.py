@@ -204,8 +204,10 @@ def _solve(model: Model, start: FullState, times: NDArray[np.float64], tol: floa
         status, detail, end = _cause(run.message, times[-1])
         if end == 0 or _changes_little(model, start, by_ode([end])):
             return _motion(model, start, times[:regular], run, unknowns, status, detail)
-    parts = [np.concatenate([getattr(run, name)[:regular], getattr(rest, name)[regular:]]) for name in VALUES]
-    found = _Run(*parts, run.far, run.message, run.counters)
+    parts: dict[str, Any] = {
+        name: np.concatenate([getattr(run, name)[:regular], getattr(rest, name)[regular:]]) for name in VALUES
+    }
+    found = run._replace(**parts)
     return _motion(model, start, times[: len(found.y)], found, unknowns, rest.status, rest.detail)
 
 

@@ -163,7 +163,7 @@ class _Integrator:
             if h <= SHORTEST * self._times[-1]:
                 how = "changes its sign" if crossed else "is zero or infinite, without a change of sign,"
                 raise StepFailure(Status.SINGULAR, f"det dg/dX {how} at t = {solver.t - h + distance:.9g}.")
-            return max(APPROACH * distance, SHORTER * SHORTEST * self._times[-1])
+            return max(APPROACH * distance, SHORTER * SHORTEST * float(self._times[-1]))
         energies = self._energies_now()
         change = abs(sum(energies) - sum(self._energies))
         size = 1 + max(self._energies[0], energies[0]) + abs(energies[1])

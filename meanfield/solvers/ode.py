@@ -23,6 +23,11 @@ if TYPE_CHECKING:
 def solve_ode(model: Model | Reduction, start: State, t: ArrayLike, tol: float, *, throw: bool = True) -> Motion:
     """Solve m_eff y'' = F_eff, X_i' = Phi(X_i, y) y' with DOP853 (order 8, adaptive steps).
 
+    Where |det dg/dX| or its inverse falls and rises again, steps are shortened until they resolve it, so that a motion
+    may come near a singularity. It ends SINGULAR at a zero or pole of det dg/dX, with or without a change of its sign:
+    at one that steps of 1e-10 of the run do not resolve, or where steps vanish, or change the energy by more than ten
+    times the tolerance, while |det dg/dX| is below 1/20 of its value at the start or above 20 times it.
+
     Parameters
     ----------
     model

@@ -40,7 +40,7 @@ def unresolved_dip(model: Model, before: tuple[Floats, Floats], after: tuple[Flo
     (z, rate), (end, end_rate) = before, after
     try:
         ends = [_determinant(model, values, rates) for values, rates in (before, after)]
-        close = _may_dip(*ends, h)
+        close = _may_dip(ends[0], ends[1], h)
         if not close.any():
             return None
         chosen = np.concatenate([np.ones(model.ny, dtype=bool), np.repeat(close, model.nx)])
