@@ -40,8 +40,6 @@ from dincl.trajectory import Event
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from collections.abc import Sequence
-
     from dincl.problem import Problem
     from dincl.work import Work
 
