@@ -51,8 +51,8 @@ class EventDriven(Scheme):
     of catch-up: contacts that are lost let go, and what is outside moves to the nearest point of the set. Numbers are
     scaled once by powers of two, so that a problem in other units makes the same steps. With more than 100 particles
     events are frequent and steps short: the pair is of order 3 or 5, and a step ends at an event by its dense output.
-    From 32 contacts on, the matrix of the
-    contacts has a sparse factor. Lerner, Düring and Wyart (arXiv 1111.7225) go from contact to contact likewise.
+    From 32 contacts on, the matrix of the contacts has a sparse factor. Lerner, Düring and Wyart (arXiv 1111.7225) go
+    from contact to contact likewise.
 
     Parameters
     ----------
