@@ -117,9 +117,9 @@ def truncate_step(run: EventWorkspace, h: float, t: float) -> int:
 
 @inner
 def pass_stop(run: EventWorkspace) -> int:
-    """Continue behind a break, where contacts are decided; MOVED if a set jumped away from a contact or onto a particle.
+    """Continue behind a break, where contacts are decided.
 
-    The next stop is a known break, or the end.
+    MOVED if a set jumped away from a contact or onto a particle. The next stop is a known break, or the end.
     """
     state, breaks = run.state[0], run.breaks
     last, code = state.resume, OK
@@ -144,7 +144,7 @@ def pass_stop(run: EventWorkspace) -> int:
 
 @inner
 def check_sets(run: EventWorkspace) -> int:
-    """Return MOVED if an active row is open, or any row overlaps by more than an integrator leaves; else OK or a failure.
+    """Return MOVED if an active row is open, or a row overlaps by more than an integrator leaves; else OK or a failure.
 
     Behind a kink of a set neither happens: within the interval that holds the kink sets move by rounding.
     """

@@ -16,8 +16,8 @@ from dincl.system.arrays import SYSTEM, SystemArrays
 OPEN, CLOSED, ACTIVE = 0, 1, 2
 # How a kernel ends besides the codes of ``dincl.system.arrays``: the end is reached; the table of steps is full and has
 # to be emptied; too many changes of the contacts at one time; no step is short enough; too many steps are needed; the
-# drift jumps too often; sets jumped away from contacts, or onto particles. Or the step has to be repeated: with a shorter
-# one, or one that ends at a jump.
+# drift jumps too often; sets jumped away from contacts, or onto particles. Or the step has to be repeated: with a
+# shorter one, or one that ends at a jump.
 DONE, FULL, STUCK, NO_STEP, SLOW, JUMPS, MOVED, AGAIN = range(20, 28)
 # The rate in which velocities between the stages are written.
 SPARE = 16

@@ -48,10 +48,11 @@ class EventDriven(Scheme):
     a Runge-Kutta pair with dense output, of order 3, 5 or 8 as the tolerance asks, and held on g_k = 0. An event is a
     gap that closes, or a push that becomes zero; there the least-distance program decides anew. Jumps of the drift, of
     a set and of its velocity are found, and steps end at them. Where a set jumps, x(t+) = P_{S(t+)}(x(t-)), the limit
-    of catch-up: contacts that are lost let go, and what is outside moves to the nearest point of the set. Numbers are scaled once by powers of two, so that a
-    problem in other units makes the same steps. With more than 100 particles events are frequent and steps short: the
-    pair is of order 3 or 5, and a step ends at an event by its dense output. From 32 contacts on, the matrix of the
-    contacts has a sparse factor. Lerner, Düring and Wyart (arXiv 1111.7225) go from contact to contact likewise.
+    of catch-up: contacts that are lost let go, and what is outside moves to the nearest point of the set. Numbers are
+    scaled once by powers of two, so that a problem in other units makes the same steps. With more than 100 particles
+    events are frequent and steps short: the pair is of order 3 or 5, and a step ends at an event by its dense output.
+    From 32 contacts on, the matrix of the contacts has a sparse factor. Lerner, Düring and Wyart (arXiv 1111.7225) go
+    from contact to contact likewise.
 
     Parameters
     ----------

@@ -1,8 +1,8 @@
 """Breaks of the functions of time of a problem, and how long steps may be between them, from values before a run.
 
 A function is smooth in a piece of time if the polynomial through 18 of its values leaves no more than rounding, also at
-the times between them that are looked at. Elsewhere bisection finds a break: a jump of the value, to the last bit, or of
-the slope. Without one the piece is cut in two.
+the times between them that are looked at. Elsewhere bisection finds a break: a jump of the value, to the last bit, or
+of the slope. Without one the piece is cut in two.
 """
 
 from __future__ import annotations
@@ -46,8 +46,9 @@ LOOKS, FEW, BESIDE = 61, 100, (1e-5, 1e-2)
 NODES = 0.5 - 0.5 * np.cos(np.pi * np.arange(18) / 17)
 COEFFICIENTS = np.linalg.inv(chebvander(2.0 * NODES - 1.0, 17))
 BETWEEN = 8.0
-# Rounding of a value, relative to the largest value of the function and to its change from t = 0 at the steepest slope.
-ROUNDING = 16 * EPS
+# Rounding of a value, relative to the largest value of the function and to its change from t = 0 at the steepest slope:
+# of a piece, and of a single difference.
+ROUNDING, OF_DIFFERENCE = 64 * EPS, 16 * EPS
 # Pieces shorter than this part of the run are not looked at: a change within one is a jump.
 SHORT = 1e-12
 # Of the interval with a break, the part at its ends whose slopes are compared with those inside. The change of slope at
@@ -376,7 +377,7 @@ class _Search:
             if turn < KEPT * largest:
                 return None
             size = float(np.ravel(self._largest)[axis]) + b * min(abs(before), abs(after))
-            if turn * (b - a) <= ROUNDING * size:
+            if turn * (b - a) <= OF_DIFFERENCE * size:
                 # A kink lies somewhere in here, and no difference of values tells where.
                 middle, apart = 0.5 * (a + b), 2.0 * EPS * self._end
                 return (middle - apart, middle + apart) if b - a <= LOCATED * width else None

@@ -70,7 +70,7 @@ def test_a_finer_run_passes_what_stops_a_coarse_one():
     scene = dincl.scenes.pile(40)
     coarse, fine = (dincl.solve(scene, dincl.EventDriven(tol), scene.times[-1]) for tol in (300.0, 1e-6))
     assert np.abs(coarse.x - fine.x).max() <= coarse.error.max() <= 300.0
-    system, end = events.EventSystem(scene, coarse.t[-1]), float(coarse.t[-1])
+    system, end = events.EventSystem(scene, coarse.t, 3.0), float(coarse.t[-1])
     first = events.EventRun(system, system.start(Work()), end, 3.0, 1, Work())
     with pytest.raises(StepFailure, match="100 changes"):
         first.integrate()

@@ -60,8 +60,8 @@ def test_the_function_says_on_which_side_the_time_of_the_jump_lies(at):
     for onto in (False, True):
         after = -0.2 if onto else -9.0
         for function, jumped in (
-            (lambda t: -0.25 if t <= at else after, False),
-            (lambda t: -0.25 if t < at else after, True),
+            (lambda t, after=after: -0.25 if t <= at else after, False),
+            (lambda t, after=after: -0.25 if t < at else after, True),
         ):
             wall = dincl.HalfSpace((-1.0,), function)
             path = dincl.solve(dincl.Problem([[0.0]], RIGHT, [wall]), dincl.EventDriven(1e-8), [at])
@@ -72,7 +72,7 @@ def test_the_function_says_on_which_side_the_time_of_the_jump_lies(at):
 
 
 def test_a_column_follows_a_floor_that_rises_and_falls_at_once():
-    """Three discs on a floor that jumps to 0.3, then to -1; they fall together and land again. Both at once, and alone."""
+    """Three discs on a floor that jumps to 0.3, then to -1; they fall together and land again."""
     floor = dincl.HalfSpace((1.0,), lambda t: 0.0 if t < 0.2 else 0.3 if t < 0.5 else -1.0, 0.5)
     z = 0.5 + np.arange(3.0)[:, None]
     problem = dincl.Problem(z, dincl.drifts.constant((-2.0,)), [dincl.NonOverlap(0.5), floor])
