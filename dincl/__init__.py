@@ -46,6 +46,7 @@ from dincl.projection.project import project
 from dincl.schemes import (
     PBD,
     XPBD,
+    AdaptiveCatchUp,
     Auto,
     CatchUp,
     EventDriven,
@@ -66,6 +67,7 @@ __all__ = [
     "PBD",
     "XPBD",
     "ActiveSet",
+    "AdaptiveCatchUp",
     "ArrowHurwicz",
     "Auto",
     "Between",

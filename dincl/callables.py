@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
-from dincl.checks import bounded, describe
+from dincl.checks import bounded, describe, shape_in_words
 from dincl.constants import LARGEST
-from dincl.conversions import plain
+from dincl.conversions import because, plain
 from dincl.errors import FunctionFailed
 
 if TYPE_CHECKING:
@@ -56,9 +56,9 @@ class UserFunction:
         """Its result as finite float64 numbers, of a shape if one is given; None in ``shape`` is any length."""
         values = plain(raw)
         if values is None or (shape is not None and not fits(values.shape, shape)):
-            wanted = "real numbers" + ("" if shape is None else f" of shape {in_words(shape)}")
+            wanted = "real numbers" + ("" if shape is None else f" of shape {shape_in_words(shape)}")
             found = describe(raw) if values is None else f"an array of shape {values.shape}"
-            self.refuse(f"returned {found}: must be {wanted}.")
+            self.refuse(f"returned {found}: must be {wanted}{because(raw)}.")
         if not bounded(values):
             where = tuple(int(k) for k in np.argwhere(~(np.abs(values) <= LARGEST))[0])
             at = f" at index {where}" if where else ""
@@ -97,11 +97,6 @@ def arguments_of(function: Callable[..., Any]) -> int:
 def fits(found: tuple[int, ...], shape: Shape) -> bool:
     """Whether an array has a shape in which None is any length."""
     return len(found) == len(shape) and all(s is None or s == n for s, n in zip(shape, found, strict=True))
-
-
-def in_words(shape: Shape) -> str:
-    """A shape for a message: (n, 2)."""
-    return str(tuple("n" if s is None else s for s in shape)).replace("'", "")
 
 
 def _given(name: str, value: Any) -> str:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dincl.constants import LARGEST, LARGEST_INTEGER, SMALLEST
-from dincl.conversions import as_array, attempt, one, plain, whole
+from dincl.conversions import as_array, attempt, because, one, plain, whole
 from dincl.errors import InvalidProblem
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ def array(name: str, value: ArrayLike, allowed: str = "finite real numbers") -> 
     """A new array of finite numbers, none beyond LARGEST in magnitude; read-only, so that it stays as checked."""
     found = plain(value)
     if found is None:
-        raise InvalidProblem(f"{name} = {describe(value)}: must be {allowed}")
+        raise InvalidProblem(f"{name} = {describe(value)}: must be {allowed}{because(value)}")
     checked = np.array(found, order="C", subok=False)
     bad = ~(np.abs(checked) <= LARGEST)
     if bad.any():
@@ -64,13 +64,28 @@ def array(name: str, value: ArrayLike, allowed: str = "finite real numbers") -> 
     return checked
 
 
-def shaped(name: str, value: ArrayLike, shape: tuple[int | None, ...]) -> NDArray[np.float64]:
-    """As ``array``, not empty and of a shape; None in ``shape`` is any length > 0, fewer axes are not filled up."""
-    allowed = "finite real numbers of shape (" + ", ".join("n" if s is None else str(s) for s in shape) + ")"
+def shape_in_words(shape: Sequence[int | str | None]) -> str:
+    """A shape for a message: (n, 2). Lengths that may differ have different letters."""
+    letters = iter("nmkl")
+    words = [next(letters) if s is None else str(s) for s in shape]
+    return f"({', '.join(words)}{',' if len(words) == 1 else ''})"
+
+
+def shaped(name: str, value: ArrayLike, shape: tuple[int | str | None, ...]) -> NDArray[np.float64]:
+    """As ``array``, not empty and of a shape; None or a name in it is any length > 0, fewer axes are not filled up."""
+    allowed = f"finite real numbers of shape {shape_in_words(shape)}"
     checked = array(name, value, allowed)
     fits = checked.ndim == len(shape) and checked.size > 0
-    if not fits or any(s not in (None, n) for s, n in zip(shape, checked.shape, strict=True)):
-        raise InvalidProblem(f"{name} = {describe(value)}: must be {allowed}")
+    if not fits or any(isinstance(s, int) and s != n for s, n in zip(shape, checked.shape, strict=True)):
+        raise InvalidProblem(f"{name} = {describe(value)}: must be {allowed}, not {shape_in_words(checked.shape)}")
+    return checked
+
+
+def times(name: str, value: ArrayLike) -> NDArray[np.float64]:
+    """Output times (K,), K >= 1, from one number or a list: >= 0 and increasing."""
+    checked = np.atleast_1d(array(name, value))
+    if checked.ndim != 1 or checked.size == 0 or checked[0] < 0 or (np.diff(checked) <= 0).any():
+        raise InvalidProblem(f"{name} = {describe(value)}: must be one or more increasing times >= 0")
     return checked
 
 
@@ -81,6 +96,7 @@ def number(name: str, value: Any, *, positive: bool = False, non_negative: bool 
     if not abs(checked) <= LARGEST or (positive and checked < SMALLEST) or (non_negative and checked < 0):
         allowed += f", at least {SMALLEST:g}" if positive and checked > 0 else ""
         allowed += f", at most {LARGEST:g}" if abs(checked) > LARGEST else ""
+        allowed += because(value) if np.isnan(checked) else ""
         raise InvalidProblem(f"{name} = {describe(value)}: must be {allowed}")
     return checked
 

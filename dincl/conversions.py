@@ -26,6 +26,11 @@ T = TypeVar("T")
 FRACTIONS: tuple[type, ...] = (Real, Decimal)
 # Lists in lists: no argument has as many axes.
 DEEPEST = 8
+REFUSED = BYTES, MASK, TOO_DEEP = (
+    "bytes",
+    "a masked array, whose missing entries must be filled in",
+    "lists without an end",
+)
 
 
 def attempt(convert: Callable[[Any], T], value: Any) -> T | None:
@@ -48,6 +53,36 @@ def plain(value: Any) -> NDArray[np.float64] | None:
     return attempt(_floats, value)
 
 
+# What arrays of numpy that are not real numbers hold, by the kind of their type.
+KINDS = {
+    "b": "truth values (bool)",
+    "c": "complex numbers",
+    "U": "text",
+    "S": "bytes",
+    "V": "records",
+    "M": "dates",
+    "m": "durations",
+}
+
+
+def because(value: Any) -> str:
+    """Return why ``value`` is not real numbers, as the end of a message: ", not complex numbers"; "" if it is."""
+    try:
+        raw = as_array(value)
+    except MemoryError:
+        raise
+    except TypeError as refused:
+        return f", not {refused}" if str(refused) in REFUSED else ""
+    except Exception:  # noqa: BLE001  # numpy makes no array of it
+        return ", not lists of different lengths" if isinstance(value, (list, tuple)) else ""
+    if plain(value) is not None:
+        return ""
+    if raw.dtype.kind in KINDS:
+        return f", not {KINDS[raw.dtype.kind]}"
+    kinds = sorted({type(entry).__name__ for entry in raw.flat if type(entry) not in (int, float)})
+    return f", not objects of type {', '.join(kinds)}" if raw.ndim else ""
+
+
 def _floats(value: Any) -> NDArray[np.float64] | None:
     raw = as_array(value)
     if raw.dtype.kind == "O" and all(type(entry) in (int, float) for entry in raw.flat):
@@ -61,16 +96,16 @@ def _floats(value: Any) -> NDArray[np.float64] | None:
 def as_array(value: Any) -> NDArray[Any]:
     """The value as numpy sees it; TypeError for bytes, a mask, and lists in lists without an end."""
     if isinstance(value, (bytes, bytearray)):
-        raise TypeError("bytes")
+        raise TypeError(BYTES)
     masked: Any = sys.modules.get("numpy.ma")  # imported by whoever made one
     level, depth = [value], 0
     while level:
         if masked is not None and any(issubclass(kind, masked.MaskedArray) for kind in set(map(type, level))):
-            raise TypeError("a mask")
+            raise TypeError(MASK)
         lists = {id(part): part for part in level if type(part) in (list, tuple)}
         level, depth = list(chain.from_iterable(lists.values())), depth + 1
         if depth > DEEPEST + 1:
-            raise TypeError("too deep")
+            raise TypeError(TOO_DEEP)
     return np.asarray(value)
 
 

@@ -28,7 +28,8 @@ from dincl.status import Status
 if TYPE_CHECKING:
     from dincl.plotting import Axes
 
-# A start may miss a constraint by this much, times the largest coordinate: contacts in decimal numbers are not exact.
+# A start may miss a constraint by this much, times the largest coordinate, radius or offset: contacts in decimal
+# numbers are not exact, and the gap of a wall, n . x - offset - radius, rounds with its largest part.
 START_TOLERANCE = 1e-9
 
 DRIFT = UserFunction("drift", ("t", "x"), Status.DRIFT_FAILED)
@@ -43,9 +44,9 @@ class Problem:
     Parameters
     ----------
     x0
-        Start, shape (N, d), N, d >= 1, feasible to 1e-9 of its largest coordinate [length]. Coordinates are of
-        magnitude at most 1e100; radii, lengths, tolerances and time steps lie between 1e-100 and 1e100, so that their
-        squares are numbers, too. Others are refused.
+        Start, shape (N, d), N, d >= 1, feasible to 1e-9 of the largest coordinate, radius or offset [length].
+        Coordinates are of magnitude at most 1e100; radii, lengths, tolerances and time steps lie between 1e-100 and
+        1e100, so that their squares are numbers, too. Others are refused.
     drift
         F: (t, x) -> velocity of the unconstrained particles, (N, d) -> (N, d) [length / time]. x is read-only.
         ``dincl.drifts`` has the usual ones.
@@ -138,25 +139,45 @@ class Problem:
 
         return problem_to_html(self)
 
-    def _check(self) -> None:
-        """Raise InvalidProblem unless drift and constraints can be evaluated at the start, which is feasible."""
+    def _check(self, *, feasible: bool = True) -> None:
+        """Raise InvalidProblem unless drift and constraints can be evaluated at the start, and it is ``feasible``."""
         count, d = self.x0.shape
         if isinstance(self.drift, CompiledDrift):
             self.drift.check(count, d)
-        place = "constraints"
+        place, tolerance = "constraints", math.inf
         try:
             for index, constraint in enumerate(self.constraints):
                 place = f"constraints[{index}]"
                 constraint.check(count, d)
-                _check_start(constraint, self.x0, place)
+            if feasible:
+                lengths = [one.longest_length(d) for one in self.constraints]
+                tolerance = START_TOLERANCE * max(float(np.abs(self.x0).max()), *lengths, 0.0)
+            for index, constraint in enumerate(self.constraints):
+                place = f"constraints[{index}]"
+                _check_rows(constraint, self.x0, place, tolerance)
             place = "drift"
             self.velocity(0.0, self.x0)
         except StepFailure as failure:
             raise InvalidProblem(f"{place}: {failure.detail}") from failure
 
 
-def _check_start(constraint: Constraint, x: NDArray[np.float64], place: str) -> None:
-    """Raise InvalidProblem unless x is feasible, and the constraint selects rows of a known kind."""
+def constraints_around(x: NDArray[np.float64], constraints: Sequence[Constraint]) -> Problem:
+    """Make a problem of constraints alone, to project onto: nothing moves, and x (N, d) need not be feasible.
+
+    Raises InvalidProblem if a constraint does not fit x, or cannot be evaluated there.
+    """
+    from dincl.drifts import constant
+
+    problem: Problem = object.__new__(Problem)
+    sets = items("problem", constraints, Constraint, "a dincl.Problem, or a list of dincl constraints")
+    vars(problem).update(x0=x, drift=constant(np.zeros(x.shape[1])), constraints=sets)
+    with np.errstate(all="ignore"):
+        problem._check(feasible=False)
+    return problem
+
+
+def _check_rows(constraint: Constraint, x: NDArray[np.float64], place: str, tolerance: float) -> None:
+    """Raise InvalidProblem unless x violates no row by more than the tolerance, and rows are of a known kind."""
     name, selection = type(constraint).__name__, select((constraint,), 0.0, x, 0.0)
     found: Any = selection.blocks[0]
     if not isinstance(found, RowsOfOneKind):
@@ -164,11 +185,11 @@ def _check_start(constraint: Constraint, x: NDArray[np.float64], place: str) -> 
         raise InvalidProblem(f"constraints: {name}.select returned {describe(found)}: {allowed}")
     (rows,) = selection.at(0.0).blocks
     values = rows.values(x)
-    tolerance = START_TOLERANCE * float(np.abs(x).max())
     if values.min(initial=0.0) < -tolerance:
         worst = rows.label(int(values.argmin()), x.shape[1])
         raise InvalidProblem(
-            f"x0 violates {name} by {-values.min():.3g} at {worst} ({place}): allowed is {tolerance:.1g}"
+            f"x0 violates {name} by {-values.min():.3g} at {worst} ({place}): allowed is {tolerance:.1g}; "
+            "dincl.project(constraints, x0, projection) gives the nearest point that is feasible"
         )
     if isinstance(rows, SmoothRows):
         check_jacobian(rows, x, "jacobian" if rows.names[0] == "g" else rows.names[1])

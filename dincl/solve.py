@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import fields
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from dincl.checks import array, describe, flag, instance
+from dincl import checks
+from dincl.checks import describe, flag, instance
 from dincl.errors import InvalidProblem
 from dincl.problem import Problem
 from dincl.schemes.base import Scheme
@@ -41,9 +40,7 @@ def solve(problem: Problem, scheme: Scheme, t: ArrayLike, *, throw: bool = True)
     instance("problem", problem, Problem, "a dincl.Problem")
     instance("scheme", scheme, Scheme, "a scheme such as PBD(dt=1e-3)")
     raises = flag("throw", throw)
-    times = np.atleast_1d(array("t", t))
-    if times.ndim != 1 or times.size == 0 or times[0] < 0 or (np.diff(times) <= 0).any():
-        raise InvalidProblem(f"t = {describe(t)}: must be one or more increasing times >= 0")
+    times = checks.times("t", t)
     outcome = scheme.run(problem, times)
     if not isinstance(outcome, RunOutcome):
         raise InvalidProblem(f"scheme: {type(scheme).__name__}.run returned {describe(outcome)}: must be a RunOutcome")

@@ -33,7 +33,10 @@ FOLDERS = (
     "dincl.rows.formulas",
     "dincl.rows.table",
     "dincl.solvers",
-    *(f"dincl.steps.{name}" for name in ("catch_up", "compliant", "loop", "programs", "sweeping", "sweeps")),
+    *(
+        f"dincl.steps.{name}"
+        for name in ("adaptive", "catch_up", "compliant", "loop", "programs", "sweeping", "sweeps")
+    ),
     "dincl.system.arrays",
     "meanfield.solvers.grid.finite_volume",
     "tissue.events",

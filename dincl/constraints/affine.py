@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -38,6 +38,8 @@ class HalfSpace(Timed):
     normal: Any
     offset: Any = 0.0
     radius: Any = 0.0
+    # The normal as it was given, of any length: the unit normal is rounded, and proofs need the exact one.
+    given_normal: Any = field(init=False, repr=False, default=None)
     functions_of_time = ("normal", "offset", "radius")
 
     def __post_init__(self) -> None:
@@ -51,6 +53,7 @@ class HalfSpace(Timed):
         unit = scaled / np.sqrt(scaled @ scaled)
         unit.flags.writeable = False
         object.__setattr__(self, "normal", unit)
+        object.__setattr__(self, "given_normal", normal)
         object.__setattr__(self, "offset", number("offset", self.offset))
         object.__setattr__(self, "radius", lengths("radius", self.radius, positive=False))
 
@@ -63,6 +66,10 @@ class HalfSpace(Timed):
         """Return the least allowed n . X_i, shape (count,)."""
         bounds: NDArray[np.float64] = self.offset + spread("radius", np.asarray(self.radius), count, "particles")
         return bounds
+
+    def longest_length(self, d: int) -> float:
+        now = self.at(0.0)
+        return float(max(abs(now.offset), np.max(now.radius)))
 
     def select(self, x: NDArray[np.float64], search_radius: float) -> HeightRows:
         """Return the particles closer to the wall than ``search_radius``, or beyond it."""

@@ -42,6 +42,10 @@ class Constraint(ABC):
         """Return all rows, or enough of them to show that two rows share a particle."""
         return self.select(x, math.inf)
 
+    def longest_length(self, d: int) -> float:
+        """Return the largest length or offset of the set at time 0, which gaps round with; 0 if none is known."""
+        return 0.0
+
     @property
     def timed(self) -> bool:
         """Whether the set depends on time."""

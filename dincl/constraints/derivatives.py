@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Callable
 from functools import partial
@@ -20,8 +21,12 @@ if TYPE_CHECKING:
 
 Function = Callable[["NDArray[np.float64]"], Any]
 EPS = float(np.finfo(np.float64).eps)
-# Step of central differences, relative to the size of the coordinates: rounding and truncation both leave 1e-10.
+# Step of central differences, relative to the length on which g bends: rounding and truncation both leave 1e-10.
 CENTRAL_STEP = EPS ** (1 / 3)
+# A length on which g bends is not known: steps are STRIDE times apart, at most so many down and up from the first one.
+STRIDE, DOWN, UP = 8.0, 10, 4
+# Slopes of two neighbouring steps that differ by less than this, relatively, have at least half of all digits.
+AGREE = EPS**0.5
 # Step of complex differences, which have no rounding: its square vanishes beside 1.
 COMPLEX_STEP = 1e-100
 # Relative error of a Jacobian along a direction that is taken for a mistake, and of one-sided slopes for a kink.
@@ -33,14 +38,13 @@ class NumericalJacobian:
     """dg/dx of a function g, x or (t, x) -> (m,), by complex steps if g accepts complex x, else by central differences.
 
     Complex steps are exact up to rounding: dg/dx_k = Im g(x + i h e_k) / h (Squire and Trapp, SIAM Rev. 40, 1998).
-    Central differences have a relative error of about 1e-10; their step is relative to the first x, the start of a
-    problem. Both call g for each coordinate, the latter twice.
+    Central differences have a relative error of about 1e-10; ``central_step`` chooses their step at each x. Both call g
+    for each coordinate, the latter twice.
     """
 
     def __init__(self, g: Callable[..., Any]) -> None:
         self._g = g
         self._complex: bool | None = None
-        self._size = 1.0
 
     @property
     def method(self) -> str:
@@ -52,15 +56,56 @@ class NumericalJacobian:
         x = arguments[-1]
         g = partial(self._g, *arguments[:-1])
         if self._complex is None:
-            self._size = float(np.abs(x).max()) or 1.0
             self._complex = _accepts_complex(g, x)
-        return _by_complex_steps(g, x) if self._complex else _by_differences(g, x, CENTRAL_STEP * self._size)
+        return _by_complex_steps(g, x) if self._complex else _by_differences(g, x)
+
+
+def central_step(values: Function, x: NDArray[np.float64], direction: NDArray[np.float64]) -> tuple[float, float]:
+    """Choose the step of central differences at x, and return it with how well slopes along a direction agree for it.
+
+    Too long a step leaves an error of truncation, too short a one an error of rounding; slopes for a step and for an
+    eighth of it, D and D', show the larger one of both. The first step is relative to the largest coordinate. From
+    there the steps are searched, nearest first, for one with |D - D'| <= AGREE max(|D|, |D'|, |g| / length); without
+    one the best counts. The last term admits gradients that vanish: a slope that is nothing beside g over the size of
+    the coordinates, and at least over 1. A row that does not change at all is believed only for steps of that length.
+    """
+    size = float(np.abs(x).max())
+    first, length = CENTRAL_STEP * (size or 1.0), max(size, 1.0)
+    slopes: dict[int, NDArray[np.float64]] = {}
+    small = np.abs(values(x)) / length
+
+    def slope(k: int) -> NDArray[np.float64]:
+        if k not in slopes:
+            h = first * STRIDE**k
+            slopes[k] = (values(x + h * direction) - values(x - h * direction)) / (2 * h)
+        return slopes[k]
+
+    def disagreement(k: int) -> float:
+        one, other = slope(k), slope(k - 1)
+        known = (one != 0) & (other != 0) if first * STRIDE**k < CENTRAL_STEP * length else np.ones(len(one), bool)
+        scale = np.maximum(np.maximum(np.abs(one), np.abs(other)), small)
+        difference = np.abs(one - other) / np.where(scale > 0, scale, 1.0)
+        return float(np.where(known, difference, 1.0).max(initial=0.0))
+
+    up = UP + max(0, math.ceil(math.log(length / size, STRIDE))) if size else UP
+    best, found = 0, np.inf
+    for k in sorted(range(-DOWN, up + 1), key=abs):
+        try:
+            differs = disagreement(k)
+        except FunctionFailed:
+            continue  # g is not defined so far from x
+        if differs < found:
+            best, found = k, differs
+        if found <= AGREE:
+            break
+    return first * STRIDE**best, found
 
 
 def _accepts_complex(g: Function, x: NDArray[np.float64]) -> bool:
     """Compare both along one direction: functions such as abs drop the imaginary part without a word."""
     direction = generic_direction(x)
-    expected = _slopes(partial(_values, g), x, direction)[2]
+    values = partial(_values, g)
+    expected = _slopes(values, x, direction, central_step(values, x, direction)[0])[2]
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")
@@ -82,7 +127,13 @@ def _by_complex_steps(g: Function, x: NDArray[np.float64]) -> NDArray[np.float64
     return np.stack(columns, axis=1)
 
 
-def _by_differences(g: Function, x: NDArray[np.float64], h: float) -> NDArray[np.float64]:
+def _by_differences(g: Function, x: NDArray[np.float64]) -> NDArray[np.float64]:
+    h, differs = central_step(partial(_values, g), x, generic_direction(x))
+    if KINK < differs < np.inf:  # infinite: g is not defined beside x, and says so itself
+        G.refuse(
+            f"has noise: at this x its difference quotients differ by {differs:.1g} of themselves at all steps around "
+            f"{h:.1g}: must be differentiable and computed to more digits; or pass jacobian."
+        )
     columns = []
     for index in np.ndindex(x.shape):
         ends = [x.copy(), x.copy()]
@@ -106,7 +157,7 @@ def generic_direction(x: NDArray[np.float64]) -> NDArray[np.float64]:
 def check_jacobian(rows: RowsOfOneKind, x: NDArray[np.float64], name: str) -> None:
     """Compare the Jacobian of rows with differences of their values along one direction.
 
-    Rows with a kink at x, or values that are not defined beside x, are not judged.
+    Rows with a kink or noise at x, or values that are not defined beside x, are not judged.
 
     Raises
     ------
@@ -114,13 +165,16 @@ def check_jacobian(rows: RowsOfOneKind, x: NDArray[np.float64], name: str) -> No
         If they differ: names the row, both slopes, and the sign or the factor by which they differ.
     """
     direction = generic_direction(x)
+    given = rows.jacobian(x) @ direction.ravel()
+    h, differs = central_step(rows.values, x, direction)
+    if differs > KINK:
+        return
     try:
-        forward, backward, slopes = _slopes(rows.values, x, direction)
+        forward, backward, slopes = _slopes(rows.values, x, direction, h)
     except FunctionFailed:
         return
-    given = rows.jacobian(x) @ direction.ravel()
     size = np.maximum(np.abs(slopes), np.abs(given))
-    rounding = 4 * EPS * (1.0 + np.abs(rows.values(x))) / (CENTRAL_STEP * (float(np.abs(x).max()) or 1.0))
+    rounding = 4 * EPS * (1.0 + np.abs(rows.values(x))) / h
     smooth = np.abs(forward - backward) <= KINK * size + rounding
     wrong = smooth & (np.abs(slopes - given) > MISTAKE * size + rounding)
     if not wrong.any():
@@ -140,9 +194,8 @@ def _difference(given: NDArray[np.float64], slopes: NDArray[np.float64]) -> str:
 
 
 def _slopes(
-    values: Callable[[NDArray[np.float64]], NDArray[np.float64]], x: NDArray[np.float64], direction: NDArray[np.float64]
+    values: Function, x: NDArray[np.float64], direction: NDArray[np.float64], h: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Compute forward, backward and central differences along a direction."""
-    h = CENTRAL_STEP * (float(np.abs(x).max()) or 1.0)
     before, here, after = values(x - h * direction), values(x), values(x + h * direction)
     return (after - here) / h, (here - before) / h, (after - before) / (2 * h)

@@ -143,6 +143,9 @@ class Moving(Constraint):
             return self.path.at(t, d)
         return np.eye(d), PATH.evaluated(self.path, t, shape=(d,))
 
+    def longest_length(self, d: int) -> float:
+        return max(self.constraint.longest_length(d), float(np.abs(self.placement(0.0, d)[1]).max()))
+
     @property
     def timed(self) -> bool:
         return True
@@ -214,8 +217,14 @@ class _TurnedSweep(CustomSweep):
 def derivative(
     path: Path, t: float, spacing: float, smooth: tuple[float, float] = (0.0, np.inf)
 ) -> NDArray[np.float64]:
-    """Compute the velocity of a path, by differences of order 6 within ``smooth`` [length / time]."""
-    spacing = min(spacing, (smooth[1] - smooth[0]) / (len(FORWARD) - 1))
+    """Compute the velocity of a path, by differences of order 6 within ``smooth`` [length / time].
+
+    Zero where ``smooth`` is too short for a difference.
+    """
+    # One-sided differences begin within three spacings of an end and take six.
+    spacing, t = min(spacing, (smooth[1] - smooth[0]) / 9), min(max(t, smooth[0]), smooth[1])
+    if not t - spacing < t < t + spacing:
+        return np.zeros_like(path(t))
     if t - 3 * spacing < smooth[0]:
         places, weights = range(7), FORWARD
     elif t + 3 * spacing > smooth[1]:

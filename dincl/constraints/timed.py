@@ -68,6 +68,10 @@ class Timed(Constraint):
     def __getstate__(self) -> dict[str, Any]:
         return {name: value for name, value in self.__dict__.items() if name != "_recent"}
 
+    def longest_length(self, d: int) -> float:
+        now = self.at(0.0)
+        return max(float(np.abs(getattr(now, name)).max(initial=0.0)) for name in self.functions_of_time)
+
     def parameters(self, t: float, x: NDArray[np.float64]) -> NDArray[np.float64] | None:
         if not self.timed:
             return None

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -16,6 +16,15 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 _ZERO = array("zero", 0.0)
+
+
+class AffineTerm(NamedTuple):
+    """Numbers of a term velocity_i + stretch_i (X_i - centre) + turn_i J (X_i - centre) as they were given."""
+
+    velocity: NDArray[np.float64]
+    centre: NDArray[np.float64]
+    stretch: NDArray[np.float64]
+    turn: NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,12 +40,19 @@ class AffineDrift(CompiledDrift):
         c [length / time], shape () if it is 0, (d,) for all particles, or (N, d).
     stretch, turn
         a and b [1 / time], shape () for all particles, or (N,). A turn needs d = 2.
+    terms
+        The terms as they were given, whose products and sums c, a and b are, rounded; proofs take them. Of a drift that
+        was made of c, a and b it is one term with centre 0.
     """
 
     velocity: NDArray[np.float64]
     stretch: NDArray[np.float64]
     turn: NDArray[np.float64]
+    terms: tuple[AffineTerm, ...] = field(init=False, repr=False)
     autonomous = True
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "terms", (AffineTerm(self.velocity, _ZERO, self.stretch, self.turn),))
 
     def __call__(self, t: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
         value: NDArray[np.float64] | None
@@ -54,9 +70,10 @@ class AffineDrift(CompiledDrift):
     def __add__(self, other: Any) -> AffineDrift:
         if not isinstance(other, AffineDrift):
             return NotImplemented
-        return AffineDrift(
+        total = AffineDrift(
             _sum(self.velocity, other.velocity), _sum(self.stretch, other.stretch), _sum(self.turn, other.turn)
         )
+        return _of_terms(total, *self.terms, *other.terms)
 
     def __eq__(self, other: object) -> bool:
         return self._content == other._content if isinstance(other, AffineDrift) else NotImplemented
@@ -131,7 +148,8 @@ def attraction(centre: ArrayLike, rate: ArrayLike = 1.0) -> AffineDrift:
         For other shapes and numbers that are not finite. A Problem refuses a shape that does not fit its own.
     """
     middle, rates = _centre(centre), _rate(rate)
-    return AffineDrift(_scaled(rates, middle), array("rate", -rates), _ZERO)
+    term = AffineTerm(_ZERO, middle, array("rate", -rates), _ZERO)
+    return _of_terms(AffineDrift(_scaled(rates, middle), term.stretch, _ZERO), term)
 
 
 def swirl(centre: ArrayLike, rate: ArrayLike) -> AffineDrift:
@@ -155,7 +173,13 @@ def swirl(centre: ArrayLike, rate: ArrayLike) -> AffineDrift:
     if middle.shape not in ((), (2,)):
         raise InvalidProblem(f"centre of shape {middle.shape}: must have shape (2,), as a swirl is in the plane")
     back = middle if middle.ndim == 0 else np.array([middle[1], -middle[0]])
-    return AffineDrift(_scaled(rates, back), _ZERO, rates)
+    return _of_terms(AffineDrift(_scaled(rates, back), _ZERO, rates), AffineTerm(_ZERO, middle, _ZERO, rates))
+
+
+def _of_terms(drift: AffineDrift, *terms: AffineTerm) -> AffineDrift:
+    """Return a new drift with the terms that it was made of."""
+    object.__setattr__(drift, "terms", terms)
+    return drift
 
 
 def _centre(centre: ArrayLike) -> NDArray[np.float64]:

@@ -11,14 +11,17 @@ from dincl.rows.table import VELOCITIES, call_python, gap, linearise
 from dincl.solvers.active_set import CYCLES, nearest, nearest_sparse
 from dincl.solvers.envelope_factor import row_dot
 from dincl.solvers.sparse_factor import FEW, SPARSE_FROM, analyse, covers
+from dincl.solvers.wedges import narrowest
 from dincl.steps.programs import list_sorted
-from dincl.system.arrays import COINCIDENT, OK, SETS, evaluate, longest, system_at
+from dincl.system.arrays import COINCIDENT, OK, SETS, WEDGE, evaluate, longest, system_at
 
 # Gaps up to this are contacts, relative to the size of the problem; rounding leaves 1e-15.
 TOUCHING = 1e-13
 # Multipliers and opening speeds are zero below the tolerance over the time of the run, but for these parts of the
 # largest speed at least, for rounding, and at most.
 LEAST_ZERO, ZERO = 1e-13, 1e-10
+# In narrower wedges, see ``narrowest``, opening speeds are lost in the rounding of the program.
+NARROWEST = 1e-8
 # Mean phases to look ahead for rows that are analysed with the touching ones.
 AHEAD = 10.0
 
@@ -46,6 +49,9 @@ def decide_contacts(run: EventWorkspace) -> int:
     count = list_touching(run)
     if count < 0:
         return COINCIDENT
+    system.program.answer[1] = narrowest(system.rows, system.program.gradient, run.touching, count)
+    if system.program.answer[1] < NARROWEST:
+        return WEDGE
     state.zero = min(max(state.tol / state.end, LEAST_ZERO * state.speed), ZERO * state.speed)
     code = nearest_velocity(run, count)
     if code != OK:

@@ -35,7 +35,7 @@ class DenseOutput(Between):
     ) -> None:
         self._problem, self._units, self._pair, self._size = system.problem, system.units, pair, size
         self._start, self._system, self._gram = start, system, gram
-        self._spacing, self._kinks = system.sets.spacing, system.sets.kinks
+        self._differences = {name: getattr(system.sets, name) for name in ("spacing", "spacings", "breaks")}
         self._tables: list[StepTable] = []
 
     def add(self, table: StepTable, size: float) -> None:
@@ -77,7 +77,7 @@ class DenseOutput(Between):
             pair,
             tables[0],
             x.copy(),
-            np.zeros(0),
+            np.zeros((0, 3)),
             np.zeros((0, 2)),
             size=self._size,
         )
@@ -85,7 +85,7 @@ class DenseOutput(Between):
 
     def _states(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
         """Evaluate the states (K, n) in the units of the run."""
-        self._system.sets.spacing, self._system.sets.kinks = self._spacing, self._kinks
+        vars(self._system.sets).update(self._differences)
         x = np.tile(self._start, (len(times), 1))
         if not self._tables or not len(times):
             return x

@@ -6,15 +6,15 @@ import numpy as np
 
 from dincl.compiled import inner, kernel
 from dincl.compiled.arrays import Floats, Offsets
-from dincl.events.contacts import decide_contacts
+from dincl.events.contacts import TOUCHING, decide_contacts
 from dincl.events.event_functions import NEVER
 from dincl.events.location import first_event
 from dincl.events.motion import restore, set_speed, velocity_at
-from dincl.events.runge_kutta import dense_value
+from dincl.events.runge_kutta import EPS, dense_value
 from dincl.events.steps import accept_step, check_jump, make_step, pass_stop, truncate_step
 from dincl.events.workspace import AGAIN, DONE, FULL, JUMPS, NO_STEP, SLOW, SPARE, STUCK, EventWorkspace
-from dincl.rows.table import VELOCITIES, call_python, gap, linearise
-from dincl.solvers.envelope_factor import row_dot
+from dincl.rows.table import VELOCITIES, call_python, gap, is_timed, linearise
+from dincl.solvers.envelope_factor import add_row, row_dot
 from dincl.system.arrays import OK, SETS, bounded, longest, system_at
 
 # A piece that ends within this part of its steps is over.
@@ -39,6 +39,8 @@ ACCURATE = 1e-2
 # Newton steps to the time at which a gap closes, where a step ends by its dense output; the allowed rest of the gap,
 # relative to the size of the problem.
 MOST_NEWTON, CLOSED_GAP = 4, 1e-14
+# Units in the last place of a time by which an event may be late.
+ROUNDED_TIMES = 4.0
 
 
 @kernel
@@ -174,6 +176,13 @@ def close_gap(run: EventWorkspace, closing: int, earliest: float) -> int:
         code = restore(run, state.t, run.x)
         if code != OK or abs(gap(rows, sets, closing, run.x)) <= CLOSED_GAP * state.size:
             return code
+    if is_timed(sets, rows.row[closing]):
+        # A time is rounded, and with it the place of a set: a fast one touches after a move of x by as much.
+        call_python(sets, state.t, run.x, VELOCITIES)
+        width = linearise(rows, sets, closing, run.x, gradient)
+        moved = ROUNDED_TIMES * EPS * state.t * abs(set_speed(system, closing))
+        if TOUCHING * state.size < width <= moved:
+            add_row(rows, closing, gradient, -width, run.x)
     return OK
 
 

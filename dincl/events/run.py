@@ -9,16 +9,18 @@ import numpy as np
 
 from dincl.compiled.structs import StructPointer
 from dincl.constants import LARGEST
+from dincl.constraints.selection import row_lengths
 from dincl.errors import StepFailure
 from dincl.events import integrate as kernels
 from dincl.events.contacts import TOUCHING
 from dincl.events.dense_output import DenseOutput
-from dincl.events.runge_kutta import pair_for
+from dincl.events.runge_kutta import EPS, pair_for
 from dincl.events.workspace import (
     DONE,
     FULL,
     JUMPS,
     KIND,
+    MOVED,
     NO_STEP,
     SLOW,
     STUCK,
@@ -44,6 +46,9 @@ if TYPE_CHECKING:
 
 # Spacing of the differences that give the velocities of moving sets, as a part of the run.
 SPACING = 1e-3
+# And as a part of a step that resolves the sets. Of a sine that takes a whole step, differences of order 6 then have
+# errors of 1e-10 of the largest velocity.
+PART = 1e-2
 # Changes of the contacts allowed in one run.
 MOST_EVENTS = 100_000
 # Steps in the first call of a kernel; as many more in each call as keep it shorter than this [s].
@@ -53,6 +58,10 @@ PLACES = 256
 # More particles than these meet so often that steps are short: they are of order 5, and at an event a step is cut, at
 # its dense output, in place of being repeated. With 200 discs and tol = 1e-8 this takes 0.28 of the evaluations.
 MANY = 100
+SLOWLY = f"The run would need more than {kernels.MOST_STEPS} steps, at the rate of its last {kernels.CHECK}"
+# Normals are compared so far away, as a part of the size of the problem. A step is limited by a contact that turns the
+# motion by this angle in it, or by more.
+NEARBY, STIFF = 1e-9, 0.3
 # How a kernel ends a run too early.
 ENDS = {
     STUCK: (Status.NOT_CONVERGED, f"More than {kernels.MOST_AT_ONCE} changes of the contacts at one time."),
@@ -62,8 +71,7 @@ ENDS = {
     ),
     SLOW: (
         Status.TOO_MANY_STEPS,
-        f"The run would need more than {kernels.MOST_STEPS} steps, at the rate of its last {kernels.CHECK}: the drift "
-        "is stiff, has noise, or jumps again and again.",
+        f"{SLOWLY}: the drift is stiff, has noise, or jumps again and again.",
     ),
     JUMPS: (
         Status.TOO_MANY_STEPS,
@@ -90,7 +98,7 @@ def size_of(problem: Problem, end: float) -> float:
 
 
 class EventSystem:
-    """A problem for runs until ``end``: in units in which its size and the time are about 1.
+    """A problem for runs until ``times[-1]``: in units in which its size and the time are about 1.
 
     Attributes
     ----------
@@ -99,27 +107,36 @@ class EventSystem:
     compiled
         The compiled problem.
     scales
-        Of its functions of time.
+        Of its functions of time, which are looked at at ``times``, for an accuracy of ``tol``.
     gram
         The sparse factor.
     """
 
-    def __init__(self, problem: Problem, end: float) -> None:
+    def __init__(self, problem: Problem, times: NDArray[np.float64], tol: float) -> None:
+        end = float(times[-1])
         self.size = size_of(problem, end)
         self.compiled = CompiledProblem(problem, units=units_of(self.size, end))
-        self.scales = time_scales(problem, end)
-        self.compiled.sets.kinks = self.scales.kinks
+        self.scales = time_scales(problem, times, tol)
+        # No difference looks behind the end.
+        self.compiled.sets.breaks = np.append(self.scales.breaks, [[end, np.inf]], axis=0)
         self.gram = sparse_gram(self.compiled.arrays)
 
     def start(self, work: Work) -> NDArray[np.float64]:
         """Return x0 (N, d), moved onto S if it lies outside by more than rounding."""
         work.drift_evaluations += self.scales.evaluations
+        return self.nearest(0.0, self.compiled.problem.x0, work)
+
+    def nearest(self, t: float, x: NDArray[np.float64], work: Work) -> NDArray[np.float64]:
+        """Return x (N, d), moved onto S(t) if it lies outside by more than rounding."""
         problem, allowed = self.compiled.problem, TOUCHING * self.size
-        violation = float(self.compiled.overlaps(np.zeros(1), problem.x0[None])[0])
+        violation = float(self.compiled.overlaps(np.array([t]), x[None])[0])
         if violation <= allowed:
-            return problem.x0
-        feasible = FeasibleSet(problem, ActiveSet(allowed).solver(), work, linearised=False)
-        return feasible.nearest(0.0, problem.x0, problem.x0, violation).point
+            return x
+        # The tolerance of a projection is in units of g, that of contacts is a length.
+        rows = problem.rows_within(t, x, violation)
+        longest_row = max((float(row_lengths(block, x).max(initial=0.0)) for block in rows.blocks), default=1.0)
+        feasible = FeasibleSet(problem, ActiveSet(allowed * max(1.0, longest_row)).solver(), work, linearised=False)
+        return feasible.nearest(t, x, x, violation).point
 
 
 class EventRun:
@@ -139,18 +156,22 @@ class EventRun:
     def __init__(
         self, system: EventSystem, start: NDArray[np.float64], end: float, tol: float, parts: int, work: Work
     ) -> None:
-        self._system, self._scales, self._work, self._made = system.compiled, system.scales, work, 0
+        self._system, self._whole, self._work, self._made = system.compiled, system, work, 0
         self._unit = unit = system.compiled.units
         sets, x, many = system.compiled.sets, start.ravel() / unit.length, len(start) > MANY
         sets.spacing = SPACING * end / parts or SPACING
-        size, kinks, last = system.size / unit.length, sets.kinks.ravel() / unit.time, end / unit.time
+        sets.spacings = system.scales.set_pieces * (1.0, PART / parts)
+        size, last = system.size / unit.length, end / unit.time
+        before, behind = system.scales.stops.T / unit.time
+        # A stage at the end of a step, whose time is rounded, is still before the break.
+        breaks = np.column_stack((before - 4.0 * EPS * last, before, behind))
         pair, arrays = pair_for(tol / system.size, many), system.compiled.arrays
-        stop, resume = kinks[:2] if len(kinks) else (last, last)
+        stop, _, resume = breaks[0] if len(breaks) else (last, last, last)
         steps = step_table(PLACES, pair.terms, x.size, len(arrays.factor.row), len(arrays.rows.row))
         numbers = {"end": last, "stop": stop, "resume": resume, "tol": tol / unit.length, "size": size}
         numbers |= {"largest": LARGEST * min(1.0, 1.0 / unit.length), "parts": parts, "undecided": 1, "many": many}
         place, pieces = system.compiled.place, system.scales.pieces / unit.time
-        workspace = event_workspace(arrays, place, system.gram, pair, steps, x.copy(), kinks, pieces, **numbers)
+        workspace = event_workspace(arrays, place, system.gram, pair, steps, x.copy(), breaks, pieces, **numbers)
         self._pointer, self._state = StructPointer(workspace, KIND), workspace.state
         self.between = DenseOutput(system.compiled, system.gram, pair, size, x)
         self._events: list[NDArray[np.float64]] = []
@@ -168,7 +189,9 @@ class EventRun:
     def integrate(self) -> None:
         """Integrate to the end; StepFailure if that fails."""
         most, code = FEWEST, FULL
-        while code == FULL:
+        while code in (FULL, MOVED):
+            if code == MOVED:
+                self._pass_jump()
             began = time.perf_counter()
             with self._system.callbacks():
                 code = kernels.integrate(self._pointer, most)
@@ -178,11 +201,41 @@ class EventRun:
             if sum(map(len, self._events)) > MOST_EVENTS:
                 raise StepFailure(Status.TOO_MANY_STEPS, f"More than {MOST_EVENTS} changes of the contacts.")
         if code in ENDS:
-            raise StepFailure(*ENDS[code])
+            status, detail = ENDS[code]
+            raise StepFailure(status, (code == SLOW and self._stiff_contact()) or detail)
         if code != DONE:
             self._system.failure(code)
-        if self._scales.failure is not None:
-            raise self._scales.failure
+        if self._whole.scales.failure is not None:
+            raise self._whole.scales.failure
+
+    def _stiff_contact(self) -> str:
+        """Say which contact makes the motion stiff, if one does; else an empty string.
+
+        A contact with the multiplier lambda and normals n(x) turns the motion at the rate lambda |dn/dx|: a pull over a
+        radius of curvature.
+        """
+        run, system, t = self._pointer.value, self._system, self.now
+        count, x = int(run.active.number[0]), self.state()
+        if count == 0:
+            return ""
+        active, selection = run.active.row[:count], system.selection
+        away = NEARBY * self._whole.size * np.random.default_rng(0).normal(size=x.shape)
+        normals = []
+        for point in (x, x + away):
+            rows = selection.at(t)
+            lengths = np.concatenate([row_lengths(block, point) for block in rows.blocks])
+            normals.append(rows.jacobian(point).toarray()[active] / lengths[active, None])
+        moved = np.sqrt((normals[0] != 0).astype(float) @ away.ravel() ** 2)
+        curvature = np.sqrt(((normals[1] - normals[0]) ** 2).sum(axis=1)) / np.where(moved > 0, moved, 1.0)
+        rates = run.multiplier[0, :count] * self._unit.speed * curvature
+        k = int(rates.argmax())
+        if rates[k] * float(self._state["last_h"][0]) * self._unit.time < STIFF:
+            return ""
+        constraint, row = system.names[int(active[k])]
+        return (
+            f"{SLOWLY}: {row} (constraints[{constraint}]) is pulled against a set so curved that it turns at the rate "
+            f"{rates[k]:.2g}, the pull over the radius of curvature: use a larger radius, or a scheme with fixed steps."
+        )
 
     @property
     def events(self) -> tuple[Event, ...]:
@@ -196,6 +249,20 @@ class EventRun:
         """Return the state reached, shape (N, d)."""
         x: NDArray[np.float64] = self._pointer.value.x
         return x.reshape(self._system.problem.x0.shape) * self._unit.length
+
+    def _pass_jump(self) -> None:
+        """Let sets that jumped act at once: a contact that is lost lets go, x becomes the nearest point of S(t).
+
+        The table of steps is empty. The time of the jump itself gets a step of its own, in which nothing moves.
+        """
+        state, workspace = self._state[0], self._pointer.value
+        x = self._whole.nearest(self.now, self.state(), self._work).ravel() / self._unit.length
+        workspace.x[:] = x
+        workspace.active.number[0] = workspace.gram.number[1] = 0
+        steps = workspace.steps
+        steps.start[0] = steps.end[0] = state["t"]
+        steps.h[0], steps.x[0], steps.dense[0], steps.number[0] = 1.0, x, 0.0, 0
+        state["steps"] = 1
 
     def _drain(self) -> None:
         """Move steps and events out of the table of the kernel."""

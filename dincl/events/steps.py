@@ -1,16 +1,21 @@
 """Steps that meet the tolerance and hide no jump of the velocity.
 
-A jump of the velocity of a set is a kink of its path, known before the run. A jump of the drift is found on the way:
-where the derivative of the dense output differs from the velocity, bisection locates it, and the run stops there.
+Breaks of the functions of time are known before the run: jumps of a set, of its velocity, and of the drift at x0. Other
+jumps of the drift are found on the way: where the derivative of the dense output differs from the velocity, bisection
+locates one, and the run stops there.
 """
 
 import numpy as np
 
 from dincl.compiled import inner
+from dincl.events.contacts import TOUCHING
 from dincl.events.motion import dense_state, dense_velocity, restore, velocity_at
 from dincl.events.runge_kutta import EPS, allowed_error, dense_value, error_ratio, interpolate, stage_point
-from dincl.events.workspace import AGAIN, NO_STEP, SPARE, EventWorkspace
-from dincl.system.arrays import OK
+from dincl.events.workspace import AGAIN, MOVED, NO_STEP, SPARE, EventWorkspace
+from dincl.neighbours import ROW_MARGIN
+from dincl.rows.table import VELOCITIES, call_python, gap
+from dincl.steps.programs import list_sorted
+from dincl.system.arrays import OK, SETS, system_at
 
 # Part of the step that the error allows; the least and the largest factor from one step to the next.
 SAFETY, LEAST, MOST = 0.9, 0.2, 10.0
@@ -112,17 +117,51 @@ def truncate_step(run: EventWorkspace, h: float, t: float) -> int:
 
 @inner
 def pass_stop(run: EventWorkspace) -> int:
-    """Continue behind a discontinuity, where contacts are decided; the next stop is a kink, or the end."""
-    state, kinks = run.state[0], run.kinks
-    if 2 * state.kinks < kinks.size and state.stop == kinks[2 * state.kinks]:
-        state.kinks += 1
+    """Continue behind a break, where contacts are decided; MOVED if a set jumped away from a contact or onto a particle.
+
+    The next stop is a known break, or the end.
+    """
+    state, breaks = run.state[0], run.breaks
+    last, code = state.resume, OK
+    is_known = state.passed < breaks.shape[0] and state.resume == breaks[state.passed, 2]
+    if is_known:
+        last = breaks[state.passed, 1]
+        if state.undecided == 0:
+            for k in range(run.x.size):
+                run.x[k] += (last - state.t) * run.rate[0, k]
+        code = restore(run, last, run.x)
+        state.passed += 1
     state.t, state.undecided, state.h = state.resume, 1, max(state.h, state.last_h)
     if state.steps > 0:
-        run.steps.end[state.steps - 1] = state.t
+        run.steps.end[state.steps - 1] = last
     state.stop = state.resume = state.end
-    if 2 * state.kinks < kinks.size:
-        state.stop, state.resume = kinks[2 * state.kinks], kinks[2 * state.kinks + 1]
-    return restore(run, state.t, run.x)
+    if state.passed < breaks.shape[0]:
+        state.stop, state.resume = breaks[state.passed, 0], breaks[state.passed, 2]
+    if is_known and code == OK:
+        code = check_sets(run)
+    return code if code != OK else restore(run, state.t, run.x)
+
+
+@inner
+def check_sets(run: EventWorkspace) -> int:
+    """Return MOVED if an active row is open, or any row overlaps by more than an integrator leaves; else OK or a failure.
+
+    Behind a kink of a set neither happens: within the interval that holds the kink sets move by rounding.
+    """
+    state, system, x, touching = run.state[0], system_at(run.system), run.x, TOUCHING * run.state[0].size
+    rows, sets, near = system.rows, system.sets, system.near
+    if sets.address == 0:
+        return OK
+    if call_python(sets, state.t, x, VELOCITIES) != 0:
+        return SETS
+    for k in range(run.active.number[0]):
+        if not gap(rows, sets, run.active.row[k], x) <= touching:
+            return MOVED
+    list_sorted(run.system, state.t, x, touching, ROW_MARGIN)
+    for q in range(near.number[0]):
+        if not gap(rows, sets, near.row[q], x) >= -max(touching, state.tol):
+            return MOVED
+    return OK
 
 
 @inner

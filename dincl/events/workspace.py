@@ -16,8 +16,9 @@ from dincl.system.arrays import SYSTEM, SystemArrays
 OPEN, CLOSED, ACTIVE = 0, 1, 2
 # How a kernel ends besides the codes of ``dincl.system.arrays``: the end is reached; the table of steps is full and has
 # to be emptied; too many changes of the contacts at one time; no step is short enough; too many steps are needed; the
-# drift jumps too often. Or the step has to be repeated: with a shorter one, or one that ends at a jump.
-DONE, FULL, STUCK, NO_STEP, SLOW, JUMPS, AGAIN = range(20, 27)
+# drift jumps too often; sets jumped away from contacts, or onto particles. Or the step has to be repeated: with a shorter
+# one, or one that ends at a jump.
+DONE, FULL, STUCK, NO_STEP, SLOW, JUMPS, MOVED, AGAIN = range(20, 28)
 # The rate in which velocities between the stages are written.
 SPARE = 16
 
@@ -27,7 +28,7 @@ STATE = np.dtype(
         ("end", np.float64),
         ("stop", np.float64),  # the next discontinuity in time, before it and behind it; both are the end without one
         ("resume", np.float64),
-        ("kinks", np.int64),  # passed kinks of the paths of sets, and jumps of the drift
+        ("passed", np.int64),  # how many of ``breaks``
         ("piece", np.int64),  # in which t is
         ("jumps", np.int64),
         ("tol", np.float64),  # local tolerance of the integrator
@@ -80,7 +81,7 @@ class EventWorkspace(NamedTuple):
     system: int  # address of its SystemArrays
     gram: SparseFactor
     active: EnvelopeFactor  # the active rows, and their factor if they are few
-    kinks: Floats  # (2 K,): before and behind each time at which the velocity of a set jumps
+    breaks: Floats  # (K, 3), known ones: where a step ends, the last time before and the first time behind a break
     pieces: Floats  # (P, 2): until when, and by how long steps, all functions of time are resolved
     pair: RungeKutta
     state: NDArray[np.void]
@@ -121,7 +122,7 @@ def event_workspace(
     pair: RungeKutta,
     steps: StepTable,
     x: Floats,
-    kinks: Floats,
+    breaks: Floats,
     pieces: Floats,
     **state: float,
 ) -> EventWorkspace:
@@ -135,7 +136,7 @@ def event_workspace(
         system=address,
         gram=gram,
         active=envelope_factor(most, n),
-        kinks=kinks,
+        breaks=breaks,
         pieces=pieces,
         pair=pair,
         state=begin,
@@ -160,7 +161,7 @@ KIND = struct_type(
         RungeKutta(0, 0, 0, 0.0, np.zeros((0, 0)), np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0))),
         step_table(0, 0, 0, 0, 0),
         np.zeros(0),
-        np.zeros(0),
+        np.zeros((0, 3)),
         np.zeros((0, 2)),
     )
 )

@@ -57,6 +57,12 @@ def divided(matrix: csr_array, lengths: NDArray[np.float64]) -> csr_array:
     return from_rows(matrix.indptr, matrix.indices, data, matrix.shape[1])
 
 
+def multiplied(matrix: csr_array, lengths: NDArray[np.float64]) -> csr_array:
+    """Multiply the rows by lengths (rows,)."""
+    data = matrix.data * np.repeat(lengths, np.diff(matrix.indptr))
+    return from_rows(matrix.indptr, matrix.indices, data, matrix.shape[1])
+
+
 def combined(matrix: csr_array, weights: NDArray[np.float64]) -> NDArray[np.float64]:
     """Compute sum_k weights_k a_k, shape (columns,): faster than the transpose of SciPy for small matrices."""
     from dincl.matrices import products

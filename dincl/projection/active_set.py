@@ -18,6 +18,10 @@ if TYPE_CHECKING:
 
     from dincl.projection.base import Solver
 
+# What the codes of ``dincl.solvers.active_set`` mean.
+CONTRADICTING = "active rows keep a violated row from being met."
+ROUNDING = "rounding keeps it from an answer."
+
 
 @dataclass(frozen=True)
 class ActiveSet(Projection):
@@ -53,7 +57,7 @@ class _ActiveSetSolver(QpSolver):
     ) -> QpAnswer:
         """Solve with the rows in the order of their first coordinates, in which the envelope is narrow."""
         from dincl.rows.table import ROW, row_table
-        from dincl.solvers.active_set import CYCLES, INFEASIBLE, least_distance, solve
+        from dincl.solvers.active_set import OK, UNMET, least_distance, solve
         from dincl.solvers.envelope_factor import envelope_factor
 
         m, n = matrix.shape[0], matrix.shape[1]
@@ -62,8 +66,7 @@ class _ActiveSetSolver(QpSolver):
         order = np.argsort(matrix.indices[first], kind="stable") if len(matrix.indices) else np.arange(m)
         program = least_distance(matrix.data, least, multipliers.copy(), n)
         code = solve(rows, order, program, envelope_factor(min(m, n) + 1, n))
-        if code == INFEASIBLE:
-            raise StepFailure(Status.INFEASIBLE, f"{self.name}: no point meets all constraints.")
-        if code == CYCLES:
-            raise StepFailure(Status.NOT_CONVERGED, f"{self.name}: rounding keeps it from an answer.")
+        if code != OK:
+            detail = CONTRADICTING if code == UNMET else ROUNDING
+            raise StepFailure(Status.NOT_CONVERGED, f"{self.name}: {detail}")
         return QpAnswer(program.z, program.multiplier, int(program.answer[0]))

@@ -10,12 +10,14 @@ import numpy as np
 
 from dincl.checks import describe, number
 from dincl.errors import InvalidProblem, StepFailure
-from dincl.matrices import combined
+from dincl.matrices import combined, divided, row_squares
+from dincl.projection.emptiness import why_unsolved
 from dincl.rows.affine import linearised
 from dincl.status import Status
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+    from scipy.sparse import csr_array
 
     from dincl.problem import Problem
     from dincl.rows.affine import AffineRows
@@ -27,7 +29,7 @@ NEGLIGIBLE = 1e-3
 # Completions on the active rows; on curved rows each shortens the error by about multiplier / distance.
 MOST_COMPLETIONS = 20
 
-# Weight of the step from the multipliers given, relative to the rows: makes redundant rows solvable.
+# Weight of the step from the multipliers given, for rows of length 1: makes redundant rows solvable.
 DAMPING = 1e-7
 # Each step shortens the error by DAMPING over the least eigenvalue of A A^T that is not zero.
 STEPS = 6
@@ -110,6 +112,8 @@ class Solver(ABC):
         Whether it projects onto curved sets itself; else it solves programs, one linearisation after another.
     dense
         Whether it needs room for dense factors.
+    size
+        The largest coordinate of the problem for which it works [length].
     """
 
     name: ClassVar[str]
@@ -117,7 +121,7 @@ class Solver(ABC):
     dense: ClassVar[bool] = False
 
     def __init__(self, tol: float) -> None:
-        self.tol = tol
+        self.tol, self.size = tol, 0.0
 
     def nearest(self, rows: Rows, y: NDArray[np.float64], guess: NDArray[np.float64]) -> Projected:
         """The nearest point to y (N, d) with rows >= 0, searched from ``guess``; StepFailure if it is not found."""
@@ -125,13 +129,25 @@ class Solver(ABC):
         violation = float(np.max(-values, initial=0.0))
         if violation <= NEGLIGIBLE * tolerance:
             return Projected(y, np.zeros(len(values)), violation, 0.0, violation, 0, NO_BACK_END)
-        found = self.compute(rows, y, guess)
-        if not found.residual <= tolerance:
-            raise StepFailure(
-                Status.NOT_CONVERGED,
-                f"{self.name} left a residual of {found.residual:.2g}, asked for was {tolerance:.2g}.",
-            )
+        try:
+            found = self.compute(rows, y, guess)
+            if not found.residual <= tolerance:
+                raise missed(self.name, found.residual, tolerance)
+        except StepFailure as failure:
+            raise self._reason(failure, rows, y, guess) from failure
         return found
+
+    def _reason(
+        self, failure: StepFailure, rows: Rows, y: NDArray[np.float64], guess: NDArray[np.float64] | None
+    ) -> StepFailure:
+        """Return why there is no nearest point, by the rows linearised at ``guess``, if it is seen."""
+        if failure.status is not Status.NOT_CONVERGED:
+            return failure
+        linear = linearised(rows, y if guess is None else guess)
+        lengths = row_lengths(linear.matrix)
+        binding = np.repeat([block.concave for block in rows.by_kind()], [len(block) for block in rows.by_kind()])
+        size = max(self.size, float(np.abs(y).max()), 0.0 if guess is None else float(np.abs(guess).max()))
+        return why_unsolved(failure, divided(linear.matrix, lengths), -linear.values(y) / lengths, size, binding)
 
     @property
     def compiled(self) -> Any | None:
@@ -145,6 +161,7 @@ class Solver(ABC):
         """What has the address of this solver for the compiled projections of a system."""
         from dincl.projection.solving import ProgramSolving, WholeSolving
 
+        self.size = float(np.abs(system.problem.x0).max())
         if self.compiled is not None:
             return self.compiled
         return WholeSolving(self, system) if self.whole else ProgramSolving(self, system)
@@ -155,9 +172,9 @@ class Solver(ABC):
 
     @abstractmethod
     def compute(self, rows: Rows, y: NDArray[np.float64], guess: NDArray[np.float64]) -> Projected:
-        """The same for a y that violates a row, as ``certify`` gives it.
+        """The same for a y that violates a row, as ``certify`` gives it; StepFailure(NOT_CONVERGED) if it gives up.
 
-        The certificate may miss ``tol``: ``nearest`` then raises StepFailure(NOT_CONVERGED).
+        The certificate may miss ``tol``: ``nearest`` then raises StepFailure, and says INFEASIBLE where that is proved.
         """
 
     def certify(
@@ -177,7 +194,7 @@ class Solver(ABC):
         )
 
     def completed(self, rows: Rows, y: NDArray[np.float64], found: Projected, tol: float) -> Projected:
-        """The answer of an interior point, put exactly onto its active rows until it reaches ``tol`` or gets no better.
+        """The answer of a back end, put exactly onto its active rows until it reaches ``tol`` or gets no better.
 
         Only a smaller certified residual is taken.
         """
@@ -185,8 +202,7 @@ class Solver(ABC):
             if found.residual <= tol:
                 break
             linear = linearised(rows, found.point)
-            active = found.multipliers > linear.values(found.point)
-            point, lam = on_active_rows(linear, y, found.multipliers, active)
+            point, lam = on_active_rows(linear, y, found.point, found.multipliers)
             better = self.certify(linearised(rows, point), y, point, lam, found.iterations)
             if not better.residual < found.residual:
                 break
@@ -194,12 +210,26 @@ class Solver(ABC):
         return found
 
 
-def on_active_rows(
-    linear: AffineRows, y: NDArray[np.float64], multipliers: NDArray[np.float64], active: NDArray[np.bool_]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Nearest point to y with A x = bound in the ``active`` rows, and its multipliers (m,), zero in the others.
+def missed(name: str, residual: float, tol: float) -> StepFailure:
+    """Return the failure of a back end that left a residual above the tolerance."""
+    detail = f"{name} left a residual of {residual:.2g} where {tol:.2g} is asked for [units of g]."
+    return StepFailure(Status.NOT_CONVERGED, detail)
 
-    Solves A A^T lambda = bound - A y by the proximal point method from the multipliers given,
+
+def row_lengths(matrix: csr_array) -> NDArray[np.float64]:
+    """Compute |a_k|, 1 for a row that vanishes, shape (m,)."""
+    lengths: NDArray[np.float64] = np.sqrt(row_squares(matrix))
+    lengths[lengths == 0] = 1.0
+    return lengths
+
+
+def on_active_rows(
+    linear: AffineRows, y: NDArray[np.float64], x: NDArray[np.float64], multipliers: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Nearest point to y with A z = bound in the active rows, and its multipliers (m,), zero in the others.
+
+    With rows scaled to length 1, those are active whose multiplier is larger than their gap at x. Solves
+    A A^T lambda = bound - A y by the proximal point method from the multipliers given,
 
         lambda <- lambda + (A A^T + damping)^{-1} (bound - A (y + A^T lambda)),
 
@@ -208,19 +238,16 @@ def on_active_rows(
     from scipy.sparse import eye_array
     from scipy.sparse.linalg import splu
 
-    full = np.zeros_like(multipliers)
-    if not active.any():
+    full, lengths = np.zeros_like(multipliers), row_lengths(linear.matrix)
+    active = multipliers * lengths > linear.values(x) / lengths
+    if not active.any() or not linear.matrix[active].nnz:
         return y, full
-    rows = linear.take(active)
-    matrix = rows.matrix
+    matrix = divided(linear.matrix[active], lengths[active])
     gram = matrix @ matrix.T
-    weight = DAMPING * float(gram.diagonal().max())
-    if weight == 0:
-        return y, full
-    factor = splu((gram + weight * eye_array(gram.shape[0])).tocsc())
-    lam = multipliers[active]
-    missing = -rows.values(y)
+    factor = splu((gram + DAMPING * eye_array(gram.shape[0])).tocsc())
+    lam = multipliers[active] * lengths[active]
+    missing = (linear.bound[active] - linear.matrix[active] @ y.ravel()) / lengths[active]
     for _ in range(STEPS):
         lam = lam + factor.solve(missing - matrix @ (matrix.T @ lam))
-    full[active] = np.maximum(lam, 0.0)
+    full[active] = np.maximum(lam, 0.0) / lengths[active]
     return y + combined(linear.matrix, full).reshape(y.shape), full

@@ -10,7 +10,7 @@ import numpy as np
 from dincl.errors import StepFailure
 from dincl.extras import needs
 from dincl.projection.base import Projection
-from dincl.projection.qp import InteriorPointSolver, QpAnswer
+from dincl.projection.qp import QpAnswer, QpSolver
 from dincl.status import Status
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ class Clarabel(Projection):
         return _ClarabelSolver(self.tol)
 
 
-class _ClarabelSolver(InteriorPointSolver):
+class _ClarabelSolver(QpSolver):
     name = "clarabel"
 
     def __init__(self, tol: float) -> None:
@@ -76,7 +76,6 @@ class _ClarabelSolver(InteriorPointSolver):
         found = self._library.DefaultSolver(identity, np.zeros(n), rows, -least, cone, self._settings).solve()
         word = str(found.status)
         if word not in ("Solved", "AlmostSolved"):
-            status = Status.INFEASIBLE if "PrimalInfeasible" in word else Status.NOT_CONVERGED
-            raise StepFailure(status, f"clarabel stopped: {word}.")
+            raise StepFailure(Status.NOT_CONVERGED, f"clarabel stopped: {word}.")
         mu = np.maximum(np.array(found.z), 0.0)
         return QpAnswer(np.array(found.x), mu, found.iterations)

@@ -72,7 +72,7 @@ class _ClosedFormSolver(Solver):
         multipliers[flat] = _onto_planes(linear.take(flat), x)
         found = self.certify(linearised(rows, x), y, x, multipliers, 1)
         if found.violation > self.tolerance(rows, y):
-            raise StepFailure(Status.INFEASIBLE, "Parallel walls leave no room between them.")
+            raise StepFailure(Status.NOT_CONVERGED, "Parallel walls leave no room between them.")
         return found
 
 

@@ -13,7 +13,7 @@ from dincl.extras import needs
 from dincl.matrices import from_rows
 from dincl.projection.base import Projection
 from dincl.projection.program_cache import ProgramCache
-from dincl.projection.qp import InteriorPointSolver, QpAnswer
+from dincl.projection.qp import QpAnswer, QpSolver
 from dincl.status import Status
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ class CvxpyQP(Projection):
         return _CvxpySolver(self.tol)
 
 
-class _CvxpySolver(InteriorPointSolver):
+class _CvxpySolver(QpSolver):
     name = "cvxpy"
 
     def __init__(self, tol: float) -> None:
@@ -99,7 +99,6 @@ class _Program:
             raise StepFailure(Status.NOT_CONVERGED, f"cvxpy stopped: {error}.") from error
         word = self._problem.status
         if word not in ("optimal", "optimal_inaccurate"):
-            status = Status.INFEASIBLE if "infeasible" in word else Status.NOT_CONVERGED
-            raise StepFailure(status, f"cvxpy stopped: {word}.")
+            raise StepFailure(Status.NOT_CONVERGED, f"cvxpy stopped: {word}.")
         iterations = int(self._problem.solver_stats.num_iters)
         return QpAnswer(self._u.value, np.maximum(self._rows.dual_value, 0.0), iterations)

@@ -22,9 +22,8 @@ if TYPE_CHECKING:
 PRIMAL_TOLERANCE = 1e-13
 ITERATION_LIMIT = 10_000
 ACTIVE = 1
-INFEASIBLE = -1
 MEANINGS = {
-    -1: "no point meets all constraints",
+    -1: "it finds no point that meets all constraints",
     -2: "the active set cycles",
     -3: "the program is unbounded",
     -4: f"the limit of {ITERATION_LIMIT} iterations is reached",
@@ -80,6 +79,5 @@ class _DaqpSolver(QpSolver):
             iter_limit=ITERATION_LIMIT,
         )
         if flag < 0:
-            status = Status.INFEASIBLE if flag == INFEASIBLE else Status.NOT_CONVERGED
-            raise StepFailure(status, f"daqp stopped: {MEANINGS.get(flag, f'flag {flag}')}.")
+            raise StepFailure(Status.NOT_CONVERGED, f"daqp stopped: {MEANINGS.get(flag, f'flag {flag}')}.")
         return QpAnswer(u, np.maximum(info["lam"], 0.0), int(info["iterations"]))

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dincl.matrices import row_squares
-from dincl.projection.base import NO_BACK_END, Projected
+from dincl.projection.base import NO_BACK_END, Projected, missed
 from dincl.rows.affine import linearised
 
 if TYPE_CHECKING:
@@ -75,8 +74,6 @@ class FeasibleSet:
         iterations: int,
     ) -> Projected:
         """What the system found last, with residuals recomputed from the rows."""
-        from dincl.rows.table import DISTANCE
-
         system, near = self._system, self.near_rows
         arrays, x = system.arrays, system.arrays.program.z.reshape(y.shape).copy()
         rows = near.linearised(t, around, carried_to) if self._linearised else near.at(t)
@@ -84,7 +81,9 @@ class FeasibleSet:
             found = self._solver.certify(linearised(rows, x), y, x, np.zeros(len(near)), 0)
             return replace(found, back_end=NO_BACK_END)
         listed = np.sort(arrays.near.row[: int(arrays.near.number[0])])
-        # Gradients in the table have length 1, but for distances.
-        length = np.sqrt(row_squares(near.at(t).jacobian(around if self._linearised else x)))
-        length[(arrays.rows.row["kind"][listed] == DISTANCE) | (length == 0)] = 1.0
-        return self._solver.certify(linearised(rows, x), y, x, arrays.program.multiplier[listed] / length, iterations)
+        multipliers = arrays.program.multiplier[listed] / arrays.program.length[listed]
+        found = self._solver.certify(linearised(rows, x), y, x, multipliers, iterations)
+        # A sum of other order may round to the other side of the tolerance.
+        if not found.residual <= self._solver.tol:
+            raise system.reason(missed(self._solver.name, found.residual, self._solver.tol))
+        return found

@@ -10,7 +10,7 @@ import numpy as np
 from dincl.errors import StepFailure
 from dincl.matrices import combined, row_squares
 from dincl.projection.base import Projection
-from dincl.projection.qp import QpAnswer, QpSolver, refuse_if_empty
+from dincl.projection.qp import QpAnswer, QpSolver, stop_if_suspected
 from dincl.status import Status
 
 if TYPE_CHECKING:
@@ -71,7 +71,7 @@ class _GaussSeidelSolver(QpSolver):
             u = combined(matrix, mu)
             if np.abs(np.minimum(mu, matrix @ u - least)).max() <= tol:
                 return QpAnswer(u, mu, sweeps)
-            refuse_if_empty(self.name, matrix, least, np.maximum(mu - before, 0.0))
+            stop_if_suspected(matrix, least, np.maximum(mu - before, 0.0))
             # A sweep moves less than what is still missing: the slower it goes, the more it has to be tightened.
             rest = min(rest, moved) / 4
         raise StepFailure(Status.NOT_CONVERGED, f"gauss-seidel did not come to rest in {sweeps} sweeps.")

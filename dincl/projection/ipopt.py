@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
 # Compiled programs kept for the next time that the same rows are near.
 MOST_PROGRAMS = 64
-INFEASIBLE = "Infeasible_Problem_Detected"
 # Words after which the certificate decides whether the point is good enough.
 FOUND = ("Solve_Succeeded", "Search_Direction_Becomes_Too_Small")
 
@@ -65,6 +64,5 @@ class _IpoptSolver(Solver):
         program = self._programs.get(rows.structure, lambda: self._compile(blocks, y.shape))
         x, lam, work, word = program.solve(blocks, y, guess, scale)
         if word not in FOUND:
-            status = Status.INFEASIBLE if word == INFEASIBLE else Status.NOT_CONVERGED
-            raise StepFailure(status, f"ipopt stopped: {word}.")
+            raise StepFailure(Status.NOT_CONVERGED, f"ipopt stopped: {word}.")
         return self.completed(rows, y, self.certify(linearised(rows, x), y, x, lam, work), self.tol)

@@ -10,7 +10,7 @@ import numpy as np
 from dincl.errors import StepFailure
 from dincl.extras import needs
 from dincl.projection.base import Projection
-from dincl.projection.qp import InteriorPointSolver, QpAnswer, refuse_if_empty
+from dincl.projection.qp import QpAnswer, QpSolver
 from dincl.status import Status
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ class Piqp(Projection):
         return _PiqpSolver(self.tol)
 
 
-class _PiqpSolver(InteriorPointSolver):
+class _PiqpSolver(QpSolver):
     name = "piqp"
 
     def __init__(self, tol: float) -> None:
@@ -71,8 +71,5 @@ class _PiqpSolver(InteriorPointSolver):
         result = solver.result
         mu = np.maximum(result.z_l, 0.0)
         if flag != self._library.PIQP_SOLVED:
-            # An empty set may cost PIQP all its iterations while its multipliers grow.
-            refuse_if_empty(self.name, matrix, least, mu)
-            status = Status.INFEASIBLE if flag == self._library.PIQP_PRIMAL_INFEASIBLE else Status.NOT_CONVERGED
-            raise StepFailure(status, f"piqp stopped: {flag.name}.")
+            raise StepFailure(Status.NOT_CONVERGED, f"piqp stopped: {flag.name}.")
         return QpAnswer(np.array(result.x), mu, int(result.info.iter))

@@ -10,7 +10,7 @@ import numpy as np
 from dincl.errors import StepFailure
 from dincl.matrices import combined
 from dincl.projection.base import Projection
-from dincl.projection.qp import QpAnswer, QpSolver, refuse_if_empty
+from dincl.projection.qp import QpAnswer, QpSolver, stop_if_suspected
 from dincl.status import Status
 
 if TYPE_CHECKING:
@@ -74,7 +74,7 @@ class _ProjectedCGSolver(QpSolver):
             residual = float(np.abs(np.minimum(mu, matrix @ u - least)).max())
             if residual <= allowed:
                 return QpAnswer(u, mu, iterations)
-            refuse_if_empty(self.name, matrix, least, np.maximum(mu - before, 0.0))
+            stop_if_suspected(matrix, least, np.maximum(mu - before, 0.0))
             if claimed <= rest:
                 # Rounding has added up in the slope that is only updated.
                 rest *= TIGHTER

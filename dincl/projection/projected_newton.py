@@ -10,7 +10,7 @@ import numpy as np
 from dincl.errors import StepFailure
 from dincl.projection.base import Projection
 from dincl.projection.gram_factor import GramFactor
-from dincl.projection.qp import QpAnswer, QpSolver, refuse_if_empty
+from dincl.projection.qp import QpAnswer, QpSolver, stop_if_suspected
 from dincl.status import Status
 
 if TYPE_CHECKING:
@@ -100,7 +100,7 @@ class _ProjectedNewtonSolver(QpSolver):
                 started, last = True, np.inf
             if mu.max() > SUSPICIOUS:
                 for weights in (np.maximum(mu - before, 0.0), mu):
-                    refuse_if_empty(self.name, matrix, least, weights)
+                    stop_if_suspected(matrix, least, weights)
         raise StepFailure(Status.NOT_CONVERGED, f"projected newton missed its tolerance in {ROUNDS} rounds.")
 
 

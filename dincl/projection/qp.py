@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from dincl.errors import StepFailure
-from dincl.matrices import combined, divided, row_squares
-from dincl.projection.base import NEGLIGIBLE, Projected, Solver
+from dincl.matrices import combined, divided, multiplied, row_squares
+from dincl.norms import length as norm
+from dincl.projection.base import NEGLIGIBLE, Projected, Solver, row_lengths
 from dincl.rows.affine import AffineRows, linearised
 from dincl.status import Status
 
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
     from dincl.rows.base import Rows
 
-# A set is called empty when it is proved to be farther away than this many times the largest violation.
+# Iterations end when all points of a set are proved to be this many times the largest violation away.
 FARTHEST = 1e8
 
 
@@ -43,28 +44,49 @@ class QpSolver(Solver):
     def compute(self, rows: Rows, y: NDArray[np.float64], guess: NDArray[np.float64]) -> Projected:
         """The nearest point of the rows linearised at ``guess``."""
         linear = linearised(rows, guess)
-        length = np.sqrt(row_squares(linear.matrix))
-        length[length == 0] = 1.0
+        length, start = row_lengths(linear.matrix), np.zeros(len(linear))
         unit, missing = divided(linear.matrix, length), -linear.values(y) / length
-        found = self.solve(unit, missing, np.zeros(len(missing)), self.tol / max(1.0, float(length.max(initial=1.0))))
-        if found is None:
-            return self.certify(linear, y, y, np.zeros(len(missing)), 0)
-        x = y + found.u.reshape(y.shape)
-        return self.certify(linear, y, x, found.multipliers / length, found.iterations)
+        found = self.solve(unit, missing, start, self.tol / max(1.0, float(length.max(initial=1.0))))
+        done = self.put_right(unit, missing, length, found, self.tol)
+        return self.certify(linear, y, y + done.u.reshape(y.shape), done.multipliers / length, done.iterations)
 
     def solve(
         self, matrix: csr_array, missing: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float
-    ) -> QpAnswer | None:
-        """min 1/2 |u|^2 s.t. matrix u >= missing, to the residual ``tol``, for rows of length 1 or 0; None if u = 0."""
-        if ((row_squares(matrix) == 0) & (missing > 0)).any():
-            raise StepFailure(Status.INFEASIBLE, "A violated constraint has the gradient zero.")
+    ) -> QpAnswer:
+        """min 1/2 |u|^2 s.t. matrix u >= missing, to the residual ``tol``, for rows of length 1 or 0.
+
+        StepFailure(NOT_CONVERGED) if the back end gives up.
+        """
         scale = float(missing.max(initial=0.0))
         if scale <= NEGLIGIBLE * tol:
-            return None
+            return QpAnswer(np.zeros(matrix.shape[1]), np.zeros(len(missing)), 0)
+        if ((row_squares(matrix) == 0) & (missing > 0)).any():
+            raise StepFailure(Status.NOT_CONVERGED, "A violated constraint has the gradient zero.")
         near = float(multipliers.max(initial=0.0)) <= FARTHEST * scale
         start = multipliers / scale if near else np.zeros(len(missing))
         found = self.qp(matrix, missing / scale, start, tol / scale)
         return QpAnswer(scale * found.u, scale * found.multipliers, found.iterations)
+
+    def put_right(
+        self,
+        matrix: csr_array,
+        missing: NDArray[np.float64],
+        length: NDArray[np.float64],
+        found: QpAnswer,
+        tol: float,
+    ) -> QpAnswer:
+        """Complete an answer to the residual ``tol`` of rows of these lengths, if it misses it.
+
+        It misses it where an interior point leaves a duality gap eps, and so sqrt(eps) in the point, where rows are
+        longer than the largest violation, and where rows are shorter than 1, so that their multipliers are longer.
+        """
+        rows = AffineRows(multiplied(matrix, length), length * missing)
+        origin, u = np.zeros((matrix.shape[1], 1)), found.u[:, None]
+        certified = self.certify(rows, origin, u, found.multipliers / length, found.iterations)
+        if certified.residual <= tol:
+            return found
+        done = self.completed(rows, origin, certified, tol)
+        return QpAnswer(done.point.ravel(), done.multipliers * length, done.iterations)
 
     @abstractmethod
     def qp(
@@ -73,36 +95,15 @@ class QpSolver(Solver):
         """min 1/2 |u|^2 s.t. matrix u >= least, to the residual ``tol``, from the multipliers of a similar program.
 
         Rows of ``matrix`` (m, n) have length 1 (or 0), max ``least`` = 1; the solution obeys u = matrix^T multipliers.
-        StepFailure(INFEASIBLE) when there is no such u, StepFailure(NOT_CONVERGED) when the back end gives up.
+        StepFailure(NOT_CONVERGED) when the back end gives up, for whatever reason.
         """
 
 
-class InteriorPointSolver(QpSolver):
-    """A QP back end whose answer lies a little off the active rows and is completed when that is too far.
+def stop_if_suspected(matrix: csr_array, least: NDArray[np.float64], weights: NDArray[np.float64]) -> None:
+    """StepFailure if ``weights`` (m,) >= 0 show that all u with A u >= least are far away: iterations would not end.
 
-    Without it, one projection in six of the tests' clusters and piles would miss a residual of 1e-9, by a factor of up
-    to 60: where rows are active without a multiplier, a duality gap eps leaves sqrt(eps) in the point.
+    Any such u has |u| >= least . weights / |A^T weights|; of an empty set, multipliers grow towards such weights.
     """
-
-    def solve(
-        self, matrix: csr_array, missing: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float
-    ) -> QpAnswer | None:
-        found = super().solve(matrix, missing, multipliers, tol)
-        if found is None:
-            return None
-        rows, origin = AffineRows(matrix, missing), np.zeros((matrix.shape[1], 1))
-        certified = self.certify(rows, origin, found.u[:, None], found.multipliers, found.iterations)
-        done = self.completed(rows, origin, certified, tol)
-        return QpAnswer(done.point.ravel(), done.multipliers, done.iterations)
-
-
-def refuse_if_empty(name: str, matrix: csr_array, least: NDArray[np.float64], weights: NDArray[np.float64]) -> None:
-    """StepFailure(INFEASIBLE) if ``weights`` (m,) >= 0 prove it  (Farkas' lemma).
-
-    Any u with A u >= least has |u| >= least.w / |A^T w|; of an empty set, multipliers grow towards such a w.
-    """
-    total = combined(matrix, weights)
-    if float(least @ weights) > FARTHEST * float(np.sqrt(total @ total)):
-        raise StepFailure(
-            Status.INFEASIBLE, f"{name} proved all such points to be more than {FARTHEST:g} violations away."
-        )
+    if float(least @ weights) > FARTHEST * norm(combined(matrix, weights)):
+        detail = f"All points that meet the constraints are more than {FARTHEST:g} violations away."
+        raise StepFailure(Status.NOT_CONVERGED, detail)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dincl.errors import StepFailure
 from dincl.matrices import from_rows
 from dincl.steps.programs import near_program, take_solution
 from dincl.system.callbacks import PythonFunction, numbers_at
@@ -26,16 +27,18 @@ class ProgramSolving(PythonFunction):
 
     def _solve(self, tol: float, y: int, z: int, place: int, d: int, answer: int) -> None:
         arrays = self._system.arrays
-        indptr, indices, data, missing, length, multipliers = near_program(place)
+        indptr, indices, data, missing, length, multipliers, _ = near_program(place)
         matrix = from_rows(indptr, indices, data, arrays.program.y.size)
-        found = self._solver.solve(matrix, missing, multipliers, tol / max(1.0, float(length.max(initial=1.0))))
-        program = arrays.program
-        if found is None:
-            program.answer[1] = take_solution(place, np.zeros(matrix.shape[1]), np.zeros(len(missing)))
-            return
-        program.answer[1] = take_solution(place, found.u, found.multipliers)
+        solver, program = self._solver, arrays.program
+        try:
+            found = solver.solve(matrix, missing, multipliers, tol / max(1.0, float(length.max(initial=1.0))))
+        except StepFailure as failure:
+            raise self._system.reason(failure) from failure
+        if take_solution(place, found.u, found.multipliers) > tol:
+            found = solver.put_right(matrix, missing, length, found, tol)
+            take_solution(place, found.u, found.multipliers)
         program.answer[0] += found.iterations
-        arrays.solving.called[0] = 1.0
+        arrays.solving.called[0] = 1.0 if found.multipliers.any() else 0.0
 
 
 class WholeSolving(PythonFunction):
@@ -60,6 +63,7 @@ class WholeSolving(PythonFunction):
         target = near.at(t) if exact else near.linearised(t, x, later if later != t else None)
         self.found = self._solver.nearest(target, arrays.program.y.reshape(shape).copy(), x)
         arrays.program.z[:] = self.found.point.ravel()
+        arrays.program.multiplier[np.sort(arrays.near.row[: int(arrays.near.number[0])])] = self.found.multipliers
         if self.found.solved:
             arrays.program.answer[0] += self.found.iterations
             arrays.solving.called[0] = 1.0

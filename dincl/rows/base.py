@@ -79,6 +79,11 @@ class RowsOfOneKind(Rows):
     affine = False
     closed_form = False
 
+    @property
+    def concave(self) -> bool:
+        """Whether g is known to be concave, so that its linearisations hold wherever g >= 0."""
+        return self.affine
+
     @abstractmethod
     def __len__(self) -> int: ...
 
@@ -192,6 +197,10 @@ class PlacedRows(RowsOfOneKind):
         turned: csr_array = csr_array(of_set @ kron(eye_array(len(x)), self.turn.T, format="csr"))
         turned.sort_indices()
         return turned
+
+    @property
+    def concave(self) -> bool:
+        return self.rows.concave
 
     def take(self, keep: NDArray[np.bool_]) -> PlacedRows:
         return replace(self, rows=self.rows.take(keep))

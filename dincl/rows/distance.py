@@ -35,6 +35,10 @@ class DistanceRows(RowsOfOneKind):
     def __len__(self) -> int:
         return len(self.i)
 
+    @property
+    def concave(self) -> bool:
+        return self.sign < 0
+
     def arrows(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """Compute X_i - X_j, or X_i - anchor, shape (m, d)."""
         own = x.take(self.i, axis=0)

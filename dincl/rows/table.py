@@ -187,6 +187,16 @@ def square_of_gradient(rows: RowTable, sets: Sets, r: int) -> float:
 
 
 @inner
+def scaled_length(rows: RowTable, sets: Sets, r: int) -> float:
+    """Return the factor by which ``linearise`` divided the gradient and the gap of row r just now."""
+    row = rows.row[r]
+    if row.kind == DISTANCE:
+        return 1.0
+    square = row.square if row.kind == AFFINE else square_of_gradient(rows, sets, r)
+    return float(np.sqrt(square)) if square > 0.0 else 1.0
+
+
+@inner
 def evaluate_row(rows: RowTable, sets: Sets, r: int, x: Floats, gradient: Floats) -> float:
     """Write the gradient of row r at x into its entries of ``gradient``; return g_r(x), NaN without a gradient."""
     row = rows.row[r]

@@ -1,5 +1,6 @@
 """The schemes, one per file."""
 
+from dincl.schemes.adaptive import AdaptiveCatchUp
 from dincl.schemes.auto import Auto
 from dincl.schemes.base import FixedStep, Scheme
 from dincl.schemes.catch_up import CatchUp, LinearisedCatchUp, MidpointCatchUp
@@ -11,6 +12,7 @@ from dincl.schemes.xpbd import XPBD
 __all__ = [
     "PBD",
     "XPBD",
+    "AdaptiveCatchUp",
     "Auto",
     "CatchUp",
     "EventDriven",

@@ -81,7 +81,7 @@ class Choice:
         self, problem: Problem, times: NDArray[np.float64], error: float, methods: Sequence[Candidate]
     ) -> None:
         self._problem, self._times, self._error = problem, times, error
-        longest = resolving_step(problem, float(times[-1]))
+        longest = resolving_step(problem, times, error)
         self.pilots = [Pilot(problem, method, times, error, longest) for method in methods if method.order]
         # Of each method that takes the error itself: its forecast, and the seconds that it was tried for.
         self._events = [(method, left_out(method, error, NOT_TRIED), 0.0) for method in methods if not method.order]
@@ -156,9 +156,13 @@ class Choice:
 
 
 def _errors(pilot: Pilot) -> NDArray[np.float64]:
-    """Return the estimated errors of the finest run at all times, the largest one scaled to Richardson's estimate."""
+    """Return the estimated errors of the finest run at all times, the largest one scaled to Richardson's estimate.
+
+    At each time counts the largest difference until then: a single one may be small by chance.
+    """
     fine, coarse = pilot.outcomes[-1].x, pilot.outcomes[-2].x
     moved = norms((fine - coarse).reshape(-1, fine.shape[-1])).reshape(len(fine), -1).max(axis=1)
+    moved = np.maximum.accumulate(moved)
     found = SAFETY * pilot.estimate()[0]
     scaled = moved * (found / max(float(moved.max()), 1e-300))
     errors: NDArray[np.float64] = np.maximum(scaled, LEAST_SHARE * found) + ROUNDING * float(np.abs(fine).max())

@@ -117,7 +117,7 @@ class StraightLines(Between):
         if self.last is not None and q == self.output.filled[0]:
             return self.last
         v = self.output.velocity[q] if len(self.output.velocity) else None
-        return Reached(int(self.output.step[q]), StepState(self.output.before[q], v))
+        return Reached(int(self.output.step[q]), StepState(self.output.before[q], v, self.output.memory[q]))
 
     def _stored_before(self, step: int) -> Reached:
         """Return the last stored state at or before a step; without any, step -1."""

@@ -11,7 +11,7 @@ from dincl.checks import number
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.schemes.base import Scheme
 from dincl.status import Status
-from dincl.system.kinks import CUT
+from dincl.system.time_scales import CUT
 from dincl.trajectory import Between, RunOutcome
 from dincl.work import Work
 
@@ -46,8 +46,9 @@ class EventDriven(Scheme):
 
     Between events the contacts that push are fixed, and x' = F + sum_k push_k n_k with n_k . x' = b_k is integrated by
     a Runge-Kutta pair with dense output, of order 3, 5 or 8 as the tolerance asks, and held on g_k = 0. An event is a
-    gap that closes, or a push that becomes zero; there the least-distance program decides anew. Jumps of the drift and
-    of the velocity of a set are found, and steps end at them. Numbers are scaled once by powers of two, so that a
+    gap that closes, or a push that becomes zero; there the least-distance program decides anew. Jumps of the drift, of
+    a set and of its velocity are found, and steps end at them. Where a set jumps, x(t+) = P_{S(t+)}(x(t-)), the limit
+    of catch-up: contacts that are lost let go, and what is outside moves to the nearest point of the set. Numbers are scaled once by powers of two, so that a
     problem in other units makes the same steps. With more than 100 particles events are frequent and steps short: the
     pair is of order 3 or 5, and a step ends at an event by its dense output. From 32 contacts on, the matrix of the
     contacts has a sparse factor. Lerner, Düring and Wyart (arXiv 1111.7225) go from contact to contact likewise.
@@ -94,7 +95,7 @@ class EventDriven(Scheme):
             raise InvalidProblem(f"EventDriven: {len(problem.x0)} particles: serves at most {MOST_PARTICLES}")
         work, end, before = Work(degrees_of_freedom=problem.x0.size), float(times[-1]), None
         try:
-            system = EventSystem(problem, end)
+            system = EventSystem(problem, times, self.tol)
             start = system.start(work)
         except StepFailure as failure:
             return not_begun(problem, work, failure)
@@ -106,7 +107,7 @@ class EventDriven(Scheme):
                 x = run.between.states(compared)
                 overlap = system.compiled.overlaps(times, x[: len(times)])
                 if before is not None:
-                    error = _error(before, x) + AGREEMENT * self.tol + run.neglected + overlap
+                    error = _error(before, x) + AGREEMENT * self.tol + run.neglected + overlap + system.scales.rest
                     if error.max() <= self.tol and system.compiled.sets.address:
                         error += _hidden(system.compiled, run, end, self.tol)
             except StepFailure as failure:
@@ -117,8 +118,12 @@ class EventDriven(Scheme):
                 return _failed(run, times, work, failure)
             if before is not None and error.max() <= self.tol:
                 return _outcome(run, times, x[: len(times)], work, Status.SUCCESS, "", error)
+            if before is not None and system.scales.rest > self.tol:
+                break
             before = x
-        detail = f"The estimated error is {error.max():.2g}, asked for was {self.tol:.2g}."
+        detail = (
+            f"The estimated error is {error.max():.2g}, asked for was {self.tol:.2g}. {system.scales.detail}".strip()
+        )
         return _outcome(run, times, x[: len(times)], work, Status.NOT_CONVERGED, detail, error)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -142,11 +143,15 @@ class Pilot:
             self.why = f"{outcome.status.name} with {steps} steps: {outcome.detail}"
             self.final = outcome.status is Status.DRIFT_FAILED
             return None
+        outside = distance_outside(self.problem, outcome.t, outcome.x)
+        if not math.isfinite(outside):
+            self.why = f"a constraint is not defined at its states with {steps} steps, as where two centres coincide"
+            return None
         self.why = ""
         self.steps.append(steps)
         self.outcomes.append(outcome)
         self.seconds.append(seconds)
-        self.outside.append(distance_outside(self.problem, outcome.t, outcome.x))
+        self.outside.append(outside)
         if len(self.steps) >= LEAST_RUNS - 1:
             self.stable = stable_step(self.problem, outcome.t, outcome.x)
         if self.is_contradicted():
@@ -236,8 +241,10 @@ class Pilot:
         (found, order), finest = self.estimate(), self.steps[-1]
         if self.is_done():
             return self._forecast(finest, found, 0.0)
+        # No further than to too many steps, of which the number may overflow.
+        finer = min(found * SAFETY / (AIM * self.error), float(MOST_STEPS) ** order) ** (1 / order)
         steps = max(
-            math.ceil(finest * (found * SAFETY / (AIM * self.error)) ** (1 / order)),
+            math.ceil(finest * finer),
             math.ceil(NEAREST * finest),
             self.least_steps(),
         )
@@ -259,8 +266,9 @@ def warm_up(problem: Problem, candidate: Candidate, times: NDArray[np.float64], 
     if name in _WARM:
         return
     _WARM.add(name)
-    scheme = candidate.make(1e-6 * float(times[-1]) if candidate.order else error)
-    scheme.run(problem, 1e-6 * times[-1:])
+    with suppress(InvalidProblem):  # the first run says why
+        scheme = candidate.make(1e-6 * float(times[-1]) if candidate.order else error)
+        scheme.run(problem, 1e-6 * times[-1:])
 
 
 def event_driven(
@@ -272,6 +280,8 @@ def event_driven(
     began = time.process_time()
     try:
         outcome = candidate.make(error).run(limited(problem, limit), PART * times[-1:])
+    except InvalidProblem as refusal:
+        return left_out(candidate, error, str(refusal))
     except OutOfBudgetError:
         return left_out(candidate, error, f"takes more than {limit / PART:.2g} s")
     seconds = time.process_time() - began

@@ -53,9 +53,9 @@ def distance_outside(problem: Problem, times: NDArray[np.float64], x: NDArray[np
     return largest
 
 
-def resolving_step(problem: Problem, end: float) -> float:
-    """Return the longest step that resolves all functions of time until ``end`` [time]; infinite if there are none."""
-    return PART * time_scales(problem, end).shortest
+def resolving_step(problem: Problem, times: NDArray[np.float64], accuracy: float) -> float:
+    """Return the longest step that resolves all functions of time until ``times[-1]`` [time]; infinite without any."""
+    return PART * time_scales(problem, times, accuracy).shortest
 
 
 def stable_step(problem: Problem, times: NDArray[np.float64], x: NDArray[np.float64]) -> float:

@@ -26,7 +26,8 @@ from dincl.solvers.envelope_factor import (
 )
 from dincl.solvers.sparse_factor import SparseFactor, refactor, solve_sparse, switch_off
 
-OK, INFEASIBLE, CYCLES = 0, 1, 2
+# UNMET: a row depends on active rows that keep it from being met, up to DEPENDENT. It is no proof of an empty set.
+OK, UNMET, CYCLES = 0, 1, 2
 # A row is met when it is violated by less than this part of the largest violation, or than rounding of coordinates; at
 # more than this many times as much a point is no solution.
 MET, ROUNDING, VIOLATED = 1e-13, 1e-15, 1e4
@@ -47,13 +48,15 @@ class LeastDistance(NamedTuple):
     multiplier: Floats  # (m,): on entry those of a similar program, on return the solution's
     y: Floats  # (n,)
     z: Floats  # (n,)
+    length: Floats  # (m,): the gradients of the rows of the user over those of the program
     direction: Floats  # (n,)
     answer: Floats  # (3,): iterations so far, the residual of the last solution, projections so far
 
 
 def least_distance(gradient: Floats, bound: Floats, multiplier: Floats, n: int) -> LeastDistance:
     """A program for n coordinates, from the multipliers of a similar one, with y = 0."""
-    return LeastDistance(gradient, bound, multiplier, np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(3))
+    length = np.ones(bound.size)
+    return LeastDistance(gradient, bound, multiplier, np.zeros(n), np.zeros(n), length, np.zeros(n), np.zeros(3))
 
 
 @inner
@@ -134,6 +137,18 @@ def move_towards(rows: RowTable, worst: int, program: LeastDistance, factor: Any
 
 
 @inner
+def write_combination(worst: int, program: LeastDistance, factor: Any) -> None:
+    """Write the multipliers of a combination of rows that nearly vanishes: a = A^T right after NO_STEP, right <= 0."""
+    multiplier = program.multiplier
+    for r in range(multiplier.size):
+        multiplier[r] = 0.0
+    for k in range(factor.number[0]):
+        if factor.used[k] != 0:
+            multiplier[factor.row[k]] = -factor.right[k]
+    multiplier[worst] = 1.0
+
+
+@inner
 def warm_start(rows: RowTable, listed: Offsets, count: int, program: LeastDistance, factor: EnvelopeFactor) -> None:
     """Activate the independent ones of the rows with a multiplier, less rows whose multiplier is now negative."""
     gradient, multiplier = program.gradient, program.multiplier
@@ -182,13 +197,13 @@ def warm_start_sparse(
 
 @inner
 def meet(rows: RowTable, worst: int, program: LeastDistance, factor: EnvelopeFactor) -> int:
-    """Move z until row ``worst`` is met, and activate it; OK, or INFEASIBLE if it cannot be met."""
+    """Move z until row ``worst`` is met, and activate it; OK, or UNMET."""
     while True:
         border(rows, worst, program.gradient, factor)
         solve_upper(factor)
         blocking, square = move_towards(rows, worst, program, factor)
         if blocking == NO_STEP:
-            return INFEASIBLE
+            return UNMET
         if blocking == FULL_STEP:
             append(rows, factor, worst, square)
             return OK
@@ -209,7 +224,7 @@ def meet_sparse(rows: RowTable, worst: int, program: LeastDistance, factor: Spar
         solve_sparse(factor)
         blocking, _ = move_towards(rows, worst, program, factor)
         if blocking == NO_STEP:
-            return INFEASIBLE
+            return UNMET
         if blocking == FULL_STEP:
             factor.used[factor.place[worst]] = 1
         else:
@@ -246,18 +261,20 @@ def _method(clear: Any, warm_start: Any, meet: Any, solve: Any) -> Callable[...,
                 break
             program.answer[0] += 1.0
             code = meet(rows, worst, program, factor)
-            if code == CYCLES or (code == INFEASIBLE and violation > VIOLATED * allowed):
+            if code == UNMET and violation > VIOLATED * allowed:
+                write_combination(worst, program, factor)
+            if code == CYCLES or (code == UNMET and violation > VIOLATED * allowed):
                 return int(code)
-            if code == INFEASIBLE:
+            if code == UNMET:
                 multiplier[worst] = 0.0
                 break
         # The multipliers are refined until the active rows are met to rounding.
         last = np.inf
-        for _ in range(MOST_REFINEMENTS):
+        for refinement in range(MOST_REFINEMENTS + 1):
             write_point(rows, program, factor)
             largest = write_missing(rows, program, factor, z)
             program.answer[1] = largest
-            if largest <= ROUNDING * size or not largest < 0.5 * last:
+            if largest <= ROUNDING * size or not largest < 0.5 * last or refinement == MOST_REFINEMENTS:
                 break
             last = largest
             solve(factor)
@@ -272,8 +289,8 @@ def _method(clear: Any, warm_start: Any, meet: Any, solve: Any) -> Callable[...,
 
 
 # (rows, listed, count, program, factor, size): write the nearest point z = y + sum_r multiplier_r a_r of the first
-# ``count`` listed rows; OK, INFEASIBLE, or CYCLES where rounding prevents a solution. Rounding is relative to the
-# largest number in y or ``size``, whichever is larger.
+# ``count`` listed rows; OK, CYCLES where rounding prevents a solution, or UNMET, after which the rows with multipliers
+# are those that contradict each other. Rounding is relative to the largest number in y or ``size``, if that is larger.
 nearest = _method(clear, warm_start, meet, solve_envelope)
 # For rows that the factor has analysed. CYCLES also where rounding makes independent rows dependent: ``nearest`` may
 # still find the point.

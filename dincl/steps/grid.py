@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -66,10 +66,17 @@ def divide_time(t_end: float, dt: float) -> TimeGrid:
 
 
 class StepState(NamedTuple):
-    """Positions (N, d) and, for second-order schemes, velocities (N, d)."""
+    """Positions (N, d), for second-order schemes velocities (N, d), and what else a scheme needs from earlier steps.
+
+    ``memory`` is the place for the states and drifts of earlier steps that a multi-step scheme needs: an array, or a
+    tuple of arrays, that no later step changes. It is None at the start, unless ``start`` sets it. All steps of a run
+    have the same length, as output times cut no step, and steps are repeated from stored states: what is stored in the
+    Stepper instead does not belong to the state that a step is given.
+    """
 
     x: NDArray[np.float64]
     v: NDArray[np.float64] | None = None
+    memory: Any = None
 
     def towards(self, after: StepState, weight: float) -> NDArray[np.float64]:
         """Compute x on the straight line to the state ``after``  (1.48); exactly ``after.x`` for weight 1."""
@@ -85,6 +92,8 @@ class Output:
         The step k in which each time lies, t_k < t <= t_{k+1}, and its place there, 1 at the end; shape (K,).
     x, before, velocity
         The states at the times, at t_k, and velocities at t_k for second-order schemes; shape (K, N, d).
+    memory
+        The memory of multi-step schemes at t_k, a list of K.
     filled
         How many of them a run has reached, shape (1,).
     """
@@ -95,6 +104,7 @@ class Output:
         shape = (len(times), *start.x.shape)
         self.x, self.before = np.empty(shape), np.empty(shape)
         self.velocity = np.empty(shape if start.v is not None else (0, *shape[1:]))
+        self.memory: list[Any] = [None] * len(times)
         self.filled = np.zeros(1, dtype=np.int64)
         if times[0] == 0:
             self.fill(0, start, start, most=1)
@@ -104,6 +114,7 @@ class Output:
         q, last = int(self.filled[0]), len(self.step) if most is None else most
         while q < last and self.step[q] == k:
             self.before[q], self.x[q] = state.x, state.towards(after, self.weight[q])
+            self.memory[q] = state.memory
             if state.v is not None:
                 self.velocity[q] = state.v
             q += 1
@@ -120,6 +131,8 @@ class Reached(NamedTuple):
 
 class Stepper(ABC):
     """A scheme bound to one problem; lists and warm starts that it stores between steps do not change its results.
+
+    What the results depend on belongs into the StepState: steps are repeated from stored states.
 
     Attributes
     ----------
@@ -152,6 +165,13 @@ class Stepper(ABC):
                 raise InvalidProblem(
                     f"scheme: {type(self).__name__}.step returned {describe(after)}: must be a dincl.StepState with x "
                     f"of shape {state.x.shape}"
+                )
+            if getattr(after.v, "shape", None) != getattr(state.v, "shape", None):
+                raise InvalidProblem(
+                    f"scheme: {type(self).__name__}.step returned v = {describe(after.v)} after "
+                    f"v = {describe(state.v)}: must have velocities of the shape of those of start(), or "
+                    "none if it has none; states of earlier "
+                    "steps belong into memory"
                 )
             if not bounded(after.x):
                 detail = f"A coordinate is not a number, or exceeds {LARGEST:g} in magnitude."

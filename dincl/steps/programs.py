@@ -4,21 +4,36 @@ from typing import Any
 
 import numpy as np
 
-from dincl.compiled import inner, kernel
-from dincl.compiled.arrays import Floats, Indices
+from dincl.compiled import allocating, inner, kernel
+from dincl.compiled.arrays import Flags, Floats, Indices
 from dincl.drifts.functions import call_drift
 from dincl.neighbours import ROW_MARGIN
 from dincl.rows.candidates import distance_from_search, find_candidates, note_search, sort_candidates
-from dincl.rows.table import DISPLACEMENTS, GRADIENTS, call_python, gap, linearise
+from dincl.rows.table import (
+    AFFINE,
+    DISPLACEMENTS,
+    DISTANCE,
+    GRADIENTS,
+    RowTable,
+    call_python,
+    gap,
+    linearise,
+    scaled_length,
+    value_of,
+)
 from dincl.solvers.active_set import nearest
 from dincl.solvers.envelope_factor import add_row, row_dot
+from dincl.solvers.wedges import is_pair, narrowest
 from dincl.steps.loop import step_function
-from dincl.system.arrays import COINCIDENT, MISSED, OK, PYTHON, SETS, TOO_FAR, farthest, system_at
+from dincl.system.arrays import COINCIDENT, MISSED, OK, PYTHON, SETS, TOO_FAR, WEDGE, farthest, system_at
 
 # A projection that ends outside of the search radius is repeated with twice its distance, at most this often.
 MOST_SEARCHES = 60
-# Linearisations for one projection onto a curved set; a y that violates by less than this part of tol is its own.
-MOST_RELINEARISATIONS, NEGLIGIBLE = 60, 1e-3
+# Linearisations for one projection onto a curved set: ten digits where each shortens the error by a tenth. A y that
+# violates by less than this part of tol is its own nearest point.
+MOST_RELINEARISATIONS, NEGLIGIBLE = 200, 1e-3
+# A step shows the curvature of a row if the square of its part across the gradient is more than this share of its own.
+ACROSS = 1e-8
 FAILED_LIST, SAME_LIST, NEW_LIST = range(3)
 
 
@@ -66,32 +81,146 @@ def solve(place: int, t: float, around: Floats, later: float, exact: bool, tol: 
     """Project with the listed rows; onto a curved set by linearising again at the point reached, for the same y."""
     system = system_at(place)
     program, solving = system.program, system.solving
-    solving.called[0] = 0.0
+    solving.called[0], question = 0.0, solving.question
+    question[0], question[1], question[2], question[3] = t, later, 1.0 if exact else 0.0, tol
     if solving.whole != 0:
-        question = solving.question
-        question[0], question[1], question[2], question[3] = t, later, 1.0 if exact else 0.0, tol
         code = int(call_drift(solving.address, t, around, program.z, place, 0, question))
         program.answer[2] += solving.called[0]
-        return code
-    if exact and is_inside(place, t, NEGLIGIBLE * tol):
-        for k in range(program.z.size):
-            program.z[k] = program.y[k]
-        return OK
-    code = linearise_near(place, t, around)
-    if later != t and system.sets.address != 0:
-        carry_bounds(place, t, around, later)
-    residual = 0.0
+        if code == OK:
+            code = linearise_set(place, t, program.z if exact else around, later)
+        return check_wedges(place, tol, True) if code == OK else code
+    if exact:
+        violation = violation_of_y(place, t)
+        if violation <= NEGLIGIBLE * tol:
+            for k in range(program.z.size):
+                program.z[k] = program.y[k]
+            code = linearise_near(place, t, program.z) if violation > 0.0 else OK
+            return check_wedges(place, tol, False) if violation > 0.0 and code == OK else code
+        begin_search(place, around)
+    code = linearise_set(place, t, around, later)
+    residual, scale = 0.0, 1.0
     for _ in range(MOST_RELINEARISATIONS if exact else 1):
         if code == OK:
-            code = call_drift(solving.address, tol, program.y, program.z, place, 0, program.answer)
-        residual = program.answer[1]
+            code = call_drift(solving.address, tol / scale, program.y, program.z, place, 0, program.answer)
+        if exact:
+            end_program(place)
         if code == OK and exact:
-            code, residual = certify(place, t)
+            code = linearise_near(place, t, program.z)
+        if code == OK:
+            residual = residual_of_near(place)
         if code != OK or residual <= tol:
             break
+        if exact:
+            scale = bend(place)
     program.answer[1] = residual
     program.answer[2] += solving.called[0]
-    return MISSED if code == OK and not residual <= tol else code
+    if code == OK:
+        code = check_wedges(place, tol, True) if residual <= tol else MISSED
+    return code
+
+
+@inner
+def linearise_set(place: int, t: float, x: Floats, later: float) -> int:
+    """Linearise the listed rows at x and carry them, with their sets, to a later time."""
+    code = linearise_near(place, t, x)
+    if code == OK and later != t and system_at(place).sets.address != 0:
+        carry_bounds(place, t, x, later)
+    return code
+
+
+@allocating
+def check_wedges(place: int, tol: float, solved: bool) -> int:
+    """Return OK, or WEDGE if z may lie farther from the nearest point than the tolerance though its gaps do not.
+
+    Rows that make a wedge have gaps of at most the tolerance. What matters is how far z violates them, or is off those
+    that have a multiplier, if a program was ``solved``.
+    """
+    system = system_at(place)
+    rows, near, program, count, worst = system.rows, system.near, system.program, 0, 0.0
+    listed = np.empty(near.number[0], np.int64)
+    for q in range(near.number[0]):
+        r = near.row[q]
+        if not is_pair(rows, r):
+            value = row_dot(rows, r, program.gradient, program.z) - program.bound[r]
+            if value <= tol:
+                listed[count] = r
+                count += 1
+                worst = max(worst, abs(value) if solved and program.multiplier[r] > 0.0 else -value)
+    program.answer[1] = narrowest(rows, program.gradient, listed, count) if worst > 0.0 else np.inf
+    return WEDGE if worst > tol * program.answer[1] else OK
+
+
+@inner
+def begin_search(place: int, around: Floats) -> None:
+    """Let a search for the nearest point begin at ``around``, with the identity as its Hessian."""
+    program, curved = system_at(place).program, system_at(place).curvature
+    curved.largest[0] = 1.0
+    for k in range(around.size):
+        curved.y[k], curved.last[k], curved.root[k] = program.y[k], around[k], 1.0
+
+
+@inner
+def end_program(place: int) -> None:
+    """Put z and y back into coordinates of the system, and note the step from the last point, and its slopes."""
+    system = system_at(place)
+    program, curved, near = system.program, system.curvature, system.near
+    for k in range(program.z.size):
+        program.z[k] /= curved.root[k]
+        program.y[k] = curved.y[k]
+        curved.step[k] = curved.root[k] * (program.z[k] - curved.last[k])
+    for q in range(near.number[0]):
+        curved.slope[near.row[q]] = row_dot(system.rows, near.row[q], program.gradient, curved.step)
+    for k in range(program.z.size):
+        curved.step[k], curved.last[k] = program.z[k] - curved.last[k], program.z[k]
+
+
+@inner
+def bend(place: int) -> float:
+    """Give the next program the curvature of the set, and return the largest factor of its coordinates.
+
+    The nearest point obeys z - y = sum_r lambda_r a_r(z) with unit gradients a_r. A program with the identity as its
+    Hessian takes them from the last point: as a_r turns by a part kappa_r of the move across it, errors change by the
+    factor lambda_r kappa_r, and grow where y is farther outside of a container than its radius of curvature. Therefore
+    the program is
+
+        min 1/2 (z - x).D (z - x) + (x - y).(z - x)   subject to the rows linearised at x,
+
+    with D = 1 + sum of lambda_r kappa_r over the rows in which a coordinate takes part, and kappa_r >= 0 as the last
+    step showed it: -(change of a_r).step / |step across a_r|^2. As two particles of one row contribute up to twice the
+    curvature of each, the Hessian of the Lagrangian is at most 2 D - 1, so that errors fall for any curvature of
+    containers. Multiplied by the root of D coordinates have the identity as their Hessian again, and y is
+    x + (y - x) / D. Obstacles, with kappa_r < 0, are left alone: there errors fall where the nearest point is unique.
+    """
+    system = system_at(place)
+    rows, program, curved, near, largest = system.rows, system.program, system.curvature, system.near, 1.0
+    for k in range(program.y.size):
+        curved.root[k] = 1.0
+    for q in range(near.number[0]):
+        r = near.row[q]
+        multiplier, length, square = program.multiplier[r], 0.0, 0.0
+        if not multiplier > 0.0:
+            continue
+        for p in range(rows.start[r], rows.stop[r]):
+            if program.gradient[p] != 0.0:
+                length += program.gradient[p] * program.gradient[p]
+                square += curved.step[rows.column[p]] * curved.step[rows.column[p]]
+        along = row_dot(rows, r, program.gradient, curved.step)
+        across, turn = square - along * along / max(length, 1e-300), curved.slope[r] - along
+        if turn > 0.0 and across > ACROSS * square:
+            for p in range(rows.start[r], rows.stop[r]):
+                if program.gradient[p] != 0.0:
+                    curved.root[rows.column[p]] += multiplier * turn / across
+    for k in range(program.y.size):
+        if curved.root[k] > 1.0:
+            program.y[k] = program.z[k] + (program.y[k] - program.z[k]) / curved.root[k]
+            curved.root[k] = np.sqrt(curved.root[k])
+            program.y[k] *= curved.root[k]
+            largest = max(largest, curved.root[k])
+    for q in range(near.number[0]):
+        for p in range(rows.start[near.row[q]], rows.stop[near.row[q]]):
+            program.gradient[p] /= curved.root[rows.column[p]]
+    curved.largest[0] = max(curved.largest[0], largest * largest)
+    return largest
 
 
 @inner
@@ -160,39 +289,43 @@ def linearise_near(place: int, t: float, x: Floats) -> int:
             system.offending[0] = r
             return COINCIDENT
         program.bound[r] = row_dot(rows, r, program.gradient, x) - value
+        program.length[r] = scaled_length(rows, sets, r)
     return OK
 
 
 @inner
-def certify(place: int, t: float) -> tuple[int, float]:
-    """Linearise the listed rows at z, and compute the residual of z as the nearest point of the curved set to y."""
+def residual_of_near(place: int) -> float:
+    """Compute the residual of ``Projected`` of z as the nearest point to y, for the listed rows, in units of the user.
+
+    The largest of |z - y - A^T multiplier|, the violations -g, and |min(multiplier, g)|. A row of the user has the
+    gradient ``length`` a, the gap ``length`` (a . z - b) and the multiplier over ``length``.
+    """
     system = system_at(place)
-    program, near = system.program, system.near
-    code, residual, z = linearise_near(place, t, program.z), 0.0, program.z
+    program, near, residual, z = system.program, system.near, 0.0, system.program.z
     for k in range(z.size):
         program.direction[k] = z[k] - program.y[k]
     for q in range(near.number[0]):
         r = near.row[q]
-        multiplier = program.multiplier[r]
-        value = row_dot(system.rows, r, program.gradient, z) - program.bound[r]
-        residual = max(residual, -value, abs(min(multiplier, value)))
+        multiplier, length = program.multiplier[r], program.length[r]
+        value = length * (row_dot(system.rows, r, program.gradient, z) - program.bound[r])
+        residual = max(residual, -value, abs(min(multiplier / length, value)))
         if multiplier > 0.0:
             add_row(system.rows, r, program.gradient, -multiplier, program.direction)
     for k in range(z.size):
         residual = max(residual, abs(program.direction[k]))
-    return code, residual
+    return residual
 
 
 @inner
-def is_inside(place: int, t: float, allowed: float) -> bool:
-    """Return whether y violates no listed row by more than ``allowed``."""
-    system = system_at(place)
+def violation_of_y(place: int, t: float) -> float:
+    """Compute by how much y violates the listed rows [units of g]; infinite if one is not defined."""
+    system, largest = system_at(place), 0.0
     if call_python(system.sets, t, system.program.y, GRADIENTS) != 0:
-        return False
+        return np.inf
     for q in range(system.near.number[0]):
-        if not gap(system.rows, system.sets, system.near.row[q], system.program.y) >= -allowed:
-            return False
-    return True
+        value = value_of(system.rows, system.sets, system.near.row[q], system.program.y)
+        largest = max(largest, -value) if value == value else np.inf
+    return largest
 
 
 @inner
@@ -226,7 +359,7 @@ def project_once(place: int, t: float, around: Floats, radius: float, later: flo
 
 
 @kernel
-def near_program(place: int) -> tuple[Indices, Indices, Floats, Floats, Floats, Floats]:
+def near_program(place: int) -> tuple[Indices, Indices, Floats, Floats, Floats, Floats, Flags]:
     """Collect min |z - y| subject to a_k . z >= b_k for the near rows of the system, with rows of length 1.
 
     Returns
@@ -236,57 +369,54 @@ def near_program(place: int) -> tuple[Indices, Indices, Floats, Floats, Floats, 
     missing : (m,)
         b_k - a_k . y.
     length : (m,)
-        The lengths of the gradients in the table, 1 for one that vanishes.
+        The lengths of the gradients of the user, 1 for one that vanishes.
     multiplier : (m,)
         The multipliers of a similar program.
+    binding : (m,)
+        Whether each point of the set obeys the row: a row of a curved set is obeyed by its linearisation only.
     """
     system = system_at(place)
-    rows, near, program = system.rows, system.near, system.program
+    rows, near, program, exact = system.rows, system.near, system.program, system.solving.question[2] != 0.0
     m, entries = near.number[0], 0
     for q in range(m):
         entries += rows.stop[near.row[q]] - rows.start[near.row[q]]
     indptr, indices, data = np.zeros(m + 1, np.int32), np.empty(entries, np.int32), np.empty(entries)
-    missing, length, multiplier = np.empty(m), np.empty(m), np.empty(m)
+    missing, length, multiplier, binding = np.empty(m), np.empty(m), np.empty(m), np.empty(m, np.bool_)
     p = 0
     for q in range(m):
-        r, square = near.row[q], 0.0
+        r = near.row[q]
+        of_program = length_of_gradient(rows, r, program.gradient)
         for e in range(rows.start[r], rows.stop[r]):
-            square += program.gradient[e] * program.gradient[e]
-        length[q] = np.sqrt(square) if square > 0.0 else 1.0
-        for e in range(rows.start[r], rows.stop[r]):
-            indices[p], data[p] = rows.column[e], program.gradient[e] / length[q]
+            indices[p], data[p] = rows.column[e], program.gradient[e] / of_program
             p += 1
         indptr[q + 1] = p
-        missing[q] = (program.bound[r] - row_dot(rows, r, program.gradient, program.y)) / length[q]
-        multiplier[q] = program.multiplier[r] * length[q]
-    return indptr, indices, data, missing, length, multiplier
+        missing[q] = (program.bound[r] - row_dot(rows, r, program.gradient, program.y)) / of_program
+        multiplier[q], length[q] = program.multiplier[r] * of_program, program.length[r] * of_program
+        row = rows.row[r]
+        binding[q] = not exact or row.kind == AFFINE or (row.kind == DISTANCE and row.sign < 0.0)
+    return indptr, indices, data, missing, length, multiplier, binding
 
 
 @kernel
 def take_solution(place: int, move: Floats, multiplier: Floats) -> float:
-    """Write z = y + move and the multipliers of the near rows, of length 1, into the system; return the residual of z.
-
-    The residual is the largest of |z - y - A^T multiplier|, the violations, and |min(multiplier, a . z - b)|, for the
-    rows as the table has them.
-    """
+    """Write z = y + move and the multipliers of the near rows, of length 1, into the system; return the residual."""
     system = system_at(place)
     rows, near, program = system.rows, system.near, system.program
-    y, z, misfit, residual = program.y, program.z, program.direction, 0.0
-    for k in range(y.size):
-        z[k], misfit[k] = y[k] + move[k], move[k]
+    for k in range(program.y.size):
+        program.z[k] = program.y[k] + move[k]
     for q in range(near.number[0]):
-        r, square = near.row[q], 0.0
-        for e in range(rows.start[r], rows.stop[r]):
-            square += program.gradient[e] * program.gradient[e]
-        length = np.sqrt(square) if square > 0.0 else 1.0
-        program.multiplier[r] = multiplier[q] / length
-        for e in range(rows.start[r], rows.stop[r]):
-            misfit[rows.column[e]] -= program.gradient[e] * program.multiplier[r]
-        value = row_dot(rows, r, program.gradient, z) - program.bound[r]
-        residual = max(residual, -value, abs(min(program.multiplier[r], value)))
-    for k in range(y.size):
-        residual = max(residual, abs(misfit[k]))
-    return residual
+        r = near.row[q]
+        program.multiplier[r] = multiplier[q] / length_of_gradient(rows, r, program.gradient)
+    return residual_of_near(place)
+
+
+@inner
+def length_of_gradient(rows: RowTable, r: int, gradient: Floats) -> float:
+    """Compute |a_r| of the program, 1 for one that vanishes."""
+    square = 0.0
+    for e in range(rows.start[r], rows.stop[r]):
+        square += gradient[e] * gradient[e]
+    return float(np.sqrt(square)) if square > 0.0 else 1.0
 
 
 @step_function

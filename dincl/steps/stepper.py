@@ -46,6 +46,13 @@ class CompiledStepper(Stepper):
         The sets of schemes that make sweeps, or the projection of schemes that have one.
     v0
         Velocity at the start, (N, d), of a second-order scheme.
+
+    Attributes
+    ----------
+    system
+        The problem as compiled code sees it.
+    pointer
+        The ``Stepping`` that kernels are given.
     """
 
     def __init__(
@@ -63,7 +70,7 @@ class CompiledStepper(Stepper):
         self._step, self._swept, self._v0, self.system = step, swept, v0, system
         system.sets.work = self.work
         n = problem.x0.size
-        self._pointer = StructPointer(
+        self.pointer = StructPointer(
             Stepping(
                 place=system.place,
                 families=NO_FAMILIES if swept is None else swept.arrays,
@@ -128,7 +135,7 @@ class CompiledStepper(Stepper):
 
     def _steps(self, origin: float, on: TimeGrid, k: int, end: int, state: StepState, output: Output | None) -> Reached:
         """Make the steps k ... end - 1 of a grid whose t_0 is ``origin``."""
-        shape, run = self.problem.x0.shape, self._pointer.value
+        shape, run = self.problem.x0.shape, self.pointer.value
         run.x[:] = state.x.ravel()
         if run.v.size:
             v = self._v0 if state.v is None else state.v
@@ -139,7 +146,7 @@ class CompiledStepper(Stepper):
             while k < end and code == OK:
                 began = time.perf_counter()
                 grid = StepRange(origin, on.t_end, on.steps, k, min(end, k + most))
-                code, k = advance(self._pointer.address, self._step.address, grid, table.address)
+                code, k = advance(self.pointer.address, self._step.address, grid, table.address)
                 if self._swept:
                     self._swept.count(self.work)
                 self.system.count(self.work)
@@ -157,7 +164,7 @@ class CompiledStepper(Stepper):
         self.system.raise_errors()
         if self._swept:
             self._swept.failure(code)
-        self.system.failure(code, float(self._pointer.value.setting[-1]))
+        self.system.failure(code, float(self.pointer.value.setting[-1]))
 
 
 def _arrays(output: Output, n: int) -> OutputArrays:

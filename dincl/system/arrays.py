@@ -14,8 +14,8 @@ from dincl.solvers.active_set import LeastDistance, least_distance
 from dincl.solvers.envelope_factor import EnvelopeFactor, envelope_factor
 
 # How steps end; the first ones are those of ``active_set.nearest``.
-OK, INFEASIBLE, CYCLES, DRIFT, SETS, COINCIDENT, TOO_FAR, MISSED, NOT_A_NUMBER, SINGULAR = range(10)
-FLAT, UNSETTLED, PYTHON = range(10, 13)
+OK, UNMET, CYCLES, DRIFT, SETS, COINCIDENT, TOO_FAR, MISSED, NOT_A_NUMBER, SINGULAR = range(10)
+FLAT, UNSETTLED, PYTHON, WEDGE = range(10, 14)
 
 
 class Drift(NamedTuple):
@@ -36,14 +36,30 @@ class Solving(NamedTuple):
     """The solver of least-distance programs, called by its address with the signature of ``DRIFT``.
 
     It gets the tolerance, y and z, the address of the system and ``answer``, and solves the program of the near rows:
-    it writes z, the multipliers, and the residual into the answer. A solver that is ``whole`` gets the start of the
-    search in place of y, and ``question``, and projects onto the set itself.
+    it writes z and the multipliers. A solver that is ``whole`` gets the start of the search in place of y, and projects
+    onto the set itself. ``question`` says what is projected onto.
     """
 
     address: int
     whole: int
     question: Floats  # (4,): time, the time to which linearised rows are carried, 1 for the set itself, tolerance
     called: Floats  # (1,): 0 if y itself solved the last program
+
+
+class Curvature(NamedTuple):
+    """Workspace of projections onto curved sets, see ``dincl.steps.programs.bend``; n coordinates, m rows."""
+
+    y: Floats  # (n,): the point that is projected, while a program has another one
+    last: Floats  # (n,): where the rows were linearised last
+    step: Floats  # (n,): from there to the point reached
+    root: Floats  # (n,): roots of the diagonal Hessian; a program has coordinates times these
+    slope: Floats  # (m,): how far the step goes along the last gradient of each row
+    largest: Floats  # (1,): the largest entry of the Hessian in this search
+
+
+def curvature(n: int, m: int) -> Curvature:
+    """Allocate the workspace."""
+    return Curvature(np.zeros(n), np.zeros(n), np.zeros(n), np.ones(n), np.zeros(m), np.ones(1))
 
 
 class SystemArrays(NamedTuple):
@@ -60,6 +76,7 @@ class SystemArrays(NamedTuple):
     move: Floats  # (families, d)
     offending: Offsets  # (1,)
     solving: Solving
+    curvature: Curvature
 
 
 # An example, for its types.
@@ -88,6 +105,7 @@ SYSTEM = SystemArrays(
     np.zeros((0, 1)),
     np.zeros(1, dtype=np.int64),
     Solving(0, 0, np.zeros(4), np.zeros(1)),
+    curvature(0, 0),
 )
 system_at = reader(SYSTEM)
 

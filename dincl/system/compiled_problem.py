@@ -18,7 +18,7 @@ from dincl.solvers.active_set import least_distance
 from dincl.solvers.envelope_factor import EnvelopeFactor, envelope_factor
 from dincl.status import Status
 from dincl.system import arrays as codes
-from dincl.system.arrays import Drift, Solving, SystemArrays, overlaps_at
+from dincl.system.arrays import Drift, Solving, SystemArrays, curvature, overlaps_at
 from dincl.system.callbacks import DriftPointer, PythonFunction, catching, numbers_at
 from dincl.system.sets_pointer import SetsPointer, entries_for
 
@@ -39,8 +39,11 @@ MOST_PARTICLES = 200
 NO_SWEEPS: Mapping[int, CustomSweep] = {}
 # The name in ``Work.back_ends``.
 NAME = "active set"
+# A failure names the curvature of the set where a point is outside of it by more than this part of a radius, and where
+# the residual is more than rounding, relative to the coordinates.
+CURVED, ROUNDED = 0.5, 1e-10
 FAILURES = {
-    codes.INFEASIBLE: (Status.INFEASIBLE, f"{NAME}: no point meets all constraints."),
+    codes.UNMET: (Status.NOT_CONVERGED, f"{NAME}: active rows keep a violated row from being met."),
     codes.CYCLES: (Status.NOT_CONVERGED, f"{NAME}: rounding keeps it from an answer."),
     codes.TOO_FAR: (Status.NOT_CONVERGED, "The projection moved a particle again and again beyond the rows looked at."),
     codes.NOT_A_NUMBER: (Status.NON_FINITE, f"A coordinate is not a number, or exceeds {LARGEST:g} in magnitude."),
@@ -141,6 +144,7 @@ class CompiledProblem:
                     question=np.zeros(4),
                     called=np.zeros(1),
                 ),
+                curvature=curvature(n if programs else 0, m if programs else 0),
             )
         )
         self.place = self._pointer.address
@@ -199,7 +203,9 @@ class CompiledProblem:
         arrays = {f"rows.{name}": part for name, part in rows._asdict().items()}
         arrays |= {f"factor.{name}": part for name, part in self._factor(m)._asdict().items()}
         arrays |= {"program.gradient": np.zeros(len(rows.column)), "program.bound": np.zeros(m)}
+        arrays |= {"program.length": np.ones(m)}
         arrays |= {"program.multiplier": multiplier, "near.row": np.arange(m), "near.key": np.zeros(m)}
+        arrays["curvature.slope"] = np.zeros(m if self._programs else 0)
         self._pointer.replace(arrays)
         self.sets.reselect(self.selection, called)
         self.arrays.near.number[0] = m
@@ -247,11 +253,40 @@ class CompiledProblem:
             self.drift.failure(float(at[0]), at[1 : n + 1], at[n + 1 :], int(arrays.drift.calls[1]))
         if code == codes.COINCIDENT:
             raise self.selection.coincidence(int(arrays.offending[0]))
+        from dincl.projection.base import missed
+        from dincl.projection.emptiness import wedge
+
+        if code == codes.WEDGE:
+            raise wedge(2.0 * float(arrays.program.answer[1]))
         if code == codes.MISSED:
-            residual = float(arrays.program.answer[1])
-            detail = f"{self.name} left a residual of {residual:.2g}, asked for was {tol:.2g}."
-            raise StepFailure(Status.NOT_CONVERGED, detail)
-        raise StepFailure(*FAILURES[code])
+            residual, bent = float(arrays.program.answer[1]), float(arrays.curvature.largest[0]) - 1.0
+            failure = missed(self.name, residual, tol)
+            if bent > CURVED and residual > ROUNDED * np.abs(arrays.program.y).max():
+                detail = (
+                    f"{failure.detail} The set is strongly curved on the scale of a step: the point to project lies "
+                    f"{bent:.2g} radii of curvature outside of it. A smaller dt makes steps shorter than that radius."
+                )
+                raise StepFailure(failure.status, detail)
+        else:
+            failure = StepFailure(*FAILURES[code])
+        raise self.reason(failure, contradicting=code == codes.UNMET)
+
+    def reason(self, failure: StepFailure, *, contradicting: bool = False) -> StepFailure:
+        """Return INFEASIBLE if the program of the near rows is proved to be so, else the failure with its reason.
+
+        Of programs of velocities only the rows ``contradicting`` each other are known, which then have multipliers.
+        """
+        if not self._programs or (self.solver is None and not contradicting):
+            return failure
+        from dincl.matrices import from_rows
+        from dincl.projection.emptiness import why_unsolved
+        from dincl.steps.programs import near_program
+
+        indptr, indices, data, missing, _, multipliers, binding = near_program(self.place)
+        program, keep = self.arrays.program, multipliers > 0 if contradicting else np.ones(len(missing), dtype=np.bool_)
+        matrix = from_rows(indptr, indices, data, program.y.size)[keep]
+        size = max(float(np.abs(program.y).max()), float(np.abs(self.problem.x0).max()) / self.units.length)
+        return why_unsolved(failure, matrix, missing[keep], size, binding[keep], multipliers[keep])
 
 
 def tabulate(

@@ -13,7 +13,7 @@ from dincl.constraints.selection import row_lengths
 from dincl.norms import longest
 from dincl.rows.table import DISTANCE, GRADIENTS, SWEEP, VELOCITIES, RowTable, Sets
 from dincl.system.callbacks import PythonFunction, numbers_at
-from dincl.system.kinks import NO_KINKS, smooth_around
+from dincl.system.time_scales import NO_BREAKS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -45,12 +45,13 @@ class SetsPointer(PythonFunction):
         The struct with the arrays as its field ``sets``: longer arrays replace them there.
     custom_sweeps, work
         Projections of the user by index of their constraint, and the work of the run that they count.
-    spacing
-        Step of the differences for velocities of moving sets [time].
+    spacing, spacings
+        Step of the differences for velocities of moving sets [time]; and times (P, 2) until which, since the one
+        before, it is at most the second number.
     updates
         Functions of time that are called at each request: they write what is not in the table.
-    kinks
-        Intervals (K, 2) with a jump of a velocity in each: no difference reaches across one [time].
+    breaks
+        Intervals (K, 2) with a jump of a set or of its velocity in each: no difference reaches across one [time].
     """
 
     system: StructPointer
@@ -69,7 +70,8 @@ class SetsPointer(PythonFunction):
         self._start, self._shape = start, selection.shape
         count, d = selection.shape
         families, self.spacing = len(selection.constraints), SPACING
-        self.kinks, self._units, self.custom_sweeps = NO_KINKS, units, custom_sweeps
+        self.breaks, self.spacings = NO_BREAKS, NO_BREAKS
+        self._units, self.custom_sweeps = units, custom_sweeps
         self.updates: list[Callable[[float], None]] = []
         timed = {f: one for f, one in enumerate(selection.constraints) if one.timed}
         moving = {f: one for f, one in timed.items() if one.displacement(0.0, d) is not None}
@@ -132,8 +134,7 @@ class SetsPointer(PythonFunction):
         for f, path in self._paths.items():
             self.arrays.shift[f] = path(t) / unit.length
             if question == VELOCITIES:
-                smooth = smooth_around(t, self.kinks)
-                self.arrays.speed[f] = derivative(path, t, self.spacing, smooth) / unit.speed
+                self.arrays.speed[f] = derivative(path, t, *self._differences(t)) / unit.speed
         for update in self.updates:
             update(t)
         place = numbers_at(x, self._shape) * unit.length if self._general or self._called else None
@@ -141,6 +142,14 @@ class SetsPointer(PythonFunction):
             self._write(t, f, one, place, rates=question == VELOCITIES)
         if question >= GRADIENTS and self._called:
             self._evaluate(t, place)
+
+    def _differences(self, t: float) -> tuple[float, tuple[float, float]]:
+        """Return the step of differences at t, and the breaks before and after t, between which they may look."""
+        breaks, pieces, spacing = self.breaks, self.spacings, self.spacing
+        k = int(np.searchsorted(breaks[:, 1], t, side="right"))
+        if len(pieces):
+            spacing = min(spacing, float(pieces[min(int(np.searchsorted(pieces[:, 0], t)), len(pieces) - 1), 1]))
+        return spacing, (float(breaks[k - 1, 1]) if k else 0.0, float(breaks[k, 0]) if k < len(breaks) else np.inf)
 
     def _write(self, t: float, f: int, one: Constraint, x: Any, *, rates: bool) -> None:
         """Write the change of a general set, the numbers of its rows in the table, and their rates of change."""
@@ -155,8 +164,7 @@ class SetsPointer(PythonFunction):
         if part is not None:
             write_numbers(table, mine, part, unit.length)
         if rates:
-            smooth = smooth_around(t, self.kinks)
-            found = gap_rates(one, self._blocks[f], t, x, self.spacing, smooth) / row_lengths(rows, x)
+            found = gap_rates(one, self._blocks[f], t, x, *self._differences(t)) / row_lengths(rows, x)
             arrays.rate[mine] = found / unit.speed
 
     def _evaluate(self, t: float, x: Any) -> None:

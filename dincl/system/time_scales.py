@@ -1,41 +1,93 @@
-"""How the functions of time of a problem change until the end of a run: the sets, and the drift at x0."""
+"""Breaks of the functions of time of a problem, and how long steps may be between them, from values before a run.
+
+A function is smooth in a piece of time if the polynomial through 18 of its values leaves no more than rounding, also at
+the times between them that are looked at. Elsewhere bisection finds a break: a jump of the value, to the last bit, or of
+the slope. Without one the piece is cut in two.
+"""
 
 from __future__ import annotations
 
+import math
 from contextlib import suppress
-from functools import partial
-from typing import TYPE_CHECKING, Any, NamedTuple, cast
+from functools import cache, partial
+from heapq import heappop, heappush
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebval, chebvander
 
 from dincl.drifts import compiled
 from dincl.errors import StepFailure
-from dincl.system.kinks import CUT, NO_KINKS, common_pieces, kinks_and_pieces, pieces_of
+from dincl.status import Status
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
     from dincl.constraints.moving import Path
     from dincl.problem import Problem
 
-# A drift that has the same value at x0 at so many times does not depend on time.
-LOOKS = 61
+Interval = tuple[float, float]
+
+NO_BREAKS = np.zeros((0, 2))
+EPS = float(np.finfo(float).eps)
+# Values of one function at most: as many as a run of a few hundred steps takes. They resolve about sixty breaks.
+MOST_VALUES = 5000
+# The first look is at so many equal parts; then parts that are not smooth are cut. No cut is at a time that people
+# choose, for a break that lies on a cut is in neither part.
+PARTS, CUT = 13, 0.3819660112501051
+# A look is taken at so many times besides; at output times; and beside each of at most so many of them, at these parts
+# of the time to the next one. A drift that has the same value at x0 at all of them does not depend on time.
+LOOKS, FEW, BESIDE = 61, 100, (1e-5, 1e-2)
+# Chebyshev nodes in [0, 1], and the matrix from values there to coefficients. Of the last two coefficients a jump
+# leaves at least one. How much more than they a value between the nodes may differ.
+NODES = 0.5 - 0.5 * np.cos(np.pi * np.arange(18) / 17)
+COEFFICIENTS = np.linalg.inv(chebvander(2.0 * NODES - 1.0, 17))
+BETWEEN = 8.0
+# Rounding of a value, relative to the largest value of the function and to its change from t = 0 at the steepest slope.
+ROUNDING = 16 * EPS
+# Pieces shorter than this part of the run are not looked at: a change within one is a jump.
+SHORT = 1e-12
+# Of the interval with a break, the part at its ends whose slopes are compared with those inside. The change of slope at
+# a break stays above this part of the first one found while the interval is halved; that of a smooth function does not.
+EDGE, KEPT = 1.0 / 48.0, 0.125
+# The slope beside the interval is that over at most so many times its length.
+BESIDE_AT_MOST = 8.0
+# A break of the slope is located once the interval is this part of the first one.
+LOCATED = 1e-3
+# The defect of what is smooth falls at least by this factor where a piece is cut; that of noise does not.
+FALLS = 0.25
+# Coefficients from this one on are the rough part of what is not resolved.
+ROUGH = 9
+# A function that is smooth from one break to the next is resolved by this part of the way.
+RESOLVED = 4
 # Around a singularity pieces become shorter and shorter; so small a part of the run no equal steps need resolve.
 NEGLECTED = 1e-3
+# Noise of a drift that moves a particle by no more than this part of the accuracy during a run is not resolved.
+NEGLIGIBLE = 1e-3
 
 
 class TimeScales(NamedTuple):
-    """Kinks (K, 2) of sets and pieces (P, 2), see ``kinks_and_pieces``; ``failure`` says why there are none, if so.
+    """Breaks and pieces of the functions of time of a problem.
 
-    ``evaluations`` of the drift were made to find them.
+    ``breaks`` (K, 2) are intervals, as short as rounding allows, with a jump of a set or of its velocity in each;
+    ``stops`` (S, 2) are these and those of the drift at x0. Pieces (P, 2) are times until which, since the one before,
+    all functions are resolved by steps of the second number [time]; ``set_pieces`` are those of the sets alone.
+    ``rest`` is how far a set may be from where it is taken to be, since it has more breaks than are looked for
+    [length], and ``detail`` says which and where. ``failure`` says why there are no breaks, if so. ``evaluations`` of
+    the drift were made.
     """
 
-    kinks: NDArray[np.float64]
-    pieces: NDArray[np.float64]
-    failure: StepFailure | None
-    evaluations: int
+    breaks: NDArray[np.float64] = NO_BREAKS
+    stops: NDArray[np.float64] = NO_BREAKS
+    pieces: NDArray[np.float64] = NO_BREAKS
+    set_pieces: NDArray[np.float64] = NO_BREAKS
+    rest: float = 0.0
+    detail: str = ""
+    failure: StepFailure | None = None
+    evaluations: int = 0
 
     @property
     def shortest(self) -> float:
@@ -47,37 +99,285 @@ class TimeScales(NamedTuple):
         return float(self.pieces[order, 1][passed > NEGLECTED * self.pieces[-1, 0]].min())
 
 
-def time_scales(problem: Problem, end: float) -> TimeScales:
-    """Find kinks of sets, and how long steps may be that resolve all functions of time until ``end``.
+def time_scales(problem: Problem, times: ArrayLike, accuracy: float = 0.0) -> TimeScales:
+    """Find breaks of sets and of the drift at x0, and how long steps may be that resolve them until the last time.
 
-    A function that fails, perhaps later than the run ends, is left out. Jumps of the drift are no kinks: a run finds
-    them on its way.
+    They are looked at, among others, at and beside these times. ``accuracy`` is that of the run [length]. A function
+    that fails, perhaps later than the run ends, is left out. No function is called more than MOST_VALUES times, and
+    a few times for each look.
     """
-    kinks, pieces, failure = NO_KINKS, NO_KINKS, None
-    try:
-        kinks, pieces = kinks_and_pieces(list(_paths(problem)), end)
-    except StepFailure as found:
-        failure = found
-    drift, evaluations = compiled(problem.drift), 0
-    if drift is not None and drift.autonomous:
-        return TimeScales(kinks, pieces, failure, 0)
+    looks = _looks(np.atleast_1d(np.asarray(times, dtype=np.float64)))
+    end = float(looks[-1])
+    breaks: list[Interval] = []
+    stops: list[Interval] = []
+    pieces, rest, detail, failure = [], 0.0, "", None
+    size = float(np.abs(problem.x0).max(initial=0.0))
+    for name, path in _paths(problem):
+        try:
+            found = _Search(path, end, looks, 0.0, name)
+        except StepFailure as raised:
+            failure = failure or raised
+            continue
+        breaks += found.breaks
+        pieces.append(found.pieces(at_nodes=False))
+        if found.rest(size) > rest:
+            rest = found.rest(size)
+            detail = f"{name} changes too often, near t = {found.place:.6g}, to be resolved by {MOST_VALUES} values."
+    set_pieces = _common(pieces)
+    drift, calls = compiled(problem.drift), 0
+    if drift is None or not drift.autonomous:
 
-    def at_start(t: float) -> NDArray[np.float64]:
-        nonlocal evaluations
-        evaluations += 1
-        return problem.velocity(t, problem.x0).ravel()
+        @cache
+        def at_start(t: float) -> NDArray[np.float64]:
+            nonlocal calls
+            calls += 1
+            return problem.velocity(t, problem.x0).ravel()
 
-    with suppress(StepFailure):  # a run that gets so far says why
-        first = at_start(0.0)
-        if any((at_start((k + CUT) / LOOKS * end) != first).any() for k in range(LOOKS)):
-            pieces = common_pieces([pieces, pieces_of(at_start, end)])
-    return TimeScales(kinks, pieces, failure, evaluations)
+        with suppress(StepFailure):  # a run that gets so far says why
+            first = at_start(0.0)
+            if end > 0 and any((at_start(float(t)) != first).any() for t in looks):
+                found = _Search(at_start, end, looks, NEGLIGIBLE * accuracy / end, "drift")
+                stops += found.breaks
+                pieces.append(found.pieces(at_nodes=True))
+    joined = _joined(breaks, end), _joined(breaks + stops, end)
+    return TimeScales(*joined, _common(pieces), set_pieces, rest, detail, failure, calls)
 
 
-def _paths(problem: Problem) -> Iterator[Path]:
-    """Give the displacement of each set that is translated, and the numbers of each other one that depends on time."""
+def _paths(problem: Problem) -> Iterator[tuple[str, Path]]:
+    """Give, with a name, the displacement of each set that is translated, and the numbers of each other timed one."""
     d = problem.x0.shape[1]
-    for one in problem.constraints:
+    for k, one in enumerate(problem.constraints):
         if one.timed:
-            found: Any = partial(one.parameters, x=problem.x0)
-            yield found if one.displacement(0.0, d) is None else cast(Any, partial(one.displacement, d=d))
+            path: Any = partial(one.parameters, x=problem.x0)
+            if one.displacement(0.0, d) is not None:
+                path = partial(one.displacement, d=d)
+            yield f"constraints[{k}] ({type(one).__name__})", path
+
+
+def _looks(times: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the times to look at besides the nodes of pieces."""
+    end = float(times[-1])
+    kept = np.unique(np.concatenate(([0.0], times)))
+    found = [(np.arange(LOOKS) + CUT) / LOOKS * end, kept]
+    if len(kept) <= FEW + 1:
+        gaps = np.diff(kept)
+        found += [side for part in BESIDE for side in (kept[:-1] + part * gaps, kept[1:] - part * gaps)]
+    return np.unique(np.concatenate(found))
+
+
+def _joined(intervals: list[Interval], end: float) -> NDArray[np.float64]:
+    """Return intervals in order (K, 2), joined where hardly any time is between them."""
+    found: list[list[float]] = []
+    for a, b in sorted(intervals):
+        if found and a - found[-1][1] <= SHORT * end:
+            found[-1][1] = max(b, found[-1][1])
+        else:
+            found.append([a, b])
+    return np.array(found).reshape(-1, 2)
+
+
+def _common(tables: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
+    """Return the pieces (P, 2) that resolve all that these tables of pieces resolve."""
+    tables = [table for table in tables if len(table)]
+    if not tables:
+        return NO_BREAKS
+    stops = np.unique(np.concatenate([table[:, 0] for table in tables]))
+    which = [np.minimum(np.searchsorted(table[:, 0], stops), len(table) - 1) for table in tables]
+    return np.column_stack((stops, np.min([table[k, 1] for table, k in zip(tables, which, strict=True)], axis=0)))
+
+
+class _Piece(NamedTuple):
+    """A function from a to b: how far it is from a polynomial, and the largest ratio of this to what rounding allows.
+
+    That is the one of the component ``axis``, at the time ``outlier`` or, without one, at the nodes.
+    """
+
+    a: float
+    b: float
+    defect: float
+    ratio: float
+    axis: int
+    outlier: float | None
+    times: NDArray[np.float64]
+
+
+class _Search:
+    """The breaks of one function of time until ``end``, and smooth pieces between them.
+
+    Noise up to ``negligible`` [units of the function] counts as smooth.
+    """
+
+    def __init__(self, function: Path, end: float, looks: NDArray[np.float64], negligible: float, name: str) -> None:
+        self._function, self._end, self._negligible, self._name = function, end, negligible, name
+        self._looks, self._most = looks, MOST_VALUES + len(looks)
+        self._values: dict[float, NDArray[np.float64]] = {}
+        self._largest: NDArray[np.float64] | float = 0.0
+        self.breaks: list[Interval] = []
+        self._smooth: list[Interval] = []
+        # Pieces that are not smooth: the roughest first.
+        self._waiting: list[tuple[float, float, _Piece]] = []
+        for a, b in pairwise(np.unique([0.0, *((np.arange(PARTS) + CUT) / PARTS * end), end]).tolist()):
+            self._add(a, b, np.inf)
+        while self._waiting and len(self._values) < self._most:
+            self._split(heappop(self._waiting)[-1])
+
+    @property
+    def place(self) -> float:
+        """The middle of the roughest piece that is not resolved [time]."""
+        return 0.5 * (self._waiting[0][-1].a + self._waiting[0][-1].b)
+
+    def rest(self, size: float) -> float:
+        """Bound by how much the function is not resolved; of numbers without unit, for a problem of this size."""
+        found = 0.0
+        for *_, piece in self._waiting:
+            values = self._at(piece.a + (piece.b - piece.a) * NODES)
+            fit = chebvander(2.0 * NODES - 1.0, 17)[:, ROUGH:] @ (COEFFICIENTS[ROUGH:] @ values)
+            rough = 2.0 * np.abs(fit).max(axis=0)
+            found = max(found, float((rough * np.maximum(1.0, size / np.maximum(self._largest, 1e-300))).max()))
+        return found
+
+    def pieces(self, *, at_nodes: bool) -> NDArray[np.float64]:
+        """Return until when steps may be how long, (P, 2): what is not resolved in one step, or from node to node."""
+        found: list[Interval] = []
+        rough = [piece for *_, piece in self._waiting]
+        edges = [0.0, *(t for a_break in _joined(self.breaks, self._end) for t in a_break), self._end]
+        for a, b in zip(edges[::2], edges[1::2], strict=True):
+            if b - a <= SHORT * self._end:
+                continue
+            within = [piece for piece in rough if a <= piece.a < b]
+            if not within and len(self._values) < self._most and self._looked_at(a, b).ratio <= 1.0:
+                found.append((b, (b - a) / RESOLVED))
+                continue
+            found += [(stop, stop - start) for start, stop in self._smooth if a <= start < b]
+            for piece in within:
+                times = piece.times if at_nodes else np.array([piece.a, piece.b])
+                found += list(zip(times[1:].tolist(), np.diff(times).tolist(), strict=True))
+        return np.array(sorted(found)).reshape(-1, 2)
+
+    def _value(self, t: float) -> NDArray[np.float64]:
+        found = self._values.get(t)
+        if found is None:
+            found = self._values[t] = self._function(t)
+            if self._values and found.size != (count := self._values[0.0].size):
+                raise StepFailure(
+                    Status.CONSTRAINT_FAILED,
+                    f"{self._name}: its functions of time return {found.size} numbers at t = {t:.6g}, {count} at t = 0:"
+                    " the shape of each array must stay the same.",
+                )
+            self._largest = np.maximum(self._largest, np.abs(found))
+        return found
+
+    def _at(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.array([self._value(float(t)) for t in times])
+
+    def _add(self, a: float, b: float, before: float) -> None:
+        """Add the piece from a to b; ``before`` is the defect of the one that it is a part of."""
+        if b - a <= SHORT * self._end:
+            if a < b:
+                self.breaks.append((a, b))
+            return
+        piece = self._looked_at(a, b)
+        is_noise = FALLS * before <= piece.defect <= self._negligible
+        if piece.ratio <= 1.0 or is_noise:
+            self._smooth.append((a, b))
+        else:
+            heappush(self._waiting, (-piece.ratio, a, piece))
+
+    def _looked_at(self, a: float, b: float) -> _Piece:
+        """Compare a function from a to b with the polynomial through its values at the nodes."""
+        nodes = a + (b - a) * NODES
+        nodes[-1] = b
+        values = self._at(nodes)
+        steepest = (np.abs(np.diff(values, axis=0)) / np.diff(nodes)[:, None]).max(axis=0)
+        coefficients = COEFFICIENTS @ values
+        defect, outlier = np.abs(coefficients[-2:]).max(axis=0), None
+        looks = self._looks[(self._looks > a) & (self._looks < b)]
+        between = np.zeros((0, len(defect)))
+        if len(looks):
+            between = np.abs(self._at(looks) - chebval(2.0 * (looks - a) / (b - a) - 1.0, coefficients).T) / BETWEEN
+        allowed = ROUNDING * (self._largest + b * steepest)
+        allowed[allowed == 0.0] = np.inf  # a function that is zero everywhere
+        ratio = np.maximum(defect, between.max(axis=0, initial=0.0)) / allowed
+        axis = int(ratio.argmax())
+        if len(looks) and between[:, axis].max() > defect[axis]:
+            outlier = float(looks[between[:, axis].argmax()])
+        times = np.union1d(nodes, looks)
+        largest = float(np.maximum(defect, between.max(axis=0, initial=0.0)).max())
+        return _Piece(a, b, largest, float(ratio[axis]), axis, outlier, times)
+
+    def _split(self, piece: _Piece) -> None:
+        """Divide a piece at a break, or cut it."""
+        a, b = piece.a, piece.b
+        found = self._break_of(piece) if piece.defect > self._negligible else None
+        if found is None:
+            cut = a + CUT * (b - a)
+            self._add(a, cut, piece.defect)
+            self._add(cut, b, piece.defect)
+            return
+        self.breaks.append(found)
+        short = SHORT * self._end
+        edges = [a, *found, b]
+        if found[0] - a <= short or b - found[1] <= short:
+            # The next break may be as near to this end as a piece is short, or much farther.
+            near = math.sqrt(short * (b - a))
+            edges.append(min(found[1] + near, b) if found[0] - a <= short else max(found[0] - near, a))
+        for start, stop in pairwise(sorted(edges)):
+            if (start, stop) != found:
+                self._add(start, stop, np.inf)
+
+    def _break_of(self, piece: _Piece) -> Interval | None:
+        """Locate a break in the part of a piece between two of its times where the slope changes most."""
+        times = piece.times if piece.outlier is not None else piece.a + (piece.b - piece.a) * NODES
+        times[-1] = piece.b
+        change = np.abs(np.diff(self._at(times)[:, piece.axis]))
+        if piece.outlier is not None:
+            k = int(np.searchsorted(times, piece.outlier))
+            k = k - 1 if change[k - 1] >= change[k] else k
+        else:
+            slope = np.diff(self._at(times)[:, piece.axis]) / np.diff(times)
+            turn = np.abs(np.diff(slope))
+            k = int((np.append(turn, 0.0) + np.append(0.0, turn)).argmax())
+        return self._bisected(float(times[k]), float(times[k + 1]), piece.axis)
+
+    def _bisected(self, a: float, b: float, axis: int) -> Interval | None:
+        """Halve the interval from a to b: keep the half whose slope differs more from the slope beside it.
+
+        Returns the two sides of a break, or None where the slope changes smoothly.
+        """
+
+        def value(t: float) -> float:
+            return float(self._value(t)[axis])
+
+        def slope(start: float, stop: float) -> float:
+            return (value(stop) - value(start)) / (stop - start)
+
+        width, edge, largest = b - a, EDGE * (b - a), 0.0
+        if not a < a + edge < b - edge < b:
+            return a, b
+        # The slopes before and after are those from and to these times; at first they are inside.
+        start, stop = a, b
+        before, after = slope(a, a + edge), slope(b - edge, b)
+        while a < (middle := 0.5 * (a + b)) < b and b - a > EPS**2 * self._end:
+            left, right = slope(a, middle), slope(middle, b)
+            if abs(left - before) >= abs(right - after):
+                stop, b, after = b, middle, right
+            else:
+                start, a, before = a, middle, left
+            # A slope beside the interval over a much longer time differs from the one inside though all is smooth.
+            if a - start > BESIDE_AT_MOST * (b - a):
+                start = a - 2.0 * (b - a)
+                before = slope(start, a)
+            if stop - b > BESIDE_AT_MOST * (b - a):
+                stop = b + 2.0 * (b - a)
+                after = slope(b, stop)
+            inside = slope(a, b)
+            turn = max(abs(inside - before), abs(inside - after))
+            largest = max(largest, turn)
+            if turn < KEPT * largest:
+                return None
+            size = float(np.ravel(self._largest)[axis]) + b * min(abs(before), abs(after))
+            if turn * (b - a) <= ROUNDING * size:
+                # A kink lies somewhere in here, and no difference of values tells where.
+                middle, apart = 0.5 * (a + b), 2.0 * EPS * self._end
+                return (middle - apart, middle + apart) if b - a <= LOCATED * width else None
+        return a, b

@@ -25,6 +25,9 @@ PROJECTION *= (np.arange(DEGREE + 1) + 0.5)[:, None]
 # A panel is resolved if its last TAIL coefficients are below rounding relative to the largest coefficient of all
 # panels, or if they change the mass by less than rounding: panels around an unlisted kink shrink until this holds.
 TAIL, RESOLVED = 3, 1e-15
+# Far from the origin, coordinates are rounded relative to the size of a panel, by up to eps/2 |x| / half in s, and the
+# values of the density with them: coefficients below this many eps |x| / half are rounding, too.
+COORDINATE_ROUNDING = 2 * float(np.finfo(np.float64).eps)
 MAX_HALVINGS = 60
 # Unresolved panels at one level of halving; each takes 16 values of the density.
 MAX_PANELS = 100_000
@@ -174,7 +177,8 @@ def resolve(pdf: Pdf, pieces: Floats) -> tuple[Floats, Floats]:
         found = values @ PROJECTION.T
         largest = max(largest, float(np.abs(found).max()))
         tail = np.abs(found[:, -TAIL:]).max(axis=1)
-        fine = (tail <= RESOLVED * largest) | (tail * half <= RESOLVED / MAX_HALVINGS)
+        rounding = RESOLVED + COORDINATE_ROUNDING * np.maximum(np.abs(low), np.abs(high)) / half
+        fine = (tail <= rounding * largest) | (tail * half <= RESOLVED / MAX_HALVINGS)
         done.append((low[fine], high[fine], found[fine]))
         if fine.all():
             first, last, coefficients = (np.concatenate(parts) for parts in zip(*done, strict=True))
@@ -183,8 +187,8 @@ def resolve(pdf: Pdf, pieces: Floats) -> tuple[Floats, Floats]:
         low, middle, high = low[~fine], middle[~fine], high[~fine]
         if 2 * len(low) > MAX_PANELS:
             raise InvalidProblem(
-                f"pdf is not resolved by {MAX_PANELS} panels of {DEGREE + 1} values between {low[0]:.9g} and "
-                f"{high[-1]:.9g}: must be smooth there, except at its breaks"
+                f"pdf is not resolved by {MAX_PANELS} panels of {DEGREE + 1} values between {low.min():.9g} and "
+                f"{high.max():.9g}: must be smooth there, except at its breaks"
             )
         waiting.append((np.concatenate([low, middle]), np.concatenate([middle, high])))
-    raise InvalidProblem(f"pdf is not resolved after {MAX_HALVINGS} halvings near {low[0]:.9g}: list its breaks")
+    raise InvalidProblem(f"pdf is not resolved after {MAX_HALVINGS} halvings near {low.min():.9g}: list its breaks")

@@ -23,6 +23,7 @@ SIGNATURES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "phi": (("X", "y"), ("phi",)),
     "omega": (("X", "y", "v"), ("omega",)),
     "curvature": (("X", "y", "U", "v"), ("curvature",)),
+    "determinant": (("X", "y", "U", "v"), ("determinant", "turning")),
     "F0": (("X", "y"), ("F0",)),
     "F1": (("X",), ("F1",)),
     "K": (("r",), ("K",)),

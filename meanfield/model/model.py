@@ -117,6 +117,13 @@ class Model:
         (curvature,) = self._evaluate("curvature", X, y, U, v)
         return curvature
 
+    def determinant(
+        self, X: ArrayLike, y: ArrayLike, U: ArrayLike, v: ArrayLike
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Compute det dg/dX of shape (Q,), and its rate of change along the velocities U, v."""
+        determinant, turning = self._evaluate("determinant", X, y, U, v)
+        return determinant[:, 0], turning[:, 0]
+
     def F0(self, y: ArrayLike) -> NDArray[np.float64]:
         """Compute -grad W0(y) of shape (ny,)."""
         (force,) = self._evaluate("F0", np.zeros((1, self.nx)), y)
@@ -154,7 +161,9 @@ class Model:
             self._functions[name] = numpy_function(self.expressions, name)
         found = self._functions[name](*arrays)
         if not all(np.isfinite(part).all() for part in found):
-            status = Status.SINGULAR if name in ("phi", "omega", "level", "jacobians") else Status.NON_FINITE
+            status = (
+                Status.SINGULAR if name in ("phi", "omega", "level", "jacobians", "determinant") else Status.NON_FINITE
+            )
             raise FunctionFailed(status, f"{name} of the model has no finite value.")
         return found
 
@@ -166,7 +175,7 @@ class Model:
         axes, n = (2, self.nx) if name in PARTICLE else (1, self.ny)
         if type(value) is np.ndarray and value.dtype == FLOAT and value.ndim == axes and value.shape[-1] == n:
             return value
-        return shaped(name, value, (None, n) if axes == 2 else (n,))
+        return shaped(name, value, ("Q", n) if axes == 2 else (n,))
 
     def _check_even(self) -> None:
         """Check V(-r) = V(r) and V(0) = 0 at points in general position."""

@@ -57,8 +57,8 @@ class State:
     level: ArrayLike | None = None
 
     def __post_init__(self) -> None:
-        X = shaped("X", self.X, (None, None))
-        y = shaped("y", self.y, (None,))
+        X = shaped("X", self.X, ("N", "nx"))
+        y = shaped("y", self.y, ("ny",))
         object.__setattr__(self, "X", X)
         object.__setattr__(self, "y", y)
         object.__setattr__(self, "v", shaped("v", self.v, y.shape))

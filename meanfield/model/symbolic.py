@@ -31,8 +31,8 @@ class Expressions(NamedTuple):
     """Symbols X (nx), y, v (ny), U, r (nx), and expressions in these symbols derived from the Lagrangian (5.8).
 
     level = g(X, y), gX = dg/dX, gy = dg/dy, phi = -gX^{-1} gy (5.9), omega = Omega[v, v] (5.10), determinant = det gX,
-    curvature = D^2 g[(U, v), (U, v)], F0 = -grad W0(y), F1 = -grad W1(X), K = grad V(r) with r = X_k - X_i (5.4).
-    Without interaction V = K = 0.
+    turning = its rate along (U, v), curvature = D^2 g[(U, v), (U, v)], F0 = -grad W0(y), F1 = -grad W1(X),
+    K = grad V(r) with r = X_k - X_i (5.4). Without interaction V = K = 0.
     """
 
     X: Any
@@ -46,6 +46,7 @@ class Expressions(NamedTuple):
     phi: Any
     omega: Any
     determinant: Any
+    turning: Any
     curvature: Any
     F0: Any
     F1: Any
@@ -87,6 +88,7 @@ def expressions(functions: Mapping[str, Any], nx: int, ny: int) -> Expressions:
         phi=phi,
         omega=affine(_derivative_along(flow, (X, y), (flow, v)), X),
         determinant=ca.det(gX),
+        turning=_derivative_along(ca.det(gX), (X, y), (U, v)),
         curvature=_derivative_along(_derivative_along(level, (X, y), (U, v)), (X, y), (U, v)),
         F0=-ca.gradient(W0, y),
         F1=-ca.gradient(W1, X),

@@ -110,22 +110,24 @@ class IndexOneSystem(NamedTuple):
     """Semi-explicit system ``differential' = rates``, ``0 = residuals``, as CasADi expressions.
 
     ``differential`` is (y, v), ``algebraic`` is (X_1 ... X_N, U_1 ... U_N, lambda_1 ... lambda_N, y'', s_1 ... s_N).
-    ``flipped`` counts the particles for which det g_X has another sign than at the start, a violation of (5.5).
+    ``far`` counts the particles for which det g_X is far from its value at the start: (5.5) may be violated near by.
     """
 
     differential: Any
     algebraic: Any
     rates: Any
     residuals: Any
-    flipped: Any
+    far: Any
 
 
-def index_one_system(model: Model, level: NDArray[np.float64], signs: NDArray[np.float64]) -> IndexOneSystem:
+def index_one_system(
+    model: Model, level: NDArray[np.float64], determinants: NDArray[np.float64], least: float
+) -> IndexOneSystem:
     """Build (5.6) with g = level, g' = 0 and g'' = 0, and the sum of (5.6b) as a chain of partial sums s_j.
 
     The chain s_j = s_{j-1} + g_y(X_j, y)^T lambda_j / N keeps all rows of the Newton matrix short. With a plain sum,
-    one row depends on all particles, and computing the matrix takes N differentiations instead of a few. ``signs`` (N,)
-    are the signs of det g_X at the start.
+    one row depends on all particles, and computing the matrix takes N differentiations instead of a few. det g_X is far
+    from ``determinants`` (N,), its values at the start, if their ratio is below ``least`` or above its inverse.
     """
     ca = library()
     N, nx, ny = len(level), model.nx, model.ny
@@ -134,6 +136,7 @@ def index_one_system(model: Model, level: NDArray[np.float64], signs: NDArray[np
     sums = ca.SX.sym("s", ny, N)
     spread = [ca.repmat(symbol, 1, N) for symbol in (y, v, w)]
     g, dg, ddg, reaction, determinant = _particle(model).map(N)(X, U, multipliers, _interactions(model, X), *spread)
+    ratio = determinant / ca.DM(determinants[None])
     before = ca.horzcat(ca.SX.zeros(ny, 1), sums[:, : N - 1])
     F0 = ca.Function("F0", [model.expressions.y], [model.expressions.F0])(y)
     residuals = [g - ca.DM(level.T), dg, ddg, w - F0 + sums[:, N - 1], sums - before - reaction / N]
@@ -142,7 +145,7 @@ def index_one_system(model: Model, level: NDArray[np.float64], signs: NDArray[np
         algebraic=_stack([X, U, multipliers, w, sums]),
         rates=ca.vertcat(v, w),
         residuals=_stack(residuals),
-        flipped=ca.sum2(determinant * ca.DM(signs[None]) <= 0),
+        far=ca.sum2(ca.logic_or(ratio <= least, ratio >= 1 / least)),
     )
 
 

@@ -13,11 +13,10 @@ from dincl.errors import InvalidProblem, StepFailure
 from meanfield import plotting
 from meanfield.errors import NotClosed, SolveFailed
 from meanfield.forces.field import solve_mass
-from meanfield.forces.interaction import pair_energy
 from meanfield.model.closure import closure, obstacle
 from meanfield.solvers.arguments import check_model, output_times, tolerance
 from meanfield.solvers.integrate import integrate
-from meanfield.solvers.motion import SolverWork
+from meanfield.solvers.motion import SolverWork, energies
 from meanfield.solvers.result import SolverResult
 from meanfield.weights import checked_weights, full_weights
 
@@ -60,10 +59,7 @@ class MomentMotion(SolverResult):
         found = []
         for y, v, rho, sigma in zip(self.y, self.v, self.mean, self.second, strict=True):
             X, w = points(Moments(rho, sigma))
-            U = self.model.phi(X, y) @ v
-            kinetic = (v @ v + self.model.m * (w @ (U**2).sum(axis=1))) / 2
-            potential = self.model.energy0(y) + w @ self.model.energy1(X) + pair_energy(self.model, X, w) / 2
-            found.append(kinetic + potential)
+            found.append(sum(energies(self.model, X, w, self.model.phi(X, y) @ v, y, v)))
         return np.array(found)
 
     def _measures(self) -> dict[str, NDArray[np.float64]]:
@@ -177,7 +173,7 @@ class _MomentSystem:
     """System of the unknowns y, v, rho and the upper half of sigma."""
 
     def __init__(self, model: Model, closed: MomentClosure, moments: Moments, y0: ArrayLike, v0: ArrayLike) -> None:
-        self._model, self._closed = model, closed
+        self.model, self._closed = model, closed
         self._upper = np.triu_indices(model.nx)
         self.shapes = ((model.ny,), (model.ny,), (model.nx,), (model.nx, model.nx))
         y, v = shaped("y0", y0, (model.ny,)), shaped("v0", v0, (model.ny,))
@@ -190,7 +186,7 @@ class _MomentSystem:
     def derivative(self, z: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
         """Compute z' and the orientation at z; NaN where they are undefined."""
         y, v, rho, sigma = self.split(z)
-        n, ny = self._model.nx, self._model.ny
+        n, ny = self.model.nx, self.model.ny
         with np.errstate(all="ignore"):
             integrals = np.array(self._closed.integrals(rho, sigma.ravel(), y, v))
             flow = np.array(self._closed.flow(y, v))
@@ -201,14 +197,27 @@ class _MomentSystem:
             force = integrals[ny * ny :]
         if not (np.isfinite(integrals).all() and np.isfinite(flow).all()):
             return np.full_like(z, np.nan), np.nan
-        a = solve_mass(mass, self._model.F0(y) + force)
+        a = solve_mass(mass, self.model.F0(y) + force)
         return np.concatenate([v, a, *rates]), self._orientation(rho, y)
+
+    def path(
+        self, z: NDArray[np.float64], rate: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return (y, rho) and its rate: dg/dX of a model whose moments close depends on y alone."""
+        kept = np.r_[: self.model.ny, 2 * self.model.ny : 2 * self.model.ny + self.model.nx]
+        return z[kept], rate[kept]
+
+    def energies(self, z: NDArray[np.float64], rate: NDArray[np.float64]) -> tuple[float, float]:
+        """Compute the kinetic and the potential energy at z."""
+        y, v, rho, sigma = self.split(z)
+        X, w = points(Moments(rho, sigma))
+        return energies(self.model, X, w, self.model.phi(X, y) @ v, y, v)
 
     def split(
         self, z: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
         """Split z into y, v, rho and sigma."""
-        n, ny = self._model.nx, self._model.ny
+        n, ny = self.model.nx, self.model.ny
         sigma = np.empty((n, n))
         sigma[self._upper] = z[2 * ny + n :]
         sigma.T[self._upper] = z[2 * ny + n :]
@@ -216,6 +225,6 @@ class _MomentSystem:
 
     def _orientation(self, rho: NDArray[np.float64], y: NDArray[np.float64]) -> float:
         try:
-            return float(np.sign(np.linalg.det(self._model.jacobians(rho[None, :], y)[0][0])))
+            return float(np.sign(np.linalg.det(self.model.jacobians(rho[None, :], y)[0][0])))
         except StepFailure:
             return np.nan

@@ -70,7 +70,8 @@ class Motion(SolverResult):
 
         E = |y'|^2/2 + W0(y) + sum_i w_i (m/2 |X_i'|^2 + W1(X_i) + 1/2 sum_k w_k V(X_k - X_i))
         """
-        return np.array([self._energy(k) for k in range(len(self.t))])
+        states = zip(self.X, self.U, self.y, self.v, strict=True)
+        return np.array([sum(energies(self.model, X, self.weights, U, y, v)) for X, U, y, v in states])
 
     def constraint_drift(self) -> NDArray[np.float64]:
         """Compute the largest |g(X_i, y) - c_i| over the particles at each output time, (K,)."""
@@ -102,12 +103,20 @@ class Motion(SolverResult):
         k = self._output_index(k)
         return State(X=self.X[k], y=self.y[k], v=self.v[k], U=self.U[k], level=self.level)
 
-    def _energy(self, k: int) -> float:
-        model, X, U = self.model, self.X[k], self.U[k]
-        w = full_weights(self.weights, len(X))
-        kinetic = (self.v[k] @ self.v[k] + model.m * (w @ (U**2).sum(axis=1))) / 2
-        pairs = 0.0 if model.V is None else pair_energy(model, X, self.weights) / 2
-        return float(kinetic + model.energy0(self.y[k]) + w @ model.energy1(X) + pairs)
+
+def energies(
+    model: Model,
+    X: NDArray[np.float64],
+    weights: NDArray[np.float64] | None,
+    U: NDArray[np.float64],
+    y: NDArray[np.float64],
+    v: NDArray[np.float64],
+) -> tuple[float, float]:
+    """Compute the kinetic and the potential energy of one state, whose sum is (5.37), or (5.50) with weights."""
+    w = full_weights(weights, len(X))
+    kinetic = (v @ v + model.m * (w @ (U**2).sum(axis=1))) / 2
+    pairs = 0.0 if model.V is None else pair_energy(model, X, weights) / 2
+    return float(kinetic), float(model.energy0(y) + w @ model.energy1(X) + pairs)
 
 
 def multipliers(

@@ -13,7 +13,7 @@ from meanfield.model.model import Model
 from meanfield.model.state import FullState, State, orientation_at
 from meanfield.solvers.arguments import check_state, output_times, tolerance
 from meanfield.solvers.integrate import OdeSolution, OdeSystem, integrate
-from meanfield.solvers.motion import Motion, SolverWork, multipliers
+from meanfield.solvers.motion import Motion, SolverWork, energies, multipliers
 from meanfield.solvers.reduction import Reduction
 
 if TYPE_CHECKING:
@@ -93,7 +93,7 @@ class _TransportSystem:
     """System of the unknowns (y, v, X_1, ..., X_N)."""
 
     def __init__(self, model: Model, start: FullState, weights: NDArray[np.float64] | None) -> None:
-        self._model, self._weights, self._shape = model, weights, start.X.shape
+        self.model, self._weights, self._shape = model, weights, start.X.shape
         self.start = np.concatenate([start.y, start.v, start.X.ravel()])
         self.orientation = orientation_at(model, start)
         # Each component of y and v weighs as much as all particles together.
@@ -103,15 +103,27 @@ class _TransportSystem:
     def derivative(self, z: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
         """Compute z' and the orientation at z; NaN where they are undefined."""
         y, v, X = self._split(z)
-        found = field(self._model, X, self._weights, y, v)
+        found = field(self.model, X, self._weights, y, v)
         return np.concatenate([v, found.acceleration(), found.U.ravel()]), found.orientation
 
     def positions(self, z: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return X of shape (N, nx) at z."""
         return self._split(z)[2]
 
+    def path(
+        self, z: NDArray[np.float64], rate: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return y and X as one array, and its rate."""
+        ny = self.model.ny
+        return np.delete(z, np.s_[ny : 2 * ny]), np.delete(rate, np.s_[ny : 2 * ny])
+
+    def energies(self, z: NDArray[np.float64], rate: NDArray[np.float64]) -> tuple[float, float]:
+        """Compute the kinetic and the potential energy at z."""
+        y, v, X = self._split(z)
+        return energies(self.model, X, self._weights, self._split(rate)[2], y, v)
+
     def _split(self, z: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-        ny = self._model.ny
+        ny = self.model.ny
         return z[:ny], z[ny : 2 * ny], z[2 * ny :].reshape(self._shape)
 
 

@@ -18,6 +18,8 @@ from meanfield.model.state import FullState, State, orientation_at
 from meanfield.solvers.arguments import check_model, check_state, output_times
 from meanfield.solvers.index_one import MAX_NEWTON_ITERATIONS, NEWTON_TOLERANCE, accelerations, solve_blocks
 from meanfield.solvers.motion import Motion, SolverWork
+from meanfield.solvers.ode import solve_ode
+from meanfield.solvers.singular import unresolved_dip
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -156,8 +158,10 @@ class _Run:
             steps = math.ceil((time - before) / dt * (1 - INTERVAL_ROUNDING))
             for k in range(steps):
                 self.time = before + (time - before) * k / steps
+                last, h = point, (time - before) / steps
                 for length in self._lengths:
-                    point = self._step(point, length * (time - before) / steps)
+                    point = self._step(point, length * h)
+                self._check_dips(last, point, h)
                 self._steps += 1
             self._outputs.append((point, accelerations(self._model, point.X, point.U, point.y, point.v).multipliers))
 
@@ -201,6 +205,14 @@ class _Run:
         residual = (new.gX @ U[:, :, None])[:, :, 0] + new.gy @ v
         dU, dv = self._correction(new.gX, new.gy, residual, new.ratio)
         return new._replace(U=U + dU, v=v + dv, a=new.a + 2 / h * dU, w=new.w + 2 / h * dv)
+
+    def _check_dips(self, last: _Point, point: _Point, h: float) -> None:
+        """Raise StepFailure if det dg/dX touches zero in a step: where it may, ``solve_ode`` repeats the step."""
+        before, after = ((np.append(p.y, p.X), np.append(p.v, p.U)) for p in (last, point))
+        if unresolved_dip(self._model, before, after, h) is not None:
+            passed = solve_ode(self._model, State(X=last.X, y=last.y, v=last.v), [h], START_TOLERANCE, throw=False)
+            if passed.status is Status.SINGULAR:
+                raise StepFailure(Status.SINGULAR, "det dg/dX is zero or infinite.")
 
     def _correction(
         self,

@@ -18,6 +18,7 @@ from meanfield.model.symbolic import library, program
 from meanfield.model.translate import vectorised
 from meanfield.solvers.arguments import check_model
 from meanfield.solvers.moments import points, sample_moments
+from meanfield.solvers.motion import energies
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -124,25 +125,44 @@ class ReducedSystem:
     """System of the unknowns (y, v); the particles, or their moments, follow from y in closed form."""
 
     def __init__(self, reduction: Reduction, start: FullState, weights: NDArray[np.float64] | None) -> None:
-        self._model, self._closed_form = reduction.model, reduction.closed_form
+        self.model, self._closed_form = reduction.model, reduction.closed_form
         self._level, self._weights = start.level, weights
         self.start = np.concatenate([start.y, start.v])
-        self.orientation = orientation_at(self._model, start)
+        self.orientation = orientation_at(self.model, start)
         self.error_weights = np.ones(self.start.size)
         # X is affine in the constants c_i: a few constants with the same moments give the moments of all particles.
-        self._representatives = points(sample_moments(start.level, weights)) if closure(self._model) else None
+        self._representatives = points(sample_moments(start.level, weights)) if closure(self.model) else None
 
     def derivative(self, z: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
         """Compute z' and the orientation at z; NaN where they are undefined."""
-        ny = self._model.ny
+        ny = self.model.ny
         y, v = z[:ny], z[ny:]
         level, weights = self._representatives or (self._level, self._weights)
-        found = field(self._model, self._positions(level, y), weights, y, v)
+        found = field(self.model, self._positions(level, y), weights, y, v)
         return np.concatenate([v, found.acceleration()]), found.orientation
 
     def positions(self, z: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return X of shape (N, nx) at z."""
-        return self._positions(self._level, z[: self._model.ny])
+        return self._positions(self._level, z[: self.model.ny])
+
+    def path(
+        self, z: NDArray[np.float64], rate: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return y and the first particle as one array, and its rate.
+
+        One particle is enough: dg/dX depends on y alone if g is affine in X; if Phi is constant, so is dg/dX in time.
+        """
+        ny = self.model.ny
+        y, v = z[:ny], z[ny:]
+        X = self._positions(self._level[:1], y)
+        return np.append(y, X), np.append(v, self.model.phi(X, y) @ v)
+
+    def energies(self, z: NDArray[np.float64], rate: NDArray[np.float64]) -> tuple[float, float]:
+        """Compute the kinetic and the potential energy at z."""
+        y, v = z[: self.model.ny], z[self.model.ny :]
+        level, weights = self._representatives or (self._level, self._weights)
+        X = self._positions(level, y)
+        return energies(self.model, X, weights, self.model.phi(X, y) @ v, y, v)
 
     def _positions(self, level: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
         elements: list[Any] = self._closed_form(level, y)

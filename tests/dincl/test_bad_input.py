@@ -1,6 +1,7 @@
 """Bad input gives one clear error that names the argument, its value and what is allowed; never anything else."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from hypothesis import strategies as st
 from scipy.sparse import csr_array
 
 import dincl
+import meanfield
 
 ONE = [[0.0, 1.0]]
 APART = [[0.0, 1.0], [3.0, 1.0]]
@@ -294,3 +296,41 @@ def test_any_input_gives_a_clear_error_or_finite_numbers(x0, sets, drift, scheme
     assert np.isfinite(path.x).all()
     assert np.isfinite(path.violation()).all()
     assert path.status or path.detail
+
+
+REFUSED_FOR = {  # values that are no real numbers, and the reason that the message ends with
+    "complex numbers": np.array([[1.0 + 0j, 2.0]]),
+    "truth values (bool)": [[True, False]],
+    "a masked array, whose missing entries must be filled in": np.ma.array([[1.0, 2.0]], mask=[[0, 1]]),
+    "text": [["1.0", "2.0"]],
+    "bytes": b"12",
+    "records": np.zeros((1, 2), dtype=[("x", float)]),
+    "dates": np.zeros((1, 2), dtype="datetime64[s]"),
+    "durations": np.zeros((1, 2), dtype="timedelta64[s]"),
+    "lists of different lengths": [[1.0, 2.0], [1.0]],
+    "objects of type NoneType": [[None, 1.0]],
+}
+
+
+@pytest.mark.parametrize("reason", REFUSED_FOR)
+def test_messages_name_the_reason_for_which_a_value_is_refused(reason):
+    value = REFUSED_FOR[reason]
+    ends = re.escape(f", not {reason}")
+    with pytest.raises(dincl.InvalidProblem, match=rf"^x0 = .*{ends}$"):
+        dincl.Problem(value, lambda t, x: -x)
+    if reason != "lists of different lengths":
+        with pytest.raises(dincl.InvalidProblem, match=rf"drift returned .*{ends}\.$"):
+            dincl.Problem([[0.0, 0.0]], lambda t, x: value)
+
+
+def test_messages_name_the_shape_that_was_given():
+    with pytest.raises(dincl.InvalidProblem, match=r"must be finite real numbers of shape \(N, nx\), not \(2,\)$"):
+        meanfield.State(X=[1.0, 2.0], y=[1.2], v=[0.3])
+
+
+@pytest.mark.parametrize("time", [0.5, [0.5], np.float64(0.5)])
+def test_one_time_is_a_list_of_one_in_all_packages(time):
+    model = meanfield.LinearFibre(m=0.5, k0=1.0, y_rest=1.0, k1=0.5)
+    start = meanfield.State(X=[[1.0]], y=[1.2], v=[0.3])
+    assert meanfield.solve_ode(model, start, time, 1e-6).t.tolist() == [0.5]
+    assert dincl.solve(dincl.Problem([[1.0]], lambda t, x: -x), dincl.PBD(0.1), time).t.tolist() == [0.5]

@@ -136,3 +136,21 @@ def test_reprs_are_short():
     path = dincl.solve(scene, dincl.PBD(0.1), t=[0.1, 0.2])
     assert repr(scene) == "Scene(N = 500, d = 2, constraints = [NonOverlap, HalfSpace, HalfSpace, HalfSpace])"
     assert repr(path) == "Trajectory(SUCCESS, PBD, 2 output times to t = 0.2, N = 500, d = 2)"
+
+
+# Sets that touch a particle at c up to rounding, and the direction out of them.
+CONTACTS = {
+    "wall": (lambda c: dincl.HalfSpace([1.0], offset=c - 0.3, radius=0.1 + 0.2), -1),
+    "wall of time": (lambda c: dincl.HalfSpace([1.0], offset=lambda t: c - 0.3, radius=0.1 + 0.2), -1),
+    "wall that moves": (lambda c: dincl.Moving(dincl.HalfSpace([1.0], -0.3), lambda t: (c + 0.1 + 0.2,)), -1),
+    "obstacle": (lambda c: dincl.OutsideBall((c - 0.3,), 0.1 + 0.2), -1),
+    "container": (lambda c: dincl.InsideBall((c - 0.1 - 0.2,), 0.3), 1),
+}
+
+
+@pytest.mark.parametrize(("contact", "out"), CONTACTS.values(), ids=CONTACTS)
+@pytest.mark.parametrize("c", [0.0, 1e-12, 1.0, 1e3])
+def test_a_start_in_contact_is_judged_alike_wherever_the_origin_is(contact, out, c):
+    dincl.Problem([[c]], lambda t, x: 0 * x, [contact(c)])
+    with pytest.raises(dincl.InvalidProblem, match=r"x0 violates .* the nearest point that is feasible"):
+        dincl.Problem([[c + 1e-3 * out]], lambda t, x: 0 * x, [contact(c)])

@@ -133,3 +133,34 @@ BAD = {
 def test_bad_input_is_refused_by_name(message):
     with pytest.raises(InvalidProblem, match=message):
         BAD[message]()
+
+
+FAR_SHAPES = {  # density of a centre and a width, and the variance over the square of the width
+    "bump": (Density.bump, 1 / 11),
+    "normal": (Density.normal, 1.0),
+    "uniform": (lambda c, w: Density.uniform(c - w, c + w), 1 / 3),
+    "cosine": (
+        lambda c, w: Density(lambda x: (1 + np.cos(np.pi * (x[:, 0] - c) / w)) / (2 * w), c - w, c + w),
+        1 / 3 - 2 / np.pi**2,
+    ),
+    "unlisted kink": (
+        lambda c, w: Density(lambda x: np.maximum(1 - np.abs(x[:, 0] - c) / w, 0) / w, c - w, c + w),
+        1 / 6,
+    ),
+    "plane": (lambda c, w: Density.normal([c, -c], [w, 2 * w]), 1.0),
+}
+
+
+@pytest.mark.parametrize("centre", [0.0, -1e3, 1e4, 1e5, -3e6, 1e7])
+@pytest.mark.parametrize("name", FAR_SHAPES)
+def test_far_from_the_origin_densities_and_moments_are_right_to_rounding(name, centre):
+    make, variance = FAR_SHAPES[name]
+    width, eps = 0.8, np.finfo(float).eps
+    density = make(centre, width)
+    mean, second = density.moments()
+    assert abs(mean[0] - centre) <= 1e-12 * width + 4 * eps * abs(centre)
+    assert abs(second[0, 0] - mean[0] ** 2 - variance * width**2) <= 1e-10 * width**2 + 16 * eps * centre**2
+    if density.nx == 1:
+        quantiles = density.quantiles(101)[:, 0]
+        assert (np.diff(quantiles) >= 0).all()
+        assert quantiles[50] == pytest.approx(centre, abs=1e-9 * width + 8 * eps * abs(centre))

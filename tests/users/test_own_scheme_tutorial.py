@@ -23,6 +23,16 @@ def test_scheme_has_the_orders_that_the_text_names(own):
     assert abs(contact[-1] - 1) < 0.1
 
 
+def test_the_scheme_with_memory_has_order_two_with_one_projection_a_step(own):
+    for problem, exact, t in (
+        (own["free"], np.exp(-1.0) * own["free"].x0, 1.0),
+        (own["slide"], own["slide"].exact(2.0), 2.0),
+    ):
+        assert abs(own["orders"](problem, exact, t, own["bdf"])[-1] - 2) < 0.1
+    path = dincl.solve(own["slide"], own["bdf"](0.1), t=[2.0])
+    assert path.stats.solver_calls <= path.stats.steps
+
+
 def test_the_compiled_scheme_is_marked_and_makes_twice_the_work_of_pbd(own):
     table = own["table"].set_index(["method", "setting"])
     assert table["compiled"].groupby("method").all().to_dict() == {"PBD": True, "HeunPBD": True, "HeunCatchUp": False}

@@ -33,7 +33,7 @@ def read(path: str | PathLike[str]) -> dict[str, Any]:
         If it cannot be read, with the reason: for an error of syntax its line.
     """
     try:
-        return tomllib.loads(Path(path).read_text("utf-8"))
+        return tomllib.loads(Path(path).read_text("utf-8-sig"))  # some editors write a byte order mark
     except (OSError, ValueError, RecursionError) as error:
         raise InvalidProblem(f"{path}: must be a readable TOML file: {error}") from error
 

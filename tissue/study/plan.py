@@ -134,7 +134,7 @@ def load_study(path: str | PathLike[str]) -> TissueStudy:
     if lines:
         raise refuse(str(path), lines)
     plain = {key: good[key] for key in ("title", "replicates", "seed", "trajectories")}
-    text = path.read_text("utf-8")
+    text = path.read_text("utf-8-sig")
     return TissueStudy(**plain, scenarios=scenarios, text=text, compare=compare, given_cells=given_cells)
 
 

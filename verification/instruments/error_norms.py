@@ -98,9 +98,12 @@ class ErrorOf:
     quantity: Quantity
 
     def __call__(self, problem: Any, answer: Computed, known: Known) -> float:
-        """Return the error of a run; infinite where the quantity is not finite."""
+        """Return the error of a run; infinite where the quantity is not finite, or raises."""
         exact = [self._value(state) for state in known.x]
-        found = [np.asarray(self.quantity(state), dtype=np.float64) for state in answer.x]
+        try:
+            found = [np.asarray(self.quantity(state), dtype=np.float64) for state in answer.x]
+        except Exception:  # noqa: BLE001  # it is defined for the states of the reference, and not for these
+            return np.inf
         error = max(np.abs(a - b).max() for a, b in zip(found, exact, strict=True))
         return float(error) if np.isfinite(error) else np.inf
 
@@ -118,8 +121,14 @@ class ErrorOf:
         return worst
 
     def _value(self, state: Floats) -> Floats:
-        found = self.quantity(state)
-        value = np.asarray(found, dtype=np.float64)
+        try:
+            found = self.quantity(state)
+            value = np.asarray(found, dtype=np.float64)
+        except Exception as error:
+            raise dincl.InvalidProblem(
+                f"errors: {self.name!r} raised {type(error).__name__}: {error} for a state of shape {state.shape} of "
+                "the reference: must give a finite number, or an array of them"
+            ) from error
         if not value.size or not np.isfinite(value).all():
             raise dincl.InvalidProblem(
                 f"errors: {self.name!r} gave {describe(found)} for a state of shape {state.shape} of the reference: "

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import ndtri, stdtrit
 
-from verification.instruments.order import CONFIDENCE
+CONFIDENCE = 0.95
 
 
 class Slope(NamedTuple):

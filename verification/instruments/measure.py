@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 
 import dincl
 from dincl.checks import describe
+from dincl.conversions import because, plain
 from verification.instruments.budget import Budget, CpuSeconds, OutOfBudgetError, counted
 from verification.instruments.error_norms import Computed, Errors, Norm, checked_errors, measured, of_reference
 from verification.instruments.machine_code import machine_code
-from verification.instruments.method import Method
+from verification.instruments.method import Failure, Method, attempted, made_scheme
 from verification.instruments.references import Known
 
 Floats = NDArray[np.float64]
@@ -37,8 +38,6 @@ COUNTERS = (
 BRIEF, REPEATS = 0.2, 3
 # A run waited for the processor if it took so many times its CPU time. A clock that reads in milliseconds sees no less.
 WAITED, RESOLVED_BY_CLOCK = 1.2, 2e-3
-# What a program of somebody else may raise when it fails; other errors are mistakes in the call and are not caught.
-FAILURES = (ArithmeticError, RuntimeError, ValueError, np.linalg.LinAlgError)
 # A run in which machine code was made or loaded is made again, at most so often: some programs compile in every run.
 MOST_AGAIN = 8
 
@@ -94,8 +93,8 @@ def measure(
     the last state only, so that no ranking depends on the number of output times; ``output_seconds`` is what the others
     add. With ``repeats`` = 0 only the first runs are made. Runs that load libraries or compile kernels are repeated:
     they give no time and spend no budget. Brief runs are repeated in turn: all settings, then all again. ``status`` is
-    that of the Trajectory, or REFUSED (the method cannot serve the problem), FAILED (it raised), OUT_OF_BUDGET,
-    LEFT_OUT (after one of these, or if a library is missing).
+    that of the Trajectory, or REFUSED (the method cannot serve the problem), FAILED (it raised any Exception),
+    OUT_OF_BUDGET, LEFT_OUT (after one of these, or if a library is missing).
     """
     norms = checked_errors(errors)
     nothing = {"compiled": method.compiled} | dict.fromkeys((*norms, *COUNTERS), np.nan) | of_reference(known, norms)
@@ -112,9 +111,10 @@ def measure(
     done = [attempt for attempt in attempts if attempt.row["status"] == "SUCCESS"]
     for k in range(repeats):
         for attempt in done if k == 0 else [attempt for attempt in done if attempt.output.cpu[0] < BRIEF]:
-            if k > 0:
-                _timed(problem, method, attempt.setting, known.t, None, attempt.output)
-            _timed(problem, method, attempt.setting, known.t[-1:], None, attempt.integration)
+            failed = attempted(_again, problem, method, attempt, known, k)
+            if isinstance(failed, Failure):
+                attempt.row |= nothing | failed.columns
+        done = [attempt for attempt in done if attempt.row["status"] == "SUCCESS"]
     return [attempt.finished() for attempt in attempts]
 
 
@@ -141,10 +141,17 @@ def _after(before: Attempt, budget: Budget | None) -> str:
     return ""
 
 
+def _again(problem: Any, method: Method, attempt: Attempt, known: Known, k: int) -> None:
+    """Repeat a run for its time: with the least output, and from the second time on with all."""
+    if k > 0:
+        _timed(problem, method, attempt.setting, known.t, None, attempt.output)
+    _timed(problem, method, attempt.setting, known.t[-1:], None, attempt.integration)
+
+
 def _warm_up(problem: Any, method: Method, setting: float, t: Floats) -> None:
     """Make brief runs until one compiles nothing; a run that is stopped may not have compiled everything."""
     for _ in range(MOST_AGAIN):
-        with machine_code() as made, suppress(OutOfBudgetError, ModuleNotFoundError, *FAILURES):
+        with machine_code() as made, suppress(OutOfBudgetError, Exception):
             _run(problem, method, setting, t, CpuSeconds(BRIEF))
         if not made:
             return
@@ -155,15 +162,11 @@ def _first(
 ) -> dict[str, Any]:
     """Make the first run of an attempt; return the columns that say how it came out."""
     try:
-        outcome = _timed(problem, method, attempt.setting, known.t, budget, attempt.output)
-    except ModuleNotFoundError as missing:
-        return {"status": "LEFT_OUT", "detail": str(missing)}
-    except dincl.InvalidProblem as refusal:
-        return {"status": "REFUSED", "detail": str(refusal)}
+        outcome = attempted(_timed, problem, method, attempt.setting, known.t, budget, attempt.output)
     except OutOfBudgetError:
         return {"status": "OUT_OF_BUDGET", "detail": f"Stopped after {budget}."}
-    except FAILURES as failure:
-        return {"status": "FAILED", "detail": f"{type(failure).__name__}: {failure}"}
+    if isinstance(outcome, Failure):
+        return outcome.columns
     answer = Computed(outcome.x, None if known.between is None else outcome.dense(known.between.t))
     return outcome.columns | measured(problem, answer, known, norms)
 
@@ -249,22 +252,14 @@ def _check_call(method: Method, function: Callable[..., Any], name: str, argumen
 def _scheme(method: Method, setting: float) -> dincl.Scheme:
     if method.scheme:
         _check_call(method, method.scheme, "scheme", "(setting)", 1)
-    scheme = method.scheme(setting) if method.scheme else None
-    if not isinstance(scheme, dincl.Scheme):
-        raise dincl.InvalidProblem(
-            f"method {method.label!r} made {describe(scheme)} of the setting {setting:g}: must make a dincl.Scheme"
-        )
-    return scheme
+    return made_scheme(method.label, method.scheme(setting) if method.scheme else None, f"{setting:g}")
 
 
 def _states(method: Method, found: Any, problem: Any, count: int) -> Floats:
-    states: Floats | None = None
-    with suppress(TypeError, ValueError):
-        if not np.iscomplexobj(found):
-            states = np.asarray(found, dtype=np.float64)
-    if found is None or states is None:
+    states = plain(found)
+    if states is None:
         raise dincl.InvalidProblem(
-            f"method {method.label!r} returned {describe(found)}: must return an array of real states"
+            f"method {method.label!r} returned {describe(found)}: must return an array of real states{because(found)}"
         )
     expected = (count, *problem.x0.shape) if isinstance(problem, dincl.Problem) else (count, *states.shape[1:])
     if states.shape != expected:

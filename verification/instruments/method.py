@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple, TypeVar
 
 from dincl import InvalidProblem, Scheme
 from dincl.checks import describe
 
+T = TypeVar("T")
 SchemeOf = Callable[[float], Scheme]
 Methods = Mapping[str, "Method | SchemeOf"] | Sequence["Method"]
 
@@ -64,6 +65,44 @@ class Method:
                 f"(problem, setting, t) -> states; given are {', '.join(given) or 'neither'}"
             )
         object.__setattr__(self, "family", self.family or self.label)
+
+
+class Failure(NamedTuple):
+    """How a run failed: REFUSED, LEFT_OUT or FAILED, the reason, and the exception."""
+
+    status: str
+    detail: str
+    error: Exception
+
+    @property
+    def columns(self) -> dict[str, str]:
+        """The columns of its row."""
+        return {"status": self.status, "detail": self.detail}
+
+
+def attempted(function: Callable[..., T], *arguments: Any) -> T | Failure:
+    """Call what a method or a user wrote; an Exception of any kind becomes a Failure, so that no other row is lost.
+
+    REFUSED: the method cannot serve the problem (InvalidProblem). LEFT_OUT: a library is missing. FAILED: anything
+    else. KeyboardInterrupt and other exceptions that are no Exception stop the study, as does the end of a budget.
+    """
+    try:
+        return function(*arguments)
+    except ModuleNotFoundError as missing:
+        return Failure("LEFT_OUT", str(missing), missing)
+    except InvalidProblem as refusal:
+        return Failure("REFUSED", str(refusal), refusal)
+    except Exception as failure:  # noqa: BLE001  # whatever a method raises is its result
+        return Failure("FAILED", f"{type(failure).__name__}: {failure}", failure)
+
+
+def made_scheme(label: str, made: Any, setting: str) -> Scheme:
+    """Return what a method made of its setting, "0.1" or "dt = 0.1"; InvalidProblem unless it is a Scheme."""
+    if not isinstance(made, Scheme):
+        raise InvalidProblem(
+            f"method {label!r} made {describe(made)} of the setting {setting}: must make a dincl.Scheme"
+        )
+    return made
 
 
 def as_methods(methods: Methods) -> tuple[Method, ...]:

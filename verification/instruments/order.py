@@ -1,8 +1,12 @@
-"""The order of convergence from measured errors, with its uncertainty and with what must be left out to see it.
+"""The order of convergence from measured errors: local orders, their range, and whether they have settled.
 
 Asymptotically error = C h^p, a line of slope p in (log h, log error). Real measurements have a coarse end that has not
 reached it, a fine end where rounding or the reference covers the error, and runs that failed. Every step size stays
 visible as a row with its role; only the rows "used" enter the fit.
+
+Errors of a deterministic method are no random sample, so that a regression gives no confidence interval. What can be
+said is local: the order between each two neighbouring steps, log(e_i / e_j) / log(h_i / h_j). If the last of them still
+differ, or follow a trend that does not end, the errors are not yet asymptotic, and no order is shown.
 """
 
 from __future__ import annotations
@@ -15,27 +19,26 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import stdtrit
-
-from verification.instruments.asymptotic import (
-    EPS,
-    MIN_RANGE,
-    ROUNDING_REACH,
-    SLOPE_DRIFT,
-    Floats,
-    asymptotic_start,
-    line,
-    reference_shift,
-    resolution_of,
-)
+from scipy.special import fdtri
 
 MIN_STEPS = 5  # step sizes wanted from the caller
 MIN_POINTS = 3  # usable errors for a slope: two fix the line, the third is the only witness of its scatter
 MIN_RATIO = 1.01  # of neighbouring step sizes; closer ones measure noise divided by almost nothing
-CONFIDENCE = 0.95
 FLOOR_FACTOR = 3.0  # an error below three times the resolution of its reference is not resolved
-SCATTER = 0.35  # residual deviation per mean log step ratio; pairwise slopes then deviate by 0.35 sqrt(2) = 0.5
+LAST = 3  # local orders that must agree: two differences, the least that show a trend
+SETTLED = 0.1  # largest difference of the last local orders that counts as settled, as 0.1 is asked of an order
+TAIL = 2.0  # times which a trend of local orders is continued beyond its geometric limit, as its ratio is uncertain
+GROWING = 6.0  # steps by which a trend is continued that does not shrink
+STEADY = 1e-3  # a change of local orders in one direction that does not shrink over three steps, and is larger, goes on
+EPS = float(np.finfo(np.float64).eps)
+MIN_RANGE = 4  # the search for the asymptotic range never goes below this
+REFUTE_LEVEL = 0.005  # chance, per test, to refute a range that is straight up to normal noise in log error
+SLOPE_DRIFT = 0.05  # a change of slope that is not worth a shorter range: half of the 0.1 asked of an order
+ROUNDING_REACH = 1000.0  # rounding of a whole run may add up to this many eps * scale
+REFERENCE_REACH = 10.0  # a reference may be this much worse than stated, if the errors stop falling there
+STALLED_SLOPE = 0.25  # near the floor, errors that fall more slowly than h^0.25 have stopped falling
 
+Floats = NDArray[np.float64]
 Failures = Sequence[bool | Enum] | NDArray[np.bool_] | None
 Role = Literal["used", "pre-asymptotic", "floor", "failed"]
 Indices = NDArray[np.intp]
@@ -43,7 +46,7 @@ Indices = NDArray[np.intp]
 
 @dataclass(frozen=True)
 class Row:
-    """One step size with its role; ``slope`` is that from the next coarser row, None if either has no log error."""
+    """One step size with its role; ``slope`` is the local order from the next coarser row, None without a log error."""
 
     h: float
     error: float
@@ -56,9 +59,12 @@ class Row:
 class Order:
     """error = constant h^slope on rows[first] ... rows[last]; rows run from the coarsest to the finest step.
 
-    ``interval`` is the 95 % interval of the slope: Student's t on the residuals, plus the largest change that an error
-    ``resolution`` of the reference can cause. It knows of scatter, not of a drift that is left (see ``drifting``).
-    Where no order can be read, slope, interval, constant [error / h^slope], first and last are None.
+    ``interval`` is the range of the local orders between the used rows, continued by the trend of the last ones to its
+    limit if they have settled; it holds all slopes that the fit can have if the reference is wrong by ``resolution``.
+    It is no confidence interval; it holds the order if later steps do what the last ones do. Unless the local orders
+    have ``settled``, the errors are not yet asymptotic: the last three differ, or their trend leads, by more than 0.1
+    and what the reference explains, or they are fewer than three. Where no order can be read, slope, interval,
+    constant [error / h^slope], first and last are None.
     """
 
     rows: tuple[Row, ...]
@@ -69,8 +75,7 @@ class Order:
     first: int | None = None
     last: int | None = None
     exact: bool = False  # all errors are rounding
-    scattered: bool = False  # errors fall in the mean, but not from step to step
-    drifting: bool = False  # the slopes in the range still change, all in one direction
+    settled: bool = False  # the last local orders agree, and their trend ends close by
     diverging: bool = False  # errors grow as h falls
     rising: bool = False  # the error of the finest step exceeds the two before it
 
@@ -144,7 +149,7 @@ def estimate(
 
 
 def order_text(order: Order) -> str:
-    """Return the order for a table cell: "1.00 [0.98, 1.03]", with "scattered" or "drifting" behind it; or a word.
+    """Return the order for a table cell: "1.00 [0.98, 1.03]", perhaps with "not yet asymptotic" behind it; or a word.
 
     "exact", "none", or "does not fall": the error of the finest step exceeds the two before it.
     """
@@ -155,8 +160,7 @@ def order_text(order: Order) -> str:
 
 def _slope_text(value: float, interval: tuple[float, float], order: Order) -> str:
     slope, low, high = (f"{value:.2f}".replace("-0.00", "0.00") for value in (value, *interval))
-    notes = (", scattered" if order.scattered else "") + (", drifting" if order.drifting else "")
-    return f"{slope} [{low}, {high}]{notes}"
+    return f"{slope} [{low}, {high}]" + ("" if order.settled else ", not yet asymptotic")
 
 
 def _checked(h: ArrayLike, error: ArrayLike) -> tuple[Floats, Floats]:
@@ -204,31 +208,64 @@ def _rows(h: Floats, error: Floats, roles: list[Role], reasons: list[str]) -> tu
 
 
 def _fitted(rows: tuple[Row, ...], x: Floats, y: Floats, resolution: float) -> Order:
-    """Fit the used rows and look at the fit."""
-    slope, intercept, squares = line(x, y)
-    spread = float(np.sqrt(squares / (x.size - 2)))
-    shift = reference_shift(x, y, resolution)
-    half = shift + float(stdtrit(x.size - 2, 0.5 + 0.5 * CONFIDENCE)) * spread / float(np.sqrt(x.size) * np.std(x))
+    """Fit the used rows and look at their local orders."""
+    slope, intercept, _ = line(x, y)
     with np.errstate(over="ignore", under="ignore"):  # C is the error at h = 1, perhaps far outside of the range
         constant = float(np.exp(intercept))
     used = [i for i, row in enumerate(rows) if row.role == "used"]
-    slopes = np.diff(y) / np.diff(x)
-    one_way = x.size > MIN_POINTS and abs(np.sum(np.sign(np.diff(slopes)))) == x.size - 2
-    # The two bends of four points agree by chance in one of four cases: they count if coarser points drifted before.
-    known = x.size > MIN_RANGE or any(row.role == "pre-asymptotic" for row in rows)
+    local = np.diff(y) / np.diff(x)
+    change = np.zeros(y.size) if resolution == 0.0 else -np.log1p(-np.exp(np.log(resolution) - y))
+    doubt = (change[1:] + change[:-1]) / np.abs(np.diff(x))  # of each local order, by an error of the reference
+    explained = 2 * float(doubt[-LAST:].max())
+    trend = _trend(local, explained)
+    apart = max(float(np.ptp(local[-LAST:])), *map(abs, trend))
+    settled = local.size >= LAST and apart <= SETTLED + explained and not _goes_on(local, doubt)
+    below, above = trend if settled else (0.0, 0.0)
+    shift = reference_shift(x, y, resolution)
+    interval = (
+        min(float(local.min()), slope - shift, float(local[-1]) + below),
+        max(float(local.max()), slope + shift, float(local[-1]) + above),
+    )
     return Order(
         rows,
         resolution,
         slope,
-        (slope - half, slope + half),
+        interval,
         constant,
         used[0],
         used[-1],
-        scattered=bool(slope > 0.0 and not one_way and spread > SCATTER * (x[0] - x[-1]) / (x.size - 1)),
-        drifting=bool(known and one_way and abs(slopes[0] - slopes[-1]) > SLOPE_DRIFT + shift),
-        diverging=slope + half < -SLOPE_DRIFT,
+        settled=settled,
+        diverging=interval[1] < -SLOPE_DRIFT,
         rising=bool(y[-1] > max(y[-2], y[-3])),
     )
+
+
+def _goes_on(local: Floats, doubt: Floats) -> bool:
+    """Return whether three changes are in one direction and do not shrink: another order may follow.
+
+    They are the last ones up to the finest that an error of the reference does not explain.
+    """
+    changes = np.diff(local)
+    unexplained = np.flatnonzero(np.abs(changes) > doubt[1:] + doubt[:-1])
+    changes = changes[: unexplained[-1] + 1][-LAST:] if unexplained.size else changes[:0]
+    one_way = bool((changes > 0).all() or (changes < 0).all())
+    return changes.size == LAST and one_way and abs(changes[-1]) >= max(abs(changes[0]), STEADY)
+
+
+def _trend(local: Floats, explained: float) -> tuple[float, float]:
+    """Return how far below and above the last local order the next ones may lead.
+
+    Differences of one sign that shrink by a ratio r, as of error = C h^p (1 + a h^q) with r = 2^-q, lead by r / (1 - r)
+    times the last one; ``TAIL`` allows for a ratio that is not exact. Differences that grow lead on; those of both
+    signs lead as far as the last one to both sides. A growth that the reference explains leads on by one step.
+    """
+    *_, before, last = np.diff(local, prepend=local[0])
+    if local.size < LAST or before * last <= 0:
+        return -abs(float(last)), abs(float(last))
+    ratio = float(last / before)
+    growing = GROWING if abs(last) > explained else 1.0
+    lead = float(last) * (growing if ratio >= 1 else min(TAIL * ratio / (1 - ratio), GROWING / SETTLED))
+    return min(lead, 0.0), max(lead, 0.0)
 
 
 def _why_none(order: Order) -> str:
@@ -250,7 +287,70 @@ def _finding(order: Order, slope: float, interval: tuple[float, float]) -> str:
         says = "No convergence is shown"
     else:
         says = "The error falls with h"
-    scatter = " and the errors scatter about their trend instead of following it" if order.scattered else ""
-    drift = " and the slopes still change in one direction" if order.drifting else ""
+    if not order.settled and not order.rising and not order.diverging:
+        local = [row.slope for row in order.rows if row.slope is not None and row.role == "used"][-LAST:]
+        says = f"Not yet asymptotic, local orders {', '.join(f'{one:.2f}' for one in local)}. {says}"
     fitted = _slope_text(slope, interval, order)
-    return f"{says}{scatter}{drift}: order {fitted}, 95 % interval, {order.count('used')} step sizes"
+    return f"{says}: order {fitted}, range of the local orders, {order.count('used')} step sizes"
+
+
+def resolution_of(h: Floats, error: Floats, floor: float, scale: float) -> float:
+    """Return the size of what covers the error: as stated, or the largest error that stopped falling close above it."""
+    reach = max(REFERENCE_REACH * floor, ROUNDING_REACH * EPS * scale)
+    stalled = (error[1:] >= error[:-1] * (h[1:] / h[:-1]) ** STALLED_SLOPE) & (error[1:] <= reach)
+    return float(np.max(error[1:][stalled], initial=max(floor, EPS * scale)))
+
+
+def line(x: Floats, y: Floats) -> tuple[float, float, float]:
+    """Fit a least squares line: slope, value at x = 0, sum of squared residuals."""
+    centred = x - x.mean()
+    slope = float(centred @ y / (centred @ centred))
+    residual = y - y.mean() - slope * centred
+    return slope, float(y.mean() - slope * x.mean()), float(residual @ residual)
+
+
+def reference_shift(x: Floats, y: Floats, resolution: float) -> float:
+    """Return sum_i |w_i| |log(1 - resolution / error_i)|, the largest change of the slope by such errors."""
+    if resolution == 0.0:
+        return 0.0
+    centred = x - x.mean()
+    return float(np.abs(centred) @ -np.log1p(-np.exp(np.log(resolution) - y)) / (centred @ centred))
+
+
+def _refutes(narrow: float, wide: float, extra: int, freedom: int, level: float) -> bool:
+    """Return whether ``extra`` parameters lower the sum of squares from narrow to wide by more than chance (F test)."""
+    return (narrow - wide) * freedom > float(fdtri(extra, freedom, 1.0 - level)) * extra * wide
+
+
+def _drifts(x: Floats, y: Floats, resolution: float) -> bool:
+    """Return whether a next term c h is significant and changes the slope p + c h noticeably along the range."""
+    h = np.exp(x - x[0])
+    model = np.column_stack([np.ones_like(x), x - x[0], h])
+    parameters, *_ = np.linalg.lstsq(model, y)
+    if abs(parameters[2]) * (1.0 - h[-1]) <= SLOPE_DRIFT + reference_shift(x, y, resolution):
+        return False
+    residual = y - model @ parameters
+    return _refutes(line(x, y)[2], float(residual @ residual), 1, x.size - 3, REFUTE_LEVEL)
+
+
+def _coarse_part_off(x: Floats, y: Floats, resolution: float) -> bool:
+    """Return whether the line through the finer points fails, for some cut, to predict the coarser ones."""
+    slope, _, squares = line(x, y)
+    cuts = range(1, x.size - MIN_RANGE + 1)
+    for cut in cuts:
+        fine_slope, _, fine_squares = line(x[cut:], y[cut:])
+        noticeable = abs(fine_slope - slope) > SLOPE_DRIFT + reference_shift(x[cut:], y[cut:], resolution)
+        if noticeable and _refutes(squares, fine_squares, cut, x.size - cut - 2, REFUTE_LEVEL / len(cuts)):
+            return True
+    return False
+
+
+def asymptotic_start(x: Floats, y: Floats, resolution: float) -> int:
+    """Return the index of the coarsest point of the longest fine end that is one straight line."""
+    start = 0
+    while x.size - start > MIN_RANGE:
+        fine = x[start:], y[start:], resolution
+        if not (_drifts(*fine) or _coarse_part_off(*fine)):
+            break
+        start += 1
+    return start

@@ -1,4 +1,4 @@
-"""Orders of convergence: methods on one problem over a ladder of settings, with fitted slopes."""
+"""Orders of convergence: methods on one problem over a ladder of settings, with local orders and fitted slopes."""
 
 from __future__ import annotations
 
@@ -34,10 +34,12 @@ class OrderStudy(Result):
     ----------
     table
         One row for each method and setting: status, errors, counted work; ``role`` of the row in the fit of the first
-        error ("used", "pre-asymptotic", "floor", "failed") and ``slope`` from the next coarser row.
+        error ("used", "pre-asymptotic", "floor", "failed"), and the local order ``slope`` from the next coarser row,
+        with its sign; ``slope_...`` of the other errors.
     fits
-        One row for each method and error: ``order`` in words, ``slope`` with the 95 % interval ``low``, ``high``,
-        ``floor`` (what of the error was covered), ``failed`` runs, and the ``verdict`` as a sentence.
+        One row for each method and error: ``order`` in words, the fitted ``slope``, the range of the local orders with
+        their trend ``low``, ``high``, whether they have ``settled``, ``floor`` (what of the error was covered),
+        ``failed`` runs, and the ``verdict`` as a sentence. The range is no confidence interval: see ``Order``.
     errors
         Names of the errors, the first is drawn.
     looks
@@ -71,7 +73,7 @@ class OrderStudy(Result):
         fits = self.fits[["method", "error", "order", "failed", "verdict"]]
         failed = self.table[self.table["status"] != "SUCCESS"]
         columns = ["method", "setting", "status", "detail"]
-        return {"Slopes with 95 % intervals.": fits} | (
+        return {"Slopes with the range of the local orders.": fits} | (
             {"Runs without an error.": failed[columns]} if len(failed) else {}
         )
 
@@ -132,7 +134,9 @@ def order_study(
         found = {name: _fit(order) | _untried(untried.get(method.label)) for name, order in orders.items()}
         fits += [{"method": method.label, "error": name} | row for name, row in found.items()]
         table.loc[mine, "role"] = [row.role for row in orders[names[0]].rows]
-        table.loc[mine, "slope"] = [np.nan if row.slope is None else row.slope for row in orders[names[0]].rows]
+        for name, order in orders.items():
+            column = "slope" if name == names[0] else f"slope_{name}"
+            table.loc[mine, column] = [np.nan if row.slope is None else row.slope for row in order.rows]
     looks = {method.label: {"family": method.family} | dict(method.look) for method in chosen}
     meanings = {method.setting for method in chosen}
     setting = " or ".join(SETTINGS.get(name, name) for name in sorted(meanings))
@@ -172,6 +176,7 @@ def _fit(order: Order) -> dict[str, Any]:
         "slope": np.nan if order.slope is None else order.slope,
         "low": low,
         "high": high,
+        "settled": order.settled,
         "floor": order.resolution,
         "failed": order.count("failed"),
         "verdict": order.verdict,

@@ -22,8 +22,7 @@ from dincl import InvalidProblem
 from dincl.checks import describe, integer, number
 from meanfield import Density, Model, State, push_forward, solve_characteristics, solve_ode, w1
 from meanfield.transport import discrete
-from verification.instruments.lines import weighted_line
-from verification.instruments.order import CONFIDENCE
+from verification.instruments.lines import CONFIDENCE, weighted_line
 from verification.instruments.result import Result
 
 if TYPE_CHECKING:

@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from functools import partial
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 import pandas as pd
 
-from dincl import InvalidProblem, Problem
-from dincl.checks import array, describe, number
+from dincl import InvalidProblem, Problem, RunOutcome, Scheme
+from dincl.checks import describe, number
+from dincl.checks import times as checked_times
 from dincl.schemes.auto import Choice
 from dincl.schemes.pilots import Candidate, candidates
-from verification.instruments.method import Method, Methods, as_methods
+from verification.instruments.method import Failure, Method, Methods, SchemeOf, as_methods, attempted, made_scheme
 from verification.instruments.result import Result
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
+    from numpy.typing import ArrayLike, NDArray
 
     from verification.page.sheet import Axes
 
@@ -95,8 +97,8 @@ def recommend(problem: Problem, error: float, t: ArrayLike, methods: Methods | N
     """
     if not isinstance(problem, Problem):
         raise InvalidProblem(f"problem = {describe(problem)}: must be a dincl.Problem")
-    wanted, times = number("error", error, positive=True), np.atleast_1d(array("t", t))
-    if times.ndim != 1 or not times.size or times[0] < 0 or (np.diff(times) <= 0).any() or times[-1] == 0:
+    wanted, times = number("error", error, positive=True), checked_times("t", t)
+    if times[-1] == 0:
         raise InvalidProblem(f"t = {describe(t)}: must be increasing times >= 0, the last one > 0")
     chosen = candidates(problem, wanted) if methods is None else tuple(map(_candidate, as_methods(methods)))
     choice = Choice(problem, times, wanted, chosen)
@@ -119,4 +121,29 @@ def recommend(problem: Problem, error: float, t: ArrayLike, methods: Methods | N
 def _candidate(method: Method) -> Candidate:
     if method.scheme is None:
         raise InvalidProblem(f"method {method.label!r}: must be a function setting -> Scheme, not a program")
-    return Candidate(method.label, method.scheme, 0 if method.setting == "tol" else MOST_ORDER)
+    return Candidate(method.label, partial(_guarded, method), 0 if method.setting == "tol" else MOST_ORDER)
+
+
+@dataclass(frozen=True)
+class _Guarded(Scheme):
+    """A scheme of the user, whose run raises InvalidProblem for any Exception: a method that fails is out, no more."""
+
+    label: str
+    scheme: Scheme
+
+    def run(self, problem: Problem, times: NDArray[np.float64]) -> RunOutcome:
+        found = _passed(attempted(self.scheme.run, problem, times), self.label)
+        if not isinstance(found, RunOutcome):
+            raise InvalidProblem(f"method {self.label!r}: its run returned {describe(found)}: must be a RunOutcome")
+        return found
+
+
+def _guarded(method: Method, setting: float) -> Scheme:
+    made = _passed(attempted(cast("SchemeOf", method.scheme), setting), method.label)
+    return _Guarded(method.label, made_scheme(method.label, made, f"{setting:g}"))
+
+
+def _passed(found: Any, label: str) -> Any:
+    if isinstance(found, Failure):
+        raise InvalidProblem(f"method {label!r} {found.status}: {found.detail}")
+    return found

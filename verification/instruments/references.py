@@ -56,13 +56,25 @@ class Known:
     low: Floats | None = field(default=None, kw_only=True)
     proved: bool = field(default=False, kw_only=True)
 
+    def __post_init__(self) -> None:
+        """Raise InvalidProblem unless times are increasing, and there is a finite state and an error >= 0 for each."""
+        t, x, error = (np.asarray(part, dtype=np.float64) for part in (self.t, self.x, self.error))
+        if t.ndim != 1 or not np.isfinite(t).all() or (np.diff(t) <= 0).any():
+            raise dincl.InvalidProblem(f"t = {describe(t)} of a Known: must be increasing times")
+        if x.ndim < 1 or len(x) != len(t) or not np.isfinite(x).all():
+            raise dincl.InvalidProblem(
+                f"x of shape {x.shape} of a Known: must be a finite state for each of {len(t)} times"
+            )
+        if error.shape != t.shape or not (error >= 0).all() or np.isinf(error).any():
+            raise dincl.InvalidProblem(f"error = {describe(error)} of a Known: must be {len(t)} finite numbers >= 0")
+
     def at(self, times: Floats | Sequence[float]) -> tuple[Floats, Floats]:
-        """Return states (len(times), N, d) and stated errors (len(times),) at times among t; ValueError for others."""
+        """Return states (len(times), N, d) and errors (len(times),) at times among t; InvalidProblem for others."""
         index = self._places(times)
         return self.x[index], self.error[index]
 
     def take(self, times: Floats | Sequence[float]) -> Known:
-        """Return the same at some of the times t; ValueError for others."""
+        """Return the same at some of the times t; InvalidProblem for others."""
         index = self._places(times)
         low = None if self.low is None else self.low[index]
         wanted = np.asarray(times, dtype=np.float64)
@@ -80,9 +92,11 @@ class Known:
 
     def _places(self, times: Floats | Sequence[float]) -> Any:
         wanted = np.asarray(times, dtype=np.float64)
-        index = np.abs(self.t - wanted[:, None]).argmin(axis=1)
-        if (np.abs(self.t[index] - wanted) > SAME).any():
-            raise ValueError(f"times = {wanted}: must be among the times of the reference, {self.t}")
+        index = np.abs(self.t - wanted[:, None]).argmin(axis=1) if len(self.t) else np.zeros(0, dtype=np.intp)
+        if len(index) < len(wanted) or (np.abs(self.t[index] - wanted) > SAME).any():
+            raise dincl.InvalidProblem(
+                f"times = {describe(wanted)}: must be among the times of the reference, {describe(self.t)}"
+            )
         return index
 
 
@@ -124,7 +138,7 @@ class Reference:
 
     def _halved(self, scheme: Callable[[float], dincl.Scheme], t: Floats) -> Known:
         dt, end = self.dt or float(t[-1]) / FIRST, float(t[-1])
-        longest = resolving_step(self.problem, end)
+        longest = resolving_step(self.problem, t, self.tol)
         before, moved, outside = dincl.solve(self.problem, scheme(dt), t=t).x, np.inf, np.inf
         for _ in range(MOST_HALVINGS):
             dt /= 2
@@ -194,7 +208,7 @@ def known_at(source: Any, t: ArrayLike, *, between: bool = False, problem: Any =
     Raises
     ------
     InvalidProblem
-        For times that are not increasing, or states that do not have K rows of finite numbers.
+        For times that are not increasing, or states that are not K rows of finite numbers, or not at these times.
     """
     times = np.atleast_1d(array("t", t))
     if times.ndim != 1 or times.size == 0 or (np.diff(times) <= 0).any():
@@ -209,13 +223,25 @@ def known_at(source: Any, t: ArrayLike, *, between: bool = False, problem: Any =
         return replace(known_at(both, times), between=known_at(both, times_between(times)))
     if isinstance(source, Known):
         return _of(source.take(times), problem)
-    found = source(times) if callable(source) else source
+    found = _called(source, times) if callable(source) else source
     if isinstance(found, Known):
-        return _of(found, problem)
+        return _of(found.take(times), problem)
     x = array("reference", found)
     if x.ndim < 2 or len(x) != len(times):
         raise dincl.InvalidProblem(f"reference of shape {x.shape}: must give one state for each of {len(times)} times")
     return _of(_exact(times, x), problem)
+
+
+def _called(source: Any, times: Floats) -> Any:
+    """Return what a reference gives at times; what a function of the user raises is named."""
+    if isinstance(source, Reference):
+        return source(times)
+    try:
+        return source(times)
+    except Exception as error:
+        raise dincl.InvalidProblem(
+            f"reference = {describe(source)} raised {type(error).__name__}: {error}: must be a function t -> states"
+        ) from error
 
 
 def _of(known: Known, problem: Any) -> Known:

@@ -12,10 +12,11 @@ import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
 import dincl
-from dincl.checks import describe, number
+from dincl.checks import describe, items, number
+from dincl.checks import times as checked_times
 from dincl.extras import MissingLibrary
 from verification.instruments.error_norms import distance
-from verification.instruments.method import Method
+from verification.instruments.method import Failure, Method, attempted, made_scheme
 from verification.instruments.outcome import Outcome, judge
 from verification.instruments.references import known_at
 from verification.instruments.result import Result
@@ -94,17 +95,27 @@ def stability_map(
     Raises
     ------
     InvalidProblem
-        If a name is an argument neither of the method nor of the problem, or a value is not a finite number.
+        If a name is an argument neither of the method nor of the problem, or values are not one or more finite numbers.
+
+    What the problem, the method or the reference raises for a pair of values is in the row of this pair. A missing
+    library ends the map: every pair needs it.
     """
     for name, axis in (("x", x), ("y", y)):
         if not isinstance(axis, tuple | list) or len(axis) != 2 or not isinstance(axis[0], str):
             raise dincl.InvalidProblem(f"{name} = {describe(axis)}: must be (name, values)")
     cell = _Cell(problem, method, (x[0], y[0]), t, reference, accurate, feasible)
-    xs, ys = ([number(name, value) for value in values] for name, values in (x, y))
+    xs, ys = (_values(name, values) for name, values in (x, y))
     rows = [{x[0]: a, y[0]: b} | cell.row({x[0]: a, y[0]: b}) for b in ys for a in xs]
     label = method.label if isinstance(method, Method) else getattr(method, "__name__", "")
     title = f"Stability of {label}" if label.isidentifier() or isinstance(method, Method) else "Stability"
     return StabilityMap(pd.DataFrame(rows), x[0], y[0], title=title)
+
+
+def _values(name: str, values: Any) -> list[float]:
+    found = [number(name, value) for value in items(name, values, object, "one or more numbers")]
+    if not found:
+        raise dincl.InvalidProblem(f"{name} = {describe(values)}: must be one or more numbers")
+    return found
 
 
 class _Cell:
@@ -120,12 +131,15 @@ class _Cell:
         accurate: float,
         feasible: float,
     ) -> None:
-        self._problem, self._t, self._reference = problem, t, reference
+        self._problem, self._t, self._reference = problem, None if t is None else checked_times("t", t), reference
         self._accurate, self._feasible = accurate, feasible
         maker = method.scheme if isinstance(method, Method) else method
         if not callable(maker):
             raise dincl.InvalidProblem(f"method = {describe(method)}: must make a scheme of its arguments")
+        if not callable(problem) and not isinstance(problem, dincl.Problem):
+            raise dincl.InvalidProblem(f"problem = {describe(problem)}: must be a dincl.Problem, or make one")
         self._maker: Callable[..., Any] = maker
+        self._label = method.label if isinstance(method, Method) else getattr(method, "__name__", "method")
         self._of_method = _arguments(maker, names)
         self._of_problem = () if isinstance(problem, dincl.Problem) else _arguments(problem, names)
         if not self._of_method and names[0] not in self._of_problem and _takes_one(maker):
@@ -142,27 +156,30 @@ class _Cell:
 
     def row(self, values: dict[str, float]) -> dict[str, Any]:
         """Return the outcome of the run with these values."""
-        given = {name: values[name] for name in self._of_method}
-        try:
-            made = {name: values[name] for name in self._of_problem}
-            problem = self._problem if isinstance(self._problem, dincl.Problem) else self._problem(**made)
-            scheme = self._scheme(given)
-            times = self._times(problem)
-            path = dincl.solve(problem, scheme, t=times, throw=False)
-        except MissingLibrary:
-            raise
-        except dincl.InvalidProblem as wrong:
+        found = attempted(self._run, values)
+        if isinstance(found, Failure) and isinstance(found.error, MissingLibrary):
+            raise found.error
+        if isinstance(found, Failure):
             numbers = dict.fromkeys(("error", "overlap", "growth"), np.nan)
-            return {"outcome": Outcome.REFUSED.value, "status": "INVALID", "detail": str(wrong)} | numbers
-        return self._judged(problem, path, times)
+            status = "INVALID" if found.status == "REFUSED" else found.status
+            return {"outcome": Outcome.REFUSED.value, "status": status, "detail": found.detail} | numbers
+        return found
 
-    def _scheme(self, given: dict[str, float]) -> dincl.Scheme:
-        made: dincl.Scheme = self._maker(*given.values()) if self._positional else self._maker(**given)
-        return made
+    def _run(self, values: dict[str, float]) -> dict[str, Any]:
+        made = {name: values[name] for name in self._of_problem}
+        problem = self._problem if isinstance(self._problem, dincl.Problem) else self._problem(**made)
+        if not isinstance(problem, dincl.Problem):
+            raise dincl.InvalidProblem(f"problem made {describe(problem)} of {made}: must make a dincl.Problem")
+        given = {name: values[name] for name in self._of_method}
+        scheme = self._maker(*given.values()) if self._positional else self._maker(**given)
+        times = self._times(problem)
+        words = ", ".join(f"{name} = {value:g}" for name, value in given.items())
+        path = dincl.solve(problem, made_scheme(self._label, scheme, words), t=times, throw=False)
+        return self._judged(problem, path, times)
 
     def _times(self, problem: dincl.Problem) -> NDArray[np.float64]:
         if self._t is not None:
-            return np.atleast_1d(np.asarray(self._t, dtype=np.float64))
+            return self._t
         end = float(getattr(problem, "times", (1.0,))[-1])
         return np.linspace(0.0, end, 9)[1:]
 
@@ -178,7 +195,10 @@ class _Cell:
 
 
 def _arguments(maker: Callable[..., Any], names: tuple[str, ...]) -> tuple[str, ...]:
-    parameters = inspect.signature(maker).parameters
+    try:
+        parameters = inspect.signature(maker).parameters
+    except (TypeError, ValueError) as unknown:
+        raise dincl.InvalidProblem(f"{describe(maker)}: must be a function with named arguments: {unknown}") from None
     everything = any(one.kind is inspect.Parameter.VAR_KEYWORD for one in parameters.values())
     return tuple(name for name in names if everything or name in parameters)
 

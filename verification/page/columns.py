@@ -5,7 +5,7 @@ One table of the file for each table on a page; its first line tells ``dincl.pro
     # MAKES_NO_NUMBERS
     [orders]
     t = "t"
-    order = "Order [95 %]"
+    order = "Order [range]"
 """
 
 from __future__ import annotations

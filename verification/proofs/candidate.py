@@ -16,6 +16,7 @@ from flint import arb, arb_mat, ctx, fmpz_poly
 from verification.proofs import contacts
 from verification.proofs.certificate import Certificate, Dyadic, PolynomialPiece
 from verification.proofs.description import dyadic
+from verification.proofs.enclosures import Functions
 from verification.proofs.fixed_point import FixedPointSystem, Series, fixed, rounded
 
 # Bits beyond the digits; terms of a series for each digit, which makes steps of about a tenth of a turn; part of the
@@ -119,13 +120,15 @@ def at(series: Series, time: int, bits: int) -> int:
     return value
 
 
-def follow(of: Certificate, events: list[Event], end: float, digits: int) -> tuple[PolynomialPiece, ...]:
+def follow(
+    of: Certificate, functions: Functions, events: list[Event], end: float, digits: int
+) -> tuple[PolynomialPiece, ...]:
     """Return pieces from t = 0 to ``end`` whose terms fall below 10^-digits.
 
     ``events`` are (time, whether the row closes, row), in the order of time.
     """
     bits, order = math.ceil(digits / math.log10(2)) + GUARD, round(TERMS * digits) + 8
-    system = FixedPointSystem(of, bits)
+    system = FixedPointSystem(of, functions, bits)
     pieces: list[PolynomialPiece] = []
     x, now = _onto(system, system.start), 0
     # Contacts that are nearly made at the start are made at once, each at its own time.

@@ -2,19 +2,27 @@
 
 Letters are those of docs/explain/proofs.md: y approximates the solution x, m its multipliers lambda, s in [-1, 1] is
 the time along a piece. ``check`` is all that is needed.
+
+A file from somebody else is data: a Certificate has the kinds, signs and sizes of its format, the work is bounded by a
+multiple of its length, and functions that it names are imported from modules that the caller trusts, from no others.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import partial
+from importlib import import_module
+from types import FunctionType
 from typing import Any, NamedTuple
 
 from flint import arb, arb_mat, arb_poly, ctx
 
 from verification.proofs.certificate import BadCertificate, Certificate, ExactRow, PolynomialPiece
 from verification.proofs.enclosures import (
+    SQUARINGS,
     ZERO,
     ExactProblem,
+    Functions,
     RowOnPiece,
     approximation,
     ball,
@@ -35,6 +43,9 @@ from verification.proofs.enclosures import (
 
 # Bits of the rates, of which two digits matter; halvings of a piece and tries of a radius at most.
 ROUGH, DEEPEST, TRIES = 64, 14, 12
+# Operations with balls at most, for each whole number of a certificate and for FEW numbers more: those that ``prove``
+# makes take 20 to 1,000. A million operations take about 0.2 s, so that the time of a check is bounded by its file.
+WORK, FEW = 20_000, 100
 # A part of a piece is halved if unknown multipliers add more to the exponent: this much, and this part of the rest.
 EXCESS, OF_RATE = 0.01, 0.25
 
@@ -82,11 +93,28 @@ class TooLong(Exception):
     """A part of a piece is too long for its bounds; the message says which."""
 
 
+class Work:
+    """The operations with balls that a check may still take, counted roughly, by its loops."""
+
+    def __init__(self, numbers: int) -> None:
+        self.most = self.left = WORK * (numbers + FEW)
+
+    def spend(self, operations: int) -> None:
+        """Take operations away; BadCertificate if there are not so many."""
+        self.left -= operations
+        if self.left < 0:
+            raise BadCertificate(f"takes more than {self.most:.1g} operations, about {WORK} for each of its numbers")
+
+
 class PieceInBalls:
     """A piece of y: polynomials of s, the defect, the active rows, and how far all others are."""
 
-    def __init__(self, piece: PolynomialPiece, problem: ExactProblem, begin: Any) -> None:
-        self.problem, self.begin, self.half = problem, begin, number(piece.half)
+    def __init__(self, piece: PolynomialPiece, problem: ExactProblem, begin: Any, work: Work) -> None:
+        self.problem, self.begin, self.half, self.work = problem, begin, number(piece.half), work
+        # Operations on all coefficients of a polynomial: additions, and products of words of 64 bits.
+        self.terms = max(map(len, (*piece.x, *piece.force)), default=0) + 1
+        self.products = self.terms * (1 + problem.precision // ROUGH)
+        work.spend(len(problem.rows) + (problem.count + 8 * problem.d * len(piece.active)) * self.products)
         self.opening = [number(v) for v in piece.opening]
         read = [arb_poly([arb((c, piece.exponent)) for c in row]) for row in (*piece.x, *piece.force)]
         self.x, forces = read[: problem.count], read[problem.count :]
@@ -104,11 +132,8 @@ class PieceInBalls:
                 rates[c] -= force * b
         self.defect = length([size(rate) for rate in rates])
         used = [p for path in self.paths.values() for p in path] + rates
-        known = set(piece.active) <= set(range(len(problem.rows))) and self.half > 0
-        if not known or not all(c.is_finite() for p in used for c in p.coeffs()):
-            raise BadCertificate(
-                f"t = {float(begin):.6g}: a piece without length, rows that are not there, or no numbers"
-            )
+        if not all(c.is_finite() for p in used for c in p.coeffs()):
+            raise BadCertificate(f"t = {float(begin):.6g}: drift or paths are not finite")
         with ctx.workprec(ROUGH):
             whole = [constant(p) for p in self.x]
             self.clear = [
@@ -123,6 +148,7 @@ class PieceInBalls:
     def row(self, k: int) -> RowOnPiece:
         """Return row k on this piece."""
         if k not in self._rows:
+            self.work.spend(4 * self.problem.d * self.products)
             with ctx.workprec(self.problem.precision):
                 row = self.problem.rows[k]
                 self._rows[k] = RowOnPiece(row, self.x, self.problem.d, self.path(row))
@@ -130,6 +156,7 @@ class PieceInBalls:
 
     def least(self, poly: Any, a: Any, b: Any) -> Any:
         """Bound a polynomial, or the gap of a row, on [a, b] from below with all digits."""
+        self.work.spend(2 * self.products)
         with ctx.workprec(self.problem.precision):
             return poly.gap_from_below(a, b) if isinstance(poly, RowOnPiece) else lowest(poly, a, b)
 
@@ -204,9 +231,11 @@ def grow(piece: PieceInBalls, a: Any, b: Any, start: tuple[Any, Any], radius: An
     """Bound |x - y| on [a, b] if it is below ``radius``; TooLong if [a, b] must, or with ``halves`` should, halve."""
     problem, time, near, defect = piece.problem, up((b - a) * piece.half), [], piece.defect
     velocity = [span(v, a, b) for v in piece.velocity]
+    piece.work.spend(len(piece.clear) + 2 * problem.count * piece.terms)
     for k, clear in enumerate(piece.clear):
         if k in piece.force or not clear > problem.steepness[k] * radius:
             found = touched(piece, k, a, b, radius, velocity)
+            piece.work.spend(4 * problem.d * piece.terms)
             if found is not None:
                 near.append(found[0])
                 defect = up(defect + found[1])
@@ -214,6 +243,7 @@ def grow(piece: PieceInBalls, a: Any, b: Any, start: tuple[Any, Any], radius: An
     rate, lipschitz = problem.rates(piece.middle + (a + b) / 2 * piece.half + arb(0, up(time / 2)), box)
     known, unknown, beta = ZERO, ZERO, ZERO
     if near:
+        piece.work.spend(len(near) ** 2 * problem.count + SQUARINGS * (problem.count // problem.d) ** 3)
         norms, most, slack = dual_directions(near, problem.count, radius, piece.opening)
         share = [s / (1 - max(slack)) for s in slack]
         lam = [up(v + s * max(most)) for v, s in zip(most, share, strict=True)]
@@ -266,13 +296,16 @@ def cross(piece: PieceInBalls, a: Any, b: Any, start: tuple[Any, Any], depth: in
     return left + cross(piece, middle, b, (left[-1].square, left[-1].linear), depth + 1)
 
 
-def enclose(certificate: Certificate) -> Proven:
+def enclose(certificate: Certificate, functions: Functions) -> Proven:
     """Compute the bound that the pieces of a certificate prove; BadCertificate where an inequality fails."""
-    problem, begin, stretches = ExactProblem(certificate), ZERO, []
+    if not certificate.pieces:
+        raise BadCertificate("pieces: none, so nothing is proved")
+    problem, begin, stretches = ExactProblem(certificate, functions), ZERO, []
+    work = Work(certificate.numbers())
     state, growth = problem.start, (ZERO, number(certificate.start_error))
     for piece in certificate.pieces:
         with ctx.workprec(certificate.precision):
-            current = PieceInBalls(piece, problem, begin)
+            current = PieceInBalls(piece, problem, begin, work)
             jump = length([p(arb(-1)) - v for p, v in zip(current.x, state, strict=True)])
             state, begin = [p(arb(1)) for p in current.x], begin + 2 * current.half
         with ctx.workprec(ROUGH):
@@ -281,15 +314,40 @@ def enclose(certificate: Certificate) -> Proven:
     return Proven(stretches, max(s.bound for s in stretches), begin)
 
 
-def check(certificate: Certificate) -> Proven:
-    """Prove the bound and the balls of a certificate; BadCertificate if they do not follow from its pieces."""
-    try:
-        verdict = enclose(certificate)
-    except (ArithmeticError, AttributeError, ImportError, LookupError, TypeError) as error:
-        raise BadCertificate(f"cannot be evaluated: {error!r}") from error
+def trusted(certificate: Certificate, trust: Iterable[str]) -> Functions:
+    """Import the functions that a certificate names, from the modules of ``trust`` only; BadCertificate for others."""
+    modules, found = set(trust), {}
+    for name in certificate.functions:
+        module, _, attribute = name.partition(":")
+        if module not in modules:
+            raise BadCertificate(
+                f"the certificate needs the function {name}, and a check would run code of the module {module}: "
+                f'to do this, give --trust {module}, or check(..., trust=["{module}"]) in Python'
+            )
+        try:
+            function: Any = import_module(module)
+            for part in attribute.split("."):
+                function = getattr(function, part)
+        except Exception as error:  # whatever a module does when it is imported
+            raise BadCertificate(f"the function {name} is not found: {error}") from error
+        # A module holds what it imported, too, and that was not trusted.
+        if type(function) is not FunctionType or (function.__module__, function.__qualname__) != (module, attribute):
+            raise BadCertificate(f"{name} is not a function that the module {module} defines under this name")
+        found[name] = function
+    return found
+
+
+def check(certificate: Certificate, trust: Iterable[str] = ()) -> Proven:
+    """Prove the bound and the balls of a certificate; BadCertificate if they do not follow from its pieces.
+
+    ``trust`` has the names of modules whose functions may be imported and run, if the certificate names any.
+    """
+    verdict = enclose(certificate, trusted(certificate, trust))
     if not verdict.bound <= number(certificate.bound):
         raise BadCertificate(f"the bound that follows is {float(verdict.bound):.3g}, larger than what is stated")
+    work = Work(certificate.numbers())
     for stated in certificate.balls:
+        work.spend(len(certificate.pieces) + len(verdict.stretches))
         with ctx.workprec(certificate.precision):
             t = number(stated.t)
             off = length([v - number(c) for v, c in zip(approximation(certificate, t), stated.centre, strict=True)])

@@ -1,29 +1,34 @@
 """Enclosures of what a certificate holds: numbers, polynomials, the drift, and rows along a piece.
 
 With ``checker`` and the format of certificates this is all that a proof rests on, beside flint, the standard library,
-and the user's functions if the problem has any. A polynomial in s in [-1, 1] is an arb_poly.
+and the user's functions if the problem has any, which get NumPy's arrays of objects. A polynomial in s in [-1, 1] is an
+arb_poly.
 """
 
 from __future__ import annotations
 
+import math
 import operator
-from importlib import import_module
-from typing import Any
+from collections.abc import Callable, Mapping
+from typing import Any, NoReturn
 
+import numpy as np
 from flint import arb, arb_mat, arb_poly, arb_series, ctx
 
-from verification.proofs.certificate import BadCertificate, Certificate, Dyadic, ExactRow, on_balls
+from verification.proofs.certificate import BadCertificate, Certificate, Dyadic, ExactRow
 
 # The bound of an eigenvalue is too large by a factor of at most n^(1/64).
 SQUARINGS = 6
 # Added to the Gram matrix of rows that depend on each other.
 RIDGE = 2.0**-20
 ZERO = arb(0)
+# The functions of a problem, by the names that stand in its certificate.
+Functions = Mapping[str, Callable[..., Any]]
 
 
 def number(value: Dyadic) -> Any:
     """Return m 2^e."""
-    return arb((int(value[0]), int(value[1])))
+    return arb(value)
 
 
 def up(x: Any) -> Any:
@@ -119,23 +124,20 @@ def directions(jacobian: Any, opening: list[Any]) -> Any:
     return arb_mat(moved).mid()
 
 
-def called(name: str) -> Any:
-    """Return the user's function "module:name", which raises NotOnBalls where it cannot be evaluated."""
-    module, _, attribute = name.partition(":")
-    found: Any = import_module(module)
-    for part in attribute.split("."):
-        found = getattr(found, part)
-    return on_balls(name, found)
+class NotOnBalls(BadCertificate):
+    """A user's function that cannot be evaluated on balls; the message names the function and the reason."""
 
 
 class Series:
     """A Taylor series of balls for functions of users: +, -, *, /, powers, and NumPy's elementary functions.
 
-    NumPy would take an arb_series for a list of its coefficients. Comparisons and other functions raise TypeError: a
-    function that branches may do to balls what it does not do to numbers.
+    NumPy would take an arb_series for a list of its coefficients. Comparisons, truth values, conversions and other
+    functions raise TypeError: a function that branches may do to balls what it does not do to numbers. They are noted
+    in ``refused``, too, as a function of a user may catch the error.
     """
 
     __slots__ = ("of",)
+    refused: list[str] = []  # noqa: RUF012
 
     def __init__(self, of: Any) -> None:
         self.of = of if isinstance(of, arb_series) else arb_series([of])
@@ -143,18 +145,38 @@ class Series:
     def __neg__(self) -> Series:
         return Series(-self.of)
 
+    def __pos__(self) -> Series:
+        return self
+
     def __pow__(self, power: Any) -> Series:
-        if power != int(power):
-            raise TypeError(f"power {power}: must be a whole number; for a root numpy.sqrt")
+        if not isinstance(power, (int, float, np.integer)) or power != round(power):
+            _refuse(f"power {power}: must be a whole number; for a root numpy.sqrt")
         return Series(self.of ** int(power))
+
+
+def _refuse(reason: str) -> NoReturn:
+    Series.refused.append(reason)
+    raise TypeError(reason)
+
+
+def _exact(value: Any) -> Any:
+    """Return a value as a series: a Series, a whole number or a double number, which are exact."""
+    if isinstance(value, Series):
+        return value.of
+    if isinstance(value, (int, np.integer, np.bool_)):
+        return arb_series([arb(int(value))])
+    if isinstance(value, (float, np.float32, np.float16)):
+        if not math.isfinite(value):
+            _refuse(f"{value} is not a finite number")
+        return arb_series([arb(float(value))])
+    _refuse(f"{type(value).__name__} is neither a ball nor a whole or double number")
 
 
 def _binary(of: Any, turned: bool) -> Any:
     def operate(self: Series, other: Any) -> Any:
-        if getattr(other, "shape", ()):  # an array, which calls this for each of its entries
+        if isinstance(other, np.ndarray):  # which calls this for each of its entries
             return NotImplemented
-        number_of = int if isinstance(other, int) else float
-        value = other.of if isinstance(other, Series) else arb_series([arb(number_of(other))])
+        value = _exact(other)
         return Series(of(value, self.of) if turned else of(self.of, value))
 
     return operate
@@ -164,57 +186,93 @@ def _unary(name: str) -> Any:
     return lambda self: Series(getattr(self.of, name)())
 
 
+def _refused(name: str) -> Any:
+    def operate(self: Series, *others: Any) -> Any:
+        if any(isinstance(other, np.ndarray) for other in others):
+            return NotImplemented
+        _refuse(f"{name} is not decided for balls")
+
+    return operate
+
+
 for _of in (operator.add, operator.sub, operator.mul, operator.truediv):
     setattr(Series, f"__{_of.__name__}__", _binary(_of, turned=False))
     setattr(Series, f"__r{_of.__name__}__", _binary(_of, turned=True))
 for _name in ("sin", "cos", "tan", "exp", "log", "sqrt"):
     setattr(Series, _name, _unary(_name))
+for _name in (
+    *(
+        "hash",
+        "eq",
+        "ne",
+        "lt",
+        "le",
+        "gt",
+        "ge",
+        "bool",
+        "float",
+        "int",
+        "complex",
+        "index",
+        "abs",
+        "round",
+        "floor",
+        "ceil",
+    ),
+    *("trunc", "floordiv", "rfloordiv", "mod", "rmod", "divmod", "rdivmod", "rpow"),
+):
+    setattr(Series, f"__{_name}__", _refused(_name))
+
+
+def on_balls(name: str, function: Callable[..., Any], given: tuple[Any, ...], shape: tuple[int, ...]) -> list[Any]:
+    """Evaluate a user's function on balls: series of its values, which have a shape; NotOnBalls if it cannot be."""
+    Series.refused.clear()
+    try:
+        found = np.asarray(function(*given), dtype=object)
+        if found.shape != shape:
+            _refuse(f"its value has shape {found.shape} in place of {shape}")
+        values = [_exact(v) for v in found.ravel().tolist()]
+    except (ArithmeticError, ValueError) as error:
+        reason = "a ball contains a zero of a denominator, or the end of a domain: the function changes too fast"
+        raise NotOnBalls(f"{name} cannot be evaluated on balls: {error} ({reason})") from error
+    except Exception as error:  # whatever a function of a user raises
+        raise _unfit(name, str(error)) from error
+    if Series.refused:
+        raise _unfit(name, Series.refused[0])
+    return values
+
+
+def _unfit(name: str, error: str) -> NotOnBalls:
+    reason = "only +, -, *, /, whole powers and NumPy's elementary functions work on balls, not if, abs or max"
+    return NotOnBalls(f"{name} cannot be evaluated on balls: {error} ({reason})")
 
 
 class ExactProblem:
     """The problem of a certificate, in exact balls: the sets by their rows, and the drift."""
 
-    def __init__(self, of: Certificate) -> None:
+    def __init__(self, of: Certificate, functions: Functions) -> None:
         self.d, self.rows, self.count, self.precision = of.dimension, of.rows, len(of.start), of.precision
         self.start = [number(v) for v in of.start]
-        if self.d < 1 or self.count % self.d or not all(self._sound(row) for row in self.rows):
-            raise BadCertificate("a row or the start does not fit the dimension")
         weights = [[number(w) for w in row.weights] or [arb(1)] * len(row.places) for row in of.rows]
         self.steepness = [length(of_row) for of_row in weights]
         self.order = max([len(row) for piece in of.pieces for row in (*piece.x, *piece.force)], default=0) + 1
-        self.paths = {row.path: called(row.path) for row in of.rows if row.path}
-        self.function: Any = called(of.drift["function"]) if "function" in of.drift else None
-        if self.function is None:
-            names = ("velocity", "stretch", "turn")
-            self.velocity, self.stretch, self.turn = ([number(v) for v in of.drift[name]] for name in names)
-            if self.d != 2 and any(turn != 0 for turn in self.turn):
-                raise BadCertificate("the drift turns, which needs two dimensions")
-
-    def _sound(self, row: ExactRow) -> bool:
-        """Return whether a row is what the theorem is about."""
-        distance, lengths = row.kind == "distance", {1: self.d, 2: 0}
-        most = self.count // self.d if distance else self.count
-        fits = len(set(row.places)) == len(row.places) and all(0 <= p < most for p in row.places)
-        if not distance:
-            return fits and row.kind == "affine" and len(row.weights) == len(row.places) and row.sign == 1
-        pushes = row.sign in (1, -1) and row.length[0] > 0
-        return fits and pushes and lengths.get(len(row.places)) == len(row.anchor)
+        self.functions, self.function = functions, of.drift.function
+        self.paths = list(dict.fromkeys(row.path for row in of.rows if row.path))
+        parts = (of.drift.velocity, of.drift.stretch, of.drift.turn)
+        self.velocity, self.stretch, self.turn = ([number(v) for v in part] for part in parts)
 
     def field(self, t: Any, x: list[Any]) -> list[Any]:
         """Return F(t, x) of a user's function, for Arb numbers or series."""
-        import numpy as np
-
         states = np.array([Series(v) for v in x], dtype=object).reshape(-1, self.d)
-        found: list[Any] = np.asarray(self.function(Series(t), states)).ravel().tolist()
-        return [f.of if isinstance(f, Series) else arb_series([arb(f)]) for f in found]
+        return on_balls(self.function, self.functions[self.function], (Series(t), states), states.shape)
 
     def displacement(self, name: str, t: Any, _: Any = None) -> list[Any]:
         """Return the path of a user's function as series."""
-        return [c.of if isinstance(c, Series) else arb_series([arb(float(c))]) for c in self.paths[name](Series(t))]
+        return on_balls(name, self.functions[name], (Series(t),), (self.d,))
 
     def drift(self, x: list[Any], time: Any, half: Any) -> list[Any]:
         """Enclose F(t, y) by polynomials of s."""
-        if self.function is not None:
+        if self.function:
             return enclosed(self.field, x, self.order, time, half)
         found = [arb_poly([c]) + self.stretch[k // self.d] * x[k] for k, c in enumerate(self.velocity)]
         for i in [i for i, turn in enumerate(self.turn) if turn != 0]:
@@ -224,7 +282,7 @@ class ExactProblem:
 
     def rates(self, t: Any, x: list[Any]) -> tuple[Any, Any]:
         """Bound the one-sided and the usual Lipschitz constant of F over a box, by its Jacobian."""
-        if self.function is None:
+        if not self.function:
             squares = [a * a + b * b for a, b in zip(self.stretch, self.turn, strict=True)]
             return max(self.stretch), root(max(up(s) for s in squares))
         columns, n = [], range(self.count)
@@ -261,7 +319,8 @@ def approximation(certificate: Certificate, t: Any) -> list[Any]:
 class RowOnPiece:
     """A row on a piece: its arrow X_i - X_j, the directions b of its force, and q, which has the sign of g.
 
-    For a distance q = sign (|arrow|^2 - length^2) = g (|arrow| + length), for an affine row q = g.
+    For a distance q = sign (|arrow|^2 - length^2) = g (|arrow| + length), for an affine row q = g. The length
+    of weights is a ball where it is no dyadic number.
     """
 
     def __init__(self, row: ExactRow, x: Any, d: int, path: Any) -> None:
@@ -276,7 +335,8 @@ class RowOnPiece:
         else:
             self.columns, self.weights = list(row.places), [number(w) for w in row.weights]
             terms = zip(self.weights, self.columns, strict=True)
-            self.q = total(w * (x[c] - path[c % d]) for w, c in terms) - self.length
+            norm = total(w * w for w in self.weights).sqrt()
+            self.q = total(w * (x[c] - path[c % d]) for w, c in terms) - norm * self.length
             self.steep, self.curvature = length(self.weights), ZERO
         self.bends = up(1 / self.length) if self.distance and row.sign > 0 and d > 1 else ZERO
 

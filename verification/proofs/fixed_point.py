@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ from flint import arb, arb_series, ctx
 
 from verification.proofs.certificate import Certificate, Dyadic, ExactRow
 from verification.proofs.contacts import Floats
-from verification.proofs.enclosures import ExactProblem
+from verification.proofs.enclosures import ExactProblem, Functions
 
 # Coefficients of a Taylor series.
 Series = list[int]
@@ -26,6 +27,8 @@ class FixedRow:
         self.weights = [fixed(w, bits) for w in row.weights]
         self.anchor = [fixed(a, bits) for a in row.anchor]
         self.length, self.bits, self.path = fixed(row.length, bits), bits, row.path
+        if self.affine:
+            self.length = (self.length * math.isqrt(sum(w * w for w in self.weights))) >> bits
 
     def moved(self, paths: dict[str, list[Series]], n: int) -> list[int]:
         """Return coefficient n of the displacement of the set, empty if it rests."""
@@ -64,12 +67,11 @@ class FixedRow:
 class FixedPointSystem:
     """A problem in fixed-point numbers of so many bits."""
 
-    def __init__(self, of: Certificate, bits: int) -> None:
+    def __init__(self, of: Certificate, functions: Functions, bits: int) -> None:
         self.d, self.bits, self.start = of.dimension, bits, [fixed(v, bits) for v in of.start]
-        self.rows, self._of = [FixedRow(row, of.dimension, bits) for row in of.rows], ExactProblem(of)
-        self._numbers = {}
-        if self._of.function is None:
-            self._numbers = {name: [fixed(v, bits) for v in part] for name, part in of.drift.items()}
+        self.rows, self._of = [FixedRow(row, of.dimension, bits) for row in of.rows], ExactProblem(of, functions)
+        parts = (of.drift.velocity, of.drift.stretch, of.drift.turn)
+        self._numbers = [[fixed(v, bits) for v in part] for part in parts]
 
     def paths(self, time: int, order: int) -> dict[str, list[Series]]:
         """Return the Taylor series of the displacements of sets."""
@@ -108,13 +110,13 @@ class FixedPointSystem:
 
     def drift(self, time: int, x: list[Series], n: int) -> list[int]:
         """Return coefficient n of F(x)."""
-        if not self._numbers:
+        if self._of.function:
             ctx.cap = n + 1
             with ctx.workprec(self.bits + 60):
                 states = [arb_series([arb((c, -self.bits)) for c in s]) for s in x]
                 found = self._of.field(arb_series([arb((time, -self.bits)), 1]), states)
                 return [rounded(f[n], self.bits) for f in found]
-        velocity, stretch, turn = (self._numbers[name] for name in ("velocity", "stretch", "turn"))
+        velocity, stretch, turn = self._numbers
         values = [(stretch[k // self.d] * s[n]) >> self.bits for k, s in enumerate(x)]
         if n == 0:
             values = [f + c for f, c in zip(values, velocity, strict=True)]

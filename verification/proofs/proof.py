@@ -18,9 +18,18 @@ from dincl.checks import array, describe
 from dincl.files import write_text
 from verification.proofs import checker
 from verification.proofs.candidate import Event, follow
-from verification.proofs.certificate import BadCertificate, Certificate, Dyadic, NotOnBalls, ProvedBall
-from verification.proofs.description import drift_of, dyadic, rows_of
-from verification.proofs.enclosures import ZERO, ExactProblem, RowOnPiece, approximation, length, up
+from verification.proofs.certificate import BadCertificate, Certificate, Dyadic, ProvedBall
+from verification.proofs.description import described, dyadic, short
+from verification.proofs.enclosures import (
+    ZERO,
+    ExactProblem,
+    Functions,
+    NotOnBalls,
+    RowOnPiece,
+    approximation,
+    length,
+    up,
+)
 from verification.proofs.words import assumptions
 
 if TYPE_CHECKING:
@@ -28,6 +37,8 @@ if TYPE_CHECKING:
 
 # Tolerance of the events, relative to the largest coordinate; of times and rows that are found again with all digits.
 EVENTS = 1e-11
+# Bits for the start; values of a function on balls and on numbers are the same up to this, as both are rounded.
+EXACTLY, SAME = 256, 1e-6
 # Digits of the first try beyond twice those of the bound, for the growth of errors, and for each event; tries; digits
 # added at a failure, and beyond what the bound missed.
 SPARE, OF_EVENT, TRIES, MORE, BEYOND = 8, 0.25, 4, 16, 4
@@ -51,7 +62,8 @@ class Proof:
     Attributes
     ----------
     problem
-        The inclusion. Its numbers are taken as they are: 0.1 is the double nearest to it.
+        The inclusion. Its numbers are taken as they were given: 0.1 is the double nearest to it, and normals, sums and
+        products are exact.
     t
         Times (K,).
     radius
@@ -122,6 +134,7 @@ def prove(problem: dincl.Problem, t: ArrayLike, bound: float = 1e-12) -> Proof:
     solution is bounded by Gronwall's inequality, see docs/explain/proofs.md. Sets: NonOverlap, HalfSpace, Ordered,
     MaxDistance, InsideBall, OutsideBall, also Moving. Drifts: those of ``dincl.drifts``, and functions (t, x) at the
     top of a module that work on object arrays of Arb numbers and series, as do +, -, *, / and np.exp, np.sin, np.sqrt.
+    A function must be what its name leads to: the certificate holds the name, and a checker imports the function.
 
     Parameters
     ----------
@@ -144,31 +157,32 @@ def prove(problem: dincl.Problem, t: ArrayLike, bound: float = 1e-12) -> Proof:
     times, wanted = np.atleast_1d(array("t", t)), checks.number("bound", bound, positive=True)
     if times.ndim != 1 or not times.size or times[0] < 0 or times[-1] <= 0 or (np.diff(times) <= 0).any():
         raise dincl.InvalidProblem(f"t = {describe(t)}: must be one or more increasing times >= 0, the last one > 0")
-    rows, places = rows_of(problem)
-    start, drift = tuple([dyadic(v) for v in problem.x0.ravel()]), drift_of(problem)
-    empty = Certificate(problem.x0.shape[1], start, drift, rows, (), 64)
+    empty, functions, places = described(problem)
     try:
-        empty = replace(empty, start_error=_start_error(empty))
+        _compare(problem, empty, functions, times[-1], [0.0], [problem.x0])
+        empty = replace(empty, start_error=_start_error(empty, functions))
+        path = dincl.solve(problem, dincl.EventDriven(EVENTS * max(1.0, float(np.abs(problem.x0).max()))), times)
+        _compare(problem, empty, functions, times[-1], path.t, path.x)
     except NotOnBalls as failed:
         raise NotProved(f"no bound of {wanted:g}: {failed}", math.inf) from failed
-    try:
-        path = dincl.solve(problem, dincl.EventDriven(EVENTS * max(1.0, float(np.abs(problem.x0).max()))), times)
     except dincl.StepFailed as failed:
         raise NotProved(f"no approximation: {failed}", math.inf) from failed
     events = [(event.t, event.kind == "contact", places[event.constraint, event.row]) for event in path.events]
-    certificate, verdict = _search(empty, events, float(times[-1]), wanted)
+    certificate, verdict = _search(empty, functions, events, float(times[-1]), wanted)
     return _proof(problem, times, certificate, verdict)
 
 
-def _search(empty: Certificate, events: list[Event], end: float, wanted: float) -> tuple[Certificate, checker.Proven]:
+def _search(
+    empty: Certificate, functions: Functions, events: list[Event], end: float, wanted: float
+) -> tuple[Certificate, checker.Proven]:
     """Take more digits until the bound is reached; eps enters by its root, so gaps need twice the digits."""
     best, reason = math.inf, ""
     digits = math.ceil(-2 * math.log10(wanted) + SPARE + OF_EVENT * len(events))
     for _ in range(TRIES):
         try:
-            pieces = follow(empty, events, end, digits)
+            pieces = follow(empty, functions, events, end, digits)
             filled = replace(empty, pieces=pieces, precision=-pieces[0].exponent + 32)
-            verdict = checker.enclose(filled)
+            verdict = checker.enclose(filled, functions)
         except NotOnBalls as failed:  # no number of digits helps
             raise NotProved(f"no bound of {wanted:g}: {failed}", best) from failed
         except (BadCertificate, ArithmeticError) as failed:
@@ -192,16 +206,39 @@ def _proof(
             y = approximation(certificate, arb(float(t)))
             radius = up(verdict.at(arb(float(t))) + length([v.rad() for v in y]))
             radii.append(math.nextafter(float(radius), math.inf))
-            balls.append(ProvedBall(dyadic(float(t)), tuple([_dyadic(v.mid()) for v in y]), dyadic(radii[-1])))
+            centre = tuple([short(*map(int, v.mid().man_exp())) for v in y])
+            balls.append(ProvedBall(dyadic(float(t)), centre, dyadic(radii[-1])))
     bound = math.nextafter(float(verdict.bound.upper()), math.inf)
     filled = replace(certificate, bound=dyadic(bound), balls=tuple(balls))
     return Proof(problem, times, np.array(radii), bound, filled)
 
 
-def _start_error(empty: Certificate) -> Dyadic:
+def _compare(
+    problem: dincl.Problem, empty: Certificate, functions: Functions, end: float, times: Any, states: Any
+) -> None:
+    """Raise NotProved if a function has other values on balls than on numbers, at some times and states (N, d).
+
+    This shows a function that asks for the type of its arguments, which no ball can refuse. Differences are measured by
+    the values, or by the velocity that crosses the state until the end.
+    """
+    exact = ExactProblem(empty, functions)
+    with ctx.workprec(EXACTLY):
+        for t, x in zip(times, states, strict=True):
+            now, size, pairs = arb(float(t)), float(np.abs(x).max()), []
+            if exact.function:
+                values = exact.field(now, [arb(float(v)) for v in x.ravel()])
+                pairs.append((exact.function, values, problem.velocity(float(t), x), size / end))
+            pairs += [(name, exact.displacement(name, now), functions[name](float(t)), size) for name in exact.paths]
+            for name, on_balls, on_numbers, scale in pairs:
+                found, numbers = np.array([float(v[0]) for v in on_balls]), np.ravel(on_numbers)
+                if not np.abs(found - numbers).max() <= SAME * max(scale, np.abs(numbers).max()):
+                    raise NotProved(f"{name} has other values on balls than on numbers, at t = {t:g}", math.inf)
+
+
+def _start_error(empty: Certificate, functions: Functions) -> Dyadic:
     """Bound the distance of the start to a feasible point; 0 if it is feasible."""
-    with ctx.workprec(256):
-        problem = ExactProblem(empty)
+    with ctx.workprec(EXACTLY):
+        problem = ExactProblem(empty, functions)
         x, none = [arb_poly([v]) for v in problem.start], [arb_poly([0])] * problem.d
         paths = {name: [arb_poly([c[0]]) for c in problem.displacement(name, arb(0))] for name in problem.paths}
         gaps = [
@@ -209,11 +246,6 @@ def _start_error(empty: Certificate) -> Dyadic:
         ]
         off = up(sum((max(-gap, ZERO) for gap in gaps), ZERO))
     return dyadic(math.nextafter(2 * float(off), math.inf)) if off > 0 else (0, 0)
-
-
-def _dyadic(exact: Any) -> Dyadic:
-    mantissa, exponent = exact.man_exp()
-    return int(mantissa), int(exponent)
 
 
 def _fraction(value: Dyadic) -> Fraction:

@@ -83,3 +83,50 @@ def test_a_class_of_the_user_is_checked_too():
 
     with pytest.raises(dincl.InvalidProblem, match=r"Inside.jacobian: along a test direction row 0 of Inside.values"):
         problem(Inside())
+
+
+@pytest.mark.parametrize(
+    ("scale", "centre", "at"),
+    [
+        (1.0, 0.0, 1e-12),  # a start near the origin, derivatives far from it
+        (1.0, 0.0, 1e6),
+        (1e-3, 1e3, 1e3),  # a small set far from the origin
+        (1e6, 1e6, 0.0),
+        (1e-6, 0.0, 1e-15),
+    ],
+)
+def test_differences_take_their_step_from_the_point_and_the_function(scale, centre, at):
+    def ring(x):
+        assert not np.iscomplexobj(x)
+        return scale - np.linalg.norm(x - centre, axis=1)
+
+    made = dincl.Smooth(ring)
+    made.jacobian(np.array([[0.0, at]]))
+    toward = np.array([[0.6, -0.8]])
+    for distance in (0.5, 1.0):
+        found = made.jacobian(centre + distance * scale * toward)
+        assert np.abs(found + toward).max() <= 1e-5  # rounding of x alone: (1e-10)^(2/3)
+        assert np.array_equal(found, dincl.Smooth(ring).jacobian(centre + distance * scale * toward))
+
+
+def test_a_start_near_the_origin_changes_no_motion():
+    """A bead falls from the origin, then slides along the inside of a ring of radius 3, exact by a quarter circle."""
+
+    def drift(t, x):
+        return np.array([[0.0, -0.999]]) if t < 1.0 else np.array([[1.0, 0.0]])
+
+    for y in (1e-3, 1e-9, 1e-15):
+        ring = dincl.Smooth(lambda x: 3 - np.linalg.norm(x, axis=1))
+        path = dincl.solve(dincl.Problem([[0.0, -y]], drift, [ring]), dincl.CatchUp(0.01, dincl.ActiveSet(1e-9)), [6.0])
+        hit = np.sqrt(9.0 - (0.999 + y) ** 2)
+        angle = 2 * np.arctan(np.tan(np.arctan2(0.999 + y, hit) / 2) * np.exp(-(5.0 - hit) / 3))
+        assert np.abs(path.final - 3 * np.array([[np.cos(angle), -np.sin(angle)]])).max() <= 0.01
+
+
+def test_a_function_with_noise_is_refused():
+    digits = np.random.default_rng(0)
+    noisy = dincl.Smooth(lambda x: 1 - np.linalg.norm(x, axis=1) + 1e-2 * digits.random(len(x)))
+    with pytest.raises(dincl.InvalidProblem, match=r"g has noise: .* or pass jacobian"):
+        problem(noisy)
+    single = dincl.Smooth(lambda x: (1 - np.linalg.norm(x.astype(np.float32), axis=1)).astype(float))
+    assert np.abs(single.jacobian(np.array([[0.6, -0.8]])) - [[-0.6, 0.8]]).max() <= 1e-3

@@ -253,3 +253,22 @@ def test_two_runs_have_no_step_in_common():
 def test_tolerance_must_be_positive(tol):
     with pytest.raises(dincl.InvalidProblem, match="tol"):
         dincl.EventDriven(tol)
+
+
+def held_by_a_ball(radius):
+    """A chain whose first bead is in a ball, and whose last one is pulled: it is taut after a while."""
+    x0 = np.column_stack([0.9 * np.arange(3), [0.0, 0.08, 0.09]])
+    pull = np.array([[0.0, 0.0], [0.0, 0.0], [1.0, 0.0]])
+    sets = [dincl.MaxDistance([(0, 1), (1, 2)], 1.0), dincl.InsideBall((0, 0), [radius, 1e3, 1e3])]
+    return dincl.Problem(x0, lambda t, x: pull, sets)
+
+
+def test_too_many_steps_name_the_contact_that_makes_them_short():
+    assert dincl.solve(held_by_a_ball(0.05), dincl.EventDriven(1e-6), [2.0]).status
+    stiff = dincl.solve(held_by_a_ball(1e-6), dincl.EventDriven(1e-6), [2.0], throw=False)
+    assert stiff.status is dincl.Status.TOO_MANY_STEPS
+    assert "particle 0 (constraints[1]) is pulled against a set so curved" in stiff.detail
+    drift = dincl.solve(
+        dincl.Problem([[1.0]], lambda t, x: -1e7 * (x - np.cos(t))), dincl.EventDriven(1e-6), [2.0], throw=False
+    )
+    assert "the drift is stiff" in drift.detail

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import dincl
-from dincl.schemes.auto import Choice
-from dincl.schemes.pilots import AIM, FARTHEST, LEAST_RUNS, SAFETY, Candidate, Pilot, event_driven
+from dincl.schemes.auto import Choice, _errors
+from dincl.schemes.pilots import AIM, FARTHEST, FIRST, LEAST_RUNS, SAFETY, Candidate, Pilot, event_driven
 from dincl.schemes.resolution import distance_outside, stable_step
 
 SCENES = [dincl.scenes.sliding_disc(), dincl.scenes.stack(), dincl.scenes.four_disks(), dincl.scenes.closing_walls()]
@@ -73,6 +73,49 @@ def test_states_are_at_least_so_wrong_as_they_are_outside_of_the_set():
     discs = dincl.Problem([[0.0, 0.0], [1.0, 0.0]], lambda t, x: 0 * x, [dincl.NonOverlap(0.5)])
     states = np.array([[[0.0, 0.0], [1.0, 0.0]], [[0.0, 0.0], [0.9, 0.0]]])
     assert distance_outside(discs, np.array([0.0, 1.0]), states) == pytest.approx(0.05)
+
+
+@pytest.mark.parametrize("end", [3.0, 3.3, 4.0, 5.9])
+def test_long_steps_may_put_two_centres_onto_one_point(end):
+    """Discs in a row, or in a corner, are pushed together: a coarse pilot run leaves them on each other."""
+    row = dincl.Problem(
+        [[0.5], [2.0], [3.5], [5.0], [6.5], [9.0]],
+        lambda t, x: np.array([[-0.2]] * 5 + [[-3.0]]),
+        [dincl.NonOverlap(0.5), dincl.HalfSpace([1.0], 0.0, 0.5)],
+    )
+    corner = dincl.Problem(
+        [[0.6, 0.6], [0.6, 1.7], [1.7, 0.6]],
+        dincl.drifts.constant((-1.3, -1.2)),
+        [dincl.NonOverlap(0.5), dincl.HalfSpace((1, 0), 0.0, 0.5), dincl.HalfSpace((0, 1), 0.0, 0.5)],
+    )
+    for problem in (row, corner):
+        path = dincl.solve(problem, dincl.Auto(1e-3), t=[end, end + 5.0])
+        exact = dincl.solve(problem, dincl.EventDriven(1e-9), t=[end, end + 5.0])
+        assert np.abs(path.x - exact.x).max() <= 1e-3
+
+
+def test_a_run_whose_centres_coincide_is_repeated_with_finer_steps(monkeypatch):
+    made = pilot([], 1, wanted=1e-3)
+    found = iter([np.inf, 0.0])
+    monkeypatch.setattr("dincl.schemes.pilots.distance_outside", lambda *_: next(found))
+    made.problem = dincl.Problem([[1.0]], lambda t, x: -x)
+    made.refine()
+    assert made.steps == [2 * FIRST]
+    assert not made.why
+
+
+@pytest.mark.parametrize("error", [1e-3, 1e-300])
+def test_predictions_do_not_overflow(error):
+    assert pilot([1e3, 1e2, 1e1, 1.0], 1, wanted=error).forecast().seconds > 0
+
+
+def test_an_error_at_one_time_is_not_small_by_chance():
+    """The difference of two runs changes its sign at the second time."""
+    made = pilot([1.0, 0.5, 0.25, 0.125], 1, wanted=1e-3)
+    coarse, fine = np.reshape([0.1, 0.0, 0.2], (3, 1, 1)), np.zeros((3, 1, 1))
+    made.outcomes[-2:] = [SimpleNamespace(x=coarse), SimpleNamespace(x=fine)]
+    errors = _errors(made)
+    assert errors[0] == errors[1] < errors[2]
 
 
 def test_an_empty_set_has_no_solution():

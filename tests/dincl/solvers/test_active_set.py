@@ -7,7 +7,7 @@ from dincl.errors import StepFailure
 from dincl.matrices import from_rows
 from dincl.projection.daqp import Daqp
 from dincl.rows.table import ROW, row_table
-from dincl.solvers.active_set import INFEASIBLE, OK, least_distance, solve
+from dincl.solvers.active_set import OK, UNMET, least_distance, solve
 from dincl.solvers.envelope_factor import envelope_factor
 
 
@@ -80,7 +80,7 @@ def test_empty_polyhedra_are_called_empty(depth, rng):
         bounds = np.append(bound, (depth - weight @ bound[few]) / length)
         wrong = np.where(rng.random(len(bounds)) < 0.4, rng.exponential(size=len(bounds)), 0.0)
         for start in (np.zeros(len(bounds)), wrong):
-            assert compiled(rows, bounds, y, start)[0] == INFEASIBLE
+            assert compiled(rows, bounds, y, start)[0] == UNMET
 
 
 def test_rows_that_miss_by_rounding_are_met_or_left_to_another():

@@ -5,7 +5,7 @@ import pytest
 
 from dincl.compiled import kernel
 from dincl.rows.table import ROW, row_table
-from dincl.solvers.active_set import CYCLES, INFEASIBLE, OK, least_distance, nearest_sparse
+from dincl.solvers.active_set import CYCLES, OK, UNMET, least_distance, nearest_sparse
 from dincl.solvers.sparse_factor import analyse, sparse_factor
 from tests.dincl.solvers.test_active_set import KINDS, compiled, programs, residual
 from tests.dincl.solvers.test_sparse_factor import contacts
@@ -67,4 +67,4 @@ def test_empty_polyhedra_are_called_empty(rng):
         m, n = rows.shape
         table = row_table(np.zeros(m, dtype=ROW), n * np.arange(m + 1), np.tile(np.arange(n), m), np.zeros(0))
         code, _, _ = sparse(table, rows.ravel().copy(), n, bounds, np.zeros(n), np.zeros(m))
-        assert code == INFEASIBLE
+        assert code == UNMET

@@ -90,3 +90,9 @@ def test_wrong_base_does_not_hide_other_errors_or_ask_for_the_rest(file):
     with pytest.raises(InvalidProblem) as caught:
         load(file('base = "theses"\n[cell]\ng2 = "6 kg"'))
     assert [line.split(" = ")[0] for line in str(caught.value).split("\n  ")[1:]] == ["base", "cell.g2"]
+
+
+def test_a_byte_order_mark_is_no_part_of_the_file(tmp_path):
+    file = tmp_path / "notepad.toml"
+    file.write_bytes(b"\xef\xbb\xbf" + b'base = "published"\n')
+    assert load(file) == preset("published")

@@ -4,7 +4,6 @@ from enum import Enum
 
 import numpy as np
 import pytest
-from scipy.stats import linregress, t
 
 from verification.instruments.order import Order, estimate, order_text
 
@@ -34,7 +33,8 @@ def test_exact_power_law(h, power):
     assert roles(order) == ["used"] * h.size
     assert order.rows[0].slope is None
     assert [row.slope for row in order.rows[1:]] == pytest.approx([power] * (h.size - 1), abs=1e-11)
-    assert not any((order.scattered, order.drifting, order.diverging, order.exact))
+    assert order.settled
+    assert not any((order.diverging, order.exact))
     assert order_text(order) == f"{power:.2f} [{power:.2f}, {power:.2f}]"
 
 
@@ -45,24 +45,70 @@ def test_unsorted_input_gives_the_same_order(rng):
     assert estimate(H[shuffled], error[shuffled], failed=failed[shuffled]) == estimate(H, error, failed=failed)
 
 
-@pytest.mark.parametrize("sigma", [0.02, 0.2])
-@pytest.mark.parametrize("power", [1.0, 2.0])
-def test_the_interval_covers_the_truth(sigma, power):
-    generator = np.random.default_rng(20)
-    orders = [estimate(H, 2.0 * H**power * np.exp(sigma * generator.standard_normal(H.size))) for _ in range(300)]
-    covered = np.mean([order.interval[0] <= power <= order.interval[1] for order in orders])
-    assert 0.92 <= covered <= 0.98
-    assert np.mean([order.count("pre-asymptotic") > 0 for order in orders]) <= 0.03
-    assert np.mean([order.drifting for order in orders]) <= 0.03
+def sequences(kind, generator):
+    """Generate h, errors, p and the floor of one sequence with a known order p in the limit h -> 0."""
+    p, ratio = generator.choice([0.5, 1.0, 1.5, 2.0, 4.0]), generator.choice([1.5, 2.0, 3.0])
+    h = 0.1 * ratio ** -np.arange(generator.integers(5, 12))
+    e, floor = h**p * 10 ** generator.uniform(-2, 2), 0.0
+    match kind:
+        case "a next term":
+            e = e * np.abs(
+                1 + generator.choice([-1, 1]) * 10 ** generator.uniform(-1, 1.5) * h ** generator.choice([0.5, 1, 2])
+            )
+        case "an oscillation":
+            waves = np.cos(generator.uniform(1.2, 2.5) * np.arange(h.size) + generator.uniform(0, 6))
+            e = e * (1 + 10 ** generator.uniform(-3, -0.3) * waves)
+        case "scatter":
+            e = e * np.exp(10 ** generator.uniform(-4, -0.5) * generator.standard_normal(h.size))
+        case "an error of the reference":
+            floor = float(e[generator.integers(h.size // 2, h.size)]) * 10 ** generator.uniform(-2, 0)
+            e = np.abs(e + floor * generator.uniform(-1, 1, h.size))
+        case "a coarse end of another constant":
+            e = np.where(h > h[generator.integers(1, h.size - 2)], generator.uniform(0.3, 3) * e, e)
+    return h, e, p, floor
 
 
-def test_interval_is_the_textbook_one(rng):
-    error = H * np.exp(0.1 * rng.standard_normal(H.size))
-    fit = linregress(np.log(H), np.log(error))
-    half = t.ppf(0.975, H.size - 2) * fit.stderr
-    order = estimate(H, error)
-    assert order.slope == pytest.approx(fit.slope, rel=1e-12)
-    assert order.interval == pytest.approx((fit.slope - half, fit.slope + half), rel=1e-9)
+@pytest.mark.parametrize(
+    ("kind", "wrong"),
+    [
+        ("nothing", 0),
+        ("a next term", 1),
+        ("an oscillation", 3),
+        ("scatter", 1),
+        ("an error of the reference", 0),
+        ("a coarse end of another constant", 0),
+    ],
+)
+def test_the_range_holds_the_order_or_the_errors_are_not_yet_asymptotic(kind, wrong):
+    """Test 300 sequences of each kind: intervals of a regression missed the order in up to half of those of a kind."""
+    generator = np.random.default_rng(5)
+    found = [(p, estimate(h, e, floor)) for h, e, p, floor in (sequences(kind, generator) for _ in range(300))]
+    shown = [(p, order) for p, order in found if order.settled and not order.rising]
+    assert len(shown) > 100
+    assert sum(not order.interval[0] - 1e-9 <= p <= order.interval[1] + 1e-9 for p, order in shown) <= wrong
+    widths = [order.interval[1] - order.interval[0] for _, order in shown]
+    assert np.median(widths) < {"nothing": 1e-8, "an error of the reference": 0.6}.get(kind, 0.1)
+
+
+# Largest errors of PBD on discs in a drum that turns: at six steps a regression says 0.42 [0.33, 0.52].
+DRUM = 0.05 * 0.5 ** np.arange(12)
+LOCAL = [0.61, 0.40, 0.26, 0.33, 0.75, 0.94, 1.02, 1.01, 1.00, 1.00, 1.00]
+
+
+@pytest.mark.parametrize(("steps", "settled"), [(5, False), (6, False), (8, False), (12, True)])
+def test_local_orders_that_have_not_settled_are_not_yet_asymptotic(steps, settled):
+    error = 0.1 * np.append(1.0, 2.0 ** -np.cumsum(LOCAL))
+    order = estimate(DRUM[:steps], error[:steps])
+    assert order.settled is settled
+    assert [row.slope for row in order.rows[1:]] == pytest.approx(LOCAL[: steps - 1])
+    assert order.verdict.startswith("Not yet asymptotic, local orders ") is not settled
+    assert order_text(order).endswith("not yet asymptotic") is not settled
+    assert not settled or order.interval[0] <= 1.0 <= order.interval[1]
+
+
+def test_three_errors_show_no_trend():
+    assert not estimate(H, np.where(np.arange(H.size) < 3, H, np.nan)).settled
+    assert estimate(H, np.where(np.arange(H.size) < 4, H, np.nan)).settled
 
 
 def test_the_coarse_end_of_a_higher_term_is_left_out():
@@ -92,13 +138,15 @@ def test_an_irregular_coarse_end_is_left_out(rng):
     assert order.slope == pytest.approx(1.0, abs=0.02)
 
 
-@pytest.mark.parametrize(("term", "left_out"), [(5.0 * H**2, 1), (50.0 * H**3, 0)])
-def test_a_drift_to_the_finest_step_is_said(term, left_out):
+@pytest.mark.parametrize(
+    ("term", "left_out", "settled"), [(5.0 * H**2, 1, False), (50.0 * H**3, 0, False), (0.5 * H**2, 0, True)]
+)
+def test_a_drift_to_the_finest_step_leads_on(term, left_out, settled):
     order = estimate(H[:5], (H + term)[:5])
-    assert order.drifting
     assert order.count("pre-asymptotic") == left_out
-    assert "still change" in order.verdict
-    assert order_text(order).endswith("drifting")
+    assert order.settled is settled
+    assert order.rows[-1].slope > 1.0
+    assert not settled or order.interval[0] <= 1.0
 
 
 @pytest.mark.parametrize("sign", [-1.0, 1.0])
@@ -196,14 +244,11 @@ def test_errors_that_stop_falling_far_above_the_floor_are_no_convergence():
 def test_scatter_is_said_and_widens_the_interval():
     factors = np.array([1.0, 3.0, 0.4, 2.0, 0.5, 2.5, 0.6, 1.5])
     order = estimate(H, H * factors)
-    assert order.scattered
-    assert not order.drifting
+    assert not order.settled
     assert order.interval[1] - order.interval[0] > 0.5
     assert order.interval[0] <= 1.0 <= order.interval[1]
-    assert "scatter" in order.verdict
     assert any(row.slope < 0.0 for row in order.rows[1:])
-    assert order_text(order).endswith("scattered")
-    assert not estimate(H, H * factors**0.1).scattered
+    assert estimate(H, H * factors**0.01).settled
 
 
 def test_failed_runs_stay_visible():

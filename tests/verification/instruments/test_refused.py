@@ -89,3 +89,132 @@ def test_bad_methods_and_maps_are_named():
         v.save([3], "unused")
     methods = {"PBD": dincl.PBD, "catch-up": lambda dt: dincl.CatchUp(dt, dincl.Daqp(tol=1e-12))}
     assert [method.label for method in as_methods(methods)] == list(methods)
+
+
+WALL = dincl.Problem([[2.0, 1.0]], lambda t, x: -x, [dincl.HalfSpace((0, 1), radius=0.5)])
+STEPS = [0.1 / 2**k for k in range(5)]
+
+
+class OwnError(Exception):
+    """An error that no library knows."""
+
+
+def raising(error):
+    def run(*_):
+        raise error
+
+    return run
+
+
+ERRORS = [
+    KeyError("k"),
+    TypeError("k"),
+    OSError("k"),
+    AssertionError("k"),
+    OwnError("k"),
+    ValueError("k"),
+    MemoryError("k"),
+]
+
+
+@pytest.mark.parametrize("error", ERRORS, ids=lambda one: type(one).__name__)
+def test_a_method_that_raises_is_a_row_and_the_others_keep_theirs(error):
+    """Test programs, functions that make schemes, and schemes, in all four instruments."""
+    known = v.reference(WALL, tol=1e-9)([0.5, 1.0])
+
+    class Broken(dincl.Scheme):
+        def run(self, problem, times):
+            raise error
+
+    words = f"{type(error).__name__}: {error}"
+    good = v.Method("good", scheme=dincl.PBD)
+    bad = [
+        v.Method("program", run=raising(error)),
+        v.Method("maker", scheme=raising(error)),
+        v.Method("scheme", scheme=lambda dt: Broken()),
+    ]
+    for result in (
+        v.order_study(WALL, [good, *bad], STEPS, [0.5, 1.0], known),
+        v.work_precision(WALL, [good, *bad], STEPS, [0.5, 1.0], known, v.CpuSeconds(1.0)),
+    ):
+        status = result.table.groupby("method")["status"].agg(set)
+        assert status.to_dict() == {"good": {"SUCCESS"}} | {one.label: {"FAILED"} for one in bad}
+        assert set(result.table.loc[result.table["status"] == "FAILED", "detail"]) == {words}
+    advice = v.recommend(WALL, 1e-2, [0.5, 1.0], [good, *bad[1:]])
+    assert advice.best == "good"
+    assert all(words in why for why in advice.table.set_index("method").loc[["maker", "scheme"], "why"])
+    for method in bad[1:]:
+        cells = v.stability_map(lambda q: WALL, method.scheme, ("h", [0.1]), ("q", [1.0]), [1.0]).table
+        assert cells[["outcome", "status", "detail"]].to_numpy().tolist() == [["refused", "FAILED", words]]
+    made = v.stability_map(raising(error), dincl.PBD, ("dt", [0.1]), ("dt", [0.1]), [1.0]).table
+    assert made["detail"].tolist() == [words]
+
+
+@pytest.mark.parametrize("stop", [KeyboardInterrupt, SystemExit])
+def test_what_means_to_stop_a_study_stops_it(stop):
+    with pytest.raises(stop):
+        v.order_study(WALL, [v.Method("a", run=raising(stop()))], STEPS, [1.0], v.reference(WALL, tol=1e-9))
+    with pytest.raises(stop):
+        v.stability_map(WALL, raising(stop()), ("h", [0.1]), ("h", [0.1]), [1.0])
+
+
+@pytest.mark.parametrize("made", [None, dincl.PBD, 3, "PBD"])
+def test_a_function_that_makes_no_scheme_is_refused_everywhere(made):
+    def maker(dt):
+        return made
+
+    advice = v.recommend(WALL, 1e-2, [1.0], {"good": dincl.PBD, "bad": maker}).table.set_index("method")
+    assert "must make a dincl.Scheme" in advice.loc["bad", "why"]
+    cells = v.stability_map(WALL, maker, ("dt", [0.1]), ("dt", [0.1]), [1.0]).table
+    assert cells["outcome"].tolist() == ["refused"]
+    assert "must make a dincl.Scheme" in cells["detail"][0]
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"x": ("dt", [])}, r"dt = \[\]: must be one or more numbers"),
+        ({"x": ("dt", {0.1})}, r"dt = \{0.1\}: must be one or more numbers"),
+        ({"problem": 3}, "problem = 3: must be a dincl.Problem"),
+        ({"method": dict}, "must be a function with named arguments"),
+        ({"t": [1.0, 0.5]}, "t = .*: must be one or more increasing times"),
+        ({"t": "late"}, "t = 'late': must be"),
+    ],
+)
+def test_maps_of_nothing_are_named(changes, message):
+    given = {"problem": WALL, "method": dincl.PBD, "x": ("dt", [0.1]), "y": ("dt", [0.1]), "t": [1.0]} | changes
+    with pytest.raises(dincl.InvalidProblem, match=message):
+        v.stability_map(**given)
+
+
+@pytest.mark.parametrize(
+    ("reference", "message"),
+    [
+        (lambda t: v.reference(WALL, 1e-9)([0.1, 0.2]), "times = .* must be among the times of the reference"),
+        (lambda t: v.reference(WALL, 1e-9)([0.5]), "times = .* must be among the times of the reference"),
+        (lambda t: v.Known(t, np.ones((2, 1, 2)), np.full(2, np.nan)), "error = .* must be 2 finite numbers >= 0"),
+        (lambda t: v.Known(t, np.ones((2, 1, 2)), np.full(2, -1e-9)), "error = .* must be 2 finite numbers >= 0"),
+        (lambda t: v.Known(t, np.ones((2, 1, 2)), np.full(2, np.inf)), "error = .* must be 2 finite numbers >= 0"),
+        (lambda t: v.Known(t, np.full((2, 1, 2), np.nan), np.zeros(2)), "must be a finite state for each of 2 times"),
+        (lambda t: v.Known(t[::-1], np.ones((2, 1, 2)), np.zeros(2)), "must be increasing times"),
+        (lambda t: np.full((2, 1, 2), np.nan), "reference = nan"),
+        (lambda t: {}["k"], "reference = .* raised KeyError: 'k'"),
+        (lambda t: None, "reference = None"),
+    ],
+)
+def test_a_reference_to_another_question_is_refused(reference, message):
+    with pytest.raises(dincl.InvalidProblem, match=message):
+        v.order_study(WALL, {"PBD": dincl.PBD}, STEPS, [0.5, 1.0], reference)
+
+
+def test_a_known_at_other_times_is_refused():
+    known = v.reference(WALL, 1e-9)([0.5, 0.9])
+    with pytest.raises(dincl.InvalidProblem, match="must be among the times of the reference"):
+        v.order_study(WALL, {"PBD": dincl.PBD}, STEPS, [0.5, 1.0], known)
+
+
+def test_a_quantity_that_raises_is_named():
+    with pytest.raises(dincl.InvalidProblem, match="errors: 'height' raised IndexError"):
+        v.order_study(
+            WALL, {"PBD": dincl.PBD}, STEPS, [1.0], v.reference(WALL, 1e-9), errors={"height": lambda x: x[7]}
+        )

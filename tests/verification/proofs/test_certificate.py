@@ -1,9 +1,16 @@
-"""A certificate is found to be wrong whichever number of it is changed, even if its digest is made to fit."""
+"""A certificate is found to be wrong whichever number of it is changed, even if its digest is made to fit.
+
+A file that is no certificate, or a foreign one, ends in one message, in bounded time, and runs no code.
+"""
 
 import ast
+import contextlib
+import json
 import math
+import os
 import random
-from dataclasses import replace
+import sys
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import pytest
@@ -15,8 +22,9 @@ import verification as v
 from dincl.drifts import attraction, constant, swirl
 from verification.cli import app
 from verification.proofs import certificate, checker, enclosures
-from verification.proofs.certificate import BadCertificate, read
+from verification.proofs.certificate import FORMAT, BadCertificate, digest, read
 from verification.proofs.checker import check
+from verification.proofs.words import above, theorem
 
 
 @pytest.fixture(scope="module")
@@ -45,9 +53,9 @@ def test_the_file_proves_what_the_proof_says(proof, tmp_path):
 
 def test_a_force_that_pulls_adds_to_the_defect_what_it_moves(proof):
     """Two discs of diameter 1 are pulled together by 1e-3 each: sqrt 2 of this in the norm of all coordinates."""
-    problem = enclosures.ExactProblem(proof.certificate)
+    problem = enclosures.ExactProblem(proof.certificate, {})
     piece = next(one for one in proof.certificate.pieces if 0 in one.active)
-    current = checker.PieceInBalls(piece, problem, enclosures.ZERO)
+    current = checker.PieceInBalls(piece, problem, enclosures.ZERO, checker.Work(10**6))
     current.force[0] = arb_poly([-1e-3])
     ends = arb(0), arb(0.01)
     velocity = [enclosures.span(v, *ends) for v in current.velocity]
@@ -85,7 +93,7 @@ def first(of):
 
 
 def drift(name):
-    return lambda c: replace(c, drift={**c.drift, name: first(nudged)(c.drift[name])})
+    return lambda c: replace(c, drift=replace(c.drift, **{name: first(nudged)(getattr(c.drift, name))}))
 
 
 def ball(**changes):
@@ -111,6 +119,11 @@ CHANGES = {
     "weight": of_row("affine", weights=first(nudged)),
     "offset": of_row("affine", length=nudged),
     "path": of_row("affine", path=lambda p: "math:sin"),
+    "path beside a built-in drift": lambda c: replace(c, drift=replace(c.drift, function="math:sin")),
+    "start error < 0": lambda c: replace(c, start_error=(-1, -30)),
+    "opening": of_piece(opening=lambda z: ((1, 0),)),
+    "active twice": of_piece(active=lambda a: a + a, force=lambda f: f + f),
+    "no numbers": of_piece(x=lambda x: x[:-1]),
     "half": of_piece(half=nudged),
     "half < 0": of_piece(half=lambda h: (-h[0], h[1])),
     "exponent": of_piece(exponent=lambda e: e + 1),
@@ -130,12 +143,16 @@ CHANGES = {
 }
 
 
+def checked_with(change, of):
+    changed = change(of)
+    assert changed != of
+    return check(changed)
+
+
 @pytest.mark.parametrize("name", CHANGES)
 def test_each_kind_of_number_is_checked(proof, name):
-    changed = CHANGES[name](proof.certificate)
-    assert changed != proof.certificate
     with pytest.raises(BadCertificate):
-        check(changed)
+        checked_with(CHANGES[name], proof.certificate)
 
 
 def test_each_changed_digit_of_the_file_is_found(proof, tmp_path):
@@ -156,7 +173,205 @@ def test_the_checker_imports_nothing_else_of_the_project():
         names |= {alias.name for node in nodes if isinstance(node, ast.Import) for alias in node.names}
         own = {name for name in names if name.partition(".")[0] in {"dincl", "meanfield", "tissue", "verification"}}
         assert own <= trusted
-    assert len(Path(checker.__file__).read_text("utf-8").splitlines()) <= 300
+
+
+def entry(*path_and_value):
+    """Return a change of JSON content: the entry at a path becomes a value."""
+    *path, last, value = path_and_value
+
+    def change(content):
+        for key in path:
+            content = content[key]
+        content[last] = value
+
+    return change
+
+
+DAMAGED = {
+    "no pieces": lambda c: c.update(pieces=[], balls=[]),
+    "text": entry("balls", 0, "radius", ["x", 0]),
+    "truth value": entry("start", 0, [True, 0]),
+    "None": entry("precision", None),
+    "NaN": entry("start", 0, [math.nan, 0]),
+    "infinite radius": entry("balls", 0, "radius", [math.inf, 0]),
+    "fractional exponent of a time": entry("balls", 0, "t", [1, -1.999]),
+    "fractional exponent of the bound": entry("bound", [1, -39.5]),
+    "whole number in floating point": entry("dimension", 2.0),
+    "negative radius": entry("balls", 0, "radius", [-1, 0]),
+    "negative bound": entry("bound", [-1, 0]),
+    "negative start error": entry("start_error", [-1, 0]),
+    "negative time": entry("balls", 0, "t", [-1, 0]),
+    "a time that is no pair": entry("balls", 0, "t", 1),
+    "three numbers": entry("balls", 0, "t", [1, 0, 0]),
+    "radius of 2^100000": entry("balls", 0, "radius", [1, 10**5]),
+    "radius of 2^1e12": entry("balls", 0, "radius", [1, 10**12]),
+    "length of 2^-1e12": entry("rows", 0, "length", [1, -(10**12)]),
+    "exponent of a piece": entry("pieces", 0, "exponent", -(10**9)),
+    "precision < 0": entry("precision", -5),
+    "precision 1e9": entry("precision", 10**9),
+    "long mantissa": entry("start", 0, [1 << 9000, 0]),
+    "a turn too many": entry("drift", "turn", [[0, 0]] * 3),
+    "sign 0": entry("rows", 0, "sign", 0),
+    "length 0": entry("rows", 0, "length", [0, 0]),
+    "no places": entry("rows", 0, "places", []),
+    "no weights": lambda c: c["rows"][1].update(places=[], weights=[]),
+    "zero weights": lambda c: c["rows"][1].update(weights=[[0, 0]] * 2),
+    "half 0": entry("pieces", 0, "half", [0, 0]),
+    "no start": lambda c: c.update(start=[], rows=[], drift={**c["drift"], "velocity": [], "stretch": [], "turn": []}),
+    "key missing": lambda c: c.pop("bound"),
+    "key too many": entry("more", 1),
+    "list for an object": entry("drift", []),
+    "object for a list": entry("rows", {}),
+    "function with numbers": lambda c: c["drift"].update(function="math:sin"),
+    "name with a blank": lambda c: c["drift"].update(function="os:system x", velocity=[], stretch=[], turn=[]),
+    "lists in lists": entry("start", json.loads("[" * 500 + "]" * 500)),
+}
+
+
+def written(file, content):
+    file.write_text(json.dumps({"format": FORMAT, "digest": digest(content), **content}), "utf-8")
+    return file
+
+
+def content_of(proof):
+    return json.loads(json.dumps(asdict(proof.certificate)))
+
+
+def refused(file, *options):
+    """Run the command; return its one line of refusal."""
+    said = CliRunner().invoke(app, ["check", str(file), *options])
+    assert said.exit_code == 1
+    assert isinstance(said.exception, SystemExit)
+    assert said.output.startswith("Not proved: ")
+    assert len(said.output) < 600
+    return said.output
+
+
+@pytest.mark.parametrize("name", DAMAGED)
+def test_a_damaged_file_is_refused_before_anything_is_computed(proof, tmp_path, name, monkeypatch):
+    monkeypatch.setattr(checker, "PieceInBalls", None)
+    content = content_of(proof)
+    DAMAGED[name](content)
+    refused(written(tmp_path / "damaged.json", content))
+
+
+TEXTS = {
+    "empty": b"",
+    "other JSON": b"[1, 2]",
+    "other format": b'{"format": "proved bound of a differential inclusion, version 1"}',
+    "brackets": b"[" * 100_000,
+    "objects": b'{"a":' * 100_000,
+    "5,000 digits": b"1" * 5000,
+    "a million digits": b'{"start": ' + b"1" * 10**6 + b"}",
+    "no text": b"\xff\xfe\x00",
+    "twice": b'{"format": 1, "format": 2}',
+    "half a letter": b'{"format": "\\ud800"}',
+}
+
+
+@pytest.mark.parametrize("name", TEXTS)
+def test_a_file_that_is_no_certificate_is_refused(tmp_path, name):
+    file = tmp_path / "other.json"
+    file.write_bytes(TEXTS[name])
+    refused(file)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="pipes and devices")
+def test_what_is_no_file_is_refused_at_once(tmp_path):
+    pipe, link = tmp_path / "pipe", tmp_path / "link"
+    os.mkfifo(pipe)
+    link.symlink_to(link)
+    no_letters = tmp_path / os.fsdecode(b"\xff")
+    for file in (pipe, link, tmp_path, tmp_path / "none", no_letters, Path("/dev/zero")):
+        refused(file)
+
+
+def test_a_file_of_any_length_is_refused_by_its_size(tmp_path, monkeypatch):
+    monkeypatch.setattr(certificate, "MOST_BYTES", 1000)
+    file = tmp_path / "long.json"
+    file.write_text(" " * 1001)
+    assert "larger than 1000 bytes" in refused(file)
+
+
+def test_the_work_of_a_check_is_bounded_by_the_length_of_the_file(proof, monkeypatch):
+    monkeypatch.setattr(checker, "WORK", 10)
+    with pytest.raises(BadCertificate, match=r"takes more than .* operations, about 10 for each of its numbers"):
+        check(proof.certificate)
+
+
+ODD = (None, True, -1, 0, 1, 10**30, -(10**30), "", "x", [], {}, [1, 0], [-1, 3], [[1, 0]], [[]], 1.5, math.nan)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_files_with_odd_entries_are_refused_or_proved(proof, tmp_path, seed):
+    rng = random.Random(seed)
+    for _ in range(25):
+        content = content_of(proof)
+        for _ in range(rng.choice((1, 1, 2))):
+            within, key = content, rng.choice(sorted(content))
+            while isinstance(within[key], (list, dict)) and within[key] and rng.random() < 0.8:
+                within = within[key]
+                key = rng.choice(sorted(within)) if isinstance(within, dict) else rng.randrange(len(within))
+            within[key] = rng.choice(ODD)
+        with contextlib.suppress(BadCertificate):
+            found = read(written(tmp_path / "odd.json", content))
+            theorem(found, check(found))
+
+
+MODULE = """
+import os
+import pathlib
+pathlib.Path(__file__).with_suffix(".imported").touch()
+from os import getpid as borrowed
+
+def falls(t, x):
+    return 0 * x - 1.0
+
+def calls(t, x):
+    raise KeyError("whatever")
+
+class Own:
+    pass
+"""
+
+
+def test_only_functions_of_trusted_modules_are_imported(tmp_path, monkeypatch):
+    (tmp_path / "own_drift.py").write_text(MODULE)
+    monkeypatch.syspath_prepend(tmp_path)
+    problem = dincl.Problem([[0.0, 2.0]], constant([-1.0, -1.0]), [dincl.HalfSpace((0, 1))])
+    content = content_of(v.prove(problem, [1.0]))
+    content["drift"] = {"velocity": [], "stretch": [], "turn": [], "function": "own_drift:falls"}
+    file = written(tmp_path / "own.json", content)
+    touched = tmp_path / "own_drift.imported"
+    assert "--trust own_drift" in refused(file)
+    assert "--trust own_drift" in refused(file, "--trust", "os", "--trust", "own_drift.falls")
+    assert not touched.exists()
+    assert "own_drift" not in sys.modules
+    said = CliRunner().invoke(app, ["check", str(file), "--trust", "own_drift"])
+    assert touched.exists()
+    assert said.exit_code == 0
+    assert "The drift is the function own_drift:falls" in said.output
+    with pytest.raises(BadCertificate, match=r'trust=\["own_drift"\]'):
+        check(read(file))
+    check(read(file), trust=["own_drift"])
+    # A trusted module holds other things than its functions.
+    for name, reason in {
+        "borrowed": "not a function that the module",
+        "os.getpid": "not a function that the module",
+        "Own": "not a function that the module",
+        "none": "is not found",
+        "calls": "cannot be evaluated on balls: 'whatever'",
+    }.items():
+        content["drift"]["function"] = f"own_drift:{name}"
+        assert reason in refused(written(file, content), "--trust", "own_drift")
+
+
+def test_what_is_printed_is_rounded_up():
+    assert above(1.2341e-12) == "1.24e-12"
+    assert above(0.1) == "0.101"
+    assert above(0.0) == "0"
+    assert above(5e-324) == "4.95e-324"
+    assert above(2.0) == "2"
 
 
 def test_the_command_says_what_is_proved(proof, tmp_path):
@@ -165,6 +380,4 @@ def test_the_command_says_what_is_proved(proof, tmp_path):
     assert said.exit_code == 0
     assert "Proved: each solution of x' in F - N(S, x), 2 particles in 2 dimensions" in said.output
     file.write_text(file.read_text("utf-8").replace("1", "2", 1), "utf-8")
-    said = CliRunner().invoke(app, ["check", str(file)])
-    assert said.exit_code == 1
-    assert said.output.startswith("Not proved: ")
+    refused(file)

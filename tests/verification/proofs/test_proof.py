@@ -1,5 +1,10 @@
 """Proved balls contain exact solutions, shrink as asked for, and what cannot be proved is refused with a reason."""
 
+import functools
+import importlib
+import sys
+from dataclasses import replace
+
 import mpmath
 import numpy as np
 import pytest
@@ -7,7 +12,8 @@ import pytest
 import dincl
 import verification as v
 from dincl import scenes
-from dincl.drifts import attraction, constant
+from dincl.drifts import AffineDrift, attraction, constant, swirl
+from verification.proofs.checker import check
 
 EXACT = {
     "sliding_disc": (1.5, 3.0),
@@ -170,10 +176,289 @@ def converted(t, x):
     return 0 * x + [np.sin(float(t)), 0.0]
 
 
-@pytest.mark.parametrize("drift", [rooted, branching, bent, largest, converted])
+def equal(t, x):
+    """Return a drift that is 1 to the right on the axis, and -1 upwards."""
+    return np.concatenate((np.where(x[:, 1:] == 0, 1.0, 0.0), -1.0 + 0 * x[:, 1:]), axis=1)
+
+
+def unequal(t, x):
+    """Return a drift that differs where two coordinates are equal."""
+    return 0 * x + (x[:, :1] != x[:, 1:])
+
+
+def true(t, x):
+    """Return a drift that takes a number for a truth value."""
+    return np.array([[1.0 if y else -1.0, 0 * y] for y in x[:, 1]])
+
+
+def caught(t, x):
+    """Return a drift that hides that it compares."""
+    try:
+        return np.where(x > 0.2, -x, x)
+    except TypeError:
+        return -x
+
+
+def caught_float(t, x):
+    """Return a drift that hides that it converts."""
+    try:
+        return x * float(t)
+    except Exception:  # noqa: BLE001
+        return 0 * x
+
+
+def hashed(t, x, known={}):  # noqa: B006
+    """Return a drift that looks up the time."""
+    return -x if t in known else x
+
+
+def sorted_entries(t, x):
+    """Return a drift that sorts."""
+    return -np.sort(x, axis=1)
+
+
+def any_entry(t, x):
+    """Return a drift that asks whether a coordinate is not zero."""
+    return -x if x.any() else 1 + x
+
+
+def clipped(t, x):
+    """Return a drift that is cut off."""
+    return -np.clip(x, -0.3, 0.3)
+
+
+def rounded(t, x):
+    """Return a drift in steps."""
+    return -np.floor(x)
+
+
+def remainder(t, x):
+    """Return a drift that is periodic."""
+    return -(x % 0.25)
+
+
+def longer(t, x):
+    """Return a drift with numbers longer than double numbers, which would be rounded."""
+    return -x * np.longdouble(0.1)
+
+
+@pytest.mark.parametrize(
+    "drift",
+    [
+        *(rooted, branching, bent, largest, converted, equal, unequal, true, caught, caught_float, hashed),
+        *(sorted_entries, any_entry, clipped, rounded, remainder, longer),
+    ],
+)
 def test_functions_that_treat_balls_otherwise_than_numbers_are_refused(drift):
     with pytest.raises(v.NotProved, match=f"{drift.__name__} cannot be evaluated on balls: .* not if, abs or max"):
         v.prove(dincl.Problem([[1.0, 0.5]], drift), [1.0])
+
+
+def by_type(t, x):
+    """Return a drift that is another one for balls."""
+    return -x if x.dtype == float else -2 * x
+
+
+def path_by_type(t):
+    """Return a path that is another one for balls."""
+    return (0.0, 0.0) if isinstance(t, float) else (0.1 * t, 0.0)
+
+
+def test_a_function_with_other_values_on_balls_is_refused():
+    with pytest.raises(v.NotProved, match="by_type has other values on balls than on numbers, at t = 0"):
+        v.prove(dincl.Problem([[1.0, 0.5]], by_type), [1.0])
+    wall = dincl.Moving(dincl.HalfSpace((0.0, 1.0)), path_by_type)
+    with pytest.raises(v.NotProved, match="path_by_type has other values"):
+        v.prove(dincl.Problem([[1.0, 0.5]], attraction(0), [wall]), [1.0])
+
+
+def falls(t, x):
+    """Return the drift whose name others have."""
+    return -x
+
+
+def tripled(function):
+    """Return three times a function, with its name."""
+    return functools.wraps(function)(lambda t, x: 3.0 * function(t, x))
+
+
+@tripled
+def known_as_decorated(t, x):
+    """Return a drift whose name leads to the decorated function."""
+    return -x
+
+
+class Drifts:
+    """Drifts in a class."""
+
+    @staticmethod
+    def alone(t, x):
+        return -x
+
+    def bound(self, t, x):
+        return -x
+
+    def __call__(self, t, x):
+        return -2 * x
+
+
+def nested():
+    """Return a function in a function."""
+
+    def falls(t, x):
+        return -4 * x
+
+    return falls
+
+
+def renamed(function, name, module=__name__):
+    """Return a function with another name."""
+    function.__qualname__, function.__module__ = name, module
+    return function
+
+
+OTHERS = {
+    "decorated": lambda: tripled(falls),
+    "nested": nested,
+    "lambda": lambda: lambda t, x: -x,
+    "partial": lambda: functools.partial(falls),
+    "renamed": lambda: renamed(lambda t, x: -5 * x, "falls"),
+    "name of nothing": lambda: renamed(lambda t, x: -5 * x, "nowhere"),
+    "module of nothing": lambda: renamed(lambda t, x: -x, "falls", "no.such.module"),
+    "method": lambda: Drifts().bound,
+    "object": Drifts,
+    "object with a name": lambda: renamed(Drifts(), "falls"),
+}
+
+
+@pytest.mark.parametrize("name", OTHERS)
+def test_a_function_that_its_name_does_not_lead_to_is_refused(name):
+    with pytest.raises(dincl.InvalidProblem, match="must be a function at the top of a module"):
+        v.prove(dincl.Problem([[2.0, 1.0]], OTHERS[name]()), [1.0])
+
+
+def test_a_function_that_was_defined_anew_is_refused(tmp_path, monkeypatch):
+    (tmp_path / "again.py").write_text("def falls(t, x):\n    return -x\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    module = importlib.import_module("again")
+    problem = dincl.Problem([[2.0, 1.0]], module.falls)
+    assert v.prove(problem, [1.0]).x[0, 0, 0] == pytest.approx(2 * np.exp(-1))
+    importlib.reload(module)
+    with pytest.raises(dincl.InvalidProblem, match="again:falls leads to another object"):
+        v.prove(problem, [1.0])
+    del sys.modules["again"]
+    with pytest.raises(dincl.InvalidProblem, match="must be a function at the top of a module"):
+        v.prove(problem, [1.0])
+
+
+@pytest.mark.parametrize(("drift", "rate"), [(known_as_decorated, 3.0), (Drifts.alone, 1.0)])
+def test_the_function_that_a_name_leads_to_is_proved(drift, rate):
+    proof = v.prove(dincl.Problem([[2.0, 1.0]], drift), [1.0], 1e-20)
+    with mpmath.workdps(40):
+        assert abs(error_of(proof, [[2 * mpmath.exp(-rate), mpmath.exp(-rate)]])) <= proof.radius
+    check(proof.certificate, trust=[__name__])
+
+
+class Tall(dincl.HalfSpace):
+    """A wall that is not where its numbers say."""
+
+    def select(self, x, search_radius):
+        return super().select(x - 1.0, search_radius)
+
+
+class Slow(AffineDrift):
+    """A drift that is not what its numbers say."""
+
+    def __call__(self, t, x):
+        return 0.5 * super().__call__(t, x)
+
+
+def test_derived_classes_are_refused():
+    with pytest.raises(dincl.InvalidProblem, match="Tall: proofs know"):
+        v.prove(dincl.Problem([[2.0, 2.0]], constant([0.0, -1.0]), [Tall((0, 1))]), [1.0])
+    fall = constant([0.0, -1.0])
+    with pytest.raises(dincl.InvalidProblem, match="must be a function at the top of a module"):
+        v.prove(dincl.Problem([[2.0, 2.0]], Slow(fall.velocity, fall.stretch, fall.turn)), [1.0])
+
+
+def error_of(proof, exact):
+    """Return how far the centres are from exact states (K, N d), the largest norm."""
+    off = []
+    for ball, state in zip(proof.certificate.balls, exact, strict=True):
+        centre = [mpmath.mpf(m) * mpmath.mpf(2) ** e for m, e in ball.centre]
+        off.append(mpmath.norm([c - x for c, x in zip(centre, state, strict=True)]))
+    return max(off)
+
+
+def slid(normal, start, velocity, wall, t):
+    """Return the exact state of a point that falls on a wall with any normal, and slides."""
+    n = [mpmath.mpf(k) / mpmath.norm([mpmath.mpf(k) for k in normal]) for k in normal]
+    x, u = [mpmath.mpf(k) for k in start], [mpmath.mpf(k) for k in velocity]
+    late = mpmath.mpf(t) + (mpmath.fdot(n, x) - wall) / mpmath.fdot(n, u)
+    return [a + b * t - late * mpmath.fdot(n, u) * k for a, b, k in zip(x, u, n, strict=True)]
+
+
+def flowed(x, velocity, rate, t=1):
+    """Return the exact solution of x' = velocity + rate x, real or complex."""
+    return (x + velocity / rate) * mpmath.exp(rate * t) - velocity / rate
+
+
+M = mpmath.mpf
+PLANE, BOX = [[2.0, 1.0]], [dincl.InsideBall((0, 0), 90.0)]
+WRITTEN = {
+    "normal": (
+        lambda: dincl.Problem([[0.0, 2.0]], constant([0.0, -1.0]), [dincl.HalfSpace((1, 1), 0.1, 0.4)]),
+        lambda: slid((1, 1), (0, 2), (0, -1), M(0.1) + M(0.4), 4),
+    ),
+    "normal in space": (
+        lambda: dincl.Problem([[0.1, 0.2, 2.0]], constant([0.1, 0.3, -1.0]), [dincl.HalfSpace((0.1, -0.7, 1e3))]),
+        lambda: slid((0.1, -0.7, 1e3), (0.1, 0.2, 2.0), (0.1, 0.3, -1.0), M(0), 4),
+    ),
+    "rate times centre": (
+        lambda: dincl.Problem(PLANE, attraction((0.3, 0.7), 0.1), BOX),
+        lambda: [M(c) + (M(x) - M(c)) * mpmath.exp(-4 * M(0.1)) for x, c in ((2.0, 0.3), (1.0, 0.7))],
+    ),
+    "sum of velocities": (
+        lambda: dincl.Problem(PLANE, constant([0.1, 0.7]) + constant([0.2, 0.1]), BOX),
+        lambda: [2 + 4 * (M(0.1) + M(0.2)), 1 + 4 * (M(0.7) + M(0.1))],
+    ),
+    "sum of rates": (
+        lambda: dincl.Problem(PLANE, (attraction(0, 0.1) + attraction((0.3, 0.3), 0.2)) + constant([0.7, 0.1]), BOX),
+        lambda: [flowed(M(x), M(0.2) * M(0.3) + M(u), -(M(0.1) + M(0.2)), 4) for x, u in ((2.0, 0.7), (1.0, 0.1))],
+    ),
+    "numbers of a drift": (
+        lambda: dincl.Problem(PLANE, replace(attraction((0.3, 0.7), 0.1), velocity=np.array([0.1, 0.2])), BOX),
+        lambda: [flowed(M(x), M(u), -M(0.1), 4) for x, u in ((2.0, 0.1), (1.0, 0.2))],
+    ),
+    "swirl": (
+        lambda: dincl.Problem(PLANE, swirl((0.3, 0.1), 0.7) + attraction((0.1, 0.2), 0.3), BOX),
+        lambda: turned(
+            flowed(
+                mpmath.mpc(2, 1),
+                M(0.3) * mpmath.mpc(0.1, 0.2) - mpmath.mpc(0, M(0.7)) * mpmath.mpc(0.3, 0.1),
+                mpmath.mpc(-M(0.3), M(0.7)),
+                4,
+            )
+        ),
+    ),
+    "radii": (
+        lambda: dincl.Problem([[0.0], [1.0]], constant([[0.0], [-1.0]]), [dincl.NonOverlap([0.1, 0.2])]),
+        lambda: [(x - (4 - (1 - M(0.1) - M(0.2)))) / 2 for x in (M(0), 2 * (M(0.1) + M(0.2)))],
+    ),
+}
+
+
+def turned(z):
+    return [z.real, z.imag]
+
+
+@pytest.mark.parametrize("name", WRITTEN)
+def test_bounds_far_below_rounding_hold_for_the_numbers_as_they_were_given(name):
+    problem, exact = WRITTEN[name]
+    proof = v.prove(problem(), [4.0], 1e-25)
+    with mpmath.workdps(90):
+        assert error_of(proof, [exact()]) <= proof.radius[0] <= 1e-25
+    check(replace(proof.certificate))
 
 
 def still(t, x):

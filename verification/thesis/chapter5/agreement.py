@@ -156,7 +156,7 @@ def best(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def orders(table: pd.DataFrame) -> pd.DataFrame:
-    """Fit the order of RATTLE in y and in the multipliers, with 95 % intervals, for each model."""
+    """Fit the order of RATTLE in y and in the multipliers, with the ranges of local orders, for each model."""
     rows = []
     for (name, method), mine in table[table["method"].str.startswith("rattle")].groupby(["model", "method"]):
         fits = {

@@ -102,7 +102,7 @@ def _long(key: Key, periods: int) -> list[Row]:
 
 
 def slopes(agreement: pd.DataFrame, limit: pd.DataFrame) -> pd.DataFrame:
-    """Fit the power p of |E - E(0)| ~ setting^p for the largest change of energy, with its 95 % interval."""
+    """Fit the power p of |E - E(0)| ~ setting^p for the largest change of energy, with the range of local orders."""
     rows = []
     table = pd.concat([agreement, limit.assign(limit=True)])
     for (name, method), mine in table.groupby(["model", "method"], sort=False):

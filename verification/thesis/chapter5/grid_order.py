@@ -128,7 +128,7 @@ def _errors(name: str, motion: GridMotion, known: Limit) -> dict[str, Any]:
 
 
 def orders(table: pd.DataFrame) -> pd.DataFrame:
-    """Fit orders in the width of a cell with 95 % intervals, for each model and quantity."""
+    """Fit orders in the width of a cell, with the ranges of local orders, for each model and quantity."""
     rows = []
     for name, mine in table.groupby("model", sort=False):
         row: dict[str, Any] = {"model": name, "smooth": name in SMOOTH, "finest": int(mine["cells"].max())}

@@ -23,7 +23,7 @@ from scipy.special import ndtri
 
 from dincl.study import Key, Row, Study, workers
 from meanfield import Density
-from verification.instruments.order import CONFIDENCE
+from verification.instruments.lines import CONFIDENCE
 from verification.instruments.rates import IID, PAIR, QUANTILES, distance, draw, fitted_power, log_points, mean_of
 from verification.page.kept import DATA, keep
 

@@ -64,7 +64,7 @@ def test_the_section_says_what_the_tables_say(tmp_path):
     found = context.tables["space_catch_up_orders"]
     assert set(found["method"]) == {"PBD", "LinearisedCatchUp", "MidpointCatchUp"}
     grids = {part.file: part.rows for part in section.parts if isinstance(part, Grid)}
-    assert grids["space_catch_up_orders"]["Order in h [95 %]"].tolist() == found["order"].tolist()
+    assert grids["space_catch_up_orders"]["Order in h [range]"].tolist() == found["order"].tolist()
     errors = context.tables["space_catch_up_errors"]
     assert f"{number(errors[errors['method'] == 'PBD']['rms'].iloc[-1])} R_soft" in said
     assert "nan" not in said.lower()

@@ -168,7 +168,13 @@ def _order(scene: str, tables: Tables) -> Evidence:
     mine = rows[(rows["scene"] == scene) & (rows["method"] == PBD.name)]
     return Evidence(
         printed=tuple(
-            equal(f"order at t = {row.t:g}, 95 %:", (row.low + row.high) / 2, 1.0, ORDER_BAND, (row.low, row.high))
+            equal(
+                f"order at t = {row.t:g}, range of the local orders:",
+                (row.low + row.high) / 2,
+                1.0,
+                ORDER_BAND,
+                (row.low, row.high),
+            )
             for row in mine.itertuples()
         )
     )

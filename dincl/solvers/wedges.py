@@ -1,0 +1,83 @@
+"""The narrowest wedge of rows that share their coordinates, such as two nearly opposite walls of one particle."""
+
+import numpy as np
+
+from dincl.compiled import inner
+from dincl.compiled.arrays import Floats, Offsets
+from dincl.constants import NARROW, OPPOSITE
+from dincl.rows.table import DISTANCE, RowTable
+
+
+@inner
+def narrowest(rows: RowTable, gradient: Floats, listed: Offsets, count: int) -> float:
+    """Compute the least |sum_k mu_k a_k| between OPPOSITE and NARROW of two or, in space, three rows; inf without one.
+
+    A point that is off by g from rows with this value w may be off by g / w from where they meet: 2 w is the opening of
+    a wedge. Rows have length 1. Pairs of particles are left out, since no two such rows share their coordinates.
+    """
+    least = np.inf
+    for p in range(count):
+        if is_pair(rows, listed[p]):
+            continue
+        for q in range(p):
+            if not share_columns(rows, listed[p], listed[q]):
+                continue
+            width = between_two(rows, gradient, listed[p], listed[q])
+            if OPPOSITE < width < least:
+                least = width
+            if rows.stop[listed[p]] - rows.start[listed[p]] == 3:
+                for k in range(q):
+                    if share_columns(rows, listed[p], listed[k]):
+                        width = between_three(rows, gradient, listed[p], listed[q], listed[k])
+                        if OPPOSITE < width < least:
+                            least = width
+    return least if least < NARROW else np.inf
+
+
+@inner
+def is_pair(rows: RowTable, r: int) -> bool:
+    """Return whether row r is the distance of two particles."""
+    return bool(rows.row[r].kind == DISTANCE and rows.row[r].j >= 0)
+
+
+@inner
+def share_columns(rows: RowTable, r: int, s: int) -> bool:
+    """Return whether two rows, no pairs, have entries in the same coordinates."""
+    entries, first, second = rows.stop[r] - rows.start[r], rows.start[r], rows.start[s]
+    if is_pair(rows, s) or rows.stop[s] - second != entries:
+        return False
+    same = True
+    for e in range(entries):
+        same = same and rows.column[first + e] == rows.column[second + e]
+    return same
+
+
+@inner
+def between_two(rows: RowTable, gradient: Floats, r: int, s: int) -> float:
+    """Compute |a_r + a_s| / 2, the distance of the segment between a_r and a_s from the origin."""
+    square, second = 0.0, rows.start[s] - rows.start[r]
+    for e in range(rows.start[r], rows.stop[r]):
+        total = gradient[e] + gradient[second + e]
+        square += total * total
+    return 0.5 * float(np.sqrt(square))
+
+
+@inner
+def between_three(rows: RowTable, gradient: Floats, r: int, s: int, t: int) -> float:
+    """Compute the distance of the triangle of three vectors in space from the origin, inf if its nearest point is none.
+
+    The origin lies over the triangle if the three tetrahedra with the normal n of its plane have one sign.
+    """
+    a, b, c = gradient[rows.start[r] :], gradient[rows.start[s] :], gradient[rows.start[t] :]
+    n0 = (b[1] - a[1]) * (c[2] - a[2]) - (b[2] - a[2]) * (c[1] - a[1])
+    n1 = (b[2] - a[2]) * (c[0] - a[0]) - (b[0] - a[0]) * (c[2] - a[2])
+    n2 = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+    if not triple(a, b, n0, n1, n2) > 0.0 or not triple(b, c, n0, n1, n2) > 0.0 or not triple(c, a, n0, n1, n2) > 0.0:
+        return np.inf
+    return float(abs(a[0] * n0 + a[1] * n1 + a[2] * n2) / np.sqrt(n0 * n0 + n1 * n1 + n2 * n2))
+
+
+@inner
+def triple(a: Floats, b: Floats, n0: float, n1: float, n2: float) -> float:
+    """Compute (a x b) . n."""
+    return float((a[1] * b[2] - a[2] * b[1]) * n0 + (a[2] * b[0] - a[0] * b[2]) * n1 + (a[0] * b[1] - a[1] * b[0]) * n2)

@@ -1,0 +1,230 @@
+"""Steps of midpoint catch-up whose length follows an estimate of their error.
+
+A step of midpoint catch-up makes a step x^ of linearised catch-up on its way. Four distances estimate its error; in
+smooth motion each is O(h^2):
+
+1. max_i |Z_i - X^_i|: the drift and the normals at the start against those in the middle.
+2. max_i |sum_r multiplier_r (n_r(m) - n_r(z))_i|: the normals in the middle against those at the end. A particle that a
+   linearised row holds back although nothing is in its way has an end whose normal is another one.
+3. h/2 max_i |F(t + h, z) - F(t + h/2, m)|_i: a drift that jumps in the second half of a step. The value at z is the
+   first one of the next step, so it costs nothing.
+4. Contacts that decide over contacts. A new contact at t + theta h may end another one: until then the old contact
+   pushes by theta h rho, rho its multiplier over the length of the step before, but the projection of x + h F knows
+   only the sum of both pushes. So far as the multiplier of an old contact falls below h rho, the step may be wrong by
+   this, unless theta is near 0 or 1: the step is repeated to end at the contact.
+
+The step after an estimate e has the length h (tau / e)^(1/2); a step with e > tau is made again.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from dincl.compiled import inner, kernel, reader
+from dincl.compiled.arrays import Floats, Offsets
+from dincl.constants import LARGEST
+from dincl.neighbours import ROW_MARGIN
+from dincl.rows.table import GRADIENTS, call_python, gap, linearise
+from dincl.solvers.envelope_factor import add_row, row_dot
+from dincl.steps.catch_up import call_projection, drift_step, finish_step
+from dincl.steps.loop import stepping_at
+from dincl.steps.programs import list_sorted
+from dincl.system.arrays import DRIFT, NOT_A_NUMBER, OK, PYTHON, SETS, bounded, evaluate, farthest, longest, system_at
+
+# A step is at most so many times, and a repeated one at least this part of, the step before it; aimed at is this part
+# of the tolerance.
+LARGER, SMALLER, AIM = 3.0, 0.1, 0.9
+# Part of its length with which a step is repeated that no projection solves.
+UNSOLVED = 0.25
+# A new contact costs the order of a step only if it is farther from both ends than this part of the step.
+NEAR = 4.0
+# Shortest step over the longest one, and the code of a run that would need a shorter one.
+SHORTEST, TOO_SHORT = 1e-11, -1
+
+
+class Adapting(NamedTuple):
+    """What steps of variable length remember from one to the next."""
+
+    middle: Floats  # (n,): x^, the end of the step of linearised catch-up
+    first: Floats  # (n,): the drift at the start of a step
+    velocity: Floats  # (n,): of the last step
+    before: Floats  # (n,): the state before the last step
+    row: Offsets  # (n,): rows that pushed in the last step
+    multiplier: Floats  # (n,): and their multipliers
+
+
+def adapting(n: int) -> Adapting:
+    """Make the memory of steps in n coordinates."""
+    return Adapting(np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n, np.int64), np.zeros(n))
+
+
+adapting_at = reader(adapting(0))
+
+
+@inner
+def note_pushing(system: Any, kept: Adapting) -> int:
+    """Note the listed rows that pushed in the last step; return their number."""
+    near, multiplier, count = system.near, system.program.multiplier, 0
+    for q in range(near.number[0]):
+        r = near.row[q]
+        if multiplier[r] > 0.0 and count < kept.row.size:
+            kept.row[count], kept.multiplier[count] = r, multiplier[r]
+            count += 1
+    return count
+
+
+@inner
+def fallen(system: Any, kept: Adapting, count: int, ratio: float) -> float:
+    """Return by how much the multiplier of a row that pushed in the last step fell at most, over equal lengths."""
+    multiplier, largest = system.program.multiplier, 0.0
+    for p in range(count):
+        largest = max(largest, ratio * kept.multiplier[p] - multiplier[kept.row[p]])
+    return largest
+
+
+@inner
+def first_contact(system: Any, kept: Adapting, count: int, x: Floats, h: float, tau: float, fall: float) -> Any:
+    """Return the estimate for the worst of the new contacts, and where in the step the first of those beyond tau is."""
+    near, program, worst, earliest, p = system.near, system.program, 0.0, 1.0, 0
+    for q in range(near.number[0]):
+        r = near.row[q]
+        if p < count and kept.row[p] == r:
+            p += 1
+        elif program.multiplier[r] > 0.0:
+            open_now = gap(system.rows, system.sets, r, x)
+            ahead = row_dot(system.rows, r, program.gradient, x) - program.bound[r]
+            ahead += h * row_dot(system.rows, r, program.gradient, kept.velocity)
+            # Halved where the last step does not say when the gap closes.
+            place = 0.5
+            if open_now <= 0.0:
+                place = 0.0
+            elif ahead < open_now:
+                place = open_now / (open_now - ahead)
+            place = min(place, 1.0)
+            wrong = fall * min(1.0, NEAR * place, NEAR * (1.0 - place))
+            worst = max(worst, wrong)
+            if wrong > tau:
+                earliest = min(earliest, place)
+    return worst, earliest
+
+
+@inner
+def normals_at_end(system: Any, t: float, z: Floats, push: Floats) -> bool:
+    """Subtract from the push z - y of all rows that of their multipliers along the normals at z; false on failure."""
+    near, program = system.near, system.program
+    if call_python(system.sets, t, z, GRADIENTS) != 0:
+        return False
+    for q in range(near.number[0]):
+        r = near.row[q]
+        multiplier = program.multiplier[r]
+        if multiplier > 0.0:
+            linearise(system.rows, system.sets, r, z, program.gradient)
+            add_row(system.rows, r, program.gradient, -multiplier, push)
+    return True
+
+
+@inner
+def adaptive_step(place: int, memory: int, t: float, h: float, last: float, tau: float, tol: float) -> Any:
+    """Make a step of length h from the state x, write z to ``after`` and F(t + h, z) to ``rate``.
+
+    Returns how it ended, the estimate of its error, and the part of it after which it is repeated if the estimate is
+    for a contact, 0 if not. ``last`` is the length of the step before, 0 for none.
+    """
+    run, kept = stepping_at(place), adapting_at(memory)
+    system = system_at(run.place)
+    start, middle, z, y, d = run.x, run.after, run.projection.z, run.projection.y, system.sets.shift.shape[1]
+    for k in range(start.size):
+        y[k] = start[k] + h * kept.first[k]
+    length = h * longest(kept.first, d)
+    # The rows are linearised where they are at t, before anything can have passed a particle within the step.
+    if not list_sorted(run.place, t, start, 2.0 * length, ROW_MARGIN):
+        return PYTHON, 0.0, 0.0
+    search, count = system.near.number[1], note_pushing(system, kept)
+    code = call_projection(run, place, t, start, t + h, 2.0 * length, max(tol, np.sqrt(tol * length)))
+    if code != OK:
+        return code, 0.0, 0.0
+    error = 0.0
+    if last > 0.0 and system.near.number[1] == search:
+        fall = fallen(system, kept, count, h / last)
+        if fall > tau:
+            error, earliest = first_contact(system, kept, count, start, h, tau, fall)
+            if error > tau:
+                return OK, error, earliest
+    for k in range(start.size):
+        kept.middle[k] = z[k]
+        middle[k] = 0.5 * (start[k] + z[k])
+    code = drift_step(run, t + 0.5 * h, middle, h)
+    if code == OK:
+        code = call_projection(run, place, t + 0.5 * h, middle, t + h, 2.0 * length, tol)
+    if code != OK:
+        return code, 0.0, 0.0
+    error = max(error, farthest(z, kept.middle, d))
+    # ``middle`` holds the push at the end from here on, then the drift in the middle.
+    for k in range(z.size):
+        middle[k] = z[k] - y[k]
+    if not normals_at_end(system, t + h, z, middle):
+        return SETS, 0.0, 0.0
+    error = max(error, longest(middle, d))
+    for k in range(z.size):
+        middle[k] = run.rate[k]
+    code = evaluate(system.drift, d, t + h, z, run.rate)
+    error = max(error, 0.5 * h * farthest(run.rate, middle, d))
+    finish_step(run)
+    return code, error, 0.0
+
+
+@kernel
+def adapt(
+    place: int,
+    memory: int,
+    t: float,
+    end: float,
+    stop: float,
+    h: float,
+    last: float,
+    tau: float,
+    longest_step: float,
+    tol: float,
+    most: int,
+) -> tuple[int, float, float, float, int, int]:
+    """Make steps from t towards ``end``, until ``stop`` is reached, with estimates of at most ``tau``.
+
+    ``h`` is about the length of the first one, ``last`` that of the step before, 0 for none. At most ``most`` steps are
+    made or repeated. Returns how the last one ended, the time reached, the length of the next step, that of the last
+    one, and how many were made and repeated. A step that fails leaves the state as it was; TOO_SHORT: one of SHORTEST
+    of the longest one has an estimate beyond ``tau``.
+    """
+    run, kept = stepping_at(place), adapting_at(memory)
+    system = system_at(run.place)
+    made, repeated, least = 0, 0, SHORTEST * longest_step
+    code = evaluate(system.drift, system.sets.shift.shape[1], t, run.x, kept.first)
+    while t < stop and code == OK and made + repeated < most:
+        h = min(h, longest_step)
+        step, number = h, np.ceil((end - t) / h * (1.0 - 1e-12))
+        # Two equal steps in place of a long and a tiny one.
+        if number <= 2.0:
+            step = (end - t) / number
+        code, error, contact = adaptive_step(place, memory, t, step, last, tau, tol)
+        if code == OK and contact == 0.0 and not bounded(run.after, LARGEST):
+            code = NOT_A_NUMBER
+        if code == OK and contact == 0.0 and error <= tau:
+            for k in range(run.x.size):
+                kept.velocity[k] = (run.after[k] - run.x[k]) / step
+                kept.before[k] = run.x[k]
+                run.x[k] = run.after[k]
+                kept.first[k] = run.rate[k]
+            t = end if number <= 1.0 else t + step
+            made += 1
+            last = step
+            growth = LARGER if error == 0.0 else min(LARGER, max(0.5, AIM * np.sqrt(tau / error)))
+            h = max(step * growth, h if growth >= 1.0 else 0.0)
+        elif step <= least:
+            code = TOO_SHORT if code == OK else code
+        elif code not in (DRIFT, SETS, PYTHON):
+            repeated += 1
+            if contact > 0.0:
+                h = max(contact, SMALLER) * step
+            else:
+                h = step * (UNSOLVED if code != OK else max(SMALLER, AIM * min(1.0, np.sqrt(tau / error))))
+            code = OK
+    return code, t, h, last, made, repeated

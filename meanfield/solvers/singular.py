@@ -1,0 +1,103 @@
+"""Zeros and poles of det dg/dX that a motion passes without a change of sign, seen between two of its states.
+
+Where a motion touches a zero of det dg/dX, as X = 0 for g = X^3 - y, |det| falls to zero and rises again inside of a
+step. So each step must resolve the dips of |det|, and of 1/|det|: a dip of a particle is resolved if |det| stays above
+``RESOLVED_DIP`` times the larger of its values around the dip. A motion that only comes near zero is resolved by some
+shorter step; a zero is resolved by none, which locates it.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from dincl.errors import StepFailure
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from meanfield.model.model import Model
+
+    Floats = NDArray[np.float64]
+
+# Least ratio of |det| in a dip to the larger value at its sides: a parabola falls to it over 3/4 of its side's length.
+RESOLVED_DIP = 0.25
+# Parts of a step between whose ends dips are looked for, and points of the cubic in each part.
+PARTS, POINTS = 4, 9
+
+
+def unresolved_dip(model: Model, before: tuple[Floats, Floats], after: tuple[Floats, Floats], h: float) -> float | None:
+    """Return the place in a step, 0 to 1, of the first dip of |det| or 1/|det| that it does not resolve; None if none.
+
+    Parameters
+    ----------
+    before, after
+        values ((y, X) as an array (ny + Q nx,)) and their rates at both ends of the step.
+    h
+        length of the step; between its ends the values follow the cubic that meets both ends.
+    """
+    (z, rate), (end, end_rate) = before, after
+    try:
+        ends = [_determinant(model, values, rates) for values, rates in (before, after)]
+        close = _may_dip(*ends, h)
+        if not close.any():
+            return None
+        chosen = np.concatenate([np.ones(model.ny, dtype=bool), np.repeat(close, model.nx)])
+        z, rate, end, end_rate = z[chosen], h * rate[chosen], end[chosen], h * end_rate[chosen]
+        s = np.linspace(0, 1, PARTS + 1)[1:-1, None]
+        path, speed = _cubic(s, z, rate, end, end_rate), _cubic_slope(s, z, rate, end, end_rate) / h
+        inside = [_determinant(model, values, rates) for values, rates in zip(path, speed, strict=True)]
+    except StepFailure:
+        return 0.5
+    first, last = ((det[close], slope[close]) for det, slope in ends)
+    det, slope = np.array([first, *inside, last]).swapaxes(0, 1)
+    with np.errstate(all="ignore"):
+        places = [_first(det, h / PARTS * slope), _first(1 / det, -h / PARTS * slope / det**2)]
+    return min((place for place in places if place is not None), default=None)
+
+
+def _determinant(model: Model, values: Floats, rates: Floats) -> tuple[Floats, Floats]:
+    y, v, X, U = values[: model.ny], rates[: model.ny], values[model.ny :], rates[model.ny :]
+    return model.determinant(X.reshape(-1, model.nx), y, U.reshape(-1, model.nx), v)
+
+
+def _may_dip(before: tuple[Floats, Floats], after: tuple[Floats, Floats], h: float) -> NDArray[np.bool_]:
+    """Return the particles (Q,) whose determinant may fall or rise by a factor of two inside of a step.
+
+    A cubic leaves the range of its ends by at most 4/27 of the sum of its slopes.
+    """
+    sign = np.sign(before[0])
+    a, b = sign * before[0], sign * after[0]
+    beyond = 4 / 27 * h * (np.abs(before[1]) + np.abs(after[1]))
+    low, high = np.minimum(a, b), np.maximum(a, b)
+    return ~((low - beyond >= high / 2) & (high + beyond <= 2 * low))
+
+
+def _first(values: Floats, slopes: Floats) -> float | None:
+    """Return the place of the first unresolved dip of |values| (PARTS + 1, Q); ``slopes`` are per part."""
+    sign = np.sign(values[0])
+    a, b, down, up = (sign * part for part in (values[:-1], values[1:], slopes[:-1], slopes[1:]))
+    dips = ~((a > 0) & (b > 0)) | ((down <= 0) & (up >= 0))
+    if not dips.any():
+        return None
+    part = np.nonzero(dips)[0]
+    s = np.linspace(0, 1, POINTS)[:, None]
+    inside = _cubic(s, a[dips], down[dips], b[dips], up[dips])
+    unresolved = ~(inside.min(axis=0) >= RESOLVED_DIP * np.maximum(a, b)[dips])
+    if not unresolved.any():
+        return None
+    k = int(np.flatnonzero(unresolved)[0])
+    return float((part[k] + s[int(np.argmin(inside[:, k])), 0]) / PARTS)
+
+
+def _cubic(s: Floats, a: Floats, slope_a: Floats, b: Floats, slope_b: Floats) -> Floats:
+    """Evaluate the cubic with values a, b and slopes at 0 and 1."""
+    d, r = b - a, 1 - s
+    return np.asarray(a + s * (d + r * (r * (slope_a - d) - s * (slope_b - d))))
+
+
+def _cubic_slope(s: Floats, a: Floats, slope_a: Floats, b: Floats, slope_b: Floats) -> Floats:
+    d, p, q = b - a, slope_a - (b - a), slope_b - (b - a)
+    r = 1 - s
+    return np.asarray(d + (r - s) * (r * p - s * q) + s * r * (-p - q))
