@@ -143,7 +143,7 @@ class PagesInABrowser:
 
     def test_chart_is_a_picture_where_scripts_do_not_run(self, made, browser):
         with visit(browser, made[0].parent / "speed.html", java_script_enabled=False) as page:
-            assert page.locator("figure img").count() == len(SCENES)
+            assert page.locator("figure img").count() >= len(SCENES)
             assert page.locator("noscript").first.is_visible()
         with visit(browser, made[0].parent / "meanfield.html", java_script_enabled=False) as page:
             assert page.locator("noscript img").first.is_visible()
