@@ -49,7 +49,7 @@ def decide_contacts(run: EventWorkspace) -> int:
     count = list_touching(run)
     if count < 0:
         return COINCIDENT
-    system.program.answer[1] = narrowest(system.rows, system.program.gradient, run.touching, count)
+    system.program.answer[1] = narrowest(system.rows, system.near, system.program.gradient, run.touching, count)
     if system.program.answer[1] < NARROWEST:
         return WEDGE
     state.zero = min(max(state.tol / state.end, LEAST_ZERO * state.speed), ZERO * state.speed)

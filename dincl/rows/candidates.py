@@ -10,7 +10,10 @@ from dincl.rows.table import CALLBACK, DISTANCE, FORMULA, RowTable, Sets, value_
 
 
 class CandidateRows(NamedTuple):
-    """The candidates ``row[:number[0]]``, found in search number ``number[1]``; ``number[2]`` are pairs kept apart."""
+    """The candidates ``row[:number[0]]``, found in search number ``number[1]``; ``number[2]`` are pairs kept apart.
+
+    ``chosen``, ``head`` and ``link`` are workspace: some of the rows, and lists of those that begin at one coordinate.
+    """
 
     row: Offsets
     key: Floats
@@ -19,6 +22,9 @@ class CandidateRows(NamedTuple):
     shift: Floats  # (families, d): the displacements of the sets in the search
     time: Floats  # (1,): the time of the search
     radius: Floats  # (1,): the search radius
+    chosen: Offsets  # (m,)
+    head: Offsets  # (n,)
+    link: Offsets  # (m,)
     search: int  # the address of the function that puts the candidates into the table; 0 if it holds all rows
 
 
@@ -26,7 +32,8 @@ def no_candidates(m: int, n: int, families: int, d: int, search: int = 0) -> Can
     """Make an empty list for at most m rows."""
     row, number = np.zeros(m, dtype=np.int64), np.zeros(3, dtype=np.int64)
     shift, time, radius = np.zeros((families, d)), np.zeros(1), np.full(1, -1.0)
-    return CandidateRows(row, np.zeros(m), number, np.zeros(n), shift, time, radius, search)
+    chosen, head, link = (np.zeros(size, dtype=np.int64) for size in (m, n, m))
+    return CandidateRows(row, np.zeros(m), number, np.zeros(n), shift, time, radius, chosen, head, link, search)
 
 
 @inner

@@ -5,33 +5,49 @@ import numpy as np
 from dincl.compiled import inner
 from dincl.compiled.arrays import Floats, Offsets
 from dincl.constants import NARROW, OPPOSITE
+from dincl.rows.candidates import CandidateRows
 from dincl.rows.table import DISTANCE, RowTable
 
 
 @inner
-def narrowest(rows: RowTable, gradient: Floats, listed: Offsets, count: int) -> float:
+def narrowest(rows: RowTable, near: CandidateRows, gradient: Floats, listed: Offsets, count: int) -> float:
     """Compute the least |sum_k mu_k a_k| between OPPOSITE and NARROW of two or, in space, three rows; inf without one.
 
     A point that is off by g from rows with this value w may be off by g / w from where they meet: 2 w is the opening of
     a wedge. Rows have length 1. Pairs of particles are left out, since no two such rows share their coordinates.
     """
-    least = np.inf
+    least, head, link = np.inf, near.head, near.link
     for p in range(count):
-        if is_pair(rows, listed[p]):
+        if has_entries(rows, listed[p]):
+            head[rows.column[rows.start[listed[p]]]] = -1
+    for p in range(count):
+        r = listed[p]
+        if not has_entries(rows, r) or is_pair(rows, r):
             continue
-        for q in range(p):
-            if not share_columns(rows, listed[p], listed[q]):
-                continue
-            width = between_two(rows, gradient, listed[p], listed[q])
-            if OPPOSITE < width < least:
-                least = width
-            if rows.stop[listed[p]] - rows.start[listed[p]] == 3:
-                for k in range(q):
-                    if share_columns(rows, listed[p], listed[k]):
-                        width = between_three(rows, gradient, listed[p], listed[q], listed[k])
+        # Earlier rows with the same first coordinate.
+        first = rows.column[rows.start[r]]
+        q = head[first]
+        while q >= 0:
+            if share_columns(rows, r, listed[q]):
+                width = between_two(rows, gradient, r, listed[q])
+                if OPPOSITE < width < least:
+                    least = width
+                k = link[q] if rows.stop[r] - rows.start[r] == 3 else -1
+                while k >= 0:
+                    if share_columns(rows, r, listed[k]):
+                        width = between_three(rows, gradient, r, listed[q], listed[k])
                         if OPPOSITE < width < least:
                             least = width
+                    k = link[k]
+            q = link[q]
+        link[p], head[first] = head[first], p
     return least if least < NARROW else np.inf
+
+
+@inner
+def has_entries(rows: RowTable, r: int) -> bool:
+    """Return whether row r has a gradient that is not empty."""
+    return bool(rows.stop[r] > rows.start[r])
 
 
 @inner

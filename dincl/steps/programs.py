@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from dincl.compiled import allocating, inner, kernel
+from dincl.compiled import inner, kernel
 from dincl.compiled.arrays import Flags, Floats, Indices
 from dincl.drifts.functions import call_drift
 from dincl.neighbours import ROW_MARGIN
@@ -128,7 +128,7 @@ def linearise_set(place: int, t: float, x: Floats, later: float) -> int:
     return code
 
 
-@allocating
+@inner
 def check_wedges(place: int, tol: float, solved: bool) -> int:
     """Return OK, or WEDGE if z may lie farther from the nearest point than the tolerance though its gaps do not.
 
@@ -137,16 +137,15 @@ def check_wedges(place: int, tol: float, solved: bool) -> int:
     """
     system = system_at(place)
     rows, near, program, count, worst = system.rows, system.near, system.program, 0, 0.0
-    listed = np.empty(near.number[0], np.int64)
     for q in range(near.number[0]):
         r = near.row[q]
         if not is_pair(rows, r):
             value = row_dot(rows, r, program.gradient, program.z) - program.bound[r]
             if value <= tol:
-                listed[count] = r
+                near.chosen[count] = r
                 count += 1
                 worst = max(worst, abs(value) if solved and program.multiplier[r] > 0.0 else -value)
-    program.answer[1] = narrowest(rows, program.gradient, listed, count) if worst > 0.0 else np.inf
+    program.answer[1] = narrowest(rows, near, program.gradient, near.chosen, count) if worst > 0.0 else np.inf
     return WEDGE if worst > tol * program.answer[1] else OK
 
 

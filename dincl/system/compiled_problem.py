@@ -203,7 +203,11 @@ class CompiledProblem:
         arrays = {f"rows.{name}": part for name, part in rows._asdict().items()}
         arrays |= {f"factor.{name}": part for name, part in self._factor(m)._asdict().items()}
         arrays |= {"program.gradient": np.zeros(len(rows.column)), "program.bound": np.zeros(m)}
-        arrays |= {"program.length": np.ones(m)}
+        arrays |= {
+            "program.length": np.ones(m),
+            "near.chosen": np.zeros(m, np.int64),
+            "near.link": np.zeros(m, np.int64),
+        }
         arrays |= {"program.multiplier": multiplier, "near.row": np.arange(m), "near.key": np.zeros(m)}
         arrays["curvature.slope"] = np.zeros(m if self._programs else 0)
         self._pointer.replace(arrays)
