@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import json
 import platform
+import time
 from collections.abc import Callable
 from functools import cache
 from importlib.metadata import version
@@ -57,6 +58,8 @@ LIBRARIES = ("numba", "llvmlite", "numpy")
 # How ``dincl.compiled.cache`` writes its files: programs that write them in another way have folders of their own.
 FILES = "files 2"
 _ROOT = Path(__file__).parents[2]
+# When this process began to load modules with compiled functions [s].
+LOADED = time.time()
 
 
 def require_folder(function: Callable[..., Any]) -> None:
@@ -104,12 +107,18 @@ def versions() -> list[str]:
 
 @cache
 def _folders(package: str) -> list[str]:
-    """Compute a digest for each folder of a package; modules with MAKES_NO_NUMBERS do not count."""
+    """Compute a digest for each folder of a package; modules with MAKES_NO_NUMBERS do not count.
+
+    A file that was changed after this process began may have been loaded as it was before. The digest is then one of
+    this process alone, so that no other one takes its machine code for that of the new file.
+    """
     digests = []
     for name in FOLDERS:
         if name.startswith(f"{package}."):
             place = _ROOT.joinpath(*name.split("."))
             files = sorted(place.rglob("*.py")) if place.is_dir() else [place.with_suffix(".py")]
+            if any(path.stat().st_mtime > LOADED for path in files):
+                digests.append(f"changed while it ran: {LOADED}")
             sources = ((path.relative_to(_ROOT).as_posix(), read_source(path)) for path in files)
             code = [(path, found.digest) for path, found in sources if found.makes_numbers]
             digests.append(digest_of(json.dumps(code).encode()))

@@ -26,7 +26,7 @@ MOST_AT_ONCE = 100
 MOST_STEPS, CHECK = 100_000, 5_000
 # Jumps of the drift allowed in one run.
 MOST_JUMPS = 10_000
-# An event before a jump by no more than this part of the run is at the jump.
+# An event before a jump, or the end, by no more than this part of the run is at the jump, or the end.
 MEETS = 1e-12
 # The share of the last phase in the mean of their lengths. In runs of many particles a step is at most this many times
 # that mean, for a run in one part, in two parts two thirds of it; twice as much after each step without an event.
@@ -68,8 +68,13 @@ def begin_phase(run: EventWorkspace) -> int:
     state, code = run.state[0], OK
     # What started small and went far rounds as what is large.
     state.size = max(state.size, longest(run.x, system_at(run.system).sets.shift.shape[1]))
-    if state.stop < state.end and state.stop - state.t <= MEETS * state.end:
-        code = pass_stop(run)
+    if state.stop - state.t <= MEETS * state.end:
+        if state.stop < state.end:
+            code = pass_stop(run)
+        elif state.steps > 0:
+            # What a contact at the end would do behind it is nobody's question, and may have no answer.
+            state.t = run.steps.end[state.steps - 1] = state.end
+            return DONE
     if code == OK:
         code = decide_contacts(run)
     if code != OK:

@@ -1,5 +1,7 @@
 """The key of cached machine code: the code of the folders that hold kernels; of other files also their imports."""
 
+import math
+import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -26,6 +28,7 @@ def tree(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         (tmp_path / name).write_text(text)
     monkeypatch.setattr(folders, "_ROOT", tmp_path)
     monkeypatch.setattr(folders, "FOLDERS", ("dincl.constants", "dincl.kernels", "tissue.kernels"))
+    monkeypatch.setattr(folders, "LOADED", math.inf)  # each look is that of a process that begins now
     return tmp_path
 
 
@@ -85,3 +88,15 @@ def test_versions_count(library: str, monkeypatch: pytest.MonkeyPatch) -> None:
     after = stamps()
     folders.versions.cache_clear()
     assert all(one != other for one, other in zip(before, after, strict=True))
+
+
+def test_a_file_that_changes_while_a_process_runs_is_its_own(tree: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Modules that were loaded before make machine code that fits no file: no other process may take it."""
+    new = stamps()
+    monkeypatch.setattr(folders, "LOADED", (tree / "tissue/kernels/deep/two.py").stat().st_mtime - 1.0)
+    mixed = stamps()
+    assert [one == other for one, other in zip(new, mixed, strict=True)] == [False, False, False]
+    for name in FILES:
+        if name.startswith("dincl"):
+            os.utime(tree / name, (0.0, 0.0))
+    assert stamps()[0] == new[0]

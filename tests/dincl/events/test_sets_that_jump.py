@@ -136,3 +136,13 @@ def test_jumps_agree_with_short_steps(seed):
     apart = np.abs(steps[1][-1] - steps[0][-1]).max()
     assert np.abs(path.final - steps[1][-1]).max() <= 3 * apart + 5e-3
     assert path.violation().max() <= 1e-11
+
+
+def test_a_contact_at_the_end_of_a_run_needs_no_motion_behind_it():
+    """A wall closes on two discs until they fill the room, at the very end: behind it there would be no point."""
+    wall = dincl.HalfSpace((-1.0,), lambda t: -(3.0 - t), 0.5)
+    problem = dincl.Problem(
+        [[0.5], [2.0]], lambda t, x: 0 * x, [dincl.NonOverlap(0.5), dincl.HalfSpace((1.0,), 0.0, 0.5), wall]
+    )
+    path = dincl.solve(problem, dincl.EventDriven(1e-8), t=[0.75, 1.0])
+    assert np.abs(path.final.ravel() - [0.5, 1.5]).max() <= path.error[-1]
