@@ -89,11 +89,19 @@ def attempted(function: Callable[..., T], *arguments: Any) -> T | Failure:
     try:
         return function(*arguments)
     except ModuleNotFoundError as missing:
-        return Failure("LEFT_OUT", str(missing), missing)
+        return Failure("LEFT_OUT", _words(missing), missing)
     except InvalidProblem as refusal:
-        return Failure("REFUSED", str(refusal), refusal)
+        return Failure("REFUSED", _words(refusal), refusal)
     except Exception as failure:  # noqa: BLE001  # whatever a method raises is its result
-        return Failure("FAILED", f"{type(failure).__name__}: {failure}", failure)
+        return Failure("FAILED", f"{type(failure).__name__}: {_words(failure)}", failure)
+
+
+def _words(error: Exception) -> str:
+    """Return the message of an error, which may fail to make one, or have half a character in it."""
+    try:
+        return str(error).encode("utf-8", "backslashreplace").decode("utf-8")
+    except Exception:  # noqa: BLE001  # as a method's own error does
+        return "an error without a message"
 
 
 def made_scheme(label: str, made: Any, setting: str) -> Scheme:

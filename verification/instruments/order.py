@@ -216,15 +216,14 @@ def _fitted(rows: tuple[Row, ...], x: Floats, y: Floats, resolution: float) -> O
     local = np.diff(y) / np.diff(x)
     change = np.zeros(y.size) if resolution == 0.0 else -np.log1p(-np.exp(np.log(resolution) - y))
     doubt = (change[1:] + change[:-1]) / np.abs(np.diff(x))  # of each local order, by an error of the reference
-    explained = 2 * float(doubt[-LAST:].max())
-    trend = _trend(local, explained)
+    trend = _trend(local)
     apart = max(float(np.ptp(local[-LAST:])), *map(abs, trend))
-    settled = local.size >= LAST and apart <= SETTLED + explained and not _goes_on(local, doubt)
-    below, above = trend if settled else (0.0, 0.0)
+    settled = local.size >= LAST and apart <= SETTLED and not _goes_on(local, doubt)
+    below, above = (trend[0] - doubt[-1], trend[1] + doubt[-1]) if settled else (0.0, 0.0)
     shift = reference_shift(x, y, resolution)
     interval = (
-        min(float(local.min()), slope - shift, float(local[-1]) + below),
-        max(float(local.max()), slope + shift, float(local[-1]) + above),
+        min(float(local.min()), slope - shift, float(local[-1] + below)),
+        max(float(local.max()), slope + shift, float(local[-1] + above)),
     )
     return Order(
         rows,
@@ -252,19 +251,18 @@ def _goes_on(local: Floats, doubt: Floats) -> bool:
     return changes.size == LAST and one_way and abs(changes[-1]) >= max(abs(changes[0]), STEADY)
 
 
-def _trend(local: Floats, explained: float) -> tuple[float, float]:
+def _trend(local: Floats) -> tuple[float, float]:
     """Return how far below and above the last local order the next ones may lead.
 
     Differences of one sign that shrink by a ratio r, as of error = C h^p (1 + a h^q) with r = 2^-q, lead by r / (1 - r)
     times the last one; ``TAIL`` allows for a ratio that is not exact. Differences that grow lead on; those of both
-    signs lead as far as the last one to both sides. A growth that the reference explains leads on by one step.
+    signs lead as far as the last one to both sides.
     """
     *_, before, last = np.diff(local, prepend=local[0])
     if local.size < LAST or before * last <= 0:
         return -abs(float(last)), abs(float(last))
     ratio = float(last / before)
-    growing = GROWING if abs(last) > explained else 1.0
-    lead = float(last) * (growing if ratio >= 1 else min(TAIL * ratio / (1 - ratio), GROWING / SETTLED))
+    lead = float(last) * (GROWING if ratio >= 1 else min(TAIL * ratio / (1 - ratio), GROWING / SETTLED))
     return min(lead, 0.0), max(lead, 0.0)
 
 

@@ -328,7 +328,7 @@ def trusted(certificate: Certificate, trust: Iterable[str]) -> Functions:
             function: Any = import_module(module)
             for part in attribute.split("."):
                 function = getattr(function, part)
-        except Exception as error:  # whatever a module does when it is imported
+        except (Exception, SystemExit) as error:  # whatever a module does when it is imported
             raise BadCertificate(f"the function {name} is not found: {error}") from error
         # A module holds what it imported, too, and that was not trusted.
         if type(function) is not FunctionType or (function.__module__, function.__qualname__) != (module, attribute):

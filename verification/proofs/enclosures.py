@@ -235,7 +235,7 @@ def on_balls(name: str, function: Callable[..., Any], given: tuple[Any, ...], sh
     except (ArithmeticError, ValueError) as error:
         reason = "a ball contains a zero of a denominator, or the end of a domain: the function changes too fast"
         raise NotOnBalls(f"{name} cannot be evaluated on balls: {error} ({reason})") from error
-    except Exception as error:  # whatever a function of a user raises
+    except (Exception, SystemExit) as error:  # whatever a function of a user raises
         raise _unfit(name, str(error)) from error
     if Series.refused:
         raise _unfit(name, Series.refused[0])

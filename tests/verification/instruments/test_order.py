@@ -158,6 +158,16 @@ def test_reference_of_limited_accuracy(sign):
     assert order.interval[1] - order.interval[0] < 0.7
 
 
+def test_a_trend_that_the_reference_could_explain_is_in_the_range():
+    """Errors h (1 - 5.75 h), of order one, seem to be of order 2.5 and more; the reference states an error."""
+    h = 1.5 ** -np.arange(7.0)
+    order = estimate(h, np.abs(h * (1 - 5.7548 * h)), floor=0.0037449)
+    assert not order.settled or order.interval[0] <= 1.0
+    h = 0.5 * 2.0 ** (-np.arange(5) / 2)
+    order = estimate(h, h * (1 + 11.417 * h), floor=0.0465)
+    assert not order.settled or order.interval[0] <= 1.0
+
+
 def test_interval_widens_with_the_error_of_the_reference():
     free, limited = estimate(H, H), estimate(H, H, floor=H[-1] / 10.0)
     assert roles(limited) == ["used"] * H.size

@@ -150,6 +150,21 @@ def test_a_method_that_raises_is_a_row_and_the_others_keep_theirs(error):
     assert made["detail"].tolist() == [words]
 
 
+class Mute(RuntimeError):
+    def __str__(self):
+        raise RuntimeError("no words")
+
+
+@pytest.mark.parametrize(
+    ("error", "words"), [(Mute(), "an error without a message"), (ValueError("\ud800"), "\\ud800")]
+)
+def test_an_error_whose_message_cannot_be_printed_is_a_row(error, words):
+    known = v.reference(WALL, tol=1e-9)([0.5, 1.0])
+    methods = [v.Method("good", scheme=dincl.PBD), v.Method("bad", run=raising(error))]
+    study = v.order_study(WALL, methods, STEPS, [0.5, 1.0], known)
+    assert set(study.table.loc[study.table["status"] == "FAILED", "detail"]) == {f"{type(error).__name__}: {words}"}
+
+
 @pytest.mark.parametrize("stop", [KeyboardInterrupt, SystemExit])
 def test_what_means_to_stop_a_study_stops_it(stop):
     with pytest.raises(stop):

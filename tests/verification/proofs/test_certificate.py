@@ -366,6 +366,18 @@ def test_only_functions_of_trusted_modules_are_imported(tmp_path, monkeypatch):
         assert reason in refused(written(file, content), "--trust", "own_drift")
 
 
+@pytest.mark.parametrize("text", ["raise SystemExit(0)\n", "def falls(t, x):\n    raise SystemExit(0)\n"])
+def test_a_trusted_module_that_exits_proves_nothing(tmp_path, monkeypatch, text):
+    (tmp_path / "exits.py").write_text(text)
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.delitem(sys.modules, "exits", raising=False)
+    problem = dincl.Problem([[0.0, 2.0]], constant([-1.0, -1.0]), [dincl.HalfSpace((0, 1))])
+    content = content_of(v.prove(problem, [1.0]))
+    content["drift"] = {"velocity": [], "stretch": [], "turn": [], "function": "exits:falls"}
+    file = written(tmp_path / "own.json", content)
+    assert CliRunner().invoke(app, ["check", str(file), "--trust", "exits"]).exit_code == 1
+
+
 def test_what_is_printed_is_rounded_up():
     assert above(1.2341e-12) == "1.24e-12"
     assert above(0.1) == "0.101"
