@@ -11,12 +11,15 @@ from dincl.checks import number
 from dincl.errors import StepFailure
 from dincl.norms import longest
 from dincl.schemes.base import Scheme
-from dincl.schemes.resolution import resolving_step
+from dincl.schemes.resolution import PART
 from dincl.status import Status
+from dincl.system.time_scales import time_scales
 from dincl.trajectory import Between, RunOutcome
 from dincl.work import Work
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from dincl.problem import Problem
@@ -29,6 +32,8 @@ PROJECTION = 1e-3
 FEWEST, FIRST = 8, 1 / 64
 # Particles times steps in one call of compiled code, so that an interrupt or a budget does not wait.
 CHUNK = 6400
+# Steps of a run. Each time after so many, the number that the run needs is estimated.
+MOST_STEPS, CHECK = 1_000_000, 5_000
 
 
 @dataclass(frozen=True)
@@ -49,8 +54,10 @@ class AdaptiveCatchUp(Scheme):
         a factor that depends on the problem: of the order of one in smooth motion, larger where many contacts follow
         one another.
 
-    Functions of time are looked at before the run, so that no step passes over what they do. Steps end at output times.
-    ``path(t)`` is straight between steps; it makes the run once more.
+    Functions of time are looked at before the run, so that no step passes over what they do. Steps end at output times
+    and at breaks of these functions; where a set jumps, so does the state, x(t+) = P_{S(t+)}(x(t-)). ``path(t)`` is
+    straight between steps; it makes the run once more. A run that needs more than a million steps, as where the drift
+    jumps again and again, ends TOO_MANY_STEPS.
     """
 
     tol: float = field()
@@ -60,8 +67,30 @@ class AdaptiveCatchUp(Scheme):
 
     def run(self, problem: Problem, times: Floats) -> RunOutcome:
         """Make steps to each of the output times, or until one fails."""
-        longest_step = min(float(times[-1]) / FEWEST, resolving_step(problem, times, self.tol))
-        return AdaptiveRuns(problem, PROJECTION * self.tol).run(times, self.tol, longest_step)
+        runs = AdaptiveRuns(problem, PROJECTION * self.tol)
+        return runs.run(times, self.tol, stretches(problem, times, self.tol))
+
+
+class Stretch(NamedTuple):
+    """A part of a run: until when, the longest step in it, and the time behind a break at its end."""
+
+    until: float
+    longest_step: float
+    resume: float
+
+
+def stretches(problem: Problem, times: Floats, accuracy: float) -> list[Stretch]:
+    """Divide a run at output times, at breaks of functions of time, and where they need other steps."""
+    scales, end = time_scales(problem, times, accuracy), float(times[-1])
+    pieces, stops = scales.pieces, scales.stops[(scales.stops[:, 0] > 0) & (scales.stops[:, 0] < end)]
+    behind = dict(stops.tolist())
+    ends = np.unique(np.concatenate((times[times > 0], stops[:, 0], pieces[:, 0][pieces[:, 0] < end])))
+    found, longest_step = [], end / FEWEST
+    for until in ends.tolist():
+        k = int(np.searchsorted(pieces[:, 0], until)) if len(pieces) else 0
+        resolving = PART * float(pieces[min(k, len(pieces) - 1), 1]) if len(pieces) else np.inf
+        found.append(Stretch(until, min(longest_step, resolving), behind.get(until, until)))
+    return found
 
 
 class Reached(NamedTuple):
@@ -88,55 +117,83 @@ class AdaptiveRuns:
         self._stepper = CompiledStepper.projecting(problem, midpoint_catch_up, ActiveSet(tol), linearised=True)
         self._memory = StructPointer(adapting(problem.x0.size))
 
-    def run(self, times: Floats, tau: float, longest_step: float) -> RunOutcome:
+    def run(self, times: Floats, tau: float, parts: Sequence[Stretch]) -> RunOutcome:
         """Make one run with steps whose estimates are at most ``tau``."""
-        state, work, found = self.start(longest_step), self._stepper.work, list[Reached]()
-        between = _Between(self.problem, self.tol, times, tau, longest_step, found)
-        for q, until in enumerate(times):
-            try:
-                state = self.advance(state, float(until), float(until), tau, longest_step)
-            except StepFailure as failure:
-                found.append(self.reached)
-                t, detail = self.reached.t, f"{failure.detail} This was in a step after t = {self.reached.t:.6g}."
-                states = np.array([one.x for one in found])
-                return RunOutcome(
-                    np.append(times[:q], t), states, failure.status, detail, work, between, failure=failure
-                )
+        state, found, kept = self.start(parts), list[Reached](), set(times.tolist())
+        work, between = self._stepper.work, _Between(self.problem, self.tol, tau, parts, found)
+        if 0.0 in kept:
             found.append(state)
+        try:
+            for part in parts:
+                state = self.advance(state, part, part.until, tau)
+                if part.until in kept:
+                    found.append(state)
+                state = self.pass_break(state, part)
+        except StepFailure as failure:
+            t, reached = times[: len(found)], self.reached
+            if not found or reached.t > found[-1].t:
+                found.append(reached)
+                t = np.append(t, reached.t)
+            detail = f"{failure.detail} This was in a step after t = {reached.t:.6g}."
+            states = np.array([one.x for one in found])
+            return RunOutcome(t.copy(), states, failure.status, detail, work, between, failure=failure)
         return RunOutcome(times.copy(), np.array([one.x for one in found]), Status.SUCCESS, "", work, between)
 
-    def start(self, longest_step: float) -> Reached:
+    def start(self, parts: Sequence[Stretch]) -> Reached:
         """Forget earlier runs; return the state at t = 0."""
         arrays, x0 = self._stepper.system.arrays, self.problem.x0
         arrays.program.multiplier[:] = 0.0
         arrays.near.radius[0] = -1.0  # no list is long enough: the first step searches
         self._stepper.work = self._stepper.system.sets.work = Work(degrees_of_freedom=x0.size)
-        self._stepper.pointer.value.x[:] = x0.ravel()
-        self.reached = Reached(0.0, x0, x0, 0.0, FIRST * longest_step)
+        self.end = parts[-1].until if parts else 0.0
+        self.reached = Reached(0.0, x0, x0, 0.0, FIRST * parts[0].longest_step if parts else 0.0)
         return self.reached
 
-    def advance(self, state: Reached, until: float, stop: float, tau: float, longest_step: float) -> Reached:
-        """Make the steps towards the output time ``until`` that end at ``stop`` or before the step after it."""
+    def advance(self, state: Reached, part: Stretch, stop: float, tau: float) -> Reached:
+        """Make steps towards the end of a stretch, until one reaches ``stop``."""
         from dincl.steps.adaptive import TOO_SHORT, adapt
         from dincl.system.arrays import OK
 
         stepper, shape = self._stepper, self.problem.x0.shape
         place, memory = stepper.pointer.address, self._memory.address
         t, h, last, code, total, most = state.t, state.h, state.last, OK, 0, max(CHUNK // len(self.problem.x0), 1)
+        since, tried, slow = t, 0, False
+        stepper.pointer.value.x[:] = state.x.ravel()
         with stepper.system.callbacks():
-            while t < stop and code == OK:
+            while t < stop and code == OK and not slow:
                 code, t, h, last, made, repeated = adapt(
-                    place, memory, t, until, stop, h, last, tau, longest_step, self.tol, most
+                    place, memory, t, part.until, stop, h, last, tau, part.longest_step, self.tol, most
                 )
                 total += made
+                tried += made + repeated
                 stepper.work.steps += made + repeated
                 stepper.system.count(stepper.work)
+                if tried >= CHECK:
+                    slow = (self.end - t) * tried > MOST_STEPS * (t - since)
+                    since, tried = t, 0
         x, before = (part.reshape(shape).copy() for part in (stepper.pointer.value.x, self._memory.value.before))
         self.reached = Reached(t, x, before if total else state.before, last, h)
         if code == TOO_SHORT:
             raise StepFailure(Status.STEP_TOO_SMALL, "The estimated error of a step does not fall with its length.")
         if code != OK:
             stepper.fail(code)
+        if slow:
+            detail = f"The run would need more than {MOST_STEPS} steps, at the rate of its last {CHECK}."
+            raise StepFailure(Status.TOO_MANY_STEPS, detail)
+        return self.reached
+
+    def pass_break(self, state: Reached, part: Stretch) -> Reached:
+        """Continue behind the break at the end of a stretch, at the nearest point of a set that jumped."""
+        from dincl.projection import ActiveSet
+        from dincl.projection.feasible import FeasibleSet
+
+        if part.resume == part.until:
+            return state
+        x, violation = state.x, self.problem.violation(part.resume, state.x)
+        if violation > self.tol:
+            feasible = FeasibleSet(self.problem, ActiveSet(self.tol).solver(), self._stepper.work, linearised=False)
+            x = feasible.nearest(part.resume, x, x, violation).point
+        self.reached = Reached(part.resume, x, x, 0.0, FIRST * part.longest_step)
         return self.reached
 
 
@@ -146,22 +203,25 @@ class _Between(Between):
 
     problem: Problem
     tol: float
-    times: Floats
     tau: float
-    longest_step: float
+    parts: Sequence[Stretch]
     found: list[Reached]
 
     def states(self, times: Floats) -> Floats:
         """Compute x between two steps by (1.48)."""
-        runs, values = AdaptiveRuns(self.problem, self.tol), np.empty((len(times), *self.problem.x0.shape))
-        state = runs.start(self.longest_step)
-        for k, t in enumerate(times):
-            for until in self.times[np.searchsorted(self.times, state.t, side="right") :]:
-                if state.t >= t:
-                    break
-                state = runs.advance(state, float(until), min(float(t), float(until)), self.tau, self.longest_step)
-            weight = 1.0 - (state.t - t) / state.last if state.last else 1.0
-            values[k] = state.x if state.t == t else state.before + weight * (state.x - state.before)
+        runs, values, q = AdaptiveRuns(self.problem, self.tol), np.empty((len(times), *self.problem.x0.shape)), 0
+        state = runs.start(self.parts)
+        while q < len(times) and times[q] <= 0.0:
+            values[q], q = state.x, q + 1
+        for part in self.parts:
+            while q < len(times) and times[q] <= part.until:
+                state = runs.advance(state, part, float(times[q]), self.tau)
+                weight = 1.0 - (state.t - times[q]) / state.last if state.last else 1.0
+                values[q] = state.x if state.t == times[q] else state.before + weight * (state.x - state.before)
+                q += 1
+            if q == len(times):
+                break
+            state = runs.pass_break(runs.advance(state, part, part.until, self.tau), part)
         return values
 
     def residuals(self, times: Floats) -> Floats:

@@ -29,7 +29,19 @@ from dincl.solvers.envelope_factor import add_row, row_dot
 from dincl.steps.catch_up import call_projection, drift_step, finish_step
 from dincl.steps.loop import stepping_at
 from dincl.steps.programs import list_sorted
-from dincl.system.arrays import DRIFT, NOT_A_NUMBER, OK, PYTHON, SETS, bounded, evaluate, farthest, longest, system_at
+from dincl.system.arrays import (
+    DRIFT,
+    NOT_A_NUMBER,
+    OK,
+    PYTHON,
+    SETS,
+    WEDGE,
+    bounded,
+    evaluate,
+    farthest,
+    longest,
+    system_at,
+)
 
 # A step is at most so many times, and a repeated one at least this part of, the step before it; aimed at is this part
 # of the tolerance.
@@ -220,7 +232,7 @@ def adapt(
             h = max(step * growth, h if growth >= 1.0 else 0.0)
         elif step <= least:
             code = TOO_SHORT if code == OK else code
-        elif code not in (DRIFT, SETS, PYTHON):
+        elif code not in (DRIFT, SETS, PYTHON, WEDGE):
             repeated += 1
             if contact > 0.0:
                 h = max(contact, SMALLER) * step

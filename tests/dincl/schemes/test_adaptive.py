@@ -123,3 +123,24 @@ def test_a_run_that_fails_keeps_its_states():
 def test_tolerances_that_are_none(tol):
     with pytest.raises(dincl.InvalidProblem, match="tol"):
         dincl.AdaptiveCatchUp(tol)
+
+
+@pytest.mark.parametrize("tol", [1e-2, 1e-4, 1e-6])
+def test_sets_that_jump(tol):
+    """Away from a point that leans on it: a wall. Onto a point: an obstacle, which moves it at once."""
+    wall = dincl.HalfSpace((1.0,), lambda t: -1.0 if t <= 0.7137 else 3.0)
+    problem = dincl.Problem([[0.5]], lambda t, x: np.ones_like(x), [wall])
+    assert solved(problem, tol, 2.0).final[0, 0] == pytest.approx(5.0 - 0.7137, abs=10 * tol)
+    leaning = dincl.HalfSpace((-1.0,), lambda t: -0.5 if t <= 0.6 else -9.0)
+    problem = dincl.Problem([[0.0]], lambda t, x: np.ones_like(x), [leaning])
+    assert np.abs(solved(problem, tol, [0.55, 0.6, 0.75]).x.ravel() - [0.5, 0.5, 0.65]).max() < 10 * tol
+    ball = dincl.OutsideBall(lambda t: (5.0, 0.0) if t <= 0.7137 else (0.2, 0.6), 0.5)
+    problem = dincl.Problem([[0.0, 0.0]], dincl.drifts.constant((0.0, 1.0)), [ball])
+    exact = dincl.solve(problem, dincl.EventDriven(1e-9), t=[0.72, 1.0])
+    assert off(solved(problem, tol, [0.72, 1.0]), exact.x) < 30 * tol
+
+
+@pytest.mark.parametrize("drift", [lambda t, x: -np.sign(x - 0.1), lambda t, x: np.sin(1e9 * t) + 0 * x])
+def test_a_drift_that_no_step_resolves_ends_the_run(drift):
+    path = dincl.solve(dincl.Problem([[0.5]], drift), dincl.AdaptiveCatchUp(1e-7), t=[2.0], throw=False)
+    assert path.status in (dincl.Status.TOO_MANY_STEPS, dincl.Status.STEP_TOO_SMALL)
