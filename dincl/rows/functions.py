@@ -56,7 +56,9 @@ class SmoothRows(RowsOfOneKind):
             return from_rows(rows.indptr, rows.indices, function.numbers(rows.data), x.size)
         full = function.numbers(raw)
         full = function.numbers(full.reshape(shape) if full.size == self.total * x.size else full, shape)[self.index]
-        row, column = np.nonzero(full)
+        # All coordinates of a particle that a row touches: rows of one particle are found by equal columns.
+        touched = (full.reshape(len(full), *x.shape) != 0).any(axis=2)
+        row, column = np.nonzero(np.repeat(touched, x.shape[1], axis=1))
         return from_rows(np.searchsorted(row, np.arange(len(full) + 1)), column, full[row, column], x.size)
 
     def take(self, keep: NDArray[np.bool_]) -> SmoothRows:

@@ -187,3 +187,12 @@ def test_constraints_alone_are_projected_onto_without_a_start():
 def test_constraints_alone_are_checked(sets, y, message):
     with pytest.raises(dincl.InvalidProblem, match=message):
         dincl.project(sets, y, dincl.Daqp(1e-9))
+
+
+@pytest.mark.parametrize("projection", [dincl.GaussSeidel, dincl.ProjectedCG, dincl.ActiveSet])
+def test_a_wedge_of_functions_is_seen_where_a_slope_is_zero(projection):
+    """A gradient along an axis has one entry, that of the other wall two."""
+    matrix = np.array([[-1.0, -3e-8], [1.0, 0.0]])
+    wedge = [dincl.Smooth(lambda x: matrix @ x[0], lambda x: matrix)]
+    with pytest.raises(dincl.ProjectionFailed, match="opposite to each other"):
+        dincl.project(wedge, [[-0.3, 2.0]], projection(1e-6))
