@@ -80,20 +80,41 @@ def read_sealed(path: Path) -> pd.DataFrame:
 
 
 def check_memory(path: Path, file: Path | BinaryIO, size: int) -> None:
-    """Refuse a Parquet file of so many bytes whose footer states far more than it can have, before rows are read.
+    """Refuse a Parquet file of so many bytes that takes far more memory than it can have, before all rows are read.
 
-    Raises InvalidProblem; ArrowException or OSError if it is none.
+    Raises InvalidProblem, also for columns of lists or tables, whose lengths no footer bounds; ArrowException or
+    OSError if it is none.
     """
     import pyarrow.parquet as pq
 
-    found = pq.read_metadata(file)
-    stated = sum(found.row_group(k).total_byte_size for k in range(found.num_row_groups))
-    needed = max(8 * found.num_rows * found.num_columns, stated)
-    if needed > max(MOST_MEMORY, MOST_EXPANDED * size):
+    found, most = pq.read_metadata(file), max(MOST_MEMORY, MOST_EXPANDED * size)
+    columns = [found.schema.column(k) for k in range(found.num_columns)]
+    for column in columns:
+        if column.max_repetition_level > 0 or column.path != column.name:
+            raise InvalidProblem(f"{path}: column {column.path} must have one number, flag or text in each row")
+    groups = [found.row_group(k) for k in range(found.num_row_groups)]
+    needed = max(8 * found.num_rows * len(columns), sum(group.total_byte_size for group in groups))
+    if needed <= most:
+        for k, column in enumerate(columns):
+            if column.physical_type == "BYTE_ARRAY":
+                # A text is at most as long as all bytes of its column; only where that may be too much is it read.
+                whole = sum(group.num_rows * group.column(k).total_uncompressed_size for group in groups)
+                needed += whole if whole <= most else _expanded(file, column.name)
+    if needed > most:
         raise InvalidProblem(
             f"{path}: must be a table of at most {MOST_EXPANDED} times its {size} bytes in memory, but states "
             f"{found.num_rows} rows and {needed:.2g} bytes"
         )
+
+
+def _expanded(file: Path | BinaryIO, column: str) -> int:
+    """Count the bytes of all texts of a column, which is read with each different text once."""
+    import pyarrow.compute as pc
+    import pyarrow.parquet as pq
+
+    texts = pq.ParquetFile(file, read_dictionary=[column]).read([column], use_threads=False).column(0)
+    lengths = (pc.binary_length(one.dictionary).take(one.indices) for one in texts.chunks)
+    return sum(pc.sum(one.cast("int64")).as_py() or 0 for one in lengths)
 
 
 def _checksum_in(data: bytes) -> bytes | None:

@@ -5,8 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 
+from dincl.errors import InvalidProblem
 from dincl.study import DamagedTable, Table, read_sealed, write
 from dincl.study.sealed import KEY
 from tests.dincl.study.test_table import RUNS, Inline, made_by, study, two_rows
@@ -96,3 +99,24 @@ def test_a_damaged_table_ends_a_command_with_one_message(path: Path, capsys: pyt
         run(lambda: read_sealed(path))
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith(f"Error: {path}: must be as it was written")
+
+
+@pytest.mark.parametrize(
+    ("column", "message"),
+    [
+        (pa.array([[0] * 1000]), r"column a\..* must have one number"),
+        (pa.array([{"b": 1}]), r"column a\.b must have one number"),
+        (pa.array(["x" * 1_000_000] * 1500).dictionary_encode(), "1500 rows and 1.5e.09 bytes"),
+    ],
+)
+def test_a_small_file_of_much_memory_is_refused(column: pa.Array, message: str, tmp_path: Path) -> None:
+    path = tmp_path / "small.parquet"
+    schema = {"store_schema": False} if pa.types.is_dictionary(column.type) else {}
+    pq.write_table(pa.table({"a": column}), path, compression="zstd", **schema)
+    with pytest.raises(InvalidProblem, match=message):
+        read_sealed(path)
+
+
+def test_many_rows_of_few_texts_are_read(tmp_path: Path) -> None:
+    pd.DataFrame({"a": ["one", "two"] * 50_000}).to_parquet(tmp_path / "many.parquet")
+    assert len(read_sealed(tmp_path / "many.parquet")) == 100_000
