@@ -25,9 +25,8 @@ from tissue.study.store import (
     COPY,
     REPLANNED,
     about,
-    note,
+    noted_pieces,
     part,
-    pieces,
     planned_replicates,
     stored_part,
     trajectory,
@@ -287,8 +286,12 @@ class Results:
 
     def _pieces(self, scenario: str) -> list[Piece]:
         """Return the pieces that are there, in the order of their replicates."""
-        found = pieces(self.folder, scenario, self.study.replicates)
-        return [piece for piece in found if note(self.folder, piece).exists()]
+        found, end = [], 0
+        for piece in noted_pieces(self.folder, scenario, self.study.replicates):
+            if piece.first >= end:  # of pieces that overlap the first one counts
+                found.append(piece)
+                end = piece.first + piece.runs
+        return found
 
     def _check(self, scenario: str) -> None:
         text("scenario", scenario, self.study.scenarios)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import logging
 import os
+import re
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
@@ -36,6 +37,8 @@ if TYPE_CHECKING:
 log = logging.getLogger("tissue.study")
 ABOUT, COPY, LOCK = "study.json", "study.toml", "study.lock"
 KINDS = ("runs", "cells")
+# The names of notes, as _stem gives them.
+NOTE = re.compile(r"part-([0-9]{5,12})(?:-([0-9]{3}))?\.json")
 # What is noted of a study: more than its identity. Behind it stands the checksum of it all.
 NOTED = ("title", "fingerprint", "processors", "replicates", *IDENTITY)
 # What some notes have besides: the comparisons that are planned; the replicates, as they were planned one after the
@@ -65,15 +68,31 @@ def _stem(first: int) -> str:
 
 def pieces(folder: Path, scenario: str, replicates: int) -> list[Piece]:
     """Return all pieces of a scenario: those that are noted, as they were stored, and those that are missing."""
+    return list(around(scenario, noted_pieces(folder, scenario, replicates), replicates))
+
+
+def noted_pieces(folder: Path, scenario: str, replicates: int) -> list[Piece]:
+    """Return the pieces of a scenario that have a note, in the order of their replicates.
+
+    Raises
+    ------
+    InvalidProblem
+        If the name of a note is that of no piece.
+    """
     found = []
     for path in scenario_folder(folder, "parts", scenario).glob("part-*.json"):
-        number, _, rest = path.stem.removeprefix("part-").partition("-")
-        first = int(number) * PART + int(rest or 0)
-        noted = (read_note(path) or {}).get("piece")
+        name = NOTE.fullmatch(path.name)
+        first = int(name[1]) * PART + int(name[2] or 0) if name else replicates
+        if first >= replicates:
+            allowed = f"part-NNNNN.json or part-NNNNN-NNN.json, of a replicate below {replicates}"
+            raise InvalidProblem(f"{path}: must be the note of a piece, {allowed}; remove it")
+        noted, most = (read_note(path) or {}).get("piece"), replicates - first
         whole = isinstance(noted, list) and len(noted) == 3 and noted[:2] == [scenario, first]
-        runs = noted[2] if noted and whole else min((first // PART + 1) * PART, replicates) - first
+        runs = noted[2] if noted and whole else 0
+        if type(runs) is not int or not 1 <= runs <= most:  # damaged
+            runs = min(PART - first % PART, most)
         found.append(Piece(scenario, first, runs))
-    return list(around(scenario, found, replicates))
+    return sorted(found, key=lambda one: one.first)
 
 
 def trajectory(folder: Path, scenario: str, replicate: int) -> Path:

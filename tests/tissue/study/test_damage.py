@@ -150,3 +150,11 @@ def test_each_file_is_read_for_its_checksum_once(results, monkeypatch):
         assert results.complete
     assert len(read) == len(set(read)) == 2 * (2 + 2 + 2)
     pd.testing.assert_frame_equal(results.cells("[A]"), Results(OUT).cells("[A]"))
+
+
+@pytest.mark.parametrize("name", ["part-99999999999", "part--1", "part-x", "part-00002"])
+def test_a_note_with_the_name_of_no_piece_is_refused(results, name):
+    path = note(OUT, Piece(results.study.scenarios[0], 0, 128))
+    path.rename(path.with_stem(name))
+    with pytest.raises(InvalidProblem, match=rf"{name}\.json: must be the note of a piece, part-NNNNN"):
+        _ = Results(OUT).complete
