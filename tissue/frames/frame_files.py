@@ -243,6 +243,7 @@ def _impossible(arrays: Arrays) -> Iterator[str]:
     for name in ("emt.at", "emt.since", "emt.since_x", "emt.onset_ab"):
         if np.isnan(arrays[name]).any():
             yield f"{name} is not a number"
+    mothers, words = arrays["cells.mother"], arrays["generators"]
     ids, among, events = arrays["cells.id"], arrays["cells.emt"], arrays["cells.events"]
     kinds = len(str(arrays["types"]).split())
     checks = {
@@ -252,6 +253,8 @@ def _impossible(arrays: Arrays) -> Iterator[str]:
         "curve.length": arrays["curve.length"] > 0 or len(arrays["curve.table"]) == 0,
         "cells.id": len({*ids.tolist()}) == n and ids.min(initial=0) >= 0,
         "next_id": arrays["next_id"] > ids.max(initial=-1),
+        "cells.mother": ((mothers >= -1) & (mothers < arrays["next_id"]) & (mothers != ids)).all(),
+        "generators": (words[:, -2:] < (2, 1 << 32)).all(),  # a flag, and half a word
         "cells.radius": (arrays["cells.radius"] >= 0).all(),
         "cells.cycle": (arrays["cells.cycle"] > 0).all(),
         "cells.emt": among.min(initial=-1) >= -1 and np.array_equal(np.sort(among[among >= 0]), np.arange(m)),

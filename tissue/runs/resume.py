@@ -214,7 +214,13 @@ def _descent(cells: Cells, mine: Integers, first: Integers) -> list[int]:
     mother = dict(zip(cells.id, cells.mother, strict=True))
 
     def descends(name: int) -> int:
-        return place[name] if name in place else descends(mother[name])
+        seen = {name}
+        while name not in place:
+            name = mother.get(name, name)
+            if name in seen:
+                raise InvalidProblem(f"cells.mother = {mother.get(name)}: must lead to a first cell of its type")
+            seen.add(name)
+        return place[name]
 
     return [descends(name) for name in cells.id[mine]]
 
