@@ -14,6 +14,7 @@ from tests.tissue.space.in_space import of_surface
 from tissue.files.parameters import preset
 from tissue.frames.frame import Frame
 from tissue.runs.simulate import simulate
+from tissue.state.checkpoint import DRAWN, WORDS
 
 pytestmark = pytest.mark.filterwarnings("ignore:.* never begins")
 UNREADABLE = r"must be a readable file that Frame\.save wrote"
@@ -103,6 +104,8 @@ def test_no_damage_goes_unseen(frame, file, tmp_path):
         ({"seed": "-4"}, 'seed = "-4"'),
         ({"t": np.float64(-1.0)}, "t = -1.0 is not possible"),
         ({"generators": np.zeros(3, np.uint64)}, "generators is of kind"),
+        ({"generators": np.full((len(DRAWN), WORDS), 2, np.uint64)}, r"(?s)generators = .* is not possible"),
+        ({"cells.mother": np.full(5, 9)}, r"cells\.mother = \[9 9 9 9 9\] is not possible"),
     ],
 )
 def test_contents_that_no_run_has_made(file, changes, message):
