@@ -20,7 +20,7 @@ def guarded(monkeypatch):
         for name in ("x", "after", "rate"):
             arrays.append(np.full((3, self.problem.x0.size), np.nan))
             arrays[-1][1] = 0.0
-            self._pointer.replace({name: arrays[-1][1]})
+            self.pointer.replace({name: arrays[-1][1]})
 
     monkeypatch.setattr(CompiledStepper, "__init__", surrounded)
     return arrays

@@ -4,7 +4,7 @@ import math
 import pickle
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
@@ -228,12 +228,12 @@ ANY_CHANGES = st.fixed_dictionaries(
         "tissue.cells": st.integers(1, 30),
         "tissue.height": quantities(30, 60, ["um"]) | quantities(6, 9, ["R_soft"]),
         "tissue.diffusion": quantities(1e-3, 1e6, ["um^2/h", "um^2/min", "R_soft^2/min"]),
-        "cell.soft_radius": quantities(4.5, 9, ["um"]),
+        "cell.soft_radius": quantities(5, 9, ["um"]),
         "cell.max_cytoskeleton": st.just("none") | quantities(1, 60, ["um", "R_soft"]),
         "cell.g2": quantities(1e-6, 60, ["min"]) | quantities(1e-9, 1, ["h"]),
         "cell.rate_ax": quantities(1e-6, 1e6, ["1/h", "/s", "1/min"]),
         "cell.alpha_aa": st.floats(1e-12, 1e12) | st.integers(0, 10**12),
-        "numerics.mu": quantities(1e-6, 1e9, ["h", "s"]),
+        "numerics.mu": quantities(1, 1e9, ["h"]) | quantities(3600, 1e9, ["s"]),
         "numerics.noise": st.sampled_from(["step", "substep"]),
         "numerics.keep": st.sampled_from(["2 h", ["1 h"], ["1/2 h", "60 min", "48 h"]]),
         "rules.spring_power": st.sampled_from([1, 2]),
@@ -247,7 +247,11 @@ ANY_CHANGES = st.fixed_dictionaries(
 @settings(max_examples=60)
 @given(base=st.sampled_from(PRESETS), changes=ANY_CHANGES)
 def test_round_trip_through_a_file(tmp_path_factory, base, changes):
-    parameters = preset(base).changed(changes)
+    try:
+        parameters = preset(base).changed(changes)
+    except InvalidProblem as refusal:
+        assume("numerics.substeps" not in str(refusal))  # unstable
+        raise
     path = tmp_path_factory.getbasetemp() / "round-trip.toml"
     path.write_text(parameters.as_toml(), "utf-8")
     again = load(path)

@@ -49,7 +49,7 @@ def test_a_lost_tissue_leaves_the_others_alone():
 
 
 def test_a_failed_run_is_told():
-    wild = preset("thesis").changed({"numerics.mu": "1e-4 h", "numerics.t_end": "3 h"})
+    wild = preset("thesis").changed({"tissue.diffusion": "1e12 um^2/h", "numerics.t_end": "3 h"})
     runs = simulate_many(wild, range(3), throw=False)
     alone = simulate(wild, 1, throw=False)
     assert [run.status for run in runs] == [Status.NON_FINITE] * 3
