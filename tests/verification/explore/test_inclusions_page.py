@@ -21,15 +21,22 @@ import numpy as np
 import dincl
 problem = dincl.Problem([[0.3, 1.0]], lambda t, x: np.array([[0.0, -1.0]]) - x, [dincl.HalfSpace((0, 1))])
 """
+CLOSES = """
+import dincl
+walls = dincl.HalfSpace((0, 1), -0.5, 0.5), dincl.HalfSpace((0, -1), lambda t: t - 1.5, 0.5)
+problem = dincl.Problem([[0.0, 0.0], [0.0, 1.0]], lambda t, x: 0 * x, [dincl.NonOverlap(0.5), *walls])
+t = [0.5]
+"""
 SLIDER = ".inclusions .q-slider__track-container"
 RUN = "document.querySelector('.player').dataset"
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """It has a file that names a problem, and one that does not."""
+    """It has a file that names a problem, one whose runs fail, and one that names none."""
     made = tmp_path_factory.mktemp("folder")
     (made / "falls.py").write_text(FALLS, "utf-8")
+    (made / "closes.py").write_text(CLOSES, "utf-8")
     (made / "wrong.py").write_text("problem = 3", "utf-8")
     return made
 
@@ -114,9 +121,8 @@ class TestTab:
     def test_on_a_telephone_a_run_that_fails_says_so(self, browser: "Browser", site: str) -> None:
         with visit(browser, site, min(WIDTHS)) as page:
             says(page, "dt", "dt = 3/64 = 0.0469")
-            choose(page, "problem", "A pile of 30 discs")
+            choose(page, "problem", "closes.py")
             choose(page, "method in the picture", "catch-up")
-            page.locator(SLIDER).press("PageUp")
             says(page, "run-faults", "catch-up: The projection, an iteration or the estimated error did not reach")
             page.wait_for_function(f"{RUN}.status === 'NOT_CONVERGED'")
             assert page.locator(".inclusions .chart canvas").count() == 4
