@@ -9,8 +9,7 @@ import numpy as np
 
 from dincl.checks import number
 from dincl.errors import StepFailure
-from dincl.norms import longest
-from dincl.schemes.base import Scheme
+from dincl.schemes.base import Scheme, step_residual
 from dincl.schemes.resolution import PART
 from dincl.status import Status
 from dincl.system.time_scales import time_scales
@@ -229,14 +228,10 @@ class _Between(Between):
         return np.array([self._residual(one) for one in self.found])
 
     def _residual(self, reached: Reached) -> float:
-        from dincl.projection.cone import distance_to_cone
-
         if reached.last == 0.0:
             return np.inf
         try:
-            drift = self.problem.velocity(reached.t - reached.last, reached.before)
-            reaction = (reached.x - reached.before) / reached.last - drift
-            rows = self.problem.rows_within(reached.t, reached.x, reached.last * longest(drift) / 2)
-            return distance_to_cone(reaction.ravel(), rows.jacobian(reached.x))
+            t = reached.t - reached.last
+            return step_residual(self.problem, t, reached.last, reached.before, reached.x)
         except StepFailure:
             return np.inf

@@ -135,17 +135,23 @@ class StraightLines(Between):
         return before.state, after.state
 
     def _residual(self, stepper: Stepper, stored: Reached) -> float:
-        from dincl.projection.cone import distance_to_cone
-
         state, h, t = stored.state, self.grid.h, self.grid.time(stored.k)
         if state.v is not None:
             return np.inf
         try:
             _, after = self._step(stepper, stored.k, stored.k, state)
-            problem = stepper.problem
-            drift = problem.velocity(t, state.x)
-            reaction = (after.x - state.x) / h - drift
-            rows = problem.rows_within(t + h, after.x, h * longest(drift) / 2)
-            return distance_to_cone(reaction.ravel(), rows.jacobian(after.x))
+            return step_residual(stepper.problem, t, h, state.x, after.x)
         except StepFailure:
             return np.inf
+
+
+def step_residual(
+    problem: Problem, t: float, h: float, before: NDArray[np.float64], after: NDArray[np.float64]
+) -> float:
+    """Compute dist((after - before) / h - F(t, before), -N^g(after)) of a step; see ``normal_cone_residual``."""
+    from dincl.projection.cone import distance_to_cone
+
+    drift = problem.velocity(t, before)
+    reaction = (after - before) / h - drift
+    rows = problem.rows_within(t + h, after, h * longest(drift) / 2)
+    return distance_to_cone(reaction.ravel(), rows.jacobian(after))

@@ -48,14 +48,14 @@ from dincl.system.arrays import (
 LARGER, SMALLER, AIM = 3.0, 0.1, 0.9
 # Part of its length with which a step is repeated that no projection solves.
 UNSOLVED = 0.25
-# A new contact costs the order of a step only if it is farther from both ends than this part of the step.
+# A new contact farther from both ends of a step than 1 / NEAR of its length counts in full.
 NEAR = 4.0
 # Shortest step over the longest one, and the code of a run that would need a shorter one.
 SHORTEST, TOO_SHORT = 1e-11, -1
 
 
 class Adapting(NamedTuple):
-    """What steps of variable length remember from one to the next."""
+    """Memory of steps of variable length, from one to the next."""
 
     middle: Floats  # (n,): x^, the end of the step of linearised catch-up
     first: Floats  # (n,): the drift at the start of a step
