@@ -14,6 +14,8 @@ from dincl.errors import InvalidProblem, StepFailure
 from dincl.status import Status
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from dincl.rows.base import RowsOfOneKind
@@ -54,7 +56,7 @@ class Timed(Constraint):
         values: dict[str, Any] = {}
         for name in self.functions_of_time:
             if callable(function := getattr(self, name)):
-                value = UserFunction(name, ("t",), Status.CONSTRAINT_FAILED).evaluated(function, t)
+                value = _evaluated(name, function, t)
                 values[name] = value if value.ndim else float(value)
         try:
             found = cast(Self, replace(cast(Any, self), **values))
@@ -75,8 +77,9 @@ class Timed(Constraint):
     def parameters(self, t: float, x: NDArray[np.float64]) -> NDArray[np.float64] | None:
         if not self.timed:
             return None
-        now = self._checked_at(t, *x.shape)
-        return np.concatenate([np.ravel(getattr(now, name)) for name in self.functions_of_time])
+        fields = [(name, getattr(self, name)) for name in self.functions_of_time]
+        values = [_evaluated(name, field, t) for name, field in fields if callable(field)]
+        return np.concatenate([np.ravel(value) for value in values])
 
     def select_at(self, t: float, x: NDArray[np.float64], search_radius: float) -> RowsOfOneKind:
         return self._checked_at(t, *x.shape).select(x, search_radius)
@@ -106,3 +109,7 @@ class Timed(Constraint):
             except InvalidProblem as error:
                 raise StepFailure(Status.CONSTRAINT_FAILED, f"{type(self).__name__} at t = {t:g}: {error}.") from error
         return found
+
+
+def _evaluated(name: str, function: Callable[[float], Any], t: float) -> NDArray[np.float64]:
+    return UserFunction(name, ("t",), Status.CONSTRAINT_FAILED).evaluated(function, t)

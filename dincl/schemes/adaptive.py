@@ -10,9 +10,8 @@ import numpy as np
 from dincl.checks import number
 from dincl.errors import StepFailure
 from dincl.schemes.base import Scheme, step_residual
-from dincl.schemes.resolution import PART
 from dincl.status import Status
-from dincl.system.time_scales import time_scales
+from dincl.system.time_scales import RESOLVED, TimeScales, time_scales
 from dincl.trajectory import Between, RunOutcome
 from dincl.work import Work
 
@@ -27,8 +26,9 @@ if TYPE_CHECKING:
 
 # Tolerance of a projection, relative to that of a step.
 PROJECTION = 1e-3
-# A run has at least so many steps; the first one is this part of the longest one: nothing is known of its contacts yet.
-FEWEST, FIRST = 8, 1 / 64
+# Steps are at most this part of the run, and of what one polynomial resolves of all functions of time. The first one is
+# this part of the longest one: nothing is known of its contacts yet.
+PART, FIRST = 1 / 8, 1 / 64
 # Particles times steps in one call of compiled code, so that an interrupt or a budget does not wait.
 CHUNK = 6400
 # Steps of a run. Each time after so many, the number that the run needs is estimated.
@@ -67,7 +67,8 @@ class AdaptiveCatchUp(Scheme):
     def run(self, problem: Problem, times: Floats) -> RunOutcome:
         """Make steps to each of the output times, or until one fails."""
         runs = AdaptiveRuns(problem, PROJECTION * self.tol)
-        return runs.run(times, self.tol, stretches(problem, times, self.tol))
+        scales = time_scales(problem, times, self.tol)
+        return runs.run(times, self.tol, stretches(scales, times, PART))
 
 
 class Stretch(NamedTuple):
@@ -78,17 +79,20 @@ class Stretch(NamedTuple):
     resume: float
 
 
-def stretches(problem: Problem, times: Floats, accuracy: float) -> list[Stretch]:
-    """Divide a run at output times, at breaks of functions of time, and where they need other steps."""
-    scales, end = time_scales(problem, times, accuracy), float(times[-1])
-    pieces, stops = scales.pieces, scales.stops[(scales.stops[:, 0] > 0) & (scales.stops[:, 0] < end)]
+def stretches(scales: TimeScales, times: Floats, part: float) -> list[Stretch]:
+    """Divide a run at output times, at breaks of functions of time, and where they need other steps.
+
+    Steps are at most this part of the run, and of what one polynomial resolves of all functions of time.
+    """
+    end, pieces, stops = float(times[-1]), scales.pieces, scales.stops
+    stops = stops[(stops[:, 0] > 0) & (stops[:, 0] < end)]
     behind = dict(stops.tolist())
     ends = np.unique(np.concatenate((times[times > 0], stops[:, 0], pieces[:, 0][pieces[:, 0] < end])))
-    found, longest_step = [], end / FEWEST
+    found = []
     for until in ends.tolist():
         k = int(np.searchsorted(pieces[:, 0], until)) if len(pieces) else 0
-        resolving = PART * float(pieces[min(k, len(pieces) - 1), 1]) if len(pieces) else np.inf
-        found.append(Stretch(until, min(longest_step, resolving), behind.get(until, until)))
+        resolving = RESOLVED * float(pieces[min(k, len(pieces) - 1), 1]) if len(pieces) else end
+        found.append(Stretch(until, part * min(end, resolving), behind.get(until, until)))
     return found
 
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from dincl.compiled.uncaught import uncaught_errors
 from dincl.drifts import compiled
+from dincl.drifts.counted import CountedDrift
 from dincl.drifts.functions import NOT_A_NUMBER
 from dincl.errors import StepFailure
 from dincl.problem import DRIFT
@@ -116,7 +117,7 @@ class DriftPointer(PythonFunction):
     """
 
     def __init__(self, problem: Problem) -> None:
-        self._velocity, self._shape = problem.velocity, problem.x0.shape
+        self._drift, self._velocity, self._shape = problem.drift, problem.velocity, problem.x0.shape
         self._compiled = compiled(problem.drift)
         if self._compiled is not None:
             self.address, self.data = self._compiled.pointer()
@@ -128,6 +129,11 @@ class DriftPointer(PythonFunction):
         """Tell the drift of so many more evaluations; one that counts may raise an exception to end the run."""
         if self._compiled is not None:
             self._compiled.count_evaluations(number)
+
+    def note_call(self) -> None:
+        """Tell a drift that counts of a call of Python that is not its own; it may raise an exception to end the run."""
+        if isinstance(self._drift, CountedDrift):
+            self._drift.count_evaluations(0)
 
     def failure(self, t: float, x: NDArray[np.float64], out: NDArray[np.float64], code: int) -> NoReturn:
         """Raise as ``problem.velocity(t, x)`` does, when the kernel wrote ``out`` and returned ``code``."""

@@ -125,7 +125,7 @@ class SetsPointer(PythonFunction):
 
     def _answer(self, t: float, x: int, *_: int) -> None:
         # Compiled code says only now and then how often it calls the drift; these questions may take much longer.
-        self._drift.count_evaluations(0)
+        self._drift.note_call()
         question, _, family = self.arrays.request
         if question == SWEEP:
             self.custom_sweeps[int(family)].sweep(t * self._units.time, numbers_at(x, self._shape), self.work)

@@ -66,6 +66,8 @@ ROUGH = 9
 RESOLVED = 4
 # Around a singularity pieces become shorter and shorter; so small a part of the run no equal steps need resolve.
 NEGLECTED = 1e-3
+# A polynomial that leaves so small a part of the accuracy resolves a function for steps that estimate their error.
+PART_OF_ACCURACY = 1e-3
 # Noise of a drift that moves a particle by no more than this part of the accuracy during a run is not resolved.
 NEGLIGIBLE = 1e-3
 
@@ -120,7 +122,7 @@ def time_scales(problem: Problem, times: ArrayLike, accuracy: float = 0.0) -> Ti
             failure = failure or raised
             continue
         breaks += found.breaks
-        pieces.append(found.pieces(at_nodes=False))
+        pieces.append(found.pieces(PART_OF_ACCURACY * accuracy / max(1.0, size), at_nodes=False))
         if found.rest(size) > rest:
             rest = found.rest(size)
             detail = f"{name} changes too often, near t = {found.place:.6g}, to be resolved by {MOST_VALUES} values."
@@ -139,7 +141,7 @@ def time_scales(problem: Problem, times: ArrayLike, accuracy: float = 0.0) -> Ti
             if end > 0 and any((at_start(float(t)) != first).any() for t in looks):
                 found = _Search(at_start, end, looks, NEGLIGIBLE * accuracy / end, "drift")
                 stops += found.breaks
-                pieces.append(found.pieces(at_nodes=True))
+                pieces.append(found.pieces(PART_OF_ACCURACY * accuracy / end, at_nodes=True))
     joined = _joined(breaks, end), _joined(breaks + stops, end)
     return TimeScales(*joined, _common(pieces), set_pieces, rest, detail, failure, calls)
 
@@ -237,8 +239,11 @@ class _Search:
             found = max(found, float((rough * np.maximum(1.0, size / np.maximum(self._largest, 1e-300))).max()))
         return found
 
-    def pieces(self, *, at_nodes: bool) -> NDArray[np.float64]:
-        """Return until when steps may be how long, (P, 2): what is not resolved in one step, or from node to node."""
+    def pieces(self, unresolved: float, *, at_nodes: bool) -> NDArray[np.float64]:
+        """Return until when steps may be how long, (P, 2): what is not resolved in one step, or from node to node.
+
+        A part of the run is resolved by one polynomial that leaves no more than rounding or ``unresolved``.
+        """
         found: list[Interval] = []
         rough = [piece for *_, piece in self._waiting]
         edges = [0.0, *(t for a_break in _joined(self.breaks, self._end) for t in a_break), self._end]
@@ -246,14 +251,32 @@ class _Search:
             if b - a <= SHORT * self._end:
                 continue
             within = [piece for piece in rough if a <= piece.a < b]
-            if not within and len(self._values) < self._most and self._looked_at(a, b).ratio <= 1.0:
-                found.append((b, (b - a) / RESOLVED))
-                continue
-            found += [(stop, stop - start) for start, stop in self._smooth if a <= start < b]
+            smooth = sorted(piece for piece in self._smooth if a <= piece[0] < b)
+            found += self._merged(a, b, smooth, unresolved) if not within else [(v, v - u) for u, v in smooth]
             for piece in within:
                 times = piece.times if at_nodes else np.array([piece.a, piece.b])
                 found += list(zip(times[1:].tolist(), np.diff(times).tolist(), strict=True))
         return np.array(sorted(found)).reshape(-1, 2)
+
+    def _merged(self, a: float, b: float, smooth: list[Interval], unresolved: float) -> list[Interval]:
+        """Return the steps that resolve the smooth pieces from a to b, by as few polynomials as halving them finds."""
+        if len(self._values) >= self._most or not smooth:
+            return [(stop, stop - start) for start, stop in smooth]
+        piece = self._looked_at(a, b)
+        if piece.ratio <= 1.0 or max(piece.defect, self._missed(piece)) <= unresolved:
+            return [(b, (b - a) / RESOLVED)]
+        if len(smooth) == 1 or unresolved == 0.0:
+            return [(stop, stop - start) for start, stop in smooth]
+        half = len(smooth) // 2
+        middle = smooth[half][0]
+        return self._merged(a, middle, smooth[:half], unresolved) + self._merged(middle, b, smooth[half:], unresolved)
+
+    def _missed(self, piece: _Piece) -> float:
+        """Return how far the polynomial of a piece is from any value that is known in it."""
+        a, b = piece.a, piece.b
+        known = np.array([t for t in self._values if a <= t <= b])
+        coefficients = COEFFICIENTS @ self._at(np.append(a + (b - a) * NODES[:-1], b))
+        return float(np.abs(self._at(known) - chebval(2.0 * (known - a) / (b - a) - 1.0, coefficients).T).max())
 
     def _value(self, t: float) -> NDArray[np.float64]:
         found = self._values.get(t)
