@@ -31,7 +31,8 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 # The first pass has so many times the error that is asked for as its tolerance, and steps of at most this part of the
-# run, or of what resolves it in time; it is halved with each pass, so that passes differ whose steps are all as long.
+# run, or of what one polynomial resolves of it in time. This falls as lengths of steps do, so that passes differ whose
+# steps are all as long as they may be.
 START, LONGEST = 12.0, 1 / 4
 # The tolerance of a pass over that of the one before: of the second pass, and at least and at most of a later one. It
 # aims at this part of the error that is asked for.
@@ -55,19 +56,19 @@ ROUNDING = 16 * float(np.finfo(float).eps)
 EVENTS, AGAIN = 0.15, 4.0
 # To begin costs EventDriven as much as so many evaluations. A call of Python costs it as much as so many, and a part of
 # one more for each pair of particles, since it looks at all of them.
-BEGIN, OF_CALL, OF_PAIR = 300, 4.0, 2e-3
+BEGIN, OF_CALL, OF_PAIR = 300, 10.0, 5e-3
 
 
 @dataclass(frozen=True)
 class Auto(Scheme):
     r"""Passes of ``AdaptiveCatchUp`` to an error, or ``EventDriven`` where that needs less work.
 
-    Each pass has a smaller tolerance tau than the one before, x_k its states. With the order p in tau that the last
-    differences show, between 1/2 and 1, and r the ratio of the last two tolerances the error of x_k is about
-    |x_k - x_{k-1}| / (r^p - 1). The larger one of this and the same of the pass before, scaled to x_k, is doubled; that
-    is the error stated, and it is no less than tau or the distance of x_k from the set. Passes end once it is at most
-    the error asked for. In between ``EventDriven`` is tried, for a part of the evaluations of the drift that further
-    passes would make. Work is counted and never timed: every machine takes the same scheme.
+    Each pass has a smaller tolerance tau than the one before; its steps are shorter by r, the root of the ratio. With
+    the order p that the last differences show, between 1 and 3/2, the error of its states x_k is about
+    |x_k - x_{k-1}| / (r^p - 1). The larger one of this and of the same for the pass before, scaled to x_k, is tripled;
+    that is the error stated, and it is no less than tau or the distance of x_k from the set. Passes end once it is at
+    most the error asked for. In between ``EventDriven`` is tried, for a part of the evaluations of the drift that
+    further passes would make. Work is counted and never timed: every machine takes the same scheme.
 
     Parameters
     ----------
@@ -93,10 +94,7 @@ class Auto(Scheme):
 
 
 class _Pass(NamedTuple):
-    """A pass with its tolerance, and the longest step as a part of what ``stretches`` allows."""
-
     tau: float
-    longest: float
     outcome: RunOutcome
 
 
@@ -116,11 +114,11 @@ class _Passes:
         """Make passes, and try EventDriven between them."""
         tau, failures, detail = START * self._error, 0, ""
         if self._times[-1] == 0.0:
-            return self._completed(self._pass(tau, LONGEST), np.zeros(len(self._times)), AdaptiveCatchUp(tau))
-        for k in range(MOST):
-            last = self._pass(tau, LONGEST / 2**k)
+            return self._completed(self._pass(tau), np.zeros(len(self._times)), AdaptiveCatchUp(tau))
+        for _ in range(MOST):
+            last = self._pass(tau)
             if last.status:
-                self._made.append(_Pass(tau, LONGEST / 2**k, last))
+                self._made.append(_Pass(tau, last))
                 stated = self._stated()
                 if stated.max() <= self._error and len(self._made) >= LEAST:
                     return self._completed(last, stated, AdaptiveCatchUp(tau))
@@ -154,7 +152,9 @@ class _Passes:
             wanted = min(wanted, AIM * self._error)
         return float(np.clip(wanted, SMALLEST * tau, LARGEST * tau))
 
-    def _pass(self, tau: float, part: float) -> RunOutcome:
+    def _pass(self, tau: float) -> RunOutcome:
+        """Make the pass of a tolerance; each of its steps is sqrt(tau) times as long as with tau = 1."""
+        part = LONGEST * math.sqrt(tau / (START * self._error))
         made = self._runs.run(self._times, tau, stretches(self._scales, self._times, part))
         self._add(made.stats)
         return made
@@ -165,8 +165,7 @@ class _Passes:
         At each time counts the largest difference until then: a single one may be small by chance.
         """
         three = self._made[-3:]
-        # By so much at least is each step shorter.
-        ratios = [min(a.longest / b.longest, math.sqrt(a.tau / b.tau)) for a, b in pairwise(three)]
+        ratios = [math.sqrt(a.tau / b.tau) for a, b in pairwise(three)]  # of the length of steps
         moved = [np.maximum.accumulate(_apart(a.outcome.x, b.outcome.x)) for a, b in pairwise(three)]
         order = ORDERS[1]
         if len(moved) > 1 and min(moved[0][-1], moved[1][-1]) > 0.0:
@@ -176,7 +175,7 @@ class _Passes:
 
     def _stated(self) -> Floats:
         """Return the stated error of the last pass at all times; infinite if it is the first one."""
-        tau, _, outcome = self._made[-1]
+        tau, outcome = self._made[-1]
         if len(self._made) == 1:
             return np.full(len(self._times), math.inf)
         before, found, _ = self._estimates()

@@ -131,7 +131,7 @@ class DriftPointer(PythonFunction):
             self._compiled.count_evaluations(number)
 
     def note_call(self) -> None:
-        """Tell a drift that counts of a call of Python that is not its own; it may raise an exception to end the run."""
+        """Tell a drift that counts of another call of Python; it may raise an exception to end the run."""
         if isinstance(self._drift, CountedDrift):
             self._drift.count_evaluations(0)
 
