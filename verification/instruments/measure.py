@@ -86,22 +86,24 @@ def measure(
     errors: Errors,
     budget: Budget | None,
     repeats: int = REPEATS,
+    enough: float | None = None,
 ) -> list[dict[str, Any]]:
     """Measure one method from coarse to fine settings, until a run costs more than the budget; one row a setting.
 
     Errors come from a run that writes the states at all output times. ``cpu_seconds`` is the time of a run that writes
     the last state only, so that no ranking depends on the number of output times; ``output_seconds`` is what the others
-    add. With ``repeats`` = 0 only the first runs are made. Runs that load libraries or compile kernels are repeated:
-    they give no time and spend no budget. Brief runs are repeated in turn: all settings, then all again. ``status`` is
-    that of the Trajectory, or REFUSED (the method cannot serve the problem), FAILED (it raised any Exception),
-    OUT_OF_BUDGET, LEFT_OUT (after one of these, or if a library is missing).
+    add. With ``repeats`` = 0 only the first runs are made; after a largest error of ``enough`` nothing finer is tried.
+    Runs that load libraries or compile kernels are repeated: they give no time and spend no budget. Brief runs are
+    repeated in turn: all settings, then all again. ``status`` is that of the Trajectory, or REFUSED (the method cannot
+    serve the problem), FAILED (it raised any Exception), OUT_OF_BUDGET, LEFT_OUT (after one of these, or if a library
+    is missing).
     """
     norms = checked_errors(errors)
     nothing = {"compiled": method.compiled} | dict.fromkeys((*norms, *COUNTERS), np.nan) | of_reference(known, norms)
     start = {"status": "", "detail": ""} | nothing
     attempts = [Attempt(setting, {"method": method.label, "setting": setting} | start) for setting in settings]
     for index, attempt in enumerate(attempts):
-        why = _left_out(problem, method) if index == 0 else _after(attempts[index - 1], budget)
+        why = _left_out(problem, method) if index == 0 else _after(attempts[index - 1], budget, enough)
         if why:
             attempt.row |= {"status": "LEFT_OUT", "detail": why}
             continue
@@ -129,12 +131,14 @@ def _left_out(problem: Any, method: Method) -> str:
     return f"Made for at most {method.most_unknowns} unknowns; here are {size}."
 
 
-def _after(before: Attempt, budget: Budget | None) -> str:
+def _after(before: Attempt, budget: Budget | None, enough: float | None) -> str:
     """Return why nothing finer is tried after this run; "" if it is."""
     if before.row["status"] == "LEFT_OUT":
         return str(before.row["detail"])
     if before.row["status"] in STOPS:
         return f"Setting {before.setting:g} ended {before.row['status']}."
+    if enough is not None and before.row["largest"] <= enough:
+        return f"Setting {before.setting:g} has the error {enough:g}."
     spent = before.row | {"cpu_seconds": before.output.cpu[0] if before.output.cpu else 0.0}
     if budget is not None and spent[budget.column] > budget.limit():
         return f"Setting {before.setting:g} cost more than {budget}."

@@ -23,6 +23,7 @@ from verification.page import sheet
 from verification.page.context import Context
 from verification.page.kept import STUDIES
 from verification.thesis.chapter2.methods import (
+    ADAPTIVE,
     CATCH_UP_ACTIVE,
     CATCH_UP_DAQP,
     CHARTED,
@@ -132,7 +133,7 @@ def test_rows_hold_the_errors_of_each_setting(references):
 
 @pytest.mark.slow
 def test_tolerances_are_the_settings_of_methods_that_choose_their_steps(references):
-    for method in (LSODA, EVENT_DRIVEN):
+    for method in (LSODA, EVENT_DRIVEN, ADAPTIVE):
         found = made(references, "sliding_disc", method)
         assert found["setting"].tolist() == FEW.settings["tol"]
         assert (found["status"] == "SUCCESS").all()
@@ -236,7 +237,9 @@ def test_legends_of_the_charts_that_ship_say_who_calls_python(tmp_path):
     chapter.CHAPTER.run(context)
     python = {"lsoda", "chipmunk", "catch_up_ipopt", "midpoint_cg", "midpoint_newton", "moreau_jean_daqp"}
     python |= {"catch_up_daqp", "linearised_clarabel", "linearised_daqp", "linearised_piqp"}
-    for (_, method), mine in context.tables["work_precision"].groupby(["scene", "method"]):
+    runs = context.tables["work_precision"].groupby(["scene", "method"])
+    assert len(runs) == len(CHARTED) * len(work_references.SCENES)
+    for (_, method), mine in runs:
         if (mine["status"] == "SUCCESS").any():
             assert made_of(mine) == (" (calls Python)" if method in python else " (compiled)"), method
 

@@ -201,6 +201,15 @@ MIDPOINT_ACTIVE = _named(
     lambda dt: dincl.MidpointCatchUp(dt=dt, projection=dincl.ActiveSet(tol=max(CHECK_TOL, MIDPOINT_TOL * dt**3))),
     rimmed=True,
 )
+ADAPTIVE = _named(
+    "adaptive",
+    "adaptive catch-up",
+    "adaptive catch-up",
+    ("#6a3fb5", (6, 1, 0), "-"),
+    lambda tol: dincl.AdaptiveCatchUp(tol=tol),
+    setting="tol",
+    rimmed=True,
+)
 MOREAU_JEAN = _named(
     "moreau_jean_daqp",
     "catch-up at theta = 1/2 with Daqp",
@@ -241,6 +250,7 @@ CHARTED = (
     MIDPOINT,
     MIDPOINT_NEWTON,
     MIDPOINT_ACTIVE,
+    ADAPTIVE,
     EVENT_DRIVEN,
     LSODA,
     CHIPMUNK,
