@@ -7,7 +7,7 @@ import pytest
 import dincl
 from dincl.study import read_sealed
 from verification.beyond.decisions import profile, promise, study
-from verification.beyond.decisions.scenes import CLOSED, DRIFTS, EXTRA, LAYOUTS, OPEN, scene
+from verification.beyond.decisions.scenes import DRIFTS, LAYOUTS, SETS, scene
 from verification.page.kept import STUDIES
 
 PBD, EVENTS = "PBD", "event-driven"
@@ -19,7 +19,7 @@ def test_scenes_come_again_and_are_of_all_kinds() -> None:
     np.testing.assert_array_equal(made[3].problem.x0, scene(study.FULL.seeds[3]).problem.x0)
     assert {one.drift for one in made} == set(DRIFTS)
     assert {one.layout for one in made} == set(LAYOUTS)
-    assert {name for one in made for name in one.sets.split(", ")} == {*OPEN, *CLOSED, *EXTRA}
+    assert {name for one in made for name in one.sets.split(", ")} == set(SETS)
     assert max(len(one.problem.x0) for one in made) > 200
     assert {one.problem.x0.shape[1] for one in made} == {1, 2, 3}
     assert all((np.diff(one.t) > 0).all() for one in made)

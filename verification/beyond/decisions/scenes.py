@@ -40,10 +40,14 @@ def scene(seed: int) -> RandomScene:
     rng = np.random.default_rng([seed, 62])
     layout, drift = str(rng.choice(list(LAYOUTS))), str(rng.choice(list(DRIFTS)))
     parts = Parts(rng, *LAYOUTS[layout](rng, int(rng.choice([1, 2, 2, 2, 3, 3]))))
-    outer = rng.choice(list(CLOSED), 1) if rng.random() < 0.4 else rng.permutation(list(OPEN))[: rng.integers(1, 3)]
-    within = ["channel"] if layout == "tube" else []
-    names = sorted({str(name) for name in (*within, *outer, *rng.permutation(list(EXTRA))[: rng.integers(0, 2)])})
-    sets = [one for name in names for one in (CLOSED | OPEN | EXTRA)[name](parts)]
+    if rng.random() < 0.4:
+        outer = [rng.choice(list(CLOSED))]
+    elif layout == "tube":
+        outer = ["channel", rng.choice(list(PUSHING))]
+    else:
+        outer = [*rng.permutation(list(OPEN | PUSHING))[: rng.integers(1, 3)]]
+    names = sorted(str(name) for name in (*outer, *rng.permutation(list(EXTRA))[: rng.integers(0, 2)]))
+    sets = [one for name in names for one in SETS[name](parts)]
     if "growing" not in names:
         sets.append(dincl.NonOverlap(parts.radii))
     problem = dincl.Problem(parts.x, DRIFTS[drift](parts), sets)
@@ -58,8 +62,9 @@ class Parts:
     def __init__(self, rng: Random, x: Array, radii: Array, flow: Array) -> None:
         self.rng, self.x, self.radii, self.flow, self.d = rng, x, radii, flow, x.shape[1]
         self.low, self.high = (x - radii[:, None]).min(axis=0), (x + radii[:, None]).max(axis=0)
-        self.centre, self.size = (self.low + self.high) / 2, float((self.high - self.low).max())
-        self.goal = self.centre + 0.3 * rng.uniform(-1.0, 1.0, self.d) * (self.high - self.low)
+        self.centre, sides = (self.low + self.high) / 2, self.high - self.low
+        self.long, self.thick = float(sides.max()), float(sides.min())
+        self.goal = self.centre + 0.3 * rng.uniform(-1.0, 1.0, self.d) * sides
         self.rate = float(rng.uniform(1.0, 4.0))
         # The first axis, and the vertical one.
         self.across, self.up = np.eye(self.d)[0], np.eye(self.d)[-1]
@@ -137,13 +142,15 @@ def clouds(rng: Random, d: int) -> Layout:
 
 
 def fast(rng: Random, d: int) -> Layout:
-    """Aim small particles at each other in pairs, at speeds of 1 to 3; most of them touch no others."""
-    n = 2 * round(float(np.exp(rng.uniform(0.0, np.log(20)))))
-    x = _placed(rng, d, np.full(n, 0.1))
-    x = x[np.argsort(x[:, 0])]
-    radii = 10 ** rng.uniform(-3.0, -1.0) * rng.uniform(0.4, 1.0, n)
-    way = x[np.arange(n) ^ 1] - x + 0.6 * rng.uniform(-1.0, 1.0, (n, d)) * radii[:, None]
-    return x, radii, rng.uniform(1.0, 3.0, (n, 1)) * way / np.linalg.norm(way, axis=1, keepdims=True)
+    """Aim small particles at each other in pairs, at speeds of 1 to 3; some fly on and touch others."""
+    pairs = round(float(np.exp(rng.uniform(0.0, np.log(20)))))
+    radii = 10 ** rng.uniform(-3.0, -1.3) * rng.uniform(0.4, 1.0, 2 * pairs)
+    way = rng.normal(size=(pairs, d))
+    way *= 0.15 / np.linalg.norm(way, axis=1, keepdims=True)
+    middle = _placed(rng, d, np.full(pairs, 0.2))
+    x = np.concatenate((middle - way, middle + way))
+    target = np.concatenate((middle, middle)) + 0.4 * rng.uniform(-1.0, 1.0, x.shape) * radii[:, None]
+    return x, radii, rng.uniform(1.0, 3.0, (2 * pairs, 1)) * (target - x) / 0.15
 
 
 # Sets. Open ones leave a way out; in closed ones all particles have room, also ``GROWN`` times as large.
@@ -151,7 +158,7 @@ def fast(rng: Random, d: int) -> Layout:
 
 def floor(of: Parts) -> list[Any]:
     """Put a floor below, which may tilt to and fro; on the line it goes up and down."""
-    wall, angle = of.wall(of.up, 0.2 * of.rng.uniform()), of.rng.uniform(-0.3, 0.3)
+    wall, angle = of.wall(of.up, 0.2 * of.rng.uniform()), of.rng.uniform(-0.5, 0.5) / of.long
     turn = angle if of.d == 2 else angle * np.eye(3)[1]
     up_and_down: Any = lambda t: 0.1 * np.sin(of.rate * t) * of.up  # noqa: E731
     tilt = dincl.RigidMotion(lambda t: turn * np.sin(of.rate * t), centre=of.centre)
@@ -167,22 +174,22 @@ def wedge(of: Parts) -> list[Any]:
 
 def obstacle(of: Parts) -> list[Any]:
     """Put a ball below the particles."""
-    size = of.rng.uniform(0.1, 0.5) * of.size
+    size = of.rng.uniform(0.1, 0.5) * of.thick
     centre = of.goal - (of.goal[-1] - of.low[-1] + size + 0.02) * of.up
     return [dincl.OutsideBall(centre, size + of.radii)]
 
 
 def rod(of: Parts) -> list[Any]:
     """Drive a ball through the particles, from the side."""
-    size, way = of.rng.uniform(0.05, 0.2) * of.size, of.rng.uniform(0.2, 1.0) * of.across
+    size, way = of.rng.uniform(0.05, 0.3) * of.thick, of.rng.uniform(0.2, 1.0) * of.across
     start = of.goal - (of.goal[0] - of.low[0] + size + 0.02) * of.across
     return [dincl.OutsideBall(lambda t: start + t * way, size + of.radii)]
 
 
 def piston(of: Parts) -> list[Any]:
     """Push the particles aside by a wall."""
-    way = -of.rng.uniform(0.05, 0.5) * of.across
-    return [dincl.Moving(of.wall(-of.across, 0.1), lambda t: t * way)]
+    way = of.rng.uniform(0.05, 0.5) * of.across
+    return [dincl.Moving(of.wall(of.across, 0.1), lambda t: t * way)]
 
 
 def shaker(of: Parts) -> list[Any]:
@@ -200,9 +207,9 @@ def channel(of: Parts) -> list[Any]:
 
 def box(of: Parts) -> list[Any]:
     """Enclose the particles by walls at rest, or by walls that are shaken or, in the plane and in space, turned."""
-    room = (GROWN - 1) * of.size + of.rng.uniform(0.0, 0.3)
+    room = (GROWN - 1) * of.long + of.rng.uniform(0.0, 0.3)
     walls = [of.wall(sign * axis, room) for axis in np.eye(of.d) for sign in (1, -1)]
-    turn = 0.3 * of.rate if of.d == 2 else np.array([0.1, 0.2, 0.2]) * of.rate
+    turn = 0.6 * of.rate / of.long * (1 if of.d == 2 else np.array([0.2, 0.4, 0.9]))
     turned = dincl.RigidMotion(lambda t: t * turn, centre=of.centre)
     shaken: Any = lambda t: 0.2 * np.sin(of.rate * t) * of.across  # noqa: E731
     kind = of.rng.integers(2 if of.d == 1 else 3)
@@ -274,13 +281,13 @@ def waves(of: Parts) -> Any:
 
 def kinked(of: Parts) -> Any:
     """Begin to flow, and attract at a bounded speed: functions with kinks."""
-    pull = lambda t, x: np.abs(np.sin(of.rate * t)) * np.clip(of.goal - x, -0.5, 0.5)  # noqa: E731
+    pull: Any = lambda t, x: np.abs(np.sin(of.rate * t)) * np.clip(of.goal - x, -0.5, 0.5)  # noqa: E731
     return lambda t, x: min(of.rate * t, 1.0) * of.flow + pull(t, x)
 
 
 def square_waves(of: Parts) -> Any:
     """Flow forwards and backwards, and jump from side to side."""
-    side = lambda t: 0.4 * np.sign(np.sin(1.3 * of.rate * t)) * of.across  # noqa: E731
+    side: Any = lambda t: 0.4 * np.sign(np.sin(1.3 * of.rate * t)) * of.across  # noqa: E731
     return lambda t, x: (1.0 if of.rate * t % 2.0 < 1.4 else -0.4) * of.flow + side(t)
 
 
@@ -295,7 +302,7 @@ def _by_name(*functions: Callable[..., Any]) -> dict[str, Callable[..., Any]]:
 
 
 LAYOUTS = _by_name(scattered, pile, tube, clouds, fast)
-OPEN = _by_name(floor, wedge, obstacle, rod, piston, shaker, channel)
-CLOSED = _by_name(box, container, ellipse)
-EXTRA = _by_name(thread, ordered, growing)
+OPEN, PUSHING = _by_name(floor, wedge, obstacle, shaker), _by_name(rod, piston)
+CLOSED, EXTRA = _by_name(box, container, ellipse), _by_name(thread, ordered, growing)
+SETS = OPEN | PUSHING | CLOSED | EXTRA | _by_name(channel)
 DRIFTS = _by_name(constant, affine, waves, kinked, square_waves, belts)

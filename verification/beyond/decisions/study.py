@@ -75,7 +75,7 @@ def known(given: RandomScene) -> Known | None:
         path = limited(given, dincl.EventDriven(tol), PATIENCE)
         if path is None:
             break
-        if path.status:
+        if path.status and path.error is not None:
             return Known(path.x, float(path.error.max()))
     midpoint, end = methods(given, tol=1e-5 * given.error)[2], float(given.t[-1])
     # No particle moves farther in a step than the least radius.
