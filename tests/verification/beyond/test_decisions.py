@@ -112,10 +112,11 @@ def wedge(angle: float) -> tuple[dincl.Problem, list[float], np.ndarray]:
 
 
 def tiny(d: int) -> tuple[dincl.Problem, list[float], np.ndarray]:
-    """Return seven discs of radii 3e-9 to 3e-3 that are drawn together, and their event-driven solution."""
-    x0 = np.random.default_rng(7).uniform(-1.0, 1.0, (7, d))
-    sets = [dincl.NonOverlap(3 * 10.0 ** np.arange(-9, -2))]
-    problem, t = dincl.Problem(x0, dincl.drifts.attraction(np.zeros(d), 2.0), sets), [1.0, 3.0]
+    """Return seven discs of radii 3e-9 to 3e-3 that run into each other, and their event-driven solution."""
+    rng, radii = np.random.default_rng(7), 3 * 10.0 ** np.arange(-9, -2)
+    x0 = np.column_stack((np.linspace(-0.5, 0.5, 7), *(0.5 * radii * rng.uniform(-1, 1, (d - 1, 7)))))
+    drift = dincl.drifts.constant(np.outer(-np.sign(x0[:, 0]) * rng.uniform(0.5, 1.0, 7), np.eye(d)[0]))
+    problem, t = dincl.Problem(x0, drift, [dincl.NonOverlap(rng.permutation(radii))]), [0.5, 1.0]
     return problem, t, dincl.solve(problem, dincl.EventDriven(1e-7), t).x
 
 

@@ -25,8 +25,8 @@ NO_REFERENCE, OUT_OF_BUDGET = "no reference", "OUT_OF_BUDGET"
 # seconds.
 REFERENCE, PATIENCE = 1 / 20, 60.0
 # Steps of a ladder grow by the factor from so many on, and tolerances fall by TIGHTER from the largest, until a run
-# takes so many seconds, its error is the finest, or there were so many settings.
-FACTOR, FEWEST, LARGEST, TIGHTER, LONGEST, FINEST, MOST = 2**0.5, 4, 0.1, 2.0, 0.6, 1e-5, 50
+# takes so many seconds, its error is this part of the one asked for, or there were so many settings.
+FACTOR, FEWEST, LARGEST, TIGHTER, LONGEST, FINEST, MOST = 2**0.5, 4, 0.1, 2.0, 0.6, 0.1, 50
 # Tolerance of a projection, relative to the error asked for. With more particles a dense active set costs more than
 # conjugate gradients.
 PROJECTION, MOST_DENSE = 1e-3, 100
@@ -141,7 +141,7 @@ def ladder(given: RandomScene, method: Candidate, exact: Array) -> Iterator[dict
             return
         row = _measured(given, exact, method.label, setting, scheme)
         yield row
-        if row["seconds"] > LONGEST or row["error"] <= FINEST:
+        if row["seconds"] > LONGEST or row["error"] <= FINEST * given.error:
             return
         steps, setting = int(np.ceil(FACTOR * steps)), setting / TIGHTER
 
