@@ -22,8 +22,8 @@ Array = NDArray[np.float64]
 AUTO, MIDPOINT, ADAPTIVE = "Auto", "midpoint catch-up", "adaptive catch-up"
 NO_REFERENCE, OUT_OF_BUDGET = "no reference", "OUT_OF_BUDGET"
 # References have at most this part of the error that is asked for. A run for them, or of Auto, takes at most so many
-# seconds.
-REFERENCE, PATIENCE = 1 / 20, 60.0
+# seconds; an event-driven one less, as another method follows if it does not end.
+REFERENCE, PATIENCE, BY_EVENTS = 1 / 20, 60.0, 15.0
 # Steps of a ladder grow by the factor from so many on, and tolerances fall by TIGHTER from the largest, until a run
 # takes so many seconds, its error is this part of the one asked for, or there were so many settings.
 FACTOR, FEWEST, LARGEST, TIGHTER, LONGEST, FINEST, MOST = 2**0.5, 4, 0.1, 2.0, 0.6, 0.1, 50
@@ -72,7 +72,7 @@ def run(key: Key) -> list[Row]:
 def known(given: RandomScene) -> Known | None:
     """Return the solution at the output times, by events or by midpoint catch-up; None if both are too slow."""
     for tol in (given.error / 100, given.error * REFERENCE):
-        path = limited(given, dincl.EventDriven(tol), PATIENCE)
+        path = limited(given, dincl.EventDriven(tol), BY_EVENTS)
         if path is None:
             break
         if path.status and path.error is not None:
