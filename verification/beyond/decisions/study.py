@@ -26,7 +26,7 @@ NO_REFERENCE, OUT_OF_BUDGET = "no reference", "OUT_OF_BUDGET"
 REFERENCE, PATIENCE, BY_EVENTS = 1 / 20, 60.0, 15.0
 # Steps of a ladder grow by the factor from so many on, and tolerances fall by TIGHTER from the largest, until a run
 # takes so many seconds, its error is this part of the one asked for, or there were so many settings.
-FACTOR, FEWEST, LARGEST, TIGHTER, LONGEST, FINEST, MOST = 2**0.5, 4, 0.1, 2.0, 0.6, 0.1, 50
+FACTOR, FEWEST, LARGEST, TIGHTER, LONGEST, FINEST, MOST = 2**0.5, 4, 0.1, 2.0, 1.0, 0.1, 50
 # Tolerance of a projection, relative to the error asked for. With more particles a dense active set costs more than
 # conjugate gradients.
 PROJECTION, MOST_DENSE = 1e-3, 100
