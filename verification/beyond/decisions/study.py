@@ -22,8 +22,8 @@ Array = NDArray[np.float64]
 AUTO, MIDPOINT, ADAPTIVE = "Auto", "midpoint catch-up", "adaptive catch-up"
 NO_REFERENCE, OUT_OF_BUDGET = "no reference", "OUT_OF_BUDGET"
 # References have at most this part of the error that is asked for. A run for them, or of Auto, takes at most so many
-# seconds; an event-driven one less, as another method follows if it does not end.
-REFERENCE, PATIENCE, BY_EVENTS = 1 / 20, 60.0, 15.0
+# seconds; the first one for them less, as another method follows.
+REFERENCE, PATIENCE, BRIEFLY = 1 / 20, 60.0, 15.0
 # Steps of a ladder grow by the factor from so many on, and tolerances fall by TIGHTER from the largest, until a run
 # takes so many seconds, its error is this part of the one asked for, or there were so many settings.
 FACTOR, FEWEST, LARGEST, TIGHTER, LONGEST, FINEST, MOST = 2**0.5, 4, 0.1, 2.0, 1.0, 0.1, 50
@@ -71,13 +71,22 @@ def run(key: Key) -> list[Row]:
 
 def known(given: RandomScene) -> Known | None:
     """Return the solution at the output times, by events or by midpoint catch-up; None if both are too slow."""
+    return _by_events(given, BRIEFLY) or _by_steps(given) or _by_events(given, PATIENCE)
+
+
+def _by_events(given: RandomScene, seconds: float) -> Known | None:
     for tol in (given.error / 100, given.error * REFERENCE):
-        path = limited(given, dincl.EventDriven(tol), BY_EVENTS)
+        path = limited(given, dincl.EventDriven(tol), seconds)
         if path is None:
-            break
+            return None
         if path.status and path.error is not None:
             return Known(path.x, float(path.error.max()))
-    midpoint, end = methods(given, tol=1e-5 * given.error)[2], float(given.t[-1])
+    return None
+
+
+def _by_steps(given: RandomScene) -> Known | None:
+    """Halve the steps of midpoint catch-up until two runs agree, or could not in time, at an order of two."""
+    midpoint, end, wanted = methods(given, tol=1e-5 * given.error)[2], float(given.t[-1]), REFERENCE * given.error
     # No particle moves farther in a step than the least radius.
     fastest = longest(given.problem.velocity(0.0, given.problem.x0))
     steps, moved, last, seconds = max(32, int(end * fastest / given.radius)), np.inf, None, 0.0
@@ -92,8 +101,10 @@ def known(given: RandomScene) -> Known | None:
         else:
             # Twice the difference of the last runs: the order is at least one. One difference is small by chance.
             before, moved, last = moved, float(distance(now.x, last).max()), now.x
-            if 2 * max(moved, before / 4) <= REFERENCE * given.error:
+            if 2 * max(moved, before / 4) <= wanted:
                 return Known(now.x, 2 * max(moved, before / 4))
+            if seconds * (2 * moved / wanted) ** 0.5 > PATIENCE:
+                return None
         steps *= 2
     return None
 
