@@ -135,9 +135,9 @@ def clouds(rng: Random, d: int) -> Layout:
     """Drive two clouds into each other."""
     parts = [_radii(rng, MOST_PARTICLES // 2) for _ in range(2)]
     x, along = [_placed(rng, d, radii) for radii in parts], np.eye(d)[0]
-    x[1] += (x[0][:, 0].max() + 0.5 + rng.uniform(0.0, 0.5)) * along
-    speeds = np.repeat(rng.uniform(0.3, 1.5, 2) * (1, -1), [len(one) for one in x])
-    flow = speeds[:, None] * along + rng.uniform(-0.2, 0.2, (len(speeds), d))
+    x[1] += (x[0][:, 0].max() + 0.5 + rng.uniform(0.0, 0.2)) * along
+    speeds = np.repeat(rng.uniform(0.5, 1.5, 2) * (1, -1), [len(one) for one in x])
+    flow = speeds[:, None] * along + rng.uniform(-0.5, 0.5, (len(speeds), d))
     return np.concatenate(x), np.concatenate(parts), flow
 
 
