@@ -20,7 +20,7 @@ TITLE = "Does Auto keep the error that is asked for?"
 PROFILE = "How often is each method the cheapest?"
 NAME = "decisions"
 # Made again beside the complete study: small scenes.
-AGAIN = study.DecisionsForm((1, 2, 3, 7))
+AGAIN = study.DecisionsForm((1, 2, 17, 20))
 
 
 def run(context: Context) -> None:
