@@ -20,6 +20,8 @@ MOST_PARTICLES, FEW = 300, 60
 ERRORS, ENDS = (-5.0, -1.5), (0.5, 3.0)
 # Radii grow to at most this multiple of the first ones; closed sets leave at least so much room.
 GROWN = 1.05
+# Beside the seed of a scene, so that its numbers are not those that others draw with the same seed.
+STREAM = 62
 
 
 @dataclass(frozen=True)
@@ -37,7 +39,7 @@ class RandomScene:
 
 def scene(seed: int) -> RandomScene:
     """Draw the scene of a seed."""
-    rng = np.random.default_rng([seed, 62])
+    rng = np.random.default_rng([seed, STREAM])
     layout, drift = str(rng.choice(list(LAYOUTS))), str(rng.choice(list(DRIFTS)))
     parts = Parts(rng, *LAYOUTS[layout](rng, int(rng.choice([1, 2, 2, 2, 3, 3]))))
     if rng.random() < 0.4:
