@@ -208,7 +208,7 @@ def test_chapter_writes_its_charts_from_its_tables(tmp_path, monkeypatch):
     context = Context(tmp_path, False, Here(), forms)
     chapter.CHAPTER.run(context)
     kept = {"work_references", "work_precision", "work_times", "work_winners", "work_reach"}
-    decided = {"decisions", *(f"decisions_{name}" for name in ("profile", "tree", "usual", "judged", "promise"))}
+    decided = {"decisions", *(f"decisions_{name}" for name in ("profile", "judged", "promise", "cost"))}
     assert context.tables.keys() == kept | decided
     sections = chapter.CHAPTER.sections(context)
     assert len(sections) == 7
@@ -218,7 +218,7 @@ def test_chapter_writes_its_charts_from_its_tables(tmp_path, monkeypatch):
     assert all(Path(path).stat().st_size > 1000 for path in pictures)
     files = {part.file for part in parts if part.kind == "grid"}
     shown = {"work_precision", "work_reach", "work_times", "work_winners"}
-    shown |= {"decisions_profile", "decisions_tree", "decisions_promise"}
+    shown |= {"decisions_profile", "decisions_promise", "decisions_cost"}
     assert files == shown
     assert all((context.folder / f"{name}.csv").is_file() for name in files)
     grids = [part for part in parts if part.kind == "grid" and part.file == "work_winners"]

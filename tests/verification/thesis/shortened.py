@@ -63,8 +63,8 @@ WORK_PRECISION = work_precision.Form(
     scenes=("sliding_disc", "stack"),
     methods=(PBD, LINEARISED_DAQP, LSODA, CHIPMUNK),
 )
-# One that the decision tree is made from, and one that it is tried on.
-TWO_SCENES = DecisionsForm((1004, 1009))
+# Small scenes.
+TWO_SCENES = DecisionsForm((1, 3))
 FORMS = (
     ExtrapolationForm((2, 3, 4)),
     ConvergenceForm(5, 5, methods=(PBD, LINEARISED_DAQP, PENALTIES[0])),

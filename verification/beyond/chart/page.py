@@ -57,7 +57,7 @@ def run(context: Context) -> None:
 
 
 def sections(context: Context) -> Sequence[Section]:
-    """Write how often each method is the cheapest, the chosen scenes and piles, and which method to take."""
+    """Write how often each method is the cheapest, the chosen scenes and piles, and what Auto keeps."""
     scenes = (_scene(context, name) for name in _form(context).scenes)
     six = [_live(context), _summary(context), _reach(context), *scenes]
     return [decisions.profile_section(context), *six, decisions.section(context)]

@@ -1,1 +1,1 @@
-"""Decisions: whether ``Auto`` keeps its promise on random scenes, and a tree that says which method to take."""
+"""Decisions: whether ``Auto`` keeps its promise on random scenes, and how often each method is the cheapest."""

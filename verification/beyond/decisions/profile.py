@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from verification.beyond.decisions.study import ALONE, AUTO, NO_REFERENCE
+from verification.beyond.decisions.study import ADAPTIVE
 from verification.instruments.cheapest import LEAST_SPREAD, Runs, cost_of
 from verification.instruments.problem_sets import profiles
 from verification.page import cards
@@ -32,6 +32,7 @@ LOOKS: Mapping[str, Mapping[str, Any]] = {
     "linearised catch-up": LINEARISED_ACTIVE.look,
     "midpoint catch-up": MIDPOINT_ACTIVE.look,
     "event-driven": EVENT_DRIVEN.look,
+    ADAPTIVE: {"color": "#6a3d9a", "marker": (6, 1, 0)},
 }
 
 
@@ -42,7 +43,7 @@ def costs(table: pd.DataFrame, cost: str) -> pd.DataFrame:
     reaches the error, are left out. The rule is that of the chart: ``cheapest.cost_of``.
     """
     found: dict[tuple[int, float], dict[str, float]] = {}
-    methods = table[~table["method"].str.startswith((AUTO, ALONE, NO_REFERENCE))]
+    methods = table[table["method"].isin(LOOKS)]
     for (seed, asked, method), rows in methods.groupby(["seed", "asked", "method"]):
         done = rows[rows["status"] == "SUCCESS"].sort_values("setting", ascending=False)
         runs = Runs(done["error"].to_numpy(float), done[cost].to_numpy(float), np.ones(len(done)))

@@ -1,15 +1,12 @@
-"""How often each method is the cheapest, which method to take, and what ``Auto`` keeps."""
+"""How often each method is the cheapest on random scenes, and whether ``Auto`` keeps its promise on them."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
-import numpy as np
-
-from verification.beyond.decisions import profile, promise, study, tree
+from verification.beyond.decisions import profile, promise, study
 from verification.beyond.decisions.scenes import MOST_PARTICLES
-from verification.beyond.decisions.study import AUTO, NO_REFERENCE
+from verification.beyond.decisions.study import NO_REFERENCE
 from verification.instruments.cheapest import LEAST_SPREAD
 from verification.page.columns import headed, read_columns
 from verification.page.context import Context
@@ -19,49 +16,35 @@ from verification.page.report import Card
 
 PROSE = Path(__file__).parent / "prose" / "decisions.html"
 COLUMNS = read_columns(Path(__file__).parent / "columns.toml")
-TITLE = "Which method should you take?"
+TITLE = "Does Auto keep the error that is asked for?"
 PROFILE = "How often is each method the cheapest?"
 NAME = "decisions"
 # Made again beside the complete study: small scenes.
-AGAIN = study.DecisionsForm((1001, 1004, 1009, 1010))
+AGAIN = study.DecisionsForm((1, 2, 17, 20))
 
 
 def run(context: Context) -> None:
-    """Complete the study; keep the rules and what ``Auto`` keeps."""
+    """Complete the study; keep how often each method is the cheapest, and what ``Auto`` keeps."""
     whole, again = study.study(context.form(study.FULL)), study.study(context.form(AGAIN))
-    # What ``Auto`` takes depends on times: runs are compared that state the same error.
-    table = context.rows_of(whole, again, ("method", "setting", "stated"))
+    table = context.rows_of(whole, again, ("method", "setting"))
     context.tables[NAME] = table
-    late = tree.is_held_out(table)
-    made, held_out = tree.fit(tree.costs(table[~late], tree.TARGETS)), tree.costs(table[late])
     context.keep("decisions_profile", profile.shares(table))
-    context.keep("decisions_tree", tree.tried(made, held_out))
-    context.keep("decisions_usual", tree.alone(held_out))
     context.keep("decisions_judged", promise.judged(table))
     context.keep("decisions_promise", promise.kept(context.tables["decisions_judged"]))
+    context.keep("decisions_cost", promise.costs(context.tables["decisions_judged"]))
 
 
 def _said(context: Context) -> dict[str, str]:
     table, judged = context.tables[NAME], context.tables["decisions_judged"]
-    rules, usual = context.tables["decisions_tree"], context.tables["decisions_usual"]
-    scenes = table.groupby("seed")["method"].unique()
-    without = int(scenes.map(lambda names: NO_REFERENCE in names).sum())
     shares = context.tables["decisions_profile"]
-    words = profile.band_words(profile.ALL)
-    overall = {cost: rows[rows["error"] == words].to_dict("records") for cost, rows in shares.groupby("cost")}
-    by_time = overall[profile.COSTS["seconds"]]
-    told: dict[str, Any] = {name: float(np.median(judged[name].dropna())) for name in ("lucky", "sure", "known")}
+    overall = shares[shares["error"] == profile.band_words(profile.ALL)]
+    by_time = overall[overall["cost"] == profile.COSTS["seconds"]].to_dict("records")
+    costs = context.tables["decisions_cost"].set_index("over")
     return fill(
         PROSE,
-        made_from=int((~tree.is_held_out(table)[table["method"] == AUTO]).sum()),
-        held_out=int(rules["of"].iloc[-1]),
         most=MOST_PARTICLES,
-        enough=tree.ENOUGH,
-        all=next(rules.iloc[-1:].itertuples()),
-        usual=next(usual.iloc[:1].itertuples()),
-        scenes=len(scenes),
-        without=without,
-        beyond=len(scenes) - without - len(judged),
+        scenes=table["seed"].nunique(),
+        without=int((table["method"] == NO_REFERENCE).sum()),
         judged=len(judged),
         compared=by_time[0]["scenes"],
         by_time=by_time,
@@ -70,8 +53,7 @@ def _said(context: Context) -> dict[str, str]:
         patience=study.PATIENCE,
         longest=study.LONGEST,
         kept=next(context.tables["decisions_promise"].iloc[:1].itertuples()),
-        lucky_90=float(np.quantile(judged["lucky"], 0.9)),
-        **told,
+        cost={column: costs.loc[what] for column, what in promise.OVER.items()},
     )
 
 
@@ -94,9 +76,8 @@ def often(context: Context) -> str:
 
 
 def section(context: Context) -> Section:
-    """Return the rules, their error rate, and what ``Auto`` keeps."""
+    """Return what ``Auto`` keeps, and what it costs."""
     said = _said(context)
-    rules = Grid(headed(context.tables["decisions_tree"], COLUMNS["tree"]), said["tree"], "decisions_tree")
     kept = Grid(headed(context.tables["decisions_promise"], COLUMNS["promise"]), said["promise"], "decisions_promise")
-    texts = (Text(said["asked"]), rules, Follows(said["error"]), Text(said["auto"]), kept, Text(said["cost"]))
-    return Section(TITLE, list(texts))
+    cost = Grid(headed(context.tables["decisions_cost"], COLUMNS["cost"]), said["costs"], "decisions_cost")
+    return Section(TITLE, [Follows(said["auto"]), kept, Text(said["cost"]), cost])

@@ -1,48 +1,54 @@
-"""``Auto`` and the methods that it chooses among, on random scenes: errors and CPU times on ladders of steps."""
+"""``Auto`` and the methods that it stands beside, on random scenes: errors and CPU times on ladders of settings."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 import dincl
 from dincl.drifts.counted import OutOfBudgetError
-from dincl.errors import StepFailure
-from dincl.schemes.auto import Choice
-from dincl.schemes.event_driven import not_begun
-from dincl.schemes.pilots import Candidate, candidates, limited
+from dincl.norms import longest
+from dincl.problem import with_counted_drift
 from dincl.study import Key, Row, Study
-from dincl.work import Work
 from verification.beyond.decisions.scenes import RandomScene, scene
 from verification.instruments.error_norms import distance
 
 Array = NDArray[np.float64]
-AUTO = "Auto"
-ALONE = "alone: "
-NO_REFERENCE = "no reference"
-# References have at most this part of the error that is asked for, and take at most so many seconds.
-REFERENCE, PATIENCE = 1 / 20, 10.0
-# Ladders: steps grow by this factor from so many on, until a run takes so many seconds or its error is the finest.
-FACTOR, FEWEST, LONGEST, FINEST = 2**0.5, 4, 0.6, 1e-5
-TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5)
+AUTO, MIDPOINT, ADAPTIVE = "Auto", "midpoint catch-up", "adaptive catch-up"
+NO_REFERENCE, OUT_OF_BUDGET = "no reference", "OUT_OF_BUDGET"
+# References have at most this part of the error that is asked for. A run for them, or of Auto, takes at most so many
+# seconds; the first one for them less, as another method follows.
+REFERENCE, PATIENCE, BRIEFLY = 1 / 20, 60.0, 15.0
+# Steps of a ladder grow by the factor from so many on, and tolerances fall by TIGHTER from the largest, until a run
+# takes so many seconds, its error is this part of the one asked for, or there were so many settings.
+FACTOR, FEWEST, LARGEST, TIGHTER, LONGEST, FINEST, MOST = 2**0.5, 4, 0.1, 2.0, 1.0, 0.1, 50
+# Tolerance of a projection, relative to the error asked for. With more particles a dense active set costs more than
+# conjugate gradients.
+PROJECTION, MOST_DENSE = 1e-3, 100
 # Runs shorter than this are made twice [s]; the shorter time counts.
 BRIEF = 0.3
 
 
 @dataclass(frozen=True)
 class DecisionsForm:
-    """Seeds of the scenes; ``Auto`` was calibrated on others, below 100."""
+    """Seeds of the scenes; ``Auto`` was calibrated on none of them."""
 
-    seeds: tuple[int, ...] = tuple(range(1000, 1200))
+    seeds: tuple[int, ...] = tuple(range(200))
 
 
 FULL = DecisionsForm()
+
+
+class Known(NamedTuple):
+    """States at the output times, (K, N, d), and a bound of their error [length]."""
+
+    x: Array
+    error: float
 
 
 def study(form: DecisionsForm = FULL) -> Study:
@@ -51,99 +57,117 @@ def study(form: DecisionsForm = FULL) -> Study:
 
 
 def run(key: Key) -> list[Row]:
-    """Return the rows of a scene: of each method and setting, of ``Auto``, and of its best method chosen alone.
-
-    One row without numbers if there is no reference; none of ``Auto`` if no method reaches the error in ``LONGEST``.
-    """
+    """Return the rows of a scene: of each method and setting, and of ``Auto``; one row if there is no reference."""
     given = scene(key["seed"])
     n, d = given.problem.x0.shape
-    about = {**key, "particles": n, "dimension": d, "sets": given.sets, "drift": given.drift}
+    about = {**key, "particles": n, "dimension": d, "layout": given.layout, "sets": given.sets, "drift": given.drift}
     about |= {"end": float(given.t[-1]), "asked": given.error}
     exact = known(given)
     if exact is None:
         return [about | _row(NO_REFERENCE, np.nan, np.nan, np.nan)]
-    methods = candidates(given.problem, given.error)
-    rows = [row for method in methods for row in ladder(given, method, exact)]
-    enough = [row for row in rows if row["error"] <= given.error]
-    if enough:
-        best = min(enough, key=lambda row: row["seconds"])["method"]
-        rows.append(_chosen(given, exact, AUTO, methods))
-        rows.append(_chosen(given, exact, ALONE + best, [one for one in methods if one.label == best]))
-    return [about | row for row in rows]
+    rows = [row for method in methods(given, PROJECTION * given.error) for row in ladder(given, method, exact.x)]
+    return [about | row | {"reference": exact.error} for row in (*rows, _auto(given, exact.x))]
 
 
-def known(given: RandomScene) -> Array | None:
+def known(given: RandomScene) -> Known | None:
     """Return the solution at the output times, by events or by midpoint catch-up; None if both are too slow."""
+    return _by_events(given, BRIEFLY) or _by_steps(given) or _by_events(given, PATIENCE)
+
+
+def _by_events(given: RandomScene, seconds: float) -> Known | None:
     for tol in (given.error / 100, given.error * REFERENCE):
-        found = _limited(given, dincl.EventDriven(tol), PATIENCE)
-        if found is not None:
-            return found
-    midpoint = next(one for one in candidates(given.problem, 0.1 * given.error) if one.order == 2)
-    steps, moved, last, seconds = 32, np.inf, None, 0.0
-    while 2.5 * seconds < PATIENCE:
-        began = time.process_time()
-        now = _limited(given, midpoint.make(float(given.t[-1]) / steps), PATIENCE)
-        seconds = time.process_time() - began
-        if now is not None and last is not None:
-            before, moved = moved, _apart(now, last)
-            if 2 * max(moved, before / 4) <= REFERENCE * given.error:
-                return now
-        last, steps = now, 2 * steps
+        path = limited(given, dincl.EventDriven(tol), seconds)
+        if path is None:
+            return None
+        if path.status and path.error is not None:
+            return Known(path.x, float(path.error.max()))
     return None
 
 
-def _limited(given: RandomScene, scheme: dincl.Scheme, seconds: float) -> Array | None:
-    """Return the states of a run that takes at most so many seconds; None if it takes longer, is refused or fails."""
+def _by_steps(given: RandomScene) -> Known | None:
+    """Halve the steps of midpoint catch-up until two runs agree, or could not in time, at an order of two."""
+    midpoint, end, wanted = methods(given, tol=1e-5 * given.error)[2], float(given.t[-1]), REFERENCE * given.error
+    # No particle moves farther in a step than the least radius.
+    fastest = longest(given.problem.velocity(0.0, given.problem.x0))
+    steps, moved, last, seconds = max(32, int(end * fastest / given.radius)), np.inf, None, 0.0
+    while 2.5 * seconds < PATIENCE:
+        began = time.process_time()
+        now = limited(given, midpoint.make(end / steps), PATIENCE)
+        seconds = time.process_time() - began
+        if now is None or not now.status:
+            last = None
+        elif last is None:
+            last = now.x
+        else:
+            # Twice the difference of the last runs: the order is at least one. One difference is small by chance.
+            before, moved, last = moved, float(distance(now.x, last).max()), now.x
+            if 2 * max(moved, before / 4) <= wanted:
+                return Known(now.x, 2 * max(moved, before / 4))
+            if seconds * (2 * moved / wanted) ** 0.5 > PATIENCE:
+                return None
+        steps *= 2
+    return None
+
+
+def limited(given: RandomScene, scheme: dincl.Scheme, seconds: float) -> dincl.Trajectory | None:
+    """Return a run of at most so many seconds of CPU time; None if it takes longer, or is refused."""
+    began = time.process_time()
+    problem, _ = with_counted_drift(given.problem, lambda _: time.process_time() - began > seconds)
     try:
-        path = dincl.solve(limited(given.problem, seconds), scheme, t=given.t, throw=False)
+        return dincl.solve(problem, scheme, t=given.t, throw=False)
     except (OutOfBudgetError, dincl.InvalidProblem):
         return None
-    return path.x if path.status else None
+
+
+class Candidate(NamedTuple):
+    """A method: ``make(setting)`` is its scheme for dt, or, if ``adaptive``, for tol."""
+
+    label: str
+    make: Callable[[float], dincl.Scheme]
+    adaptive: bool
+
+
+def methods(given: RandomScene, tol: float) -> tuple[Candidate, ...]:
+    """Return the methods that have ladders; ``tol`` is the tolerance of projections."""
+    many = len(given.problem.x0) > MOST_DENSE
+    projection = dincl.ProjectedCG(tol) if many else dincl.ActiveSet(tol)
+    return (
+        Candidate("PBD", dincl.PBD, adaptive=False),
+        Candidate("linearised catch-up", lambda dt: dincl.LinearisedCatchUp(dt, projection), adaptive=False),
+        Candidate(MIDPOINT, lambda dt: dincl.MidpointCatchUp(dt, projection), adaptive=False),
+        Candidate("event-driven", dincl.EventDriven, adaptive=True),
+        Candidate(ADAPTIVE, dincl.AdaptiveCatchUp, adaptive=True),
+    )
 
 
 def ladder(given: RandomScene, method: Candidate, exact: Array) -> Iterator[dict[str, Any]]:
-    """Yield a row for each setting of a method."""
-    if not method.order:
-        for tol in sorted({*TOLERANCES, given.error}, reverse=True):
-            if _limited(given, method.make(tol), LONGEST) is None:
-                return
-            yield _measured(given, exact, method.label, tol, partial(_solve, given, method.make(tol)))
-        return
-    steps, row = FEWEST, _row(method.label, 0.0, np.nan, 0.0)
-    while row["seconds"] <= LONGEST and not row["error"] <= FINEST:
-        setting = float(given.t[-1]) / steps
-        row = _measured(given, exact, method.label, setting, partial(_solve, given, method.make(setting)))
+    """Yield a row for each setting of a method, from coarse to fine."""
+    steps, setting = FEWEST, LARGEST
+    for k in range(MOST):
+        if not method.adaptive:
+            setting = float(given.t[-1]) / steps
+        scheme = method.make(setting)
+        # The first run loads compiled code. How long a run with a tolerance takes is not known beforehand.
+        if (k == 0 or method.adaptive) and limited(given, scheme, LONGEST) is None:
+            return
+        row = _measured(given, exact, method.label, setting, scheme)
         yield row
-        steps = int(np.ceil(FACTOR * steps))
+        if row["seconds"] > LONGEST or row["error"] <= FINEST * given.error:
+            return
+        steps, setting = int(np.ceil(FACTOR * steps)), setting / TIGHTER
 
 
-def _chosen(given: RandomScene, exact: Array, label: str, methods: Sequence[Candidate]) -> dict[str, Any]:
-    """Return the row of a choice among methods, with all of its runs, and what was taken."""
-    choices: list[Any] = []
-
-    def choose() -> Any:
-        try:
-            choices.append(Choice(given.problem, given.t, given.error, methods).run())
-        except StepFailure as failure:
-            choices.append(not_begun(given.problem, Work(), failure))
-        return choices[-1]
-
-    row = _measured(given, exact, label, given.error, choose)
-    made = choices[-1]
-    stated = float(np.max(made.error)) if made.error is not None else np.nan
-    # How many pilot runs a choice makes depends on times, so its work is not counted.
-    return row | {
-        "drift_evaluations": np.nan,
-        "stated": stated,
-        "took": type(made.scheme).__name__ if made.scheme is not None else "",
-    }
+def _auto(given: RandomScene, exact: Array) -> dict[str, Any]:
+    """Return the row of ``Auto``: its error, and what it states and takes."""
+    path = limited(given, dincl.Auto(given.error), PATIENCE)
+    if path is None:
+        return _row(AUTO, given.error, np.inf, PATIENCE) | {"status": OUT_OF_BUDGET}
+    row = _measured(given, exact, AUTO, given.error, dincl.Auto(given.error))
+    stated = np.nan if path.error is None else float(np.max(path.error))
+    return row | {"stated": stated, "took": type(path.scheme).__name__}
 
 
-def _solve(given: RandomScene, scheme: dincl.Scheme) -> Any:
-    return dincl.solve(given.problem, scheme, t=given.t, throw=False)
-
-
-def _measured(given: RandomScene, exact: Array, label: str, setting: float, make: Callable[[], Any]) -> dict[str, Any]:
+def _measured(given: RandomScene, exact: Array, label: str, setting: float, scheme: dincl.Scheme) -> dict[str, Any]:
     """Return the row of a run: largest error over the output times, CPU time, calls of the drift.
 
     The error is infinite if the run failed.
@@ -151,13 +175,13 @@ def _measured(given: RandomScene, exact: Array, label: str, setting: float, make
     seconds = np.inf
     for _ in range(2):
         began = time.process_time()
-        made = make()
+        path = dincl.solve(given.problem, scheme, t=given.t, throw=False)
         seconds = min(seconds, time.process_time() - began)
         if seconds > BRIEF:
             break
-    reached = bool(made.status) and len(made.x) == len(given.t)
-    row = _row(label, setting, _apart(made.x, exact) if reached else np.inf, seconds)
-    return row | {"drift_evaluations": float(made.stats.drift_evaluations), "status": made.status.name}
+    error = float(distance(path.x, exact).max()) if path.status else np.inf
+    row = _row(label, setting, error, seconds)
+    return row | {"drift_evaluations": float(path.stats.drift_evaluations), "status": path.status.name}
 
 
 def _row(method: str, setting: float, error: float, seconds: float) -> dict[str, Any]:
@@ -170,8 +194,5 @@ def _row(method: str, setting: float, error: float, seconds: float) -> dict[str,
         "status": "",
         "stated": np.nan,
         "took": "",
+        "reference": np.nan,
     }
-
-
-def _apart(x: Array, y: Array) -> float:
-    return float(distance(x, y).max())
