@@ -64,10 +64,11 @@ class Auto(Scheme):
 
     Each pass has a smaller tolerance tau than the one before; its steps are shorter by r, the root of the ratio. With
     the order p that the last differences show, between 1 and 3/2, the error of its states x_k is about
-    |x_k - x_{k-1}| / (r^p - 1). The larger one of this and of the same for the pass before, scaled to x_k, is tripled;
-    that is the error stated, and it is no less than tau or the distance of x_k from the set. Passes end once it is at
-    most the error asked for. In between ``EventDriven`` is tried, for a part of the evaluations of the drift that
-    further passes would make. Work is counted and never timed: every machine takes the same scheme.
+    |x_k - x_{k-1}| / (r^p - 1). The larger one of this and of the same for the pass before, scaled to x_k, times a
+    safety, is the error stated. It is no less than tau or the distance of x_k from the set, plus what is not resolved
+    of sets that depend on time. Passes end once it is at most the error asked for. In between ``EventDriven`` is tried,
+    for a part of the evaluations of the drift that further passes would make. Work is counted and never timed: every
+    machine takes the same scheme.
 
     Parameters
     ----------
@@ -121,6 +122,9 @@ class _Passes:
                 stated = self._stated()
                 if stated.max() <= self._error and len(self._made) >= LEAST:
                     return self._completed(last, stated, AdaptiveCatchUp(tau))
+                if self._scales.rest > self._error:
+                    detail = f" {self._scales.detail}"
+                    break
             else:
                 failures, detail = failures + 1, f" A finer pass ended {last.status.name}: {last.detail}"
                 if failures > FAILURES or last.status in FINAL:
@@ -130,7 +134,7 @@ class _Passes:
             if found is not None:
                 return found
             tau = max(min(final, LARGEST * tau), SMALLEST * tau) if len(self._made) > 1 else LARGEST * tau
-        if last.status not in USER:
+        if last.status not in USER and self._scales.rest <= self._error:
             found = self._events(math.inf)
             if found is not None:
                 return found
@@ -175,7 +179,8 @@ class _Passes:
         if len(self._made) == 1:
             return np.full(len(self._times), math.inf)
         before, found, _ = self._estimates()
-        stated = np.maximum(np.maximum(before, found), tau) + ROUNDING * float(np.abs(outcome.x).max())
+        rounding = ROUNDING * float(np.abs(outcome.x).max())
+        stated = np.maximum(np.maximum(before, found), tau) + self._scales.rest + rounding
         if stated.max() <= self._error:
             stated = np.maximum(stated, distance_outside(self._problem, self._times, outcome.x))
         return stated

@@ -128,6 +128,15 @@ def test_runs_are_cut_where_the_drift_jumps(error):
     assert path.stats.steps < 400
 
 
+def test_what_is_not_resolved_of_a_set_is_stated():
+    """A wall shakes so often that no values resolve it."""
+    wall = dincl.HalfSpace([1.0], lambda t: 0.1 * np.sin(1e5 * t))
+    path = solved(dincl.Problem([[0.05]], dincl.drifts.constant([-1.0]), [wall]), 1e-3, [1.0])
+    assert path.status is dincl.Status.NOT_CONVERGED
+    assert path.error[0] > 0.05
+    assert "constraints[0] (HalfSpace) changes too often" in path.detail
+
+
 def test_an_empty_set_has_no_solution():
     """Two walls come closer than the disc between them is wide at t = 0.5."""
     walls = [dincl.HalfSpace((side, 0), lambda t: t - 1, 0.5) for side in (1, -1)]
