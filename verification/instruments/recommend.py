@@ -130,7 +130,7 @@ def recommend(problem: Problem, error: float, t: ArrayLike, methods: Methods | N
     again = measure(problem, fixed, [setting], known, "largest", None, repeats=0)
     seconds = again[0]["cpu_seconds"]
     rows = [
-        _row(method, again, "", setting, (0.0, stated, stated), seconds)
+        _row(method, again, "", setting, (0.0, stated, stated + again[0]["largest"]), seconds)
         if method is taken
         else _forecast(problem, method, known, wanted, CpuSeconds(max(seconds, LEAST_SECONDS) / GRACE))
         for method in chosen

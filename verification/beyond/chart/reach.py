@@ -18,11 +18,11 @@ from verification.instruments.references import Known
 from verification.instruments.speed_accuracy import work_precision
 from verification.page.kept import DATA, keep
 from verification.page.prose import fill
-from verification.thesis.chapter2.methods import EVENT_DRIVEN, LINEARISED_ACTIVE, MIDPOINT_ACTIVE, PBD
+from verification.thesis.chapter2.methods import ADAPTIVE, EVENT_DRIVEN, LINEARISED_ACTIVE, MIDPOINT_ACTIVE, PBD
 
 FILE = DATA / "event_driven_reach.parquet"
 DISCS = (10, 30, 60, 100)
-METHODS = (EVENT_DRIVEN, MIDPOINT_ACTIVE, LINEARISED_ACTIVE, PBD)
+METHODS = (EVENT_DRIVEN, ADAPTIVE, MIDPOINT_ACTIVE, LINEARISED_ACTIVE, PBD)
 TARGETS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8)
 SETTINGS = {"dt": [0.1 / 4**k for k in range(10)], "tol": [1e-2, 1e-4, 1e-6, 1e-8]}
 # Of one run; that of the reference, tighter than any method's [length].
