@@ -134,6 +134,7 @@ def test_auto_states_its_error_where_steps_could_jump_over_a_set(make, arguments
     problem, t, exact = make(*arguments)
     path = dincl.solve(problem, dincl.Auto(error), t, throw=False)
     assert path.status, path.status
+    assert path.error is not None
     off = np.linalg.norm(path.x - exact, axis=2).max(axis=1)
     assert (off <= path.error + 1e-7).all()
     assert off.max() <= error
