@@ -11,7 +11,7 @@ smooth motion each is O(h^2):
 4. Contacts that decide over contacts. A new contact at t + theta h may end another one: until then the old contact
    pushes by theta h rho, rho its multiplier over the length of the step before, but the projection of x + h F knows
    only the sum of both pushes. So far as the multiplier of an old contact falls below h rho, the step may be wrong by
-   this, unless theta is near 0 or 1: the step is repeated to end at the contact.
+   this, unless theta is near 0: the step is repeated to end at the contact. With theta near 1 it hardly falls.
 
 The step after an estimate e has the length h (tau / e)^(1/2); a step with e > tau is made again.
 """
@@ -23,7 +23,7 @@ import numpy as np
 from dincl.compiled import inner, kernel, reader
 from dincl.compiled.arrays import Floats, Offsets
 from dincl.constants import LARGEST
-from dincl.neighbours import ROW_MARGIN
+from dincl.neighbours import ROW_MARGIN, TOO_WIDE
 from dincl.rows.table import GRADIENTS, call_python, gap, linearise
 from dincl.solvers.envelope_factor import add_row, row_dot
 from dincl.steps.catch_up import call_projection, drift_step, finish_step
@@ -48,8 +48,9 @@ from dincl.system.arrays import (
 LARGER, SMALLER, AIM = 3.0, 0.1, 0.9
 # Part of its length with which a step is repeated that no projection solves.
 UNSOLVED = 0.25
-# A new contact farther from both ends of a step than 1 / NEAR of its length counts in full.
-NEAR = 4.0
+# A new contact farther from the start of a step than 1 / NEAR of its length counts in full. One predicted beyond this
+# part of the step is predicted wrongly, or no multiplier would have fallen.
+NEAR, LATEST = 4.0, 0.95
 # Shortest step over the longest one, and the code of a run that would need a shorter one.
 SHORTEST, TOO_SHORT = 1e-11, -1
 
@@ -63,11 +64,14 @@ class Adapting(NamedTuple):
     before: Floats  # (n,): the state before the last step
     row: Offsets  # (n,): rows that pushed in the last step
     multiplier: Floats  # (n,): and their multipliers
+    count: Offsets  # (1,): their number, -1 before the first try of a step
 
 
 def adapting(n: int) -> Adapting:
     """Make the memory of steps in n coordinates."""
-    return Adapting(np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n, np.int64), np.zeros(n))
+    return Adapting(
+        np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n, np.int64), np.zeros(n), np.full(1, -1)
+    )
 
 
 adapting_at = reader(adapting(0))
@@ -82,7 +86,19 @@ def note_pushing(system: Any, kept: Adapting) -> int:
         if multiplier[r] > 0.0 and count < kept.row.size:
             kept.row[count], kept.multiplier[count] = r, multiplier[r]
             count += 1
+    kept.count[0] = count
     return count
+
+
+@inner
+def restore_pushing(system: Any, kept: Adapting) -> None:
+    """Set the multipliers of a step that was repeated to those of the step before it, if it is not the first try."""
+    near, multiplier = system.near, system.program.multiplier
+    if kept.count[0] >= 0:
+        for q in range(near.number[0]):
+            multiplier[near.row[q]] = 0.0
+        for p in range(kept.count[0]):
+            multiplier[kept.row[p]] = kept.multiplier[p]
 
 
 @inner
@@ -110,10 +126,9 @@ def first_contact(system: Any, kept: Adapting, count: int, x: Floats, h: float, 
             place = 0.5
             if open_now <= 0.0:
                 place = 0.0
-            elif ahead < open_now:
+            elif LATEST * (open_now - ahead) >= open_now:
                 place = open_now / (open_now - ahead)
-            place = min(place, 1.0)
-            wrong = fall * min(1.0, NEAR * place, NEAR * (1.0 - place))
+            wrong = fall * min(1.0, NEAR * place)
             worst = max(worst, wrong)
             if wrong > tau:
                 earliest = min(earliest, place)
@@ -144,10 +159,14 @@ def adaptive_step(place: int, memory: int, t: float, h: float, last: float, tau:
     """
     run, kept = stepping_at(place), adapting_at(memory)
     system = system_at(run.place)
+    restore_pushing(system, kept)
     start, middle, z, y, d = run.x, run.after, run.projection.z, run.projection.y, system.sets.shift.shape[1]
     for k in range(start.size):
         y[k] = start[k] + h * kept.first[k]
     length = h * longest(kept.first, d)
+    # A list that long steps have made holds too many rows for short ones, unless it is sets that move far in them.
+    if system.sets.address == 0 and system.near.radius[0] > TOO_WIDE * length > 0.0:
+        system.near.radius[0] = -1.0
     # The rows are linearised where they are at t, before anything can have passed a particle within the step.
     if not list_sorted(run.place, t, start, 2.0 * length, ROW_MARGIN):
         return PYTHON, 0.0, 0.0
@@ -225,6 +244,7 @@ def adapt(
                 kept.before[k] = run.x[k]
                 run.x[k] = run.after[k]
                 kept.first[k] = run.rate[k]
+            kept.count[0] = -1
             t = end if number <= 1.0 else t + step
             made += 1
             last = step
