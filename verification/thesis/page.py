@@ -11,7 +11,7 @@ import pandas as pd
 from verification.claims import Effect, Verdict
 from verification.claims.decide import READING, decide_all, differing, readings
 from verification.claims.graph import corrected_below
-from verification.page import cards, kept
+from verification.page import cards
 from verification.page.columns import headed, read_columns
 from verification.page.context import Context
 from verification.page.parts import Grid, SearchField, Section, Statements, Text
@@ -43,12 +43,12 @@ SERIOUS = [effect.value for effect in Effect if effect is not Effect.NOTATION]
 def run(context: Context) -> None:
     """Decide every claim, those about studies from the tables of the other chapters; write the source of the checks."""
     claims = register()
-    table = decide_all(claims, context.tables, context.folder, context.executor, kept.files())
+    table = decide_all(claims, context.tables, context.executor)
     table.insert(1, "chapter", [chapter_of(claim) for claim in claims])
     table["runs"] = [", ".join(context.files_of(claim.needs)) for claim in claims]
     context.keep("claims", table)
     context.keep("claims_errata", errata())
-    for module in dict.fromkeys(claim.check.__module__ for claim in claims):
+    for module in dict.fromkeys(claim.module for claim in claims):
         write_source(module, context.out)
 
 

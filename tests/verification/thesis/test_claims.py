@@ -8,7 +8,6 @@ import pytest
 
 import verification.thesis
 from dincl import InvalidProblem
-from dincl.provenance import closure
 from tests.verification.thesis.chapter1.test_claims import CHANGES as CHANGES1
 from tests.verification.thesis.chapter2.test_claims import CHANGES as CHANGES2
 from tests.verification.thesis.chapter2.test_claims import RIGHT
@@ -87,11 +86,3 @@ def test_claim_waits_for_its_tables_which_one_chapter_makes(claim: Claim) -> Non
     for name in claim.needs:
         assert name in evidence.measured
         assert len([chapter for chapter in CHAPTERS if name.startswith(chapter.tables)]) == 1
-
-
-def test_a_claim_is_decided_anew_for_code_that_it_reaches_alone() -> None:
-    alone = [claim for name, claim in CLAIMS.items() if name.startswith("c5.") and not claim.needs]
-    made = {claim.id: closure(claim.check).modules for claim in alone}
-    assert len(made) > 20
-    assert all("verification.claims.evidence" in modules for modules in made.values())
-    assert not [name for name, modules in made.items() if any(module.startswith("tissue") for module in modules)]

@@ -1,21 +1,26 @@
 """Appendix, section 1: Uzawa's method as printed, linear and nonlinear."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
 from typing import Any
 
-from verification.claims import Evidence, Verdict, proved, put_right
+from verification.claims import Correction, Effect, Evidence, Verdict, claim, proved, put_right
 from verification.formal.algebra import identity, library, sum_of_squares
 from verification.formal.enclosures import balls, not_negative
-from verification.thesis.text.quoted import claim
 
 
 @claim(
     "c3.uzawa-energy",
     "The first-order conditions of the program min xᵀAx − fᵀx, Bx = g are the linear system (A.1).",
-    "appendix 1.1, (A.1)",
-    Verdict.CORRECTED,
+    source="appendix 1.1, (A.1)",
+    quote=("minimise xᵀAx - fᵀx subject to Bx = g … The corresponding first order conditions yield the linear problem"),
+    correction=Correction(
+        "minimise ½xᵀAx - fᵀx",
+        Effect.MODEL,
+        "ℒ, which needs the same factor ½, and (A.1)",
+        why="the gradient of xᵀAx is 2Ax, (A.1) has Ax",
+        place=4031,
+    ),
 )
 def _first_order() -> Evidence:
     """Take two unknowns; others alike."""
@@ -36,8 +41,15 @@ def _first_order() -> Evidence:
 @claim(
     "c3.uzawa-lagrangian",
     "The saddle points of ℒ = xᵀAx + Bᵀλ − fᵀx solve the program.",
-    "appendix 1.1",
-    Verdict.CORRECTED,
+    source="appendix 1.1",
+    quote="ℒ(x, λ) := xᵀAx + Bᵀλ - fᵀx … We note that sup_λ ℒ(x, λ) = ∞ if Bx ≠ g",
+    correction=Correction(
+        "ℒ(x, λ) := ½xᵀAx - fᵀx + λᵀ(Bx - g)",
+        Effect.MODEL,
+        "(A.1), the steps of Uzawa's method",
+        why="Bᵀλ is a vector, and without Bx − g the supremum over λ does not see the constraint",
+        place=4038,
+    ),
     rests_on=("c3.uzawa-energy",),
     chosen="the factor ½, so that this is another matter than the energy",
 )
@@ -56,8 +68,9 @@ def _lagrangian() -> Evidence:
 @claim(
     "c3.uzawa-symmetric",
     "The matrix of (A.1) is in general not symmetric positive definite.",
-    "appendix 1.1",
-    Verdict.PROVED,
+    source="appendix 1.1",
+    quote="this linear system is often not symmetric and positive definite",
+    recorded=Verdict.PROVED,
     chosen="read as: not both at once",
 )
 def _indefinite() -> Evidence:
@@ -80,8 +93,9 @@ def _indefinite() -> Evidence:
 @claim(
     "c3.uzawa-dual",
     "The multiplier of (A.1) minimises F(λ) = λᵀBA⁻¹Bᵀλ − 2λᵀ(BA⁻¹f − g).",
-    "appendix 1.1",
-    Verdict.PROVED,
+    source="appendix 1.1",
+    quote="min_λ F(λ) with F(λ) := λᵀBA⁻¹Bᵀλ - 2λᵀ(BA⁻¹f - g)",
+    recorded=Verdict.PROVED,
 )
 def _dual() -> Evidence:
     """Take two constraints and S = B A^-1 B^T = C C^T; lambda* solves S lambda* = B A^-1 f - g, which is (A.1)."""
@@ -112,8 +126,15 @@ def _dual() -> Evidence:
 @claim(
     "c3.uzawa-step",
     "Both printed forms of the step for the multiplier in Uzawa's method are equal.",
-    "appendix 1.1",
-    Verdict.CORRECTED,
+    source="appendix 1.1",
+    quote="λ_{k+1} = λ_k + α(BA⁻¹Bᵀλ_k - BA⁻¹f - g) = λ_k + α(Bx_{k+1} - g)",
+    correction=Correction(
+        "the first form is λ_k + α(BA⁻¹f - BA⁻¹Bᵀλ_k - g): descent of F, ascent of ℒ",
+        Effect.MODEL,
+        "the method, if it is run by the first form: it diverges",
+        why="inserting x_{k+1} = A⁻¹(f − Bᵀλ_k) into the second form gives the other signs",
+        place=4077,
+    ),
     rests_on=("c3.uzawa-dual",),
     chosen="“The gradient of F is given by” is followed by nothing: 2(BA⁻¹Bᵀλ - BA⁻¹f + g)",
 )
@@ -132,11 +153,12 @@ def _ascent() -> Evidence:
 @claim(
     "c3.uzawa-nonlinear",
     "The nonlinear variant of Uzawa's method finds a minimum of W under equality constraints.",
-    "appendix 1.2",
-    Verdict.PROVED_INSTANCE,
+    source="appendix 1.2",
+    quote="x_{k+1} = x_k - γ(∇W(x_k) + (∇g(x_k))ᵀλ_k), λ_{k+1} = λ_k + αg(x_{k+1})",
+    recorded=Verdict.PROVED_INSTANCE,
     rests_on=("c3.uzawa-step",),
-    chosen="both step sizes 0.1; the letters of c3.uzawa-start and c3.uzawa-transpose",
     tried_on="the unit circle and the point (2, 1), from starts near the solution",
+    chosen="both step sizes 0.1; the letters of c3.uzawa-start and c3.uzawa-transpose",
 )
 def _nonlinear() -> Evidence:
     """Show that steps of 0.1 stand still at x = (2, 1)/√5, λ = (√5 - 1)/2, and a power of their slope contracts."""

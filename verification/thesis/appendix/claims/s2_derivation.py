@@ -1,21 +1,29 @@
 """Appendix, section 2: the constrained equations (A.4) and the reduced ones (A.5) of chapter 5."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
 from typing import Any
 
-from verification.claims import Evidence, FormalProof, Verdict, proved, put_right
+from verification.claims import Correction, Effect, Evidence, FormalProof, Verdict, claim, proved, put_right
 from verification.formal.algebra import identity, matrices
 from verification.thesis.chapter5.general import eliminated, multiplier, pair_force, particle
-from verification.thesis.text.quoted import claim
 
 
 @claim(
     "c5.derivation-order",
     "The others act on particle i with the force 1/N Σ_k K(X_i, X_k).",
-    "appendix 2, (A.4a)",
-    Verdict.CORRECTED,
+    source="appendix 2, (A.4a)",
+    quote="mẌ_i = F₁(X_i) + 1/N Σ_k K(X_i, X_k) − (∂_X g(X_i, y))ᵀλ_i",
+    correction=Correction(
+        "mẌ_i = F₁(X_i) + 1/N Σ_k K(X_k, X_i) − (∂_X g(X_i, y))ᵀλ_i, as in (5.6a)",
+        Effect.MODEL,
+        (
+            "(A.11) to (A.14), which have the same order; with it “which is equivalent to (A.5a)”, after (A.13), "
+            "is false"
+        ),
+        why=("(5.6a), which (A.4a) recalls, has K(X_k, X_i), and K is antisymmetric, so the sign of the force changes"),
+        place=4111,
+    ),
     rests_on=("c5.pair-force",),
 )
 def _order() -> Evidence:
@@ -26,8 +34,9 @@ def _order() -> Evidence:
 @claim(
     "c5.derivation-constraint",
     "The constraints hold if and only if the particles have the velocities Φ_i[ẏ].",
-    "appendix 2, (A.6), (A.7)",
-    Verdict.PROVED,
+    source="appendix 2, (A.6), (A.7)",
+    quote="(A.4c) ⇔ dg(X_i, y)/dt = 0 ⇔ Ẋ_i = −(∂_X g)⁻¹∂_y g[ẏ] ⇔ (A.5b)",
+    recorded=Verdict.PROVED,
 )
 def _constraint() -> Evidence:
     """Prove (A.7) in both directions: U - Phi[v] is G^-1 times the rate of g."""
@@ -45,8 +54,9 @@ def _constraint() -> Evidence:
 @claim(
     "c5.derivation-rate",
     "The acceleration of a particle follows from ÿ: Ẍ_i = Φ_i[ÿ] + Ω_i[ẏ, ẏ] for each i.",
-    "appendix 2, (A.8) to (A.10)",
-    Verdict.PROVED,
+    source="appendix 2, (A.8) to (A.10)",
+    quote="Ẍ_i = Φ_i[ÿ] + Ω_i[ẏ, ẏ]",
+    recorded=Verdict.PROVED,
     rests_on=("c5.derivation-constraint",),
 )
 def _rate() -> Evidence:
@@ -78,8 +88,15 @@ def others(statement: str, printed: str, inserted: bool) -> FormalProof:
 @claim(
     "c5.derivation-multipliers",
     "(A.12) gives the multipliers as functions of positions, velocities and ÿ.",
-    "appendix 2, (A.11), (A.12)",
-    Verdict.CORRECTED,
+    source="appendix 2, (A.11), (A.12)",
+    quote="λ_i = (∂_X g)⁻ᵀ(F₁(X_i) + 1/N Σ_k K(X_i, X_k) − mΦ_i[ÿ] − mΩ_i[ẏ, ẏ])",
+    correction=Correction(
+        "λ_i = (∂_X g)⁻ᵀ(F₁(X_i) + 1/N Σ_k K(X_k, X_i) − mΦ_i[ÿ] − mΩ_i[ẏ, ẏ])",
+        Effect.MODEL,
+        "(A.14), and with it the multipliers of Proposition 5.1",
+        why="it is (A.4a) solved for λ_i, with the order of K that c5.derivation-order corrects to that of (5.6a)",
+        place=4162,
+    ),
     rests_on=("c5.derivation-order", "c5.derivation-rate"),
 )
 def _multipliers() -> Evidence:
@@ -89,8 +106,15 @@ def _multipliers() -> Evidence:
 @claim(
     "c5.derivation-insert",
     "Inserting the multipliers gives the equation (A.13) for ÿ.",
-    "appendix 2, (A.13)",
-    Verdict.CORRECTED,
+    source="appendix 2, (A.13)",
+    quote="ÿ = F₀ + 1/N Σ_j Φ_jᵀ(F₁(X_j) + 1/N Σ_k K(X_j, X_k) − m(Φ_j[ÿ] + Ω_j[ẏ, ẏ]))",
+    correction=Correction(
+        "ÿ = F₀ + 1/N Σ_j Φ_jᵀ(F₁(X_j) + 1/N Σ_k K(X_k, X_j) − m(Φ_j[ÿ] + Ω_j[ẏ, ẏ]))",
+        Effect.MODEL,
+        "“which is equivalent to (A.5a)”, after it, which is true with this order only",
+        why="(5.14), to which it leads, has K(X_k, X_j); the printed order is that of (A.4a)",
+        place=4166,
+    ),
     rests_on=("c5.derivation-multipliers",),
 )
 def _insert() -> Evidence:
@@ -99,9 +123,16 @@ def _insert() -> Evidence:
 
 @claim(
     "c5.derivation-back",
-    "The multipliers (A.14) turn a solution of the reduced equations into one of the constrained equations.",
-    "appendix 2, (A.14)",
-    Verdict.CORRECTED,
+    ("The multipliers (A.14) turn a solution of the reduced equations into one of the constrained equations."),
+    source="appendix 2, (A.14)",
+    quote="λ_i := (∂_X g)⁻ᵀ(F₁(X_i) + 1/N Σ_k K(X_i, X_k) − mΦ_i[ÿ] − mΩ_i[ẏ, ÿ])",
+    correction=Correction(
+        "λ_i := (∂_X g)⁻ᵀ(F₁(X_i) + 1/N Σ_k K(X_k, X_i) − mΦ_i[ÿ] − mΩ_i[ẏ, ẏ]), as in (A.12)",
+        Effect.MODEL,
+        "Proposition 5.1, which defines λ_i by (A.14); it holds with (A.12)",
+        why="(A.12), which it is said to be, has Ω_i[ẏ, ẏ], from (A.10); the order of K is that of (5.6a)",
+        place=4181,
+    ),
     rests_on=("c5.derivation-multipliers",),
 )
 def _back() -> Evidence:
@@ -124,8 +155,11 @@ def _back() -> Evidence:
 @claim(
     "c5.equivalence",
     "Reduced and constrained equations have the same solutions.",
-    "before Proposition 5.1",
-    Verdict.PROVED,
+    source="before Proposition 5.1",
+    quote=(
+        "with solutions of the ODE model we can recover the Lagrangian multipliers to construct a solution of the DAE"
+    ),
+    recorded=Verdict.PROVED,
     rests_on=("c5.derivation-constraint", "c5.derivation-multipliers"),
     chosen="λ_i of (A.12) with K(X_k, X_i); those of (A.14), which Proposition 5.1 names, see c5.derivation-back",
 )

@@ -1,15 +1,13 @@
 """Chapter 1, introduction and section 1.1: contact, the overdamped Newton equation and its numbers."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
 import math
 from typing import Any
 
-from verification.claims import Evidence, Verdict, at_most, equal, proved, put_right
+from verification.claims import Correction, Effect, Evidence, Verdict, at_most, claim, equal, proved, put_right
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication
-from verification.thesis.text.quoted import claim
 
 RADIUS, VISCOSITY, WATER = 5e-6, 0.1, 1.0016e-3  # [m], [Pa s], water at 20 °C [Pa s]
 WATER_DENSITY = 1e3  # [kg/m³]
@@ -20,11 +18,12 @@ CELL_SPEED = 1e-4 / 3600  # [m/s], 0.1 mm/h: faster than cells are
 
 @claim(
     "c1.impact",
-    "When a rubber ball meets infinitely stiff ground, its velocity jumps and the contact force is a measure.",
-    "introduction, Figure 1",
-    Verdict.PROVED_INSTANCE,
-    chosen="Newton's equation without damping or weight",
+    ("When a rubber ball meets infinitely stiff ground, its velocity jumps and the contact force is a measure."),
+    source="introduction, Figure 1",
+    quote="The velocity will change discontinuously, … the forces at contact are only generalised functions",
+    recorded=Verdict.PROVED_INSTANCE,
     tried_on="a ground that is a spring, of any stiffness",
+    chosen="Newton's equation without damping or weight",
 )
 def _impact() -> Evidence:
     """x = -v sin(w t)/w, w = sqrt(k/m), while the ball touches a spring of stiffness k, from 0 to pi/w."""
@@ -49,7 +48,17 @@ def _impact() -> Evidence:
 
 
 @claim(
-    "c1.ball-at-rest", "The ball has ∂W(x) = {mg} for x ≥ 0, and (-∞, 0] at x = 0.", "introduction", Verdict.CORRECTED
+    "c1.ball-at-rest",
+    "The ball has ∂W(x) = {mg} for x ≥ 0, and (-∞, 0] at x = 0.",
+    source="introduction",
+    quote="∂W(x) = {mg} if x ≥ 0, (-∞, 0] if x = 0, ∅ if x < 0",
+    correction=Correction(
+        "∂W(x) = {mg} if x > 0, (-∞, mg] if x = 0, ∅ if x < 0",
+        Effect.MODEL,
+        "the first differential inclusion of the chapter, μẋ ∈ -∂W(x), for a ball that other forces act on",
+        why="W(y) ≥ vy for all y ≥ 0 is mgy ≥ vy, so v ≤ mg, by (1.9); at x > 0 the energy has the slope mg alone",
+        place=189,
+    ),
 )
 def _ball_at_rest() -> Evidence:
     """w = mg; v is a slope at x if W(y) - W(x) >= v (y - x) for all places y; below the ground W is infinite."""
@@ -69,7 +78,13 @@ def _ball_at_rest() -> Evidence:
     )
 
 
-@claim("c1.velocity", "Under a constant force the velocity tends exponentially to F/μ.", "after (1.1)", Verdict.PROVED)
+@claim(
+    "c1.velocity",
+    "Under a constant force the velocity tends exponentially to F/μ.",
+    source="after (1.1)",
+    quote="v(t) = (vⁱⁿⁱᵗ - F/μ) e^(-μt/m) + F/μ",
+    recorded=Verdict.PROVED,
+)
 def _velocity() -> Evidence:
     """One coordinate; the others alike."""
     sp = library()
@@ -86,8 +101,9 @@ def _velocity() -> Evidence:
 @claim(
     "c1.time-scale",
     "The velocity tends to F/μ within about m/μ.",
-    "after (1.1)",
-    Verdict.PROVED,
+    source="after (1.1)",
+    quote="The relevant time scale for the convergence is τ = m/μ.",
+    recorded=Verdict.PROVED,
     rests_on=("c1.velocity",),
 )
 def _time_scale() -> Evidence:
@@ -107,11 +123,12 @@ def _time_scale() -> Evidence:
 @claim(
     "c1.overdamped",
     "The overdamped equation is a good approximation over times much longer than m/μ.",
-    "section 1.1",
-    Verdict.PROVED_INSTANCE,
+    source="section 1.1",
+    quote="where m/μ ≪ T, then we obtain good approximations by solving the overdamped Newton equation",
+    recorded=Verdict.PROVED_INSTANCE,
     rests_on=("c1.time-scale",),
-    chosen="one particle on a spring that starts at rest; “good” is an error of the order of m/(μT)",
     tried_on="a mass on a spring that starts at rest, every m with k = μ = 1",
+    chosen="one particle on a spring that starts at rest; “good” is an error of the order of m/(μT)",
 )
 def _overdamped() -> Evidence:
     """m x'' + x' + x = 0, x(0) = 1, x'(0) = 0, e = x - exp(-t): e' + e = -m x''; q = int exp(s - t) x'(s) ds.
@@ -145,7 +162,13 @@ def _overdamped() -> Evidence:
     )
 
 
-@claim("c1.viscosity", "Cytoplasm is 100 times more viscous than water.", "Example 1.1", arithmetic=True)
+@claim(
+    "c1.viscosity",
+    "Cytoplasm is 100 times more viscous than water.",
+    source="Example 1.1",
+    quote="η = 10⁻¹ kg m⁻¹ s⁻¹ which is 100 times larger than that of water",
+    arithmetic=True,
+)
 def _viscosity() -> Evidence:
     ratio = VISCOSITY / WATER
     return Evidence(printed=(equal("0.1 Pa s over the viscosity of water at 20 °C", ratio, 100.0, 1.0),))
@@ -154,7 +177,8 @@ def _viscosity() -> Evidence:
 @claim(
     "c1.drag",
     "By the law of Stokes the drag coefficient of a cell is 9.42 × 10⁻³ g/s.",
-    "Example 1.1",
+    source="Example 1.1",
+    quote="μ ≈ 6πRη = 9.42 × 10⁻³ g s⁻¹",
     chosen="the size of the drag (its sign: see the errata)",
     arithmetic=True,
 )
@@ -166,8 +190,15 @@ def _drag() -> Evidence:
 @claim(
     "c1.density",
     "At 1.05 g/L a cell weighs 0.55 × 10⁻¹² g, and its velocity adapts within 5.8 × 10⁻¹¹ s.",
-    "Example 1.1",
-    Verdict.CORRECTED,
+    source="Example 1.1",
+    quote="m ≈ 1.05 g L⁻¹ · 4/3 π R³ = 0.55 × 10⁻¹² g, m/μ = 5.833 × 10⁻¹¹ s",
+    correction=Correction(
+        "the density is 1.05 g mL⁻¹, so m = 0.55 × 10⁻⁹ g and m/μ = 5.83 × 10⁻⁸ s",
+        Effect.NUMBER,
+        "the time scale of section 1.1; the conclusion (overdamped) stands",
+        why="the sentence itself says 1.05 times the density of water, which is 1 kg/L = 1 g/mL",
+        place=251,
+    ),
     rests_on=("c1.time-scale", "c1.drag"),
     arithmetic=True,
 )
@@ -187,7 +218,8 @@ def _density() -> Evidence:
 @claim(
     "c1.regime",
     "The motion of cells is overdamped and has a very small Reynolds number.",
-    "Example 1.1",
+    source="Example 1.1",
+    quote="the motion of cells is in the overdamped regime … we deal with a very small Reynolds number.",
     rests_on=("c1.density",),
     chosen="a cell that moves by 0.1 mm/h, and the density of water",
     arithmetic=True,

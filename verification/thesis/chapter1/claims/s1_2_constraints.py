@@ -1,5 +1,4 @@
 """Chapter 1, sections 1.2 and 1.3: discs with multipliers, energies, and the two forms of the model."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
@@ -8,12 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from verification.claims import Evidence, Verdict, at_least, equal, proved
+from verification.claims import Correction, Effect, Evidence, Verdict, at_least, claim, equal, proved
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication, solver_library
 from verification.thesis.chapter1.lemmas import cones
 from verification.thesis.chapter1.sets import ROUNDING, SAMPLES, Floats
-from verification.thesis.text.quoted import claim
 
 SIDES = [(0, 1), (0, 2), (1, 2)]
 SEED = 14
@@ -24,7 +22,13 @@ BLIND = 1e-4
 FAR = 1e4
 
 
-@claim("c1.pairs", "N discs have N(N - 1)/2 constraints, one for each pair.", "before (1.3)", Verdict.PROVED)
+@claim(
+    "c1.pairs",
+    "N discs have N(N - 1)/2 constraints, one for each pair.",
+    source="before (1.3)",
+    quote="Let us define g₁, …, g_M for M = (N over 2)",
+    recorded=Verdict.PROVED,
+)
 def _pairs() -> Evidence:
     """By induction: one more disc has a pair with each of the N before."""
     return proved(
@@ -39,8 +43,9 @@ def _pairs() -> Evidence:
 @claim(
     "c1.multipliers",
     "Discs in contact are pushed apart along the gradients of their distances, with multipliers ≥ 0.",
-    "(1.4), (1.5)",
-    Verdict.PROVED_INSTANCE,
+    source="(1.4), (1.5)",
+    quote="Ẋ_i = F_i(X) + Σ λ_k ∇_{X_i} g_k(X), g_k ≥ 0, λ_k ≥ 0 and λ_k g_k = 0",
+    recorded=Verdict.PROVED_INSTANCE,
     tried_on="three touching discs, every force",
 )
 def _multipliers() -> Evidence:
@@ -77,8 +82,9 @@ def _multipliers() -> Evidence:
 @claim(
     "c1.penalty-force",
     "A force that is large enough pushes a point out of S against the energy n dist(x, S).",
-    "(1.7), (1.8)",
-    Verdict.PROVED,
+    source="(1.7), (1.8)",
+    quote="but if F is large enough, it could push x into the unfeasible region.",
+    recorded=Verdict.PROVED,
     chosen="a closed S, outside where the nearest point is unique; “large enough” is e·F > n, e away from that point",
 )
 def _penalty() -> Evidence:
@@ -95,7 +101,13 @@ def _penalty() -> Evidence:
     )
 
 
-@claim("c1.indicator", "As n grows, n dist(x, S) tends to the indicator function of S.", "section 1.3", Verdict.PROVED)
+@claim(
+    "c1.indicator",
+    "As n grows, n dist(x, S) tends to the indicator function of S.",
+    source="section 1.3",
+    quote="W(x) := lim sup W_n(x) = I_S(x) = ∞ if x ∉ S, 0 if x ∈ S",
+    recorded=Verdict.PROVED,
+)
 def _indicator() -> Evidence:
     """d = dist(x, S), which is positive outside of the closed S; K is any bound."""
     return proved(
@@ -110,7 +122,11 @@ def _indicator() -> Evidence:
 
 
 @claim(
-    "c1.subdifferential", "∂I_[0, 1] is {0} inside, a half-line at each end, ∅ outside.", "after (1.9)", Verdict.PROVED
+    "c1.subdifferential",
+    "∂I_[0, 1] is {0} inside, a half-line at each end, ∅ outside.",
+    source="after (1.9)",
+    quote="∂W(x) = {0} if x ∈ (0, 1), ∅ if x < 0 or x > 1, (-∞, 0] if x = 0, [0, ∞) if x = 1",
+    recorded=Verdict.PROVED,
 )
 def _subdifferential() -> Evidence:
     """v is a slope at x if W(y) - W(x) >= v (y - x) for all y, where W is 0 in [0, 1] and infinite outside."""
@@ -158,8 +174,18 @@ def proximal(v: Floats, x: Floats) -> bool:
 @claim(
     "c1.outward-normals",
     "The subdifferential of the indicator function of a set is its normal cone.",
-    "before Model 1.3",
-    Verdict.CORRECTED,
+    source="before Model 1.3",
+    quote="∂W(x) is the set of all outward pointing normal vectors of S, e.g. ∂W(x) = ∂I_S(x) = N(S, x)",
+    correction=Correction(
+        "for convex S; otherwise ∂ is the proximal subdifferential, which (1.9) is not",
+        Effect.PROOF,
+        "the step to Model 1.3, which stands with N(S, x) of Definition 1.23",
+        why=(
+            "(1.9) bounds W from below at all y, and behind a touching disc there are feasible y again: at two "
+            "touching discs (1.9) gives {0}, the cone has a normal"
+        ),
+        place=359,
+    ),
     tried_on="the unit disc, and two touching discs",
 )
 def _outward() -> Evidence:
@@ -184,8 +210,9 @@ def _outward() -> Evidence:
 @claim(
     "c1.equivalent",
     "The inclusion with the normal cone and the equations with multipliers have the same solutions.",
-    "section 1.3",
-    Verdict.PROVED_INSTANCE,
+    source="section 1.3",
+    quote="we will see that this model is equivalent to (1.4) and (1.5).",
+    recorded=Verdict.PROVED_INSTANCE,
     rests_on=("c1.cones",),
     tried_on="states whose contacts have independent gradients",
 )

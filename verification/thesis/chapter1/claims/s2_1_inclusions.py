@@ -1,15 +1,13 @@
 """Chapter 1, section 2.1: one-sided Lipschitz continuity, and when solutions are unique."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
 import numpy as np
 
-from verification.claims import Evidence, Verdict, at_least, equal, proved, put_right
+from verification.claims import Correction, Effect, Evidence, Verdict, at_least, claim, equal, proved, put_right
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication
 from verification.thesis.chapter1.lemmas import growth_of_distance, sign_values
-from verification.thesis.text.quoted import claim
 
 # Places on both sides of 0, the nearest as near as numbers that are squared allow.
 LINE = np.concatenate([sign * np.logspace(-8, 1, 40) for sign in (-1.0, 1.0)])
@@ -18,8 +16,9 @@ LINE = np.concatenate([sign * np.logspace(-8, 1, 40) for sign in (-1.0, 1.0)])
 @claim(
     "c1.one-sided",
     "Two solutions of a one-sided Lipschitz inclusion stay within e^{Lt} times their first distance.",
-    "Theorem 1.13",
-    Verdict.PROVED,
+    source="Theorem 1.13",
+    quote="‖x(t) - y(t)‖ ≤ exp(Lt) ‖x(0) - y(0)‖",
+    recorded=Verdict.PROVED,
 )
 def _one_sided() -> Evidence:
     """E' = 2 (x' - y') (x - y) <= 2 L E for E = |x - y|^2; K = L t."""
@@ -31,7 +30,13 @@ def step_values(x: float) -> tuple[float, float]:
     return (-1.0, 1.0) if x == 0 else (-np.sign(x), -np.sign(x))
 
 
-@claim("c1.step-continuity", "(1.13) is upper semicontinuous and one-sided Lipschitz.", "Remark 1.14", Verdict.PROVED)
+@claim(
+    "c1.step-continuity",
+    "(1.13) is upper semicontinuous and one-sided Lipschitz.",
+    source="Remark 1.14",
+    quote="(v - w)(x - y) = (v + 1)(0 - y) ≤ 0 ≤ 2(x - y)²",
+    recorded=Verdict.PROVED,
+)
 def _remark() -> Evidence:
     """h and k are values of sign at x and y, any of [-1, 1] at 0; (1.13) has the right side -h."""
     return proved(
@@ -58,8 +63,20 @@ def _remark() -> Evidence:
 @claim(
     "c1.monotone-maps",
     "The set-valued sign function is a monotone map, that is one-sided Lipschitz continuous with L = 0.",
-    "Remark 1.15",
-    Verdict.CORRECTED,
+    source="Remark 1.15",
+    quote=(
+        "we actually showed a stronger property for the sign function, namely that it is a monotone map … with L = 0."
+    ),
+    correction=Correction(
+        ("-sign is one-sided Lipschitz with L = 0; sign is not for any L, as the remark says in its next sentence"),
+        Effect.PROOF,
+        "the remark itself; Theorem 1.13 is applied to -sign",
+        why=(
+            "Remark 1.14 is about −sign, and the next sentence says that sign is neither monotone nor one-sided "
+            "Lipschitz: for y → 0 the quotient of sign grows like 1/|y|"
+        ),
+        place=498,
+    ),
     rests_on=("c1.step-continuity",),
 )
 def _monotone_maps() -> Evidence:
@@ -79,9 +96,10 @@ def _monotone_maps() -> Evidence:
 
 @claim(
     "c1.neither",
-    "The right-hand side of the model of discs is neither upper semicontinuous nor one-sided Lipschitz continuous.",
-    "after Remark 1.15",
-    Verdict.PROVED,
+    ("The right-hand side of the model of discs is neither upper semicontinuous nor one-sided Lipschitz continuous."),
+    source="after Remark 1.15",
+    quote=("the multi-functions F considered will neither be upper semicontinuous nor one-sided Lipschitz continuous."),
+    recorded=Verdict.PROVED,
     rests_on=("c1.cones",),
     chosen="F = 0 and two discs",
 )
@@ -117,8 +135,21 @@ def cones_from(least: float, most: float) -> int:
 @claim(
     "c1.generalise",
     "Theorem 1.31 and Lemma 1.32 generalise Theorems 1.11 and 1.13.",
-    "after Remark 1.15",
-    Verdict.CORRECTED,
+    source="after Remark 1.15",
+    quote=("The main theorems of this chapter (Theorem 1.31 and Lemma 1.32) generalise Theorem 1.11 and Theorem 1.13."),
+    correction=Correction(
+        (
+            "they carry existence and uniqueness over to F - N(S, ·) with a single-valued, Lipschitz continuous "
+            "F; neither pair contains the other"
+        ),
+        Effect.PROOF,
+        "a force with several values, as dry friction has, beside constraints: Theorem 1.31 does not cover it",
+        why=(
+            "Theorems 1.11 and 1.13 cover (1.13), whose value at 0 is [-1, 1]; F(x) - N(S, x) is a point plus a "
+            "cone, in ℝ one point, a half-line or all of ℝ, so that Theorem 1.31 does not cover it"
+        ),
+        place=502,
+    ),
     rests_on=("c1.step-continuity",),
 )
 def _generalise() -> Evidence:

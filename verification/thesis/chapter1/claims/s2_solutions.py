@@ -1,5 +1,4 @@
 """Chapter 1, section 2: absolutely continuous functions, and the step inclusion of Example 1.9."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
@@ -9,11 +8,10 @@ from collections.abc import Callable
 import numpy as np
 
 import dincl
-from verification.claims import Evidence, Verdict, equal, proved
+from verification.claims import Correction, Effect, Evidence, Verdict, claim, equal, proved
 from verification.formal.reals import implication, solver_library
 from verification.thesis.chapter1.lemmas import sign_values
 from verification.thesis.chapter1.sets import ROUNDING
-from verification.thesis.text.quoted import claim
 
 # The start c of Example 1.9 where quotients are formed, and their step; both exact in binary.
 C, STEP = 0.75, 2.0**-10
@@ -60,10 +58,12 @@ def lost_rise(f: Callable[[float], float]) -> float:
 @claim(
     "c1.absolutely-continuous",
     "A function is absolutely continuous if and only if it is the integral of an integrable function.",
-    "Definition 1.6, Lemma 1.7",
-    Verdict.NOT_REFUTED,
-    chosen="g can only be the derivative",
+    source="Definition 1.6, Lemma 1.7",
+    quote=(
+        "f is absolutely continuous if and only if there exists a Lebesgue integrable function g … f(x) = f(a) + ∫ g"
+    ),
     tried_on="four functions on [0, 1]",
+    chosen="g can only be the derivative",
 )
 def _absolutely_continuous() -> Evidence:
     rises, lost = ({name: part(f) for name, f in FUNCTIONS.items()} for part in (largest_rise, lost_rise))
@@ -92,7 +92,19 @@ def unsolved(c: float, end: float) -> float:
     return float(np.abs((later - x) / STEP + np.sign(x)).max())
 
 
-@claim("c1.no-classical", "ẋ = -sign(x) with sign(0) = 0 has no classical solution.", "Example 1.9", Verdict.CORRECTED)
+@claim(
+    "c1.no-classical",
+    "ẋ = -sign(x) with sign(0) = 0 has no classical solution.",
+    source="Example 1.9",
+    quote="ẋ = -sign(x) with the convention sign(0) = 0. This equation has no classical solutions.",
+    correction=Correction(
+        "from x(0) = c ≠ 0 it has no classical solution on [0, T] with T ≥ |c|",
+        Effect.PROOF,
+        "nothing else: the example goes on with c > 0 and times beyond c",
+        why="x = 0 for all times fulfils ẋ = -sign(x) with sign(0) = 0, and so does c - t for t < c",
+        place=429,
+    ),
+)
 def _no_classical() -> Evidence:
     """Two classical solutions by their residuals, and the velocity of the third, that comes to 0."""
     left = [unsolved(0.0, 1.0), unsolved(C, C / 2)]
@@ -107,8 +119,9 @@ def _no_classical() -> Evidence:
 @claim(
     "c1.step",
     "The unique solution of the step inclusion from c > 0 is max(c - t, 0).",
-    "Example 1.9",
-    Verdict.PROVED,
+    source="Example 1.9",
+    quote="It turns out that the unique solution is x(t) = max(c - t, 0).",
+    recorded=Verdict.PROVED,
     rests_on=("c1.step-continuity", "c1.one-sided"),
 )
 def _step() -> Evidence:
@@ -134,8 +147,9 @@ def _step() -> Evidence:
 @claim(
     "c1.kink",
     "The solution of the step inclusion has the derivative -1 before t = c, 0 after it and none at t = c.",
-    "Example 1.9",
-    Verdict.PROVED,
+    source="Example 1.9",
+    quote="the derivative does not exist at t = c … for t ≠ c is equal to -1_{t < c}(t)",
+    recorded=Verdict.PROVED,
     rests_on=("c1.step",),
 )
 def _kink() -> Evidence:
@@ -156,8 +170,20 @@ def _kink() -> Evidence:
 @claim(
     "c1.almost-everywhere",
     "A function with a derivative almost everywhere is absolutely continuous.",
-    "Example 1.9",
-    Verdict.CORRECTED,
+    source="Example 1.9",
+    quote=(
+        "The existence of an almost everywhere defined derivative proves that x is absolutely continuous by Lemma 1.7."
+    ),
+    correction=Correction(
+        "x is absolutely continuous by Lemma 1.7, as it is the integral of its derivative",
+        Effect.PROOF,
+        "nothing else: max(c - t, 0) is absolutely continuous",
+        why=(
+            "Cantor's function has the derivative 0 almost everywhere and is not constant; Lemma 1.7 asks that "
+            "the function is the integral of its derivative"
+        ),
+        place=441,
+    ),
     rests_on=("c1.absolutely-continuous", "c1.step"),
 )
 def _almost_everywhere() -> Evidence:

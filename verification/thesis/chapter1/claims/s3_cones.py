@@ -1,18 +1,20 @@
 """Chapter 1, section 3: normal cones of convex sets, and convex sets that move."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
 import numpy as np
 
-from verification.claims import Evidence, Verdict, at_most, proved, put_right
+from verification.claims import Correction, Effect, Evidence, Verdict, at_most, claim, proved, put_right
 from verification.formal.reals import implication, solver_library
 from verification.thesis.chapter1.sets import ROUNDING
-from verification.thesis.text.quoted import claim
 
 
 @claim(
-    "c1.convex-cone", "Normal cones are convex cones, and {0} at inner points.", "after Definition 1.16", Verdict.PROVED
+    "c1.convex-cone",
+    "Normal cones are convex cones, and {0} at inner points.",
+    source="after Definition 1.16",
+    quote="for v, w ∈ N_C(x) we also have αv + w ∈ N_C(x) for all α > 0 … N_C(x) = {0}",
+    recorded=Verdict.PROVED,
 )
 def _convex_cone() -> Evidence:
     """p = v.(y - x) and q = w.(y - x) for a point y of C; at an inner point y = x + t v is in C for a t > 0."""
@@ -30,7 +32,19 @@ def _convex_cone() -> Evidence:
     )
 
 
-@claim("c1.outside", "Outside a convex set its normal cone is empty.", "after Definition 1.16", Verdict.CORRECTED)
+@claim(
+    "c1.outside",
+    "Outside a convex set its normal cone is empty.",
+    source="after Definition 1.16",
+    quote="If x ∉ C then N_C(x) = ∅.",
+    correction=Correction(
+        "it is empty if Definition 1.16 asks for x ∈ C besides; as printed N_C(x) contains at least 0",
+        Effect.MODEL,
+        "(1.15) and (1.16): as printed they do not keep a point in C, and 0 is a solution from every start",
+        why=("v = 0 fulfils v·(y − x) ≤ 0 for every x, also outside of C, and the definition does not ask for x ∈ C"),
+        place=536,
+    ),
+)
 def _outside() -> Evidence:
     """C = [0, 1] and x > 1: v.(y - x) <= 0 for all y of C if it is so at both ends."""
     return put_right(
@@ -47,7 +61,17 @@ def _outside() -> Evidence:
 
 
 @claim(
-    "c1.monotone", "Normals v at x, w at y of a convex set have (v - w)·(x - y) ≤ 0.", "after (1.15)", Verdict.CORRECTED
+    "c1.monotone",
+    "Normals v at x, w at y of a convex set have (v - w)·(x - y) ≤ 0.",
+    source="after (1.15)",
+    quote="(v - w)·(x - y) ≤ 0 for all v ∈ N_C(x), w ∈ N_C(y)",
+    correction=Correction(
+        "(v - w)·(x - y) ≥ 0",
+        Effect.PROOF,
+        "the uniqueness of solutions of (1.15), which stands: the right-hand side has -N_C",
+        why="v·(y − x) ≤ 0 and w·(x − y) ≤ 0 by Definition 1.16; their sum is −(v − w)·(x − y) ≤ 0",
+        place=559,
+    ),
 )
 def _monotone() -> Evidence:
     """p = v.(y - x) <= 0 and q = w.(x - y) <= 0 for v in N_C(x), w in N_C(y)."""
@@ -63,8 +87,9 @@ def _monotone() -> Evidence:
 @claim(
     "c1.convex-unique",
     "Without a force the solution of the inclusion with the normal cone of a convex set is unique.",
-    "after (1.15)",
-    Verdict.PROVED,
+    source="after (1.15)",
+    quote="in the case F = 0, Theorem 1.13 implies uniqueness of solutions of (1.15).",
+    recorded=Verdict.PROVED,
     rests_on=("c1.one-sided", "c1.monotone"),
     chosen="a set that moves, as in (1.16): in one that stands still nothing moves without F",
 )
@@ -82,8 +107,9 @@ def _convex_unique() -> Evidence:
 @claim(
     "c1.sweeping",
     "The speed of the sweeping process is at most the Lipschitz constant L of the moving set.",
-    "Theorem 1.18",
-    Verdict.PROVED,
+    source="Theorem 1.18",
+    quote="For almost every t ∈ [0, T] we have ‖ẋ(t)‖ ≤ L.",
+    recorded=Verdict.PROVED,
     rests_on=("c1.sweeping-unique",),
     chosen="a given start, see c1.sweeping-unique",
 )
@@ -113,8 +139,15 @@ def swept_from(start: float, h: float, end: float) -> float:
 @claim(
     "c1.sweeping-unique",
     "The sweeping process with x(0) ∈ C(0) has a unique solution.",
-    "Theorem 1.18, (1.16), (1.17)",
-    Verdict.CORRECTED,
+    source="Theorem 1.18, (1.16), (1.17)",
+    quote="(1.17) x(0) ∈ C(0) … Then there is an unique solution x ∈ AC([0, T], ℝ^d) solving (1.16) and (1.17).",
+    correction=Correction(
+        "for each xⁱⁿⁱᵗ ∈ C(0) there is a unique solution with x(0) = xⁱⁿⁱᵗ",
+        Effect.MODEL,
+        "(1.17), which should fix the start; Theorem 1.31 has x(0) = xⁱⁿⁱᵗ",
+        why="(1.17) only asks for a start in C(0), and different starts in it have different solutions",
+        place=573,
+    ),
     tried_on="C(t) = [sin t, sin t + 1/2]",
 )
 def _sweeping_unique() -> Evidence:

@@ -1,5 +1,4 @@
 """Chapter 1, sections 4 and 4.1: sets that are not convex, prox-regularity, proximal normals."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
@@ -8,18 +7,23 @@ from typing import Any
 
 import numpy as np
 
-from verification.claims import Evidence, Verdict, at_least, at_most, equal, proved
+from verification.claims import Correction, Effect, Evidence, Verdict, at_least, at_most, claim, equal, proved
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication
 from verification.thesis.chapter1.lemmas import nearest
 from verification.thesis.chapter1.sets import ROUNDING, contact_gradients
-from verification.thesis.text.quoted import claim
 
 SEED = 11
 RADIUS = 0.5
 
 
-@claim("c1.not-convex", "The set of discs that do not overlap is not convex.", "section 4", Verdict.PROVED)
+@claim(
+    "c1.not-convex",
+    "The set of discs that do not overlap is not convex.",
+    source="section 4",
+    quote="the set of non-overlapping disks … is not convex.",
+    recorded=Verdict.PROVED,
+)
 def _not_convex() -> Evidence:
     """Centres at -R e and R e, exchanged, and half-way between: any radius and direction."""
     sp = library()
@@ -44,8 +48,9 @@ def _not_convex() -> Evidence:
 @claim(
     "c1.convex-projection",
     "The projection onto a closed convex set is single-valued.",
-    "after Definition 1.20",
-    Verdict.PROVED,
+    source="after Definition 1.20",
+    quote="the projection onto convex, closed, non-empty sets C is unique, i.e. P_C is single valued.",
+    recorded=Verdict.PROVED,
 )
 def _convex_projection() -> Evidence:
     """The parallelogram law in each coordinate; a, b, c: squared distances of p, q, m from z; d = |p - q|^2.
@@ -74,7 +79,15 @@ def _convex_projection() -> Evidence:
     )
 
 
-@claim("c1.pacman", "The Pacman set is not uniformly prox-regular.", "Figure 7", Verdict.PROVED)
+@claim(
+    "c1.pacman",
+    "The Pacman set is not uniformly prox-regular.",
+    source="Figure 7",
+    quote=(
+        "The Pacman-like set is not uniformly prox-regular since for points in the middle of the mouth … not unique."
+    ),
+    recorded=Verdict.PROVED,
+)
 def _pacman() -> Evidence:
     """(s, 0) in a mouth of half the angle w < pi/2, and the point of a lip at r from the corner."""
     sp = library()
@@ -117,8 +130,18 @@ def bent_rows(n: int) -> float:
 @claim(
     "c1.prox-constant",
     "The set of N discs is η-prox-regular with η = R/(6N) (sin(2π/N)/3)^d for all N.",
-    "Proposition 1.22",
-    Verdict.CORRECTED,
+    source="Proposition 1.22",
+    quote="S is η-prox-regular with η = R/(6N) (1/3 sin(2π/N))^d for N ∈ ℕ",
+    correction=Correction(
+        "the formula is for N ≥ 3; η = R √(2/(2N - 3)) holds for all N ≥ 2",
+        Effect.NUMBER,
+        "Theorem 1.31 and Corollary 1.33 for two discs, which need some η > 0",
+        why=(
+            "sin(2π/N) is 0 for N = 1 and N = 2, and Definition 1.21 asks for η > 0; two discs are √2 "
+            "R-prox-regular, as their projection is unique until the centres meet"
+        ),
+        place=646,
+    ),
     tried_on="N = 2 to 199, d = 1, 2, 3; bent rows of 2 to 9 discs",
 )
 def _prox_constant() -> Evidence:
@@ -141,8 +164,9 @@ def _prox_constant() -> Evidence:
 @claim(
     "c1.same-cones",
     "The proximal normals of a convex set are its normals of convex analysis.",
-    "after Definition 1.23",
-    Verdict.PROVED,
+    source="after Definition 1.23",
+    quote="N_C(x) = N(C, x) for all x ∈ ℝ^d",
+    recorded=Verdict.PROVED,
     rests_on=("c1.outside",),
     chosen="x ∈ C, or N_C(x) = ∅ outside C, as is said after Definition 1.16",
 )
@@ -168,8 +192,9 @@ def _same_cones() -> Evidence:
 @claim(
     "c1.nonconvex-normal",
     "A proximal normal of a set that is not convex need not be a normal of Definition 1.16.",
-    "Figure 8",
-    Verdict.PROVED,
+    source="Figure 8",
+    quote="n would not be a normal vector according to Definition 1.16 since n·(y - x) > 0.",
+    recorded=Verdict.PROVED,
     chosen="the outside of the unit disc",
 )
 def _not_a_convex_normal() -> Evidence:
@@ -189,7 +214,13 @@ def _not_a_convex_normal() -> Evidence:
     )
 
 
-@claim("c1.projection-normal", "The difference of y and its projection is a proximal normal.", "(1.23)", Verdict.PROVED)
+@claim(
+    "c1.projection-normal",
+    "The difference of y and its projection is a proximal normal.",
+    source="(1.23)",
+    quote="x = P_S(y) ⟺ P_S(x + (y - x)) = x ⟹ y - x ∈ N(S, x)",
+    recorded=Verdict.PROVED,
+)
 def _projection_normal() -> Evidence:
     """|y - z|^2 = |y - x|^2 - 2 (y - x).(z - x) + |z - x|^2."""
     return proved(nearest())

@@ -1,20 +1,19 @@
 """Chapter 1, sections 4.2 and 4.3: cones of discs, hypomonotonicity."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
-from verification.claims import Evidence, Verdict, at_most, equal, proved
+from verification.claims import Correction, Effect, Evidence, Verdict, at_most, claim, equal, proved
 from verification.formal.reals import implication
 from verification.thesis.chapter1.claims.s2_1_inclusions import LINE, step_values
 from verification.thesis.chapter1.lemmas import cones
-from verification.thesis.text.quoted import claim
 
 
 @claim(
     "c1.cones",
     "The proximal normals of the set of discs are Σ -λ_k ∇g_k over the contacts, with λ_k ≥ 0.",
-    "Theorem 1.25",
-    Verdict.PROVED_INSTANCE,
+    source="Theorem 1.25",
+    quote="N(S, x) = N^g(x) for all x ∈ ℝ^2N",
+    recorded=Verdict.PROVED_INSTANCE,
     tried_on="states whose contacts have independent gradients",
 )
 def _cones() -> Evidence:
@@ -24,8 +23,9 @@ def _cones() -> Evidence:
 @claim(
     "c1.sum-of-all",
     "The normal cone of the set of discs is the sum of the normal cones of its pairs.",
-    "Theorem 1.25",
-    Verdict.PROVED_INSTANCE,
+    source="Theorem 1.25",
+    quote="N(S, x) = Σ_j N(S_j, x) for all x ∈ ℝ^2N",
+    recorded=Verdict.PROVED_INSTANCE,
     rests_on=("c1.cones",),
     tried_on="states whose contacts have independent gradients",
 )
@@ -47,8 +47,18 @@ def spread(sign: float) -> float:
 @claim(
     "c1.one-sided-word",
     "Solutions of ẋ ∈ F(x) are unique if F is one-sided semicontinuous.",
-    "section 4.3",
-    Verdict.CORRECTED,
+    source="section 4.3",
+    quote="We saw in Theorem 1.13 that solutions of ẋ ∈ F(x) are unique, if F is one-sided semicontinuous.",
+    correction=Correction(
+        "if F is one-sided Lipschitz continuous; so in the sentence after it",
+        Effect.NOTATION,
+        "nothing else: Theorem 1.13 has the right word",
+        why=(
+            "Theorem 1.13 is stated for one-sided Lipschitz continuous multi-functions, and “one-sided "
+            "semicontinuous” is defined nowhere"
+        ),
+        place=723,
+    ),
     rests_on=("c1.one-sided",),
     chosen="semicontinuous is read as in Definition 1.10",
 )
@@ -64,7 +74,13 @@ def _one_sided_word() -> Evidence:
     )
 
 
-@claim("c1.hypomonotone", "Normals of prox-regular sets are monotone up to a quadratic term.", "(1.28)", Verdict.PROVED)
+@claim(
+    "c1.hypomonotone",
+    "Normals of prox-regular sets are monotone up to a quadratic term.",
+    source="(1.28)",
+    quote="-(v - w)·(x - y) ≤ (‖v‖ + ‖w‖)/(2η) ‖x - y‖²",
+    recorded=Verdict.PROVED,
+)
 def _hypomonotone() -> Evidence:
     """p = v.(y - x), q = w.(x - y), D = |x - y|^2, k = 1/(2 eta); c = p/|v|, ``square`` is |x + eta v/|v| - y|^2."""
     return proved(
@@ -90,8 +106,9 @@ def _hypomonotone() -> Evidence:
 @claim(
     "c1.one-over-eta",
     "The map x ↦ -N(S, x) ∩ B₁(0) is one-sided Lipschitz continuous with the constant 1/η.",
-    "section 4.3",
-    Verdict.PROVED,
+    source="section 4.3",
+    quote="x ↦ -N(S, x) ∩ B₁(0) is one-sided Lipschitz with constant 1/η.",
+    recorded=Verdict.PROVED,
     rests_on=("c1.hypomonotone",),
 )
 def _one_over_eta() -> Evidence:

@@ -1,5 +1,4 @@
 """Chapter 1, section 4.4: support functions, scalar semicontinuity of normals, and cones of discs."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
@@ -8,12 +7,22 @@ from collections.abc import Callable
 
 import numpy as np
 
-from verification.claims import Evidence, FormalProof, Verdict, at_least, at_most, equal, proved
+from verification.claims import (
+    Correction,
+    Effect,
+    Evidence,
+    FormalProof,
+    Verdict,
+    at_least,
+    at_most,
+    claim,
+    equal,
+    proved,
+)
 from verification.formal.reals import implication, solver_library
 from verification.thesis.chapter1.claims.s1_2_constraints import SIDES
 from verification.thesis.chapter1.lemmas import cones
 from verification.thesis.chapter1.sets import ROUNDING, SAMPLES, SEED, Floats, contact_gradients, support_of_cone
-from verification.thesis.text.quoted import claim
 
 DIRECTIONS = np.stack([f(np.linspace(0, 2 * np.pi, 720, endpoint=False)) for f in (np.cos, np.sin)], axis=1)
 SHAPE, CENTRE = np.array([[1.0, 0.4], [-0.3, 0.6]]), np.array([0.5, -0.2])
@@ -41,7 +50,11 @@ def ellipse_support(w: Floats) -> Floats:
 
 
 @claim(
-    "c1.half-spaces", "A set lies in the half-space v·w ≤ α if and only if σ(A, w) ≤ α.", "after (1.29)", Verdict.PROVED
+    "c1.half-spaces",
+    "A set lies in the half-space v·w ≤ α if and only if σ(A, w) ≤ α.",
+    source="after (1.29)",
+    quote="A ⊆ {v | v·w ≤ α} ⟺ σ(A, w) ≤ α",
+    recorded=Verdict.PROVED,
 )
 def _half_spaces() -> Evidence:
     """p = v.w of a point v of A; sigma is the least upper bound of these p, so not above alpha if alpha is one."""
@@ -63,8 +76,15 @@ def _half_spaces() -> Evidence:
 @claim(
     "c1.support",
     "A set A lies in B if and only if σ(A, ·) ≤ σ(B, ·).",
-    "(1.30)",
-    Verdict.CORRECTED,
+    source="(1.30)",
+    quote="A ⊆ B ⟺ σ(A, v) ≤ σ(B, v) for all v",
+    correction=Correction(
+        "“⇐” holds if B is closed and convex",
+        Effect.PROOF,
+        "(1.73), where B is closed and convex",
+        why="support functions do not tell a set from its closed convex hull: {0, 1} and [0, 1] have the same one",
+        place=759,
+    ),
     rests_on=("c1.half-spaces",),
     tried_on="an ellipse and 300 points",
 )
@@ -87,7 +107,13 @@ def _support() -> Evidence:
     )
 
 
-@claim("c1.additive", "The support function of a sum of sets is the sum of theirs.", "(1.31)", Verdict.PROVED)
+@claim(
+    "c1.additive",
+    "The support function of a sum of sets is the sum of theirs.",
+    source="(1.31)",
+    quote="σ(A + B, v) = σ(A, v) + σ(B, v)",
+    recorded=Verdict.PROVED,
+)
 def _additive() -> Evidence:
     """Values p of A and q of B in one direction, with least upper bounds a and b; c is any upper bound of the sums."""
     return proved(
@@ -129,8 +155,15 @@ def by_half_lines(f: Callable[[Floats], Floats]) -> bool:
 @claim(
     "c1.single-valued",
     "For a single-valued function Definition 1.10 is lim sup f(x) ≤ f(x₀).",
-    "after Definition 1.27",
-    Verdict.CORRECTED,
+    source="after Definition 1.27",
+    quote=("f is upper semicontinuous at x₀ if it satisfies Definition 1.10, which simplifies to lim sup f(x) ≤ f(x₀)"),
+    correction=Correction(
+        "for {f(x)} Definition 1.10 is continuity; upper semicontinuity is Definition 1.10 for (-∞, f(x)]",
+        Effect.PROOF,
+        "nothing else: (1.33) is stated explicitly",
+        why="for F(x) = {f(x)} Definition 1.10 asks for |f(y) − f(x)| < ε, which is continuity",
+        place=782,
+    ),
     tried_on="five functions on the line",
 )
 def _single_valued() -> Evidence:
@@ -186,8 +219,9 @@ def closed_graph() -> FormalProof:
 @claim(
     "c1.scalarly-upper",
     "The normals of length at most 1 of the set of discs are scalarly upper semicontinuous.",
-    "Proposition 1.28",
-    Verdict.PROVED,
+    source="Proposition 1.28",
+    quote="lim sup σ(-N(S, x_n) ∩ B₁(0), w) ≤ σ(-N(S, x) ∩ B₁(0), w)",
+    recorded=Verdict.PROVED,
     rests_on=("c1.hypomonotone",),
 )
 def _scalarly_upper() -> Evidence:
@@ -201,10 +235,11 @@ def _scalarly_upper() -> Evidence:
 @claim(
     "c1.distance",
     "The normals of length at most 1 are the subdifferential of the distance.",
-    "Remark 1.29",
-    Verdict.PROVED_INSTANCE,
-    chosen="the outside of the unit disc, x on its boundary; the ball is closed (see the errata)",
+    source="Remark 1.29",
+    quote="N(S, x) ∩ B₁(0) = ∂dist(x, S)",
+    recorded=Verdict.PROVED_INSTANCE,
     tried_on="the outside of the unit disc, every point of its boundary",
+    chosen="the outside of the unit disc, x on its boundary; the ball is closed (see the errata)",
 )
 def _distance() -> Evidence:
     """v = -s x for a boundary point x: r = |y|, D = |y - x|^2, x.(y - x) = (r^2 - 1 - D)/2; k is any constant."""
@@ -244,11 +279,12 @@ def _distance() -> Evidence:
 @claim(
     "c1.sum-limit",
     "Sums of normals at points that tend to x are, in the limit, normals at x.",
-    "Corollary 1.30, (1.35)",
-    Verdict.PROVED_INSTANCE,
+    source="Corollary 1.30, (1.35)",
+    quote="lim sup σ(-Σ_j N(S_j, p_j) ∩ B₁(0), w) ≤ σ(-N(S, x) ∩ B₁(0), w)",
+    recorded=Verdict.PROVED_INSTANCE,
     rests_on=("c1.cones",),
-    chosen="the ball cuts the sum of the cones, not each of them",
     tried_on="contacts with independent gradients",
+    chosen="the ball cuts the sum of the cones, not each of them",
 )
 def _sum_limit() -> Evidence:
     """n = sum l_j grad g_j(p_j), |n| <= 1: the l_j are bounded, so that a subsequence converges, to a normal at x."""
@@ -269,8 +305,18 @@ def _sum_limit() -> Evidence:
 @claim(
     "c1.sum-of-cones",
     "The support function of a sum of cones cut by a ball is the sum of those of the cut cones.",
-    "proof of Corollary 1.30",
-    Verdict.CORRECTED,
+    source="proof of Corollary 1.30",
+    quote="lim sup σ(-Σ N(S_j, p_j) ∩ B₁, w) = lim sup Σ σ(-N(S_j, p_j) ∩ B₁, w) ≤ … = σ(-Σ N(S_j, x) ∩ B₁, w)",
+    correction=Correction(
+        ("Σ_j (N(S_j, x) ∩ B₁) ⊆ N(S, x) ∩ B_M; the corollary itself holds if the ball cuts the sum of the cones"),
+        Effect.PROOF,
+        "Lemma 2.8, which needs only some radius",
+        why=(
+            "(1.31) is about sums of sets: if the ball cuts each cone, the last set is not N(S, x) ∩ B₁, and if "
+            "it cuts the sum, the first equality is none"
+        ),
+        place=816,
+    ),
     rests_on=("c1.additive",),
     tried_on="two pairs of touching discs",
 )

@@ -1,18 +1,16 @@
 """Chapter 1, section 4.5: existence of solutions, their dependence on the start, and the catch-up scheme."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
 import numpy as np
 
 import dincl
-from verification.claims import Evidence, Verdict, at_least, at_most, equal, proved
+from verification.claims import Correction, Effect, Evidence, Verdict, at_least, at_most, claim, equal, proved
 from verification.formal.algebra import identity
 from verification.formal.reals import implication
 from verification.thesis.chapter1.cells import GROWN, HARD, TOL, away, in_mitosis, resting
 from verification.thesis.chapter1.lemmas import growth_of_distance, nearest
 from verification.thesis.chapter1.sets import ROUNDING, SAMPLES, SEED, Floats, apart, catch_up, falling
-from verification.thesis.text.quoted import claim
 
 # Half the step of a central difference of numbers that are right to rounding.
 HALF = 1e-5
@@ -20,7 +18,11 @@ OVERLAPPING, APART = np.array([[0.0, 0.0], [0.8, 0.0]]), np.array([[0.0, 0.0], [
 
 
 @claim(
-    "c1.linear-growth", "Lipschitz continuous forces grow at most linearly.", "section 4.5, (A1), (A2)", Verdict.PROVED
+    "c1.linear-growth",
+    "Lipschitz continuous forces grow at most linearly.",
+    source="section 4.5, (A1), (A2)",
+    quote="We note that Lipschitz continuity implies that the function grows at most linearly.",
+    recorded=Verdict.PROVED,
 )
 def _linear_growth() -> Evidence:
     """n = |F(x)|, n0 = |F(0)|, r = |x|."""
@@ -36,8 +38,9 @@ def _linear_growth() -> Evidence:
 @claim(
     "c1.catch-up-normal",
     "A step of the catch-up scheme satisfies a discrete inclusion with a normal at the new point.",
-    "after (1.39)",
-    Verdict.PROVED,
+    source="after (1.39)",
+    quote="x_k - x_{k+1} + hF(x_k) ∈ N(S, x_{k+1})",
+    recorded=Verdict.PROVED,
     rests_on=("c1.projection-normal",),
 )
 def _catch_up_normal() -> Evidence:
@@ -61,8 +64,8 @@ def slide(t: Floats) -> Floats:
 @claim(
     "c1.existence",
     "The inclusion has a solution, to which the catch-up scheme converges.",
-    "Theorem 1.31",
-    Verdict.NOT_REFUTED,
+    source="Theorem 1.31",
+    quote="the system has an absolutely continuous solution x : [0, T] → ℝ^d.",
     rests_on=(
         "c1.constant",
         "c1.speeds",
@@ -95,8 +98,9 @@ def _existence() -> Evidence:
 @claim(
     "c1.dependence",
     "Two solutions stay within a constant times their first distance.",
-    "Lemma 1.32, (1.41)",
-    Verdict.PROVED,
+    source="Lemma 1.32, (1.41)",
+    quote="there exists a constant a > 0 such that for all t ∈ [0, T] ‖x(t) - y(t)‖ ≤ a ‖xⁱⁿⁱᵗ - yⁱⁿⁱᵗ‖",
+    recorded=Verdict.PROVED,
     rests_on=("c1.one-sided", "c1.hypomonotone", "c1.uniqueness-sign", "c1.gronwall"),
 )
 def _dependence() -> Evidence:
@@ -117,8 +121,21 @@ def _dependence() -> Evidence:
 @claim(
     "c1.start",
     "The model of discs has a unique solution from every start in ℝ^2N.",
-    "Corollary 1.33",
-    Verdict.CORRECTED,
+    source="Corollary 1.33",
+    quote="Then for all xⁱⁿⁱᵗ ∈ ℝ^2N and any T > 0, the system has a unique solution.",
+    correction=Correction(
+        "for all xⁱⁿⁱᵗ ∈ S, as in Theorem 1.31",
+        Effect.CONCLUSION,
+        (
+            "the models of chapters 3 and 4: their start must not overlap, nor their state after a cell event, as"
+            " it does (section 5)"
+        ),
+        why=(
+            "N(S, x) = ∅ for x ∉ S by Definition 1.23, so a solution lies in S at almost all times and, being "
+            "continuous, at t = 0; Theorem 1.31 has xⁱⁿⁱᵗ ∈ S"
+        ),
+        place=876,
+    ),
     rests_on=("c1.prox-constant", "c1.existence", "c1.dependence"),
 )
 def _start() -> Evidence:
@@ -139,8 +156,21 @@ def _start() -> Evidence:
 @claim(
     "c1.time-independent",
     "The feasible sets of the models do not depend on time.",
-    "section 4.6",
-    Verdict.CORRECTED,
+    source="section 4.6",
+    quote="since we only need the result for time-independent sets, the following proof is simpler.",
+    correction=Correction(
+        (
+            "S is constant between cell events, where the proof applies; by (3.4) and (3.8) of chapter 3 it jumps"
+            " at them"
+        ),
+        Effect.PROOF,
+        "the use of Theorem 1.31 in chapters 3 and 4, one interval between events after another",
+        why=(
+            "in chapter 3 the hard radius of a cell jumps when its mitosis begins (3.4), and a division adds a "
+            "cell (3.7), (3.8), so S changes in time"
+        ),
+        place=884,
+    ),
     chosen="a nucleus that two others touch when its mitosis begins",
 )
 def _time_independent() -> Evidence:

@@ -1,5 +1,4 @@
 """Chapter 1, section 4.6.1: the tools of the proof of existence."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
@@ -9,10 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from verification.claims import Evidence, Verdict, at_most, proved
+from verification.claims import Correction, Effect, Evidence, Verdict, at_most, claim, proved
 from verification.formal.algebra import identity, library
 from verification.thesis.chapter1.sets import ROUNDING, SAMPLES, SEED, Floats
-from verification.thesis.text.quoted import claim
 
 T, A, B, N = 1.0, 0.01, 0.01, 50
 
@@ -36,10 +34,20 @@ def hlawka(norm: Callable[[Floats], Floats], x: Floats, y: Floats, z: Floats) ->
 @claim(
     "c1.isometry",
     "There is an isometry of L^∞ into L¹.",
-    "section 4.6.1",
-    Verdict.CORRECTED,
-    chosen="linear maps; no other isometry exists either, as L^∞ is not separable",
+    source="section 4.6.1",
+    quote="there exists an isometry L^∞([0, T], ℝ^d) → L¹([0, T], ℝ^d).",
+    correction=Correction(
+        "an isometry onto the dual space of L¹; into L¹ a continuous embedding, ‖x‖₁ ≤ T ‖x‖_∞",
+        Effect.PROOF,
+        "(1.58), which uses the embedding",
+        why=(
+            "L^∞ is not separable and L¹ is, so that no isometry leads into L¹; what is isometric to L^∞ is the "
+            "dual space of L¹, named just before"
+        ),
+        place=912,
+    ),
     tried_on="step functions, random ones in L¹",
+    chosen="linear maps; no other isometry exists either, as L^∞ is not separable",
 )
 def _isometry() -> Evidence:
     """Hlawka's inequality is about norms of sums, so an isometric linear map would carry it over from L^1."""
@@ -60,10 +68,11 @@ def _isometry() -> Evidence:
 @claim(
     "c1.mazur",
     "Convex combinations of a weakly convergent sequence converge strongly.",
-    "Lemma 1.34",
-    Verdict.PROVED_INSTANCE,
-    chosen="y⁽ℓ⁾ is read as x⁽ℓ⁾ (see the errata)",
+    source="Lemma 1.34",
+    quote="z⁽ⁿ⁾ = Σ_{ℓ ≥ n} λ_ℓ y⁽ℓ⁾ … such that z⁽ⁿ⁾ → x in X.",
+    recorded=Verdict.PROVED_INSTANCE,
     tried_on="sin(2πnt) in L¹(0, 1)",
+    chosen="y⁽ℓ⁾ is read as x⁽ℓ⁾ (see the errata)",
 )
 def _mazur() -> Evidence:
     """The mean of the elements n to 2n - 1 in L2, which bounds its norm in L1: orthogonal elements of norm^2 1/2."""
@@ -93,11 +102,12 @@ def _mazur() -> Evidence:
 
 @claim(
     "c1.compact",
-    "Paths with bounded speeds have a subsequence that converges uniformly, with velocities that do weakly*.",
-    "Lemma 1.35",
-    Verdict.PROVED_INSTANCE,
-    chosen="one sequence whose velocities do not converge in norm",
+    ("Paths with bounded speeds have a subsequence that converges uniformly, with velocities that do weakly*."),
+    source="Lemma 1.35",
+    quote="x⁽ⁿ_k⁾ → x in L^∞ and ẋ⁽ⁿ_k⁾ ⇀* ẋ in L^∞",
+    recorded=Verdict.PROVED_INSTANCE,
     tried_on="sin(2πnt)/(2πn), velocities paired with step functions",
+    chosen="one sequence whose velocities do not converge in norm",
 )
 def _compact() -> Evidence:
     """The pairing of the velocity with the indicator of [a, b]; step functions are dense in L1."""
@@ -144,9 +154,18 @@ def discrete_bound(first: float) -> float:
 
 @claim(
     "c1.gronwall-discrete",
-    "Sequences with (1.43) are bounded by (1 + BT/n)^n + A/B ((1 + BT/n)^n - 1), whatever their first element.",
-    "Theorem 1.36",
-    Verdict.CORRECTED,
+    ("Sequences with (1.43) are bounded by (1 + BT/n)^n + A/B ((1 + BT/n)^n - 1), whatever their first element."),
+    source="Theorem 1.36",
+    quote="a_k ≤ (1 + BT/n)^n + 1/B ((1 + BT/n)^n - 1) A ≤ exp(BT) + A (exp(BT) - 1)/B",
+    correction=Correction(
+        "‖a_k‖ ≤ (1 + BT/n)^n ‖a₀‖ + 1/B ((1 + BT/n)^n - 1) A ≤ exp(BT) ‖a₀‖ + A (exp(BT) - 1)/B",
+        Effect.CONCLUSION,
+        "(1.52) and the constants C₁, C₂, C₃; the proof of existence stands with the factor",
+        why=(
+            "‖a_{k+1}‖ ≤ (1 + BT/n)‖a_k‖ + AT/n, so (1 + BT/n)^k multiplies ‖a₀‖; a_k is a vector, its norm is bounded"
+        ),
+        place=942,
+    ),
     tried_on="300 sequences in the plane, n = 50",
 )
 def _gronwall_discrete() -> Evidence:
@@ -166,11 +185,21 @@ def _gronwall_discrete() -> Evidence:
 @claim(
     "c1.gronwall-range",
     "If (1.43) holds for 1 ≤ k ≤ n, the bound holds for 0 ≤ k ≤ n.",
-    "Theorem 1.36, (1.43)",
-    Verdict.CORRECTED,
+    source="Theorem 1.36, (1.43)",
+    quote="‖a_{k+1} - a_k‖ ≤ … for all 1 ≤ k ≤ n, then … for all integers 0 ≤ k ≤ n.",
+    correction=Correction(
+        "(1.43) for 0 ≤ k ≤ n - 1, for a sequence a₀, …, a_n",
+        Effect.PROOF,
+        "(1.52), where the scheme begins with x₀",
+        why=(
+            "for k = n (1.43) speaks of a_{n+1}, which the sequence a₁, …, a_n does not have, and for a₀ it says "
+            "nothing"
+        ),
+        place=938,
+    ),
     rests_on=("c1.gronwall-discrete",),
-    chosen="the bound begins with ‖a₁‖, the first element that (1.43) speaks of",
     tried_on="300 sequences in the plane, n = 50",
+    chosen="the bound begins with ‖a₁‖, the first element that (1.43) speaks of",
 )
 def _gronwall_range() -> Evidence:
     """a_0 = 100 and a_k = 1 from k = 1 on: (1.43) for 1 <= k <= n says nothing of a_0."""

@@ -1,5 +1,4 @@
 """Chapter 1, section 4.6.2: the proof of existence, the steps of the catch-up scheme, their bounds and their limit."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
@@ -7,13 +6,12 @@ import math
 
 import numpy as np
 
-from verification.claims import Evidence, Verdict, at_least, at_most, proved
+from verification.claims import Correction, Effect, Evidence, Verdict, at_least, at_most, claim, proved
 from verification.formal.algebra import identity
 from verification.formal.reals import implication
 from verification.thesis.chapter1.claims.s4_4_supports import excess, limits
 from verification.thesis.chapter1.lemmas import nearest
 from verification.thesis.chapter1.sets import ROUNDING, SEED, Floats, catch_up, outside
-from verification.thesis.text.quoted import claim
 
 T, STEPS = 1.0, 200
 H = T / STEPS
@@ -31,8 +29,15 @@ def pushing(x: Floats) -> Floats:
 @claim(
     "c1.projection-step",
     "A step x_{k+1} ∈ P_S(x_k) is dist(x_k + hF(x_k), S) away from x_k + hF(x_k).",
-    "before (1.50)",
-    Verdict.CORRECTED,
+    source="before (1.50)",
+    quote="With x_{k+1} ∈ P_S(x_k), we get ‖x_{k+1} - (x_k + hF(x_k))‖ = dist(x_k + hF(x_k), S)",
+    correction=Correction(
+        "x_{k+1} ∈ P_S(x_k + hF(x_k))",
+        Effect.NOTATION,
+        "nothing else: (1.46) is right",
+        why="(1.46) projects x_k + hF(x_k); P_S(x_k) = x_k as x_k ∈ S",
+        place=974,
+    ),
     tried_on="a linear force outside of a disc, four starts",
 )
 def _projection_step() -> Evidence:
@@ -50,8 +55,9 @@ def _projection_step() -> Evidence:
 @claim(
     "c1.step-bounds",
     "A step of catch-up moves by at most 2hM_F(1 + ‖x_k‖).",
-    "(1.50), (1.51)",
-    Verdict.PROVED,
+    source="(1.50), (1.51)",
+    quote="… ≤ hM_F(1 + ‖x_k‖), ‖x_{k+1} - x_k‖ ≤ 2hM_F(‖x_k‖ + 1)",
+    recorded=Verdict.PROVED,
     rests_on=("c1.linear-growth", "c1.projection-step"),
 )
 def _step_bounds() -> Evidence:
@@ -76,8 +82,18 @@ def first_constant(start: Floats, growth: float = M_F) -> Floats:
 @claim(
     "c1.constant",
     "The discrete solutions are bounded by a constant C₁ that depends only on T and M_F.",
-    "(1.52)",
-    Verdict.CORRECTED,
+    source="(1.52)",
+    quote="‖x_k‖ ≤ C₁ < ∞ for a constant C₁ which only depends on T and M_F.",
+    correction=Correction(
+        "C₁ = exp(2M_F T)(‖xⁱⁿⁱᵗ‖ + 1) - 1 depends on ‖xⁱⁿⁱᵗ‖ as well",
+        Effect.PROOF,
+        "C₂ and C₃; the solution of one start exists all the same",
+        why=(
+            "Theorem 1.36 with A = B = 2M_F bounds ‖x_k‖ by exp(2M_F T)‖x₀‖ + exp(2M_F T) − 1, and k = 0 alone "
+            "needs C₁ ≥ ‖xⁱⁿⁱᵗ‖"
+        ),
+        place=995,
+    ),
     rests_on=("c1.gronwall-discrete", "c1.gronwall-range", "c1.step-bounds"),
     tried_on="a linear force outside of a disc, four starts",
 )
@@ -95,8 +111,9 @@ def _constant() -> Evidence:
 @claim(
     "c1.speeds",
     "The interpolated solutions are bounded by C₁, their speeds by C₂ and the constraint forces by C₃.",
-    "(1.53), (1.54), before (1.67)",
-    Verdict.PROVED,
+    source="(1.53), (1.54), before (1.67)",
+    quote="2M_F(1 + C₁) =: C₂, ‖x⁽ⁿ⁾‖_∞ ≤ C₁, ‖ẋ⁽ⁿ⁾‖_∞ ≤ C₂, C₃ := C₂ + M_F(1 + C₁)",
+    recorded=Verdict.PROVED,
     rests_on=("c1.step-bounds", "c1.constant"),
     chosen="C₁ with the start in it",
 )
@@ -127,8 +144,9 @@ def _speeds() -> Evidence:
 @claim(
     "c1.unique-projections",
     "With short steps the projections of the catch-up scheme are unique.",
-    "(1.55)",
-    Verdict.PROVED,
+    source="(1.55)",
+    quote="dist(x_k + hF(x_k), S) ≤ … < η … the projections in (1.39) are unique for sufficiently large n.",
+    recorded=Verdict.PROVED,
     rests_on=("c1.hypomonotone", "c1.step-bounds", "c1.constant"),
 )
 def _unique() -> Evidence:
@@ -158,8 +176,18 @@ def settled(first: int, last: int) -> float:
 @claim(
     "c1.dense",
     "Velocities that converge at a dense set of times give the inclusion at almost all times.",
-    "step 4, (1.62), and (1.74)",
-    Verdict.CORRECTED,
+    source="step 4, (1.62), and (1.74)",
+    quote="we obtain for a dense set 𝒯 ⊆ [0, T] the pointwise convergence … for a.e. t ∈ [0, T].",
+    correction=Correction(
+        "𝒯 has full measure: convergence in L¹ gives a subsequence that converges almost everywhere",
+        Effect.PROOF,
+        "(1.68) to (1.74), which hold for t ∈ 𝒯",
+        why=(
+            "a sequence that converges in L¹ has a subsequence that converges almost everywhere; a dense set may "
+            "have measure 0, and (1.74) is for almost every t"
+        ),
+        place=1039,
+    ),
     rests_on=("c1.mazur",),
     tried_on="one sequence of running steps",
 )
@@ -175,9 +203,10 @@ def _dense() -> Evidence:
 
 @claim(
     "c1.step-inclusion",
-    "Between two steps the interpolated solution satisfies the inclusion with a normal at the later state.",
-    "(1.66)",
-    Verdict.PROVED,
+    ("Between two steps the interpolated solution satisfies the inclusion with a normal at the later state."),
+    source="(1.66)",
+    quote="ẋ⁽ⁿ⁾(t) - F⁽ⁿ⁾(t) ∈ -N(S, x_{k+1}) for t ∈ (t_k, t_{k+1})",
+    recorded=Verdict.PROVED,
     rests_on=("c1.catch-up-normal",),
 )
 def _step_inclusion() -> Evidence:
@@ -195,8 +224,15 @@ def _step_inclusion() -> Evidence:
 @claim(
     "c1.lower",
     "The last step of the proof uses scalar lower semicontinuity of the short normals.",
-    "step 6",
-    Verdict.CORRECTED,
+    source="step 6",
+    quote="We now use scalarly lower semicontinuity of x ↦ -N(S, x) ∩ B_{C₃}(0)",
+    correction=Correction(
+        "upper semicontinuity",
+        Effect.NOTATION,
+        "(1.71), which is Proposition 1.28",
+        why="(1.71) bounds the lim sup from above and names Proposition 1.28, which is about upper semicontinuity",
+        place=1077,
+    ),
     rests_on=("c1.scalarly-upper",),
     tried_on="three touching discs, three sequences",
 )

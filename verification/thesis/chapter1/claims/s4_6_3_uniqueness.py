@@ -7,10 +7,9 @@ from itertools import pairwise
 import numpy as np
 
 import dincl
-from verification.claims import Evidence, Verdict, at_most
+from verification.claims import Correction, Effect, Evidence, at_most, claim
 from verification.thesis.chapter1.cells import TOL, State, divided, in_mitosis, nearest, overlap, problem
 from verification.thesis.chapter1.sets import Floats, catch_up, falling
-from verification.thesis.text.quoted import claim
 
 # Of catch-up from a feasible state, in units of the time in which the pull to the middle acts.
 DT, END = 0.1, 1.0
@@ -26,8 +25,15 @@ def beside_the_top() -> tuple[Floats, Floats, Floats]:
 @claim(
     "c1.uniqueness-sign",
     "½ d/dt ‖x - y‖² ≤ -(v - w)·(x - y) for two solutions with constraint forces v, w ∈ -N, F constant.",
-    "proof of Lemma 1.32",
-    Verdict.CORRECTED,
+    source="proof of Lemma 1.32",
+    quote="½ d/dt ‖x - y‖² ≤ -(v - w)·(x - y) + … ≤ (‖v‖ + ‖w‖)/(2η) ‖x - y‖² + …",
+    correction=Correction(
+        "(v - w)·(x - y)",
+        Effect.PROOF,
+        "(1.77), which stands but for its exponential",
+        why="ẋ − ẏ = (v − w) + F(x) − F(y), and (1.28) for −v, −w ∈ N(S, ·) bounds (v − w)·(x − y) from above",
+        place=1119,
+    ),
     rests_on=("c1.hypomonotone",),
     tried_on="two points that slide over a disc",
 )
@@ -51,9 +57,19 @@ def _uniqueness_sign() -> Evidence:
 
 @claim(
     "c1.gronwall",
-    "The distance of two solutions is at most its first value times the integral of L_F + (‖v‖ + ‖w‖)/(2η).",
-    "(1.77)",
-    Verdict.CORRECTED,
+    ("The distance of two solutions is at most its first value times the integral of L_F + (‖v‖ + ‖w‖)/(2η)."),
+    source="(1.77)",
+    quote="‖x(t) - y(t)‖ ≤ ‖xⁱⁿⁱᵗ - yⁱⁿⁱᵗ‖ ∫₀ᵗ (L_F + (‖v‖ + ‖w‖)/(2η)) ds",
+    correction=Correction(
+        "‖xⁱⁿⁱᵗ - yⁱⁿⁱᵗ‖ exp(∫₀ᵗ (L_F + (‖v‖ + ‖w‖)/(2η)) ds)",
+        Effect.PROOF,
+        "the constant a of Lemma 1.32",
+        why=(
+            "Gronwall's lemma turns d/dt ‖x − y‖² ≤ 2a(t)‖x − y‖² into the exponential of ∫a; at t = 0 the "
+            "printed bound is 0"
+        ),
+        place=1123,
+    ),
     rests_on=("c1.uniqueness-sign",),
     tried_on="two points that slide over a disc",
 )
@@ -83,8 +99,25 @@ def refined(start: State) -> tuple[float, float]:
 @claim(
     "c1.applications",
     "The theorems also cover the tissue models of chapters 3 and 4.",
-    "section 5, and introduction, Part I",
-    Verdict.CORRECTED,
+    source="section 5, and introduction, Part I",
+    quote="the presented theorems also cover our applications in Chapters 3 and 4.",
+    correction=Correction(
+        (
+            "they cover the motion from one cell event to the next, if it starts in S; after a division, and when"
+            " mitosis begins, the state is not in S, and has to be projected or set anew, e.g. with daughters "
+            "2R^hard apart"
+        ),
+        Effect.CONCLUSION,
+        (
+            "“which fulfil the assumptions needed for well-posedness” in the introduction; section 3.2 of chapter"
+            " 3, which takes Theorem 1.31 for its model"
+        ),
+        why=(
+            "Theorem 1.31 needs xⁱⁿⁱᵗ ∈ S; by (3.7) daughters are set nearer to each other than twice the hard "
+            "radius, and by (3.4) that radius jumps"
+        ),
+        place=1129,
+    ),
     rests_on=("c1.existence", "c1.dependence", "c1.time-independent"),
     chosen="nuclei in a row that touch, pulled to the middle, without noise",
 )

@@ -1,5 +1,4 @@
 """Chapter 2, section 1: the methods that PBD is compared with."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
@@ -9,11 +8,10 @@ from typing import Any
 import numpy as np
 
 import dincl
-from verification.claims import Evidence, Verdict, at_least, at_most, equal, proved
+from verification.claims import Correction, Effect, Evidence, Verdict, at_least, at_most, claim, equal, proved
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication, solver_library
 from verification.thesis.chapter2.runs import exact
-from verification.thesis.text.quoted import claim
 
 # Two discs that slide along each other, of which the exact solution is known; at this time they are in contact.
 SCENE, END = dincl.scenes.two_disks(), 2.0
@@ -51,8 +49,11 @@ def event_driven() -> dincl.Scheme:
 @claim(
     "c2.event-driven",
     "Event-driven methods are the most rigorous, but their cost grows with the contacts.",
-    "section 1",
-    Verdict.NOT_REFUTED,
+    source="section 1",
+    quote=(
+        "The most rigorous methods are typically event-driven methods, however, these methods are … less "
+        "performant for large systems."
+    ),
     tried_on="two discs with a known solution, and piles of 4 and 8 discs",
 )
 def _event_driven() -> Evidence:
@@ -70,8 +71,9 @@ def _event_driven() -> Evidence:
 @claim(
     "c2.damping",
     "A damping other than 1 changes only the time scale of a solution.",
-    "(2.1)",
-    Verdict.PROVED,
+    source="(2.1)",
+    quote="the physically correct equation is μẋ ∈ F(x) − N(S, x) but … we set μ = 1",
+    recorded=Verdict.PROVED,
     chosen="F: ℝᵈ → ℝᵈ, as in (2.1): no force of the chapter depends on time",
 )
 def _damping() -> Evidence:
@@ -91,8 +93,8 @@ def _damping() -> Evidence:
 @claim(
     "c2.catch-up",
     "Moreau's catch-up scheme converges to the solution of the inclusion.",
-    "section 1.1.1",
-    Verdict.NOT_REFUTED,
+    source="section 1.1.1",
+    quote="x_{k+1} = P_S(x_k + Δt F(x_k)) … a proof of the convergence for this numerical method",
     rests_on=("c1.existence",),
     tried_on="two discs in contact",
 )
@@ -101,7 +103,13 @@ def _catch_up() -> Evidence:
     return Evidence(printed=(equal("error at t = 2, step 0.04 over half of it", coarse / fine, 2.0, HALVED),))
 
 
-@claim("c2.inner", "The inner convex approximation lies inside the feasible set.", "section 1.1.2", Verdict.PROVED)
+@claim(
+    "c2.inner",
+    "The inner convex approximation lies inside the feasible set.",
+    source="section 1.1.2",
+    quote="S̃(x) := {y | g_ℓ(x) + ∇g_ℓ(x)·(y − x) ≥ 0}, the inner convex approximation",
+    recorded=Verdict.PROVED,
+)
 def _inner() -> Evidence:
     """a, b: the distance of two centres at x and at y, p = the product of the differences, at most a b; L = 2R."""
     return proved(
@@ -116,8 +124,8 @@ def _inner() -> Evidence:
 @claim(
     "c2.linearised",
     "The catch-up scheme converges as well if it projects onto the inner convex approximation.",
-    "section 1.1.2",
-    Verdict.NOT_REFUTED,
+    source="section 1.1.2",
+    quote="one can replace S with S̃(x) in the catch-up scheme without loss of convergence",
     rests_on=("c2.inner", "c2.catch-up"),
     tried_on="two discs in contact",
 )
@@ -157,8 +165,21 @@ def steepest(push: Callable[[float], float]) -> float:
 @claim(
     "c2.printed-penalty",
     "With a force ∇g at overlap the inclusion becomes an ordinary differential equation.",
-    "section 1.1.3",
-    Verdict.CORRECTED,
+    source="section 1.1.3",
+    quote=("smoothening approach … F_ℓ(x) := ∇g_ℓ(x) if g_ℓ(x) < 0 … one might apply any numerical scheme for ODEs"),
+    correction=Correction(
+        (
+            "with F_ℓ = −g_ℓ ∇g_ℓ where g_ℓ < 0 it is an ODE whose right-hand side is Lipschitz continuous while "
+            "no centres coincide; as printed (2.2) is a differential inclusion again"
+        ),
+        Effect.MODEL,
+        ("“any numerical scheme for ODEs”; the stiffness for large ε of the next paragraph, which is that of −g∇g"),
+        why=(
+            "∇g does not grow from 0 with the overlap: it jumps where contact begins, so the right-hand side is "
+            "not continuous"
+        ),
+        place=1223,
+    ),
     chosen="one constraint, g(x) = x",
 )
 def _printed_penalty() -> Evidence:
@@ -183,11 +204,12 @@ def _printed_penalty() -> Evidence:
 @claim(
     "c2.penalty-limit",
     "As the penalty parameter grows, the penalty method tends to the inclusion.",
-    "(2.2)",
-    Verdict.PROVED_INSTANCE,
+    source="(2.2)",
+    quote="For ε → ∞ the dynamics converge to the non-smooth behaviour.",
+    recorded=Verdict.PROVED_INSTANCE,
     rests_on=("c2.printed-penalty",),
-    chosen="the force as corrected in c2.printed-penalty",
     tried_on="two discs that a constant force presses together along their line",
+    chosen="the force as corrected in c2.printed-penalty",
 )
 def _limit() -> Evidence:
     """r, the distance of the centres, has r' = 2 (-f + e (L - r)), L = 2R, from r = L; the inclusion keeps r = L."""
@@ -208,11 +230,12 @@ def _limit() -> Evidence:
 @claim(
     "c2.stiffness",
     "The longest stable step of an explicit method falls as the penalty parameter grows.",
-    "section 1.1.3",
-    Verdict.PROVED_INSTANCE,
+    source="section 1.1.3",
+    quote=("the stiffness typically also increases dramatically for large penalty parameters which forces small …"),
+    recorded=Verdict.PROVED_INSTANCE,
     rests_on=("c2.printed-penalty",),
-    chosen="the force as corrected in c2.printed-penalty",
     tried_on="a point between two walls, by explicit Euler",
+    chosen="the force as corrected in c2.printed-penalty",
 )
 def _stiffness() -> Evidence:
     """Outside of a wall x' = -e x, x the overlap: a step multiplies x by 1 - dt e; k, e: two strengths."""

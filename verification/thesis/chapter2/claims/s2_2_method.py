@@ -1,5 +1,4 @@
 """Chapter 2, sections 2.2 and 2.3: second- and first-order PBD, what a sweep leaves, and alternating projections."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
@@ -9,11 +8,22 @@ from typing import Any
 import numpy as np
 
 import dincl
-from verification.claims import Evidence, Tables, Verdict, at_least, at_most, equal, proved, put_right
+from verification.claims import (
+    Correction,
+    Effect,
+    Evidence,
+    Tables,
+    Verdict,
+    at_least,
+    at_most,
+    claim,
+    equal,
+    proved,
+    put_right,
+)
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication
 from verification.thesis.chapter2.methods import PBD
-from verification.thesis.text.quoted import claim
 
 # A ball that meets an elastic wall at t = 1 with speed 1.
 IMPACT_STEPS = (0.1, 0.01, 0.001)
@@ -27,7 +37,12 @@ def bounced(dt: float) -> float:
     return float(dincl.solve(problem, dincl.SecondOrderPBD(dt=dt, v0=[[-1.0]]), t=2.0).final[0, 0])
 
 
-@claim("c2.elastic", "However small the step, the second-order method misses elastic collisions.", "introduction")
+@claim(
+    "c2.elastic",
+    "However small the step, the second-order method misses elastic collisions.",
+    source="introduction",
+    quote="it does not converge to exact solutions of the underlying second-order contact problems",
+)
 def _elastic() -> Evidence:
     """A ball at 1 with velocity -1 and an elastic wall at 0: it is back at 1 at t = 2."""
     error = min(abs(1.0 - bounced(dt)) for dt in IMPACT_STEPS)
@@ -35,7 +50,19 @@ def _elastic() -> Evidence:
     return Evidence(printed=(at_least(f"least error after an elastic collision, steps {steps} [length]", error, 0.5),))
 
 
-@claim("c2.mass", "In a step the velocity of a body of mass m grows by Δt F.", "(2.3)", Verdict.CORRECTED)
+@claim(
+    "c2.mass",
+    "In a step the velocity of a body of mass m grows by Δt F.",
+    source="(2.3)",
+    quote="m ẍ = F(x) … ṽ_{k+1} := v_k + Δt F(x_k, v_k)",
+    correction=Correction(
+        "ṽ_{k+1} = v_k + Δt F(x_k, v_k)/m; (2.3) as printed is for m = 1",
+        Effect.MODEL,
+        "Method 2.2; not the first-order Method 2.3, where μ = 1 was agreed",
+        why="m ẍ = F gives the acceleration F/m; Δt F is a momentum",
+        place=1269,
+    ),
+)
 def _mass() -> Evidence:
     return put_right(
         identity(
@@ -50,8 +77,9 @@ def _mass() -> Evidence:
 @claim(
     "c2.symplectic",
     "The prediction of velocities and then positions is a symplectic map.",
-    "section 2.2",
-    Verdict.PROVED,
+    source="section 2.2",
+    quote="The first part (2.3) and (2.4) is the symplectic Euler method",
+    recorded=Verdict.PROVED,
     rests_on=("c2.mass",),
     chosen="forces that depend on the positions only and have a potential",
 )
@@ -70,7 +98,13 @@ def _symplectic() -> Evidence:
     )
 
 
-@claim("c2.infeasible", "After a sweep of projections a state may still be infeasible.", "section 2.3", Verdict.PROVED)
+@claim(
+    "c2.infeasible",
+    "After a sweep of projections a state may still be infeasible.",
+    source="section 2.3",
+    quote="it can happen that even the corrected state is not feasible, i.e. x_{k+1} ∉ S",
+    recorded=Verdict.PROVED,
+)
 def _infeasible() -> Evidence:
     """Discs of diameter 1 at -1 + h, 0 and 1 - h; a, b, c after the first pair is moved apart, then d, e the second."""
     return proved(
@@ -87,7 +121,13 @@ def _infeasible() -> Evidence:
     )
 
 
-@claim("c2.prediction", "The prediction adds at most Δt ‖F‖ to the distance from S.", "section 2.3", Verdict.PROVED)
+@claim(
+    "c2.prediction",
+    "The prediction adds at most Δt ‖F‖ to the distance from S.",
+    source="section 2.3",
+    quote="dist(x̃_{k+1}, S) ≤ dist(x_k, S) + Δt ‖F(x_k)‖",
+    recorded=Verdict.PROVED,
+)
 def _prediction() -> Evidence:
     """p is the point of S nearest to x; d = |x - p|, n = |x~ - p|, q = dist(x~, S) <= n."""
     return proved(
@@ -109,10 +149,10 @@ def largest_overlap(dt: float) -> float:
 @claim(
     "c2.smaller",
     "With short enough steps the overlaps left by PBD get small.",
-    "Figure 2",
-    Verdict.NOT_REFUTED,
-    chosen="the four discs of Figure 4, the start is not given",
+    source="Figure 2",
+    quote="by choosing sufficiently small time steps the infeasibility will also decrease",
     tried_on="four discs that are drawn to one point",
+    chosen="the four discs of Figure 4, the start is not given",
 )
 def _smaller() -> Evidence:
     coarse, fine = (largest_overlap(dt) for dt in STEPS)
@@ -123,11 +163,11 @@ def _smaller() -> Evidence:
 @claim(
     "c2.large-steps",
     "PBD stays stable at large steps, at which penalty methods are unstable.",
-    "Figure 2",
-    Verdict.NOT_REFUTED,
+    source="Figure 2",
+    quote="Crucially, the use of large time steps does not make the simulations unstable.",
     needs=("large_steps",),
-    chosen="steps at which explicit Euler without constraints is stable; the starts",
     tried_on="the scenes of Figures 4 and 5",
+    chosen="steps at which explicit Euler without constraints is stable; the starts",
 )
 def _large(tables: Tables) -> Evidence:
     rows = tables["large_steps"]
@@ -146,8 +186,9 @@ def _large(tables: Tables) -> Evidence:
 @claim(
     "c2.alternating",
     "Alternating projections find a common point of two sets, in some cases also if they are not convex.",
-    "Remark 2.4",
-    Verdict.PROVED_INSTANCE,
+    source="Remark 2.4",
+    quote="alternating projections finds a point in the intersection A ∩ B by iterating x_{k+1} = P_A(P_B(x_k))",
+    recorded=Verdict.PROVED_INSTANCE,
     tried_on="the unit disc and y ≥ ½, and three discs in a line",
 )
 def _alternating() -> Evidence:
@@ -183,8 +224,9 @@ def _alternating() -> Evidence:
 @claim(
     "c2.subspaces",
     "For subspaces alternating projections converge to the projection onto the intersection.",
-    "Remark 2.4",
-    Verdict.PROVED_INSTANCE,
+    source="Remark 2.4",
+    quote="If A, B are closed subspaces … Von Neumann's alternating projections",
+    recorded=Verdict.PROVED_INSTANCE,
     tried_on="subspaces of finite dimension, in the planes of their principal angles",
 )
 def _subspaces() -> Evidence:

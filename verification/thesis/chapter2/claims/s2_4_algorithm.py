@@ -1,5 +1,4 @@
 """Chapter 2, section 2.4: Example 2.5, Algorithm 1 as printed, and the cost of finding overlaps."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
@@ -10,12 +9,11 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 import dincl
-from verification.claims import Evidence, Verdict, at_most, equal, proved
+from verification.claims import Correction, Effect, Evidence, Verdict, at_most, claim, equal, proved
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication
 from verification.thesis.chapter1.sets import Floats
 from verification.thesis.chapter2.discs import RADIUS
-from verification.thesis.text.quoted import claim
 
 SEED = 21
 # The four discs of Figure 4; a power of two, so that t += dt ends at END exactly.
@@ -27,8 +25,9 @@ COUNTS, PILES, ORDER_BAND = (400, 1600, 6400), (800, 3200), 0.05
 @claim(
     "c2.example",
     "Moving two discs apart, each by half of the overlap, is the projection.",
-    "Example 2.5",
-    Verdict.PROVED,
+    source="Example 2.5",
+    quote="Each disk is shifted by half of the overlap, which is exactly the projection.",
+    recorded=Verdict.PROVED,
 )
 def _example() -> Evidence:
     """b < D the distance of the centres, a >= D that of any feasible state, m the square of the way there."""
@@ -53,8 +52,9 @@ def _example() -> Evidence:
 @claim(
     "c2.gauss-newton",
     "For discs a Gauss-Newton step is the projection itself.",
-    "section 2.2, footnote 2",
-    Verdict.PROVED,
+    source="section 2.2, footnote 2",
+    quote="instead, one uses a single step of a local Gauss-Newton iteration to compute the projections P_{S_j}",
+    recorded=Verdict.PROVED,
     rests_on=("c2.example",),
     chosen="the constraint functions of Model 1.2",
 )
@@ -103,7 +103,23 @@ def dimension(_delta: float) -> float:
     return 8.0
 
 
-@claim("c2.algorithm", "Algorithm 1 is PBD for discs.", "Algorithm 1", Verdict.CORRECTED, rests_on=("c2.example",))
+@claim(
+    "c2.algorithm",
+    "Algorithm 1 is PBD for discs.",
+    source="Algorithm 1",
+    quote="δ_ij ← ‖X_i − X_j‖ − 2R; if δ_ij < 0: X_i ← X_i − d/2 X_ij, X_j ← X_j + d/2 X_ij",
+    correction=Correction(
+        "X_i ← X_i + δ_ij/2 X_ij, X_j ← X_j − δ_ij/2 X_ij (δ_ij is negative here, and d is not defined)",
+        Effect.MODEL,
+        "every simulation that takes the algorithm as printed: discs that overlap are drawn together",
+        why=(
+            "the algorithm sets δ_ij negative where Example 2.5 has the positive overlap, and d stands for none "
+            "of its variables: with −δ_ij the step is that of the example"
+        ),
+        place=1368,
+    ),
+    rests_on=("c2.example",),
+)
 def _algorithm() -> Evidence:
     method = dincl.solve(dincl.scenes.four_disks(), dincl.PBD(dt=DT), t=END).final
     as_delta, as_dimension, right = (
@@ -156,11 +172,14 @@ def crowd(count: int) -> Floats:
 @claim(
     "c2.linear-runtime",
     "With linked cells the work of a step grows linearly with the discs if contacts are locally bounded.",
-    "Remark 2.6",
-    Verdict.NOT_REFUTED,
+    source="Remark 2.6",
+    quote=(
+        "If the maximal number of contacts is locally bounded, then an efficient collision detection allows "
+        "an implementation of Algorithm 1 with linear runtime O(N) instead of O(N²)."
+    ),
     rests_on=("c2.algorithm",),
-    chosen="counted operations, not seconds",
     tried_on="squares of 400 to 6400 discs that slightly overlap, and falling piles of 800 and 3200",
+    chosen="counted operations, not seconds",
 )
 def _linear() -> Evidence:
     """The order between the last two sizes; discs that share one cell are what the condition excludes."""

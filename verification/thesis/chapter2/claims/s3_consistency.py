@@ -1,5 +1,4 @@
 """Chapter 2, section 3: consistency, and the proof that PBD has it."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
@@ -8,12 +7,22 @@ import math
 import numpy as np
 
 import dincl
-from verification.claims import Evidence, Verdict, at_least, at_most, equal, proved, put_right
+from verification.claims import (
+    Correction,
+    Effect,
+    Evidence,
+    Verdict,
+    at_least,
+    at_most,
+    claim,
+    equal,
+    proved,
+    put_right,
+)
 from verification.formal.algebra import identity
 from verification.formal.reals import implication, solver_library
 from verification.thesis.chapter1.sets import Floats
 from verification.thesis.chapter2.discs import RADIUS, ROUNDING, points_of_step, row, separated
-from verification.thesis.text.quoted import claim
 
 SEED = 23
 # The wall x >= 0, a point on it that is pulled away by F = 1, and the ball and direction of the support functions.
@@ -71,11 +80,30 @@ def beside_normals() -> list[float]:
 @claim(
     "c2.limits",
     "Each limit of a consistent method is a solution.",
-    "sections 3 and 5",
-    Verdict.CORRECTED,
+    source="sections 3 and 5",
+    quote=(
+        "the PBD method is a numerically consistent method. This … shows that each limit of the PBD method "
+        "would be a solution."
+    ),
+    correction=Correction(
+        (
+            "consistency as in Definition 2.7, at a fixed x, does not show it; the bound is needed along x_n → x,"
+            " with Δt → 0, as in (1.71), which PBD has while its overlaps are of the size of Δt"
+        ),
+        Effect.PROOF,
+        (
+            "“uses exactly this concept” after Definition 2.7, and “all convergent limits … will solve” in "
+            "section 5; that overlaps stay small is left open in the conclusions of the thesis"
+        ),
+        why=(
+            "a flow can be consistent at every fixed x, and fail on sets that move to x as Δt → 0; limits of its "
+            "steps are then no solutions"
+        ),
+        place=1381,
+    ),
     rests_on=("c2.definition", "c2.lemma"),
-    chosen="the flow that stands still on [1 − Δt, 1), S = ℝ; Definition 2.7 as corrected",
     tried_on="PBD with a row of five discs",
+    chosen="the flow that stands still on [1 − Δt, 1), S = ℝ; Definition 2.7 as corrected",
 )
 def _limits() -> Evidence:
     """S = R for the counterexample: -N = {0}; and PBD for a row of discs."""
@@ -98,7 +126,13 @@ def _limits() -> Evidence:
     )
 
 
-@claim("c2.not-sufficient", "A consistent method need not converge.", "(2.10)", Verdict.PROVED)
+@claim(
+    "c2.not-sufficient",
+    "A consistent method need not converge.",
+    source="(2.10)",
+    quote="We note, that this property alone does not imply convergence of the numerical method.",
+    recorded=Verdict.PROVED,
+)
 def _not_sufficient() -> Evidence:
     """F = 1, y = Phi(x) = x + h, but Phi(x) = x on [1 - h, 1)."""
     z3 = solver_library()
@@ -131,8 +165,18 @@ def leaving() -> tuple[float, float]:
 @claim(
     "c2.definition",
     "A method is consistent if its support functions tend to those of the normal cone.",
-    "Definition 2.7",
-    Verdict.CORRECTED,
+    source="Definition 2.7",
+    quote="lim sup σ((Φ(x) − x)/Δt − F(x), w) → σ(−N(S, x) ∩ B_R(0), w)",
+    correction=Correction(
+        "lim sup σ(…, w) ≤ σ(−N(S, x) ∩ B_R(0), w), as in Definition 1.27",
+        Effect.MODEL,
+        "Lemma 2.8: with the printed arrow PBD is not consistent, where a force leads away from contact",
+        why=(
+            "upper semicontinuity bounds the support functions from above; where F leads away from contact the "
+            "left side is 0 and the right side is R"
+        ),
+        place=1401,
+    ),
 )
 def _definition() -> Evidence:
     left, right = leaving()
@@ -148,8 +192,18 @@ def shares(x: Floats, force: Floats, dt: float) -> Floats:
 @claim(
     "c2.lemma",
     "With bounded forces PBD is consistent in the sense of Definition 2.7.",
-    "Lemma 2.8",
-    Verdict.CORRECTED,
+    source="Lemma 2.8",
+    quote="For F bounded, i.e., ‖F‖_∞ < ∞, the PBD method is consistent in the sense of Definition 2.7.",
+    correction=Correction(
+        "… in the sense of Definition 2.7 with “≤” in place of “→”",
+        Effect.PROOF,
+        "nothing else: the proof shows “≤”, and that is what section 3 uses",
+        why=(
+            "where a force leads away from contact the left side of the definition is 0 and the right side is R; "
+            "see c2.definition"
+        ),
+        place=1409,
+    ),
     rests_on=("c2.definition", "c2.equivalent", "c2.scale", "c2.steps", "c2.induction", "c2.last-line"),
     tried_on="a row of five discs, 20 random forces",
 )
@@ -187,8 +241,18 @@ def not_normal(normal: Floats, p: Floats) -> float:
 @claim(
     "c2.equivalent",
     "p_j is the projection of p_{j−1} if and only if p_{j−1} − p_j is normal at p_j.",
-    "proof of Lemma 2.8",
-    Verdict.CORRECTED,
+    source="proof of Lemma 2.8",
+    quote="(2.11) is equivalent to p_{j−1} − p_j ∈ N(S_j, p_j)",
+    correction=Correction(
+        "(2.11) implies p_{j−1} − p_j ∈ N(S_j, p_j), as in (1.23); the converse is false",
+        Effect.PROOF,
+        "nothing else: only this direction is used",
+        why=(
+            "p − q is normal at every q on the line through both centres where the discs touch, also with the "
+            "discs exchanged, and only one of these is the projection"
+        ),
+        place=1421,
+    ),
     rests_on=("c1.projection-normal",),
 )
 def _equivalent() -> Evidence:
@@ -209,7 +273,19 @@ def _equivalent() -> Evidence:
     )
 
 
-@claim("c2.scale", "The rate of a step without its drift is p_M − p_0.", "(2.12)", Verdict.CORRECTED)
+@claim(
+    "c2.scale",
+    "The rate of a step without its drift is p_M − p_0.",
+    source="(2.12)",
+    quote="(Φ(x) − x)/Δt − F(x) = p_M − p_0",
+    correction=Correction(
+        "(Φ(x) − x)/Δt − F(x) = (p_M − p_0)/Δt",
+        Effect.PROOF,
+        "the inclusion after it stands, for cones do not change with a factor",
+        why="(Φ(x) − x)/Δt − F(x) = (p_M − x)/Δt − (p_0 − x)/Δt",
+        place=1427,
+    ),
+)
 def _scale() -> Evidence:
     """p_0 = x + dt F(x) and Phi(x) = p_M."""
     return put_right(
@@ -223,7 +299,11 @@ def _scale() -> Evidence:
 
 
 @claim(
-    "c2.steps", "Every projection at most doubles the distance from the start of the step.", "(2.13)", Verdict.PROVED
+    "c2.steps",
+    "Every projection at most doubles the distance from the start of the step.",
+    source="(2.13)",
+    quote="‖p_j − x‖ ≤ 2^j Δt ‖F(x)‖",
+    recorded=Verdict.PROVED,
 )
 def _steps() -> Evidence:
     """x is in all S_j: n = |p_j - p_(j-1)| <= |x - p_(j-1)| = d, q = |p_j - x|, P = 2^(j-1) dt |F|."""
@@ -253,8 +333,15 @@ def kicked(count: int) -> tuple[Floats, Floats]:
 @claim(
     "c2.induction",
     "The rate of a step without its drift is at most (2^j + 1) ‖F‖_∞.",
-    "after (2.13)",
-    Verdict.CORRECTED,
+    source="after (2.13)",
+    quote="‖(Φ(x) − x)/Δt − F(x)‖ ≤ (2^j + 1) ‖F‖_∞",
+    correction=Correction(
+        "≤ (2^M + 1) ‖F‖_∞ and R = (2^M + 1) ‖F‖_∞ + 1: the bound is (2.13) at j = M",
+        Effect.PROOF,
+        "the constant R of the proof, which needs only to exist",
+        why="j is the index of the points; the step ends at p_M",
+        place=1458,
+    ),
     rests_on=("c2.steps", "c2.scale"),
     chosen="j = 1 for the free index",
 )
@@ -284,8 +371,17 @@ def _induction() -> Evidence:
 @claim(
     "c2.last-line",
     "As Δt → 0 the support functions of the cones at the p_j tend to that of the cone at x.",
-    "proof of Lemma 2.8, last line",
-    Verdict.CORRECTED,
+    source="proof of Lemma 2.8, last line",
+    quote="lim sup σ(−Σ N(S_j, p_j) ∩ B_R(0), w) = σ(−N(S, x) ∩ B_R(0), w)",
+    correction=Correction(
+        "lim sup … ≤ σ(−N(S, x) ∩ B_R(0), w), which is what Corollary 1.30 gives",
+        Effect.PROOF,
+        "Lemma 2.8 needs only this; “converges” in the caption of Figure 3 is to be read in the same way",
+        why=(
+            "where a projection leaves contact the cones at p_j are smaller than the cone at x, and stay so as Δt → 0"
+        ),
+        place=1470,
+    ),
     rests_on=("c1.sum-limit",),
 )
 def _last() -> Evidence:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from verification.claims import Evidence, Tables, at_least
-from verification.thesis.text.quoted import claim
+from verification.claims import Evidence, Tables, at_least, claim
 
 # Discs that end farther than this, a radius, from where they belong have been thrown away [length].
 THROWN = 0.5
@@ -18,7 +17,8 @@ TOO_STRONGLY = 10.0
 @claim(
     "c2.both-overlap",
     "Both PBD and the penalty method let discs overlap.",
-    "section 4.3",
+    source="section 4.3",
+    quote="Both the penalty method and the PBD method are prone to produce overlap between objects",
     needs=("penalty_best",),
     chosen="the starts and steps",
 )
@@ -35,7 +35,11 @@ def _both(tables: Tables) -> Evidence:
 @claim(
     "c2.strength",
     "Too large penalty parameters make simulations unstable, too small ones let discs overlap too much.",
-    "section 4.3",
+    source="section 4.3",
+    quote=(
+        "For too large penalty parameters, simulations become unstable, but for too small …, the constraints "
+        "will be violated too strongly."
+    ),
     needs=("penalty_scan",),
     rests_on=("c2.printed-penalty",),
     chosen="the starts, the steps, and the force as corrected in c2.printed-penalty",
@@ -58,7 +62,8 @@ def _strength(tables: Tables) -> Evidence:
 @claim(
     "c2.a-priori",
     "The best penalty parameter differs between scenes and steps.",
-    "section 4.3",
+    source="section 4.3",
+    quote=("In general, it is difficult to find the optimal penalty parameter a priori, i.e. before the simulation."),
     needs=("penalty_best",),
     rests_on=("c2.printed-penalty",),
     chosen="the starts and steps, and the force as corrected in c2.printed-penalty",
@@ -73,7 +78,11 @@ def _a_priori(tables: Tables) -> Evidence:
 @claim(
     "c2.margin",
     "PBD overlaps somewhat less than the penalty method with its best parameter.",
-    "Figure 6",
+    source="Figure 6",
+    quote=(
+        "PBD is able to outperform the penalty method by a small margin, even for optimal choice of the "
+        "penalty parameter."
+    ),
     needs=("penalty_best",),
     chosen="the starts and steps; best is the strength with the least largest overlap; how small a margin is small is "
     "left open",

@@ -12,10 +12,9 @@ from tissue.files.parameters import preset
 from tissue.frames.observables import ab_positions
 from tissue.runs.simulate import simulate
 from tissue.statistics.ratios import Ratio
-from verification.claims import Evidence, at_least, at_most, equal
+from verification.claims import Evidence, at_least, at_most, claim, equal
 from verification.thesis.chapter3.growing import PRESETS
 from verification.thesis.chapter3.sampled import MODEL, MOST_RUNS, SEEDS, of_mean, runs_for
-from verification.thesis.text.quoted import claim
 
 # Hours before division: the passive part that is looked at, and the rise (T^G2 + T^mitosis = 1 h).
 PASSIVE, RISE = (-9.0, -1.1), (-1.0, -0.1)
@@ -53,8 +52,12 @@ def speed(table: pd.DataFrame, part: tuple[float, float]) -> float:
 
 @claim(
     "c3.inm",
-    "Nuclei move slowly towards the basal side for most of the cycle and fast to the apical side at the end of it.",
-    "section 1.3",
+    ("Nuclei move slowly towards the basal side for most of the cycle and fast to the apical side at the end of it."),
+    source="section 1.3",
+    quote=(
+        "an apical to basal movement during the G1 phase, the S phase and a passive part of the G2 phase. "
+        "Followed by a fast basal to apical displacement during the active part of the G2 phase and mitosis"
+    ),
     rests_on=MODEL,
     chosen="4 runs of 16 h; ages at the start uniform on the cycle; nuclei anywhere in the box",
 )
@@ -80,7 +83,8 @@ def divided_apically(**phases: str) -> tuple[int, int]:
 @claim(
     "c3.apical-mitosis",
     "With interkinetic nuclear movement practically every cell divides on the apical side.",
-    "section 1.3",
+    source="section 1.3",
+    quote="One consequence of INM is that effectively all cell division occurs on the apical side of the tissue",
     rests_on=("c3.inm",),
     chosen="the apical side is y_AB > 1/2; 95 % count as effectively all; INM is switched off by T^G2 = T^mitosis = 0",
 )
@@ -108,7 +112,8 @@ def turn(table: pd.DataFrame) -> float:
 @claim(
     "c3.last-hour",
     "Nuclei turn round one hour before division.",
-    "Figure 7",
+    source="Figure 7",
+    quote=("Just one hour before cell division the cytoskeleton of the cell pushed the nucleus to the apical side"),
     rests_on=("c3.inm",),
     chosen="as for c3.inm",
 )
@@ -130,7 +135,8 @@ def spread(name: str, changes: tuple[tuple[str, object], ...]) -> list[float]:
 @claim(
     "c3.pushing",
     "Nuclei lie at different heights because they push each other.",
-    "section 2.1",
+    source="section 2.1",
+    quote="The mechanical pushing between nuclei leads to the pseudostratified nature of the tissue",
     rests_on=MODEL,
     chosen="a standard deviation of y_AB above 0.1 counts as stratified",
 )

@@ -1,5 +1,4 @@
 """Chapter 3, sections 2.2.1 to 2.2.5: the phases of a cell, its rest lengths, and its division."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
@@ -16,12 +15,11 @@ from tissue.runs.compiled_rules import rules_pointer
 from tissue.runs.simulate import simulate
 from tissue.state.numbers import numbers_pointer
 from tissue.state.running import contents, new_state
-from verification.claims import Evidence, Tables, Verdict, at_least, at_most, equal, proved
+from verification.claims import Correction, Effect, Evidence, Tables, Verdict, at_least, at_most, claim, equal, proved
 from verification.formal.algebra import identity, library
 from verification.thesis.chapter3.claims.s1_3_model import grown
 from verification.thesis.chapter3.printed import DT, G2, LONGEST, MITOSIS, R_SOFT, SHORTEST
 from verification.thesis.chapter3.sampled import MODEL, SEEDS, daha_runs_ending, of_mean, runs_for
-from verification.thesis.text.quoted import claim
 
 # p^div of Table 1; cells after 48 h over those at the start.
 ADDED, TOO_FAST, MODERATE = 0.2, 4.0, 2.5
@@ -44,7 +42,8 @@ def cycles(seed: int) -> tuple[pd.Series, float]:
 @claim(
     "c3.phases",
     "Cycles last 10 to 21 hours, evenly distributed, and mitosis is the last 30 minutes of each.",
-    "section 2.2.1, (3.1)",
+    source="section 2.2.1, (3.1)",
+    quote="t_i^cycle ∼ U(T^min-age, T^max-age) … the mitosis phase starts at t_i^age = t_i^cycle − T^mitosis",
     rests_on=("c3.forces", "c3.basal", "c3.offspring", "c3.enlarged", "c3.box", "c3.mu-unit", "c3.noise"),
     chosen="4 runs of 16 h; ages at the start are uniform on the cycle",
 )
@@ -66,8 +65,9 @@ def _phases() -> Evidence:
 @claim(
     "c3.adaptation",
     "Rest lengths approach the desired ones exponentially at the rates k.",
-    "(3.2), (3.3), (3.6)",
-    Verdict.PROVED,
+    source="(3.2), (3.3), (3.6)",
+    quote="dη^ax/dt = −k^ax (η^ax − η^ax*), dη^aa/dt = −k^aa η^aa, where k denotes the speed of adaptation",
+    recorded=Verdict.PROVED,
     chosen="desired lengths stand still within a step",
 )
 def _adaptation() -> Evidence:
@@ -102,10 +102,29 @@ def following(seed: int) -> float:
 
 @claim(
     "c3.passive-springs",
-    "In G1 and S the rest lengths follow the extension of the springs, with desired lengths of ‖X − A‖ − R^soft and "
-    "‖X − B‖ − R^soft.",
-    "section 2.2.2",
-    Verdict.CORRECTED,
+    (
+        "In G1 and S the rest lengths follow the extension of the springs, with desired lengths of ‖X − A‖ − "
+        "R^soft and ‖X − B‖ − R^soft."
+    ),
+    source="section 2.2.2",
+    quote=(
+        "During the G1 and the S phase, the cytoskeleton of the cell will adapt to the current extension: "
+        "η^ax* := ‖X − A‖ − R^soft"
+    ),
+    correction=Correction(
+        "η^ax* := max(0, ‖X − A‖ − R^soft), η^bx* := max(0, ‖X − B‖ − R^soft)",
+        Effect.MODEL,
+        (
+            "all comparisons with DAHA in sections 3.1, 3.4 and 4: with the printed energies and rest lengths no "
+            "run of 10 h by DAHA ends, and there is nothing to compare"
+        ),
+        why=(
+            "a nucleus nearer than R^soft to an end of its cell gets a negative rest length, and a spring that "
+            "stiffens like 1/d; the published program has max(0, ·) (time_step_springs! in src/core/simulate.jl "
+            "of sEMTor.jl). With the squared denominators of c3.dimensions runs end by the printed rule as well"
+        ),
+        place=1725,
+    ),
     needs=("tissue_daha_shares",),
     rests_on=(*MODEL, "c3.adaptation", "c3.squared", "c3.daha-multiplier"),
     chosen="DAHA with Table 4, at most 100,000 iterations in a step, denominators as printed: the rule is complete if "
@@ -124,8 +143,12 @@ def _passive(tables: Tables) -> Evidence:
 @claim(
     "c3.inm-equilibrium",
     "With the desired lengths of G2 both springs are at rest where the nucleus touches the apical point.",
-    "sections 2.1 and 2.2.3",
-    Verdict.PROVED,
+    source="sections 2.1 and 2.2.3",
+    quote=(
+        "η^ax* := 0 μm, η^bx* := ‖A − B‖ − 2R^soft … such that the most apical position is the equilibrium "
+        "for both springs"
+    ),
+    recorded=Verdict.PROVED,
     rests_on=("c3.springs",),
 )
 def _equilibrium() -> Evidence:
@@ -158,7 +181,11 @@ def cells_after(share: float, seed: int) -> float:
 @claim(
     "c3.slice",
     "With cycles of 10 to 21 hours a slice of tissue grows too fast if each division adds a cell to it.",
-    "section 2.2.5",
+    source="section 2.2.5",
+    quote=(
+        "since we only model a 2D slice of a three-dimensional tissue, the growth of the tissue would be too "
+        "fast if cells divide at a realistic rate"
+    ),
     rests_on=MODEL,
     chosen="60 cells at the start; in vivo the tissue at most doubles its height in 48 h. Too fast: more than 4 times "
     "the cells in that time, and not more than 2.5 times with p^div = 20 %",
@@ -187,7 +214,11 @@ def printed_edges(edges: set[tuple[int, int]], mother: int, new: int) -> set[tup
 @claim(
     "c3.daughters",
     "After a division the chain of cells is ordered from left to right, as the daughters are placed.",
-    "section 2.2.5",
+    source="section 2.2.5",
+    quote=(
+        "adding the edge (i, N + 1) and by connecting the former right apical neighbour of the i th cell with"
+        " the new N + 1 th cell"
+    ),
     rests_on=MODEL,
     chosen="rest lengths of the new cell and of its junction: those of the mother, and R^soft/3",
 )

@@ -1,5 +1,4 @@
 """Chapter 3, section 2.2.6: the energy terms as printed, their forces and their units."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
@@ -14,13 +13,12 @@ from tissue.frames.observables import height
 from tissue.model.energy import forces
 from tissue.runs.simulate import simulate
 from tissue.state.cells import COORDINATES, Cells
-from verification.claims import Evidence, Verdict, at_most, equal, proved, put_right
+from verification.claims import Correction, Effect, Evidence, Verdict, at_most, claim, equal, proved, put_right
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication, solver_library
 from verification.thesis.chapter3.printed import AA, AX, AXB, BX, R_SOFT, XX
 from verification.thesis.chapter3.sampled import of_mean
 from verification.thesis.chapter3.terms import STEP, Point, bending, junction, repulsion, slope, spring
-from verification.thesis.text.quoted import claim
 
 SEEDS = tuple(range(3))
 # Force over overlap: (α_i + α_j)/R² with R = 2 R_soft and α = 1, in src/core/compute_forces.jl of SteffenPL/sEMTor.jl.
@@ -58,8 +56,23 @@ def push(d: float) -> float:
 @claim(
     "c3.dimensions",
     "The energies (3.9) to (3.13) are numbers without unit.",
-    "section 2.2.6",
-    Verdict.CORRECTED,
+    source="section 2.2.6",
+    quote="We define the energy terms in their non-dimensional form as in [Fer+19]",
+    correction=Correction(
+        "the denominators are squares: (R^soft + η)² in (3.9), (3.10), (2R^soft)² in (3.11), (3.13)",
+        Effect.MODEL,
+        (
+            "F^basal-cytos in section 2.2.4 of chapter 4, which needs the square, too; the weight of (3.12) "
+            "against the other terms; the unit of μ (Table 5); the heights of Figures 14 and 16, which the "
+            "squares give"
+        ),
+        why=(
+            "each of them is a length squared over a length, and (3.12) is a number: they cannot be added without"
+            " units, and other units give other weights; the published program divides by squares "
+            "(compute_forces.jl of sEMTor.jl)"
+        ),
+        place=1793,
+    ),
     rests_on=("c3.repulsion", "c3.similar"),
     chosen="PBD with μ = 0.2 h, which is said to be similar, stands for DAHA; lengths in R^soft",
 )
@@ -91,8 +104,9 @@ def _dimensions() -> Evidence:
 @claim(
     "c3.springs",
     "The cytoskeleton springs are linear with the rest length R^soft + η, with the force of chapter 4.",
-    "(3.9), (3.10)",
-    Verdict.PROVED,
+    source="(3.9), (3.10)",
+    quote="W_i^ax = α^ax/(R^soft + η_i^ax) (‖X_i − A_i‖ − R^soft − η_i^ax)²",
+    recorded=Verdict.PROVED,
     chosen="the denominators as printed, in both chapters: see c3.dimensions",
 )
 def _spring() -> Evidence:
@@ -110,8 +124,12 @@ def _spring() -> Evidence:
 @claim(
     "c3.straight-minimum",
     "The bending energy is least where the nucleus lies between its two points on a straight line.",
-    "(3.12)",
-    Verdict.PROVED,
+    source="(3.12)",
+    quote=(
+        "The equilibrium of W_i^axb corresponds to the case when the angle … is 180°, i.e. if X_i lies on the"
+        " straight line joining the apical and the basal points"
+    ),
+    recorded=Verdict.PROVED,
 )
 def _straight() -> Evidence:
     """Write c = u.v, k = u x v, n = |u||v| for u = A - X, v = B - X: n^2 = c^2 + k^2, W = alpha (c/n + 1)."""
@@ -136,8 +154,15 @@ def _straight() -> Evidence:
 @claim(
     "c3.straightness",
     "The bending energy is α^axb (cos π − cos(γ − π)) for the angle γ at the nucleus.",
-    "(3.12)",
-    Verdict.CORRECTED,
+    source="(3.12)",
+    quote="α^axb (cos(γ) + 1) = α^axb (cos(π) − cos(γ − π))",
+    correction=Correction(
+        "α^axb (cos(γ) + 1) = α^axb (cos(0) − cos(γ − π))",
+        Effect.PROOF,
+        ("the energy of a cell, which the second form shifts by −2α^axb; forces and the equilibrium γ = π stand"),
+        why="cos(π) − cos(γ − π) = −1 + cos(γ)",
+        place=1815,
+    ),
 )
 def _straightness() -> Evidence:
     sp = library()
@@ -155,8 +180,18 @@ def _straightness() -> Evidence:
 @claim(
     "c3.repulsion",
     "By the energy W^xx nuclei with overlapping soft discs push each other apart.",
-    "(3.13)",
-    Verdict.CORRECTED,
+    source="(3.13)",
+    quote="the repulsive energy W_ij^xx = −α^xx/(2R^soft) (‖X_i − X_j‖ − 2R^soft)² if ‖X_i − X_j‖ ≤ 2R^soft",
+    correction=Correction(
+        "W_ij^xx = +α^xx/(2R^soft) (‖X_i − X_j‖ − 2R^soft)²",
+        Effect.MODEL,
+        (
+            "(3.14), the forces of all models of chapters 3 and 4: as printed nuclei attract each other until "
+            "their hard discs touch"
+        ),
+        why="−∇ of the printed energy points from each nucleus to the other; the text calls it repulsive",
+        place=1821,
+    ),
 )
 def _repulsion() -> Evidence:
     """Take the force f = -dW/dd of two nuclei at the distance d < 2R; W = alpha (d - 2R)^2/(2R)."""
@@ -192,11 +227,14 @@ def moved(cells: Cells, name: str, i: int, by: float) -> Cells:
 @claim(
     "c3.forces",
     "The forces of the tissue are the negative slope of the sum of all energies, each pair counted once.",
-    "(3.14) and section 2.2",
-    Verdict.NOT_REFUTED,
+    source="(3.14) and section 2.2",
+    quote=(
+        "W := Σ_i (W_i^ax + W_i^bx + W_i^axb) + Σ_(i,j)∈A W_ij^aa + Σ_i Σ_j<i W_ij^xx; the forces of the "
+        "system are −∇_Z W"
+    ),
     rests_on=("c3.repulsion",),
-    chosen="(3.13) as corrected in c3.repulsion; denominators as printed, lengths in R^soft",
     tried_on="12 cells, by central differences",
+    chosen="(3.13) as corrected in c3.repulsion; denominators as printed, lengths in R^soft",
 )
 def _forces() -> Evidence:
     changes = {"tissue.cells": 12, "numerics.t_end": "1 h"}

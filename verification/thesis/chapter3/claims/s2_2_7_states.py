@@ -1,5 +1,4 @@
 """Chapter 3, sections 2.2.7 and 2.2.8: feasible states, the state of the quasi-steady model, unique minima."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
@@ -20,10 +19,9 @@ from tissue.runs.simulate import simulate
 from tissue.state.cells import COORDINATES, Cells
 from tissue.state.numbers import numbers_pointer
 from tissue.state.running import contents, new_state
-from verification.claims import Evidence, Verdict, at_least, at_most, equal
+from verification.claims import Correction, Effect, Evidence, at_least, at_most, claim, equal
 from verification.thesis.chapter3.printed import AX, ENLARGED, HARD, R_SOFT
 from verification.thesis.chapter3.terms import spring
-from verification.thesis.text.quoted import claim
 
 # Of (3.7) [μm].
 OFFSET = 0.05
@@ -38,8 +36,27 @@ STARTS, WEIGHTS, STEPS = (1.8, 2.2, 3.0, 4.0), (0.3, 1.0, 3.0), 400
 @claim(
     "c3.at-all-times",
     "The state is feasible at all times, also right after a cell event.",
-    "sections 2.2 and 3.2",
-    Verdict.CORRECTED,
+    source="sections 2.2 and 3.2",
+    quote=(
+        "The forces of the system are −∇W(Z, P) with the additional constraint that Z ∈ S at all times. … We "
+        "define the FO-PSE model as (3.33) together [with] the discontinuous cell events"
+    ),
+    correction=Correction(
+        (
+            "Z ∈ S but right after a division with two offspring and at the onset of mitosis; from there the "
+            "state is first projected onto S, and then follows (3.33)"
+        ),
+        Effect.MODEL,
+        (
+            "(3.33), whose right side is empty outside of S, so that it cannot go on after such an event; Model "
+            "3.1 and Method 3.7 need no change, for minimisation and projections begin outside of S as well"
+        ),
+        why=(
+            "(3.7) puts both nuclei 0.1 μm apart, (C1) asks for 3.32 μm; the radius of (3.4) jumps to 3.5 μm "
+            "while nuclei touch"
+        ),
+        place=1680,
+    ),
     rests_on=("c2.example",),
     arithmetic=True,
 )
@@ -64,8 +81,20 @@ def _at_all_times() -> Evidence:
 @claim(
     "c3.equal-radii",
     "The feasible set is the one of Proposition 1.22, hence prox-regular.",
-    "section 3.2",
-    Verdict.CORRECTED,
+    source="section 3.2",
+    quote="Since the set S is uniformly prox-regular by Proposition 1.22",
+    correction=Correction(
+        (
+            "… by Proposition 1.22 while no cell is in mitosis; with the two radii of (3.4) the proposition is "
+            "needed for hard spheres of different radii"
+        ),
+        Effect.PROOF,
+        "well-posedness while a cell is in mitosis; c3.well-posed has another gap of the same sentence",
+        why=(
+            "the proposition has one distance 2R for all pairs; (C1) has R_i^hard + R_j^hard with two values of R^hard"
+        ),
+        place=2145,
+    ),
     rests_on=("c1.prox-constant", "c3.enlarged"),
     chosen="three cells; whether S is prox-regular with two radii is left open",
     arithmetic=True,
@@ -95,9 +124,25 @@ def next_state(frame: Frame, rest: float) -> Cells:
 
 @claim(
     "c3.state",
-    "The positions with the hard radii and desired rest lengths are the state, and the energy is a function of them.",
-    "section 2.2 and Model 3.1",
-    Verdict.CORRECTED,
+    ("The positions with the hard radii and desired rest lengths are the state, and the energy is a function of them."),
+    source="section 2.2 and Model 3.1",
+    quote=(
+        "W : R^6N × R^3N → R … Given the state of the system at time t_k as (Z^k, P^k), P_i = (R_i^hard, "
+        "η_i^ax*, η_i^bx*)"
+    ),
+    correction=Correction(
+        (
+            "the present rest lengths η^ax, η^bx and η^aa belong to the state, and W is a function of them; it "
+            "does not depend on R^hard and η*"
+        ),
+        Effect.NOTATION,
+        (
+            "Model 3.1 and Method 3.7, which update the rest lengths all the same: only who restarts a run from "
+            "(Z, P) gets another one"
+        ),
+        why="(3.9) to (3.11) contain η^ax, η^bx, η^aa, which neither Z nor P has, and neither R^hard nor η*",
+        place=1674,
+    ),
     rests_on=("c3.adaptation",),
     chosen="60 cells after 1 h; rest lengths of both springs 0.5 R^soft longer",
 )
@@ -133,7 +178,8 @@ def moving() -> tuple[str, ...]:
 @claim(
     "c3.not-unique",
     "Minima of the energy over the feasible states need not be unique.",
-    "Remark 3.2",
+    source="Remark 3.2",
+    quote="The local minimisation in the QSS model might not be unique in some circumstances",
     rests_on=("c3.forces", "c3.feasible-set"),
     chosen="60 cells after 1 h, all moved by 0.7 R^soft along the basal layer",
 )
@@ -192,8 +238,21 @@ def minima(power: int) -> float:
 @claim(
     "c3.regularised",
     "A distance from the last state added to the energy makes the minimiser unique.",
-    "Remark 3.2",
-    Verdict.CORRECTED,
+    source="Remark 3.2",
+    quote="One might add a regularising term Z^k+1 := argmin (W(Z, P^k) + c ‖Z − Z^k‖)",
+    correction=Correction(
+        (
+            "the term is c ‖Z − Z^k‖², with W(Z, P^k+1) as in Model 3.1; it is the implicit Euler step of μ dZ/dt"
+            " = −∇W with μ = 2c Δt"
+        ),
+        Effect.NOTATION,
+        "who takes the norm without square gets a tissue that stops wherever ‖∇W‖ ≤ c; nothing else uses it",
+        why=(
+            "c‖Z − Z^k‖ has a kink at Z^k, so Z^k stays the minimiser wherever ‖∇W‖ ≤ c; its square makes the "
+            "implicit Euler step"
+        ),
+        place=1881,
+    ),
     chosen="a regularised step should have one minimiser for each convex W and c > 0, and rest at minima of W only; "
     "one spring (3.9) from 12 starts and weights c, and W = max(0, 1 − z) with z^k = 0, c = 1",
 )

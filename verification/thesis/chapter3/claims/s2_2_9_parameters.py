@@ -1,5 +1,4 @@
 """Chapter 3, section 2.2.9: how parameters were found; entries of Tables 1 and 2 that other places contradict."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
@@ -11,13 +10,12 @@ import numpy as np
 from tissue.files.parameters import preset
 from tissue.frames.observables import nuclear_layers, widths
 from tissue.runs.simulate import simulate
-from verification.claims import Evidence, Verdict, at_least, equal, proved
+from verification.claims import Correction, Effect, Evidence, Verdict, at_least, claim, equal, proved
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication
 from verification.thesis.chapter3.intervals import over_seeds
 from verification.thesis.chapter3.printed import CELLS, G2, HEIGHT, MITOSIS, R_SOFT, SPACING, WIDTH
 from verification.thesis.chapter3.sampled import MODEL, SEEDS, runs_for
-from verification.thesis.text.quoted import claim
 
 MANY = 12
 # The first height of Figure 16, and of the published program SteffenPL/sEMTor.jl (src/core/parameters.jl, line 18:
@@ -38,7 +36,11 @@ def layers(distance: str) -> list[float]:
 @claim(
     "c3.layers",
     "The number of layers of nuclei tells the distance of neighbouring apical and basal points.",
-    "section 2.2.9",
+    source="section 2.2.9",
+    quote=(
+        "by counting the number of layers that the cells form in vivo, one can estimate values for "
+        "d^init-apical, d^max-basal depending on the number of cells"
+    ),
     rests_on=MODEL,
     chosen="60 cells, 8 h; one distance for both kinds of points; layers are soft discs on a vertical line, on average",
 )
@@ -59,8 +61,9 @@ def _layers() -> Evidence:
 @claim(
     "c3.relative",
     "Only the ratios of the stiffnesses matter for the minima of the energy.",
-    "section 2.2.9",
-    Verdict.PROVED,
+    source="section 2.2.9",
+    quote="The stiffness coefficients are relative to each other",
+    recorded=Verdict.PROVED,
 )
 def _relative() -> Evidence:
     """Multiply the energies v, w of two states by c."""
@@ -76,8 +79,9 @@ def _relative() -> Evidence:
 @claim(
     "c3.diffusion",
     "Noise of variance 2DΔt in each coordinate makes free nuclei diffuse with the coefficient D.",
-    "Table 1, (3.17)",
-    Verdict.PROVED,
+    source="Table 1, (3.17)",
+    quote="D = 2.5 μm²/h diffusion coefficient; X_i^k+1 − X_i^k ∼ N_2(0, 2DΔt)",
+    recorded=Verdict.PROVED,
 )
 def _diffusion() -> Evidence:
     """Take one coordinate and one step from x: independent steps add their variances, so n of them have 2 D n dt."""
@@ -98,7 +102,23 @@ def _diffusion() -> Evidence:
     )
 
 
-@claim("c3.box", "The tissue is 50 μm high and 40 μm wide at the start.", "Table 1", Verdict.CORRECTED, arithmetic=True)
+@claim(
+    "c3.box",
+    "The tissue is 50 μm high and 40 μm wide at the start.",
+    source="Table 1",
+    quote="h^init = 50 μm initial tissue height, w^init = 40 μm initial tissue width",
+    correction=Correction(
+        "h^init = 40 μm, w^init = 50 μm",
+        Effect.NUMBER,
+        ("every run of chapters 3 and 4 begins in this box; heights are compared with the first one (Figure 16)"),
+        why=(
+            "Figure 16 and section 4 speak of “an increase from 8 to 16” R^soft, and 8 R^soft are 40 μm; the "
+            "published program begins 8 high (parameters.jl, line 18, of sEMTor.jl)"
+        ),
+        place=1899,
+    ),
+    arithmetic=True,
+)
 def _box() -> Evidence:
     """Compare Table 1 with Figure 16 and the published program; the other value is then the width."""
     return Evidence(
@@ -113,8 +133,21 @@ def _box() -> Evidence:
 @claim(
     "c3.row",
     "At the start the apical points of 60 cells, 1.66 μm apart, are 40 μm wide.",
-    "Table 1",
-    Verdict.CORRECTED,
+    source="Table 1",
+    quote="N^init = 60 number of cells, w^init = 40 μm initial tissue width, d^init-apical = 1.66 μm",
+    correction=Correction(
+        "w^init = N^init d^init-apical, 100 μm for 60 cells; 50 μm are the width of 30 cells",
+        Effect.NUMBER,
+        (
+            "the start of runs: by the letter all nuclei begin above less than half of their apical points; "
+            "c3.box, whose 50 μm is the other value of the table, is about which of the two is the height"
+        ),
+        why=(
+            "60 points at 1.66 μm are a row of 100 μm, neither 40 nor 50 μm; the published program has N_init = "
+            "30 and the width N_init/3 in R^soft (parameters.jl, lines 3 and 18, of sEMTor.jl)"
+        ),
+        place=1898,
+    ),
     rests_on=("c3.box",),
     chosen="the row reaches half a distance beyond its ends; a distance more or less is left open",
     arithmetic=True,
@@ -140,8 +173,18 @@ def basal_width(distance: str) -> float:
 @claim(
     "c3.basal",
     "The largest allowed distance of neighbouring basal points is 0 μm.",
-    "Table 1",
-    Verdict.CORRECTED,
+    source="Table 1",
+    quote="d^max-basal = 0 μm, maximal allowed distance between basal points",
+    correction=Correction(
+        "a positive distance, in published runs d^max-basal = R^soft/3 = 1.67 μm",
+        Effect.MODEL,
+        "(C2) in every run of chapters 3 and 4: with 0 the basal layer is a point",
+        why=(
+            "with 0 μm (C2) puts all basal points in one place; the published program has 1/3 R^soft "
+            "(parameters.jl, line 20, of sEMTor.jl)"
+        ),
+        place=1902,
+    ),
     chosen="10⁻⁶ μm in place of 0, with sweeps of PBD, after 1 h; the layer should be as wide as the tissue at first",
 )
 def _basal() -> Evidence:
@@ -169,8 +212,18 @@ def singles(two: float) -> tuple[int, int]:
 @claim(
     "c3.offspring",
     "A division brings a single cell with the probability 20 %.",
-    "Table 1",
-    Verdict.CORRECTED,
+    source="Table 1",
+    quote="p^div = 20 %, probability of division with single offspring",
+    correction=Correction(
+        "p^div = 20 % is the probability of a division with two offspring; one of 80 % brings a single one",
+        Effect.MODEL,
+        "the growth of the tissue in chapters 3 and 4; p^div-out = 100 % of chapter 4 is 1 − p^div",
+        why=(
+            "sections 2.1 and 2.2.5 create a second daughter in 20 % of the divisions; the published program lets"
+            " it leave with 0.8 (parameters.jl, line 21, of sEMTor.jl)"
+        ),
+        place=1903,
+    ),
     chosen="sections 2.1 and 2.2.5 keep a second daughter in 20 % of the divisions; intervals of 99.9 %",
 )
 def _offspring() -> Evidence:
@@ -196,8 +249,18 @@ def text_rule(age: np.ndarray, cycle: float) -> np.ndarray:
 @claim(
     "c3.enlarged",
     "A nucleus has the larger hard radius during active G2 and mitosis.",
-    "Table 2, (3.4)",
-    Verdict.CORRECTED,
+    source="Table 2, (3.4)",
+    quote="R^hard,G2 = 0.7 R^soft radius of non-overlap (during active G2, mitosis phase)",
+    correction=Correction(
+        "0.7 R^soft during mitosis only, R^hard = 1.66 μm in G1, S and the whole of G2",
+        Effect.MODEL,
+        "the rise of nuclei in active G2, which the table makes twice as large while they move",
+        why=(
+            "sections 2.1, 2.2.3 and (3.4) enlarge the radius in mitosis only, (3.8) calls the other one that of "
+            "the passive phase, G1 among them"
+        ),
+        place=1927,
+    ),
     chosen="(3.4) and sections 2.1 and 2.2.8 against the table; a cycle of 14 h, in seconds",
     arithmetic=True,
 )

@@ -1,5 +1,4 @@
 """Chapter 3, sections 2.3 to 2.3.2: the damped Arrow-Hurwicz method (DAHA), its step, its limits, where it stops."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
@@ -10,10 +9,9 @@ from numpy.typing import NDArray
 
 import dincl
 from dincl.minimise import DampedArrowHurwicz, Stationary, minimise
-from verification.claims import Evidence, Verdict, at_least, at_most, equal, proved
+from verification.claims import Correction, Effect, Evidence, Verdict, at_least, at_most, claim, equal, proved
 from verification.formal.algebra import identity, library
 from verification.thesis.chapter3.printed import ALPHA, BETA, EPS, GAMMA, C
-from verification.thesis.text.quoted import claim
 
 Floats = NDArray[np.float64]
 ROUNDING, TOL = 1e-12, 1e-8
@@ -31,8 +29,9 @@ REST = np.array([1.0, 2.0])
 @claim(
     "c3.discretised",
     "(3.25) is a difference formula for the damped second-order system (3.23).",
-    "(3.25)",
-    Verdict.PROVED,
+    source="(3.25)",
+    quote="A discretisation of (3.22) and (3.23) yields the damped Arrow-Hurwicz algorithm (DAHA).",
+    recorded=Verdict.PROVED,
     chosen="the multiplier is a given function of time, so that its misprinted update does not matter",
 )
 def _discretised() -> Evidence:
@@ -57,7 +56,13 @@ def damped(now: Any, before: Any, push: Any, c: Any, dtau: Any) -> Any:
     return (2 * now - (1 - dtau * c / 2) * before - dtau**2 * push) / (1 + dtau * c / 2)
 
 
-@claim("c3.solved", "The printed z_{n+1} is (3.25) solved for the next state.", "section 2.3", Verdict.PROVED)
+@claim(
+    "c3.solved",
+    "The printed z_{n+1} is (3.25) solved for the next state.",
+    source="section 2.3",
+    quote="z_{n+1} = 1/(1 + ½Δτc) (2z_n - (1 - ½Δτc) z_{n-1} - Δτ²α(∇W - Σ λ_ℓ ∇g_ℓ) - Δτ²γ Σ g_ℓ λ_ℓ ∇g_ℓ)",
+    recorded=Verdict.PROVED,
+)
 def _solved() -> Evidence:
     return proved(
         identity(
@@ -75,8 +80,9 @@ def _solved() -> Evidence:
 @claim(
     "c3.one-step",
     "For c = 2/Δτ the next state no longer depends on the one before the present.",
-    "section 2.3",
-    Verdict.PROVED,
+    source="section 2.3",
+    quote="We observe that for c = 2/Δτ the method reduces to a one-step method.",
+    recorded=Verdict.PROVED,
     rests_on=("c3.solved",),
 )
 def _one_step() -> Evidence:
@@ -128,8 +134,21 @@ def least_weight(c: float, dtau: float) -> float:
 @claim(
     "c3.stable-choice",
     "A larger damping c and a larger step make DAHA more stable, and take more iterations.",
-    "section 2.3.1",
-    Verdict.CORRECTED,
+    source="section 2.3.1",
+    quote=(
+        "Increasing the damping coefficient c and the time-step size Δt can reduce the numerical "
+        "instabilities, but it also directly increases the number of required iterations."
+    ),
+    correction=Correction(
+        (
+            "Δτ must be decreased: energies are stable for Δτ²αW'' ≤ 4, whatever c is; a larger c helps contacts "
+            "only. Both take more iterations"
+        ),
+        Effect.MODEL,
+        "the choice of parameters: a larger Δτ is less stable and needs fewer iterations",
+        why="explicit steps of a stiff system become stable by shorter, not longer steps",
+        place=2037,
+    ),
     rests_on=("c3.solved", "c3.daha-multiplier"),
     chosen="the step is Δτ of (3.25), in which Δt does not occur; c and Δτ are doubled or halved from c = 2, Δτ = 1/2",
 )
@@ -175,7 +194,8 @@ def last_move(product: float, steps: int = 2000) -> float:
 @claim(
     "c3.endless",
     "An iteration beyond its stability limit need not meet (3.24).",
-    "section 2.3.1",
+    source="section 2.3.1",
+    quote="Such instabilities can lead to non-terminating conditions of the iteration",
     rests_on=("c3.solved",),
     chosen="a force that is bounded, as the force of straightness at a given distance; c = 2, Δτ = 1, with "
     "the limit Δτ²αW'' = 4; 2000 iterations",
@@ -197,8 +217,15 @@ def pulled() -> dincl.Problem:
 @claim(
     "c3.update",
     "With Table 4 a step of DAHA moves by α∇W.",
-    "(3.26)",
-    Verdict.CORRECTED,
+    source="(3.26)",
+    quote="z_{n+1} = z_n - α∇W(z_n) + Σ (αλ_ℓ - γλ_ℓ g_ℓ(z_n)) ∇g_ℓ",
+    correction=Correction(
+        "α/2 and γ/2 for α and γ, also in (3.27) and (3.28); or Table 4 with α and γ doubled",
+        Effect.MODEL,
+        "Remark 3.6, (3.28) to (3.32): the damping coefficient of the first-order model",
+        why="with c = 2 and Δτ = 1 the factor 1/(1 + Δτc/2) of the line before is 1/2",
+        place=2041,
+    ),
     rests_on=("c3.one-step",),
     chosen="W = ‖z − a‖²/2",
 )
@@ -238,8 +265,21 @@ def landed(weight: float) -> list[float]:
 @claim(
     "c3.overdamped",
     "With Table 4 the states run into their rest without swinging around it.",
-    "section 2.3.1",
-    Verdict.CORRECTED,
+    source="section 2.3.1",
+    quote=(
+        "We see in particular, that the Damped Arrow-Hurwicz Algorithm approaches the equilibrium on an "
+        "overdamped trajectory."
+    ),
+    correction=Correction(
+        ("… approaches it on an overdamped trajectory where no constraint is active; at a contact the state swings"),
+        Effect.PROOF,
+        "nothing of Remark 3.6 and section 3.1, which leave the constraints out",
+        why=(
+            "c = 2 with Δτ = 1 removes the inertia of z alone: z and λ together are of second order, λ sums up g,"
+            " and (3.26), from which the sentence is read off, has the terms of the constraints"
+        ),
+        place=2043,
+    ),
     rests_on=("c3.daha-multiplier",),
     chosen="springs with W'' from 1 to 19,000, and a weight on a floor in 5000 iterations",
 )
@@ -253,8 +293,12 @@ def _overdamped() -> Evidence:
 @claim(
     "c3.descent",
     "Without constraints and with c = 2/Δτ DAHA is plain gradient descent.",
-    "Remark 3.6",
-    Verdict.PROVED,
+    source="Remark 3.6",
+    quote=(
+        "Let us consider the situation without constraints, e.g. M = 0, and with parameters as in Table 4. In"
+        " this case the DAHA method reduces to a gradient decent method with fixed step size."
+    ),
+    recorded=Verdict.PROVED,
     rests_on=("c3.one-step",),
     chosen="the step size is not asked for: it is α/2, see c3.update",
 )
@@ -273,8 +317,15 @@ def _descent() -> Evidence:
 @claim(
     "c3.stopping",
     "Where DAHA stops ‖∇W‖/‖z‖ is at most ε/α.",
-    "Remark 3.6",
-    Verdict.CORRECTED,
+    source="Remark 3.6",
+    quote="‖∇W(z_{n*})‖ / ‖z_{n*}‖ ≤ ε/α = 10⁻⁶/10⁻⁴ = 0.01",
+    correction=Correction(
+        "≤ 2ε/α = 0.02, for the step is α/2: it follows from c3.update",
+        Effect.NUMBER,
+        "the accuracy that Remark 3.6 derives",
+        why="by c3.update the step is α/2 ∇W, so ‖∇W‖ = 2/α times the way of a step",
+        place=2061,
+    ),
     rests_on=("c3.update", "c3.descent"),
     chosen="W = ‖z − a‖²/2 with Table 4",
 )

@@ -1,5 +1,4 @@
 """Chapter 3, section 2.3: the constraints, the Lagrangian and the equilibria on which the minimisers rest."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
@@ -10,10 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 import dincl
-from verification.claims import Evidence, Verdict, at_least, at_most, equal, proved
+from verification.claims import Correction, Effect, Evidence, Verdict, at_least, at_most, claim, equal, proved
 from verification.formal.algebra import identity
 from verification.formal.reals import implication, solver_library
-from verification.thesis.text.quoted import claim
 
 Floats = NDArray[np.float64]
 SEED = 37
@@ -55,9 +53,12 @@ def in_all(z: Floats) -> bool:
 
 @claim(
     "c3.feasible-set",
-    "S is the intersection of the sets of single constraints: the nuclei that meet (C1), times all apical points, "
-    "times a convex set of basal points. So S is prox-regular if the set of (C1) is.",
-    "(3.16), sections 3.2 and 3.3",
+    (
+        "S is the intersection of the sets of single constraints: the nuclei that meet (C1), times all apical"
+        " points, times a convex set of basal points. So S is prox-regular if the set of (C1) is."
+    ),
+    source="(3.16), sections 3.2 and 3.3",
+    quote="S = ⋂_{j=1}^M S_j, which is the key assumption for the application of PBD",
     rests_on=("c3.equal-radii",),
     chosen="1000 random states of 5 cells; equal hard radii, as in Proposition 1.22; for others see c3.equal-radii",
 )
@@ -87,8 +88,9 @@ def _set() -> Evidence:
 @claim(
     "c3.constraint-count",
     "A tissue of N cells has N(N − 1)/2 + 2(N − 1) + N scalar constraints.",
-    "section 2.3",
-    Verdict.PROVED,
+    source="section 2.3",
+    quote="in the setup of Section 2.2.7 we have M = N(N-1)/2 + 2(N-1) + N constraints",
+    recorded=Verdict.PROVED,
     chosen="the basal line counts as one constraint for each cell",
 )
 def _count() -> Evidence:
@@ -114,8 +116,17 @@ def basal_pairs() -> Floats:
 @claim(
     "c3.squared",
     "All four kinds of constraints can be taken squared.",
-    "section 2.3",
-    Verdict.CORRECTED,
+    source="section 2.3",
+    quote=(
+        "Since the convergence rates can depend on the representation, we define g_ℓ as the square of (C1) to (C4)."
+    ),
+    correction=Correction(
+        "distances (C1), (C2) are squared; the order (C4) is taken as it stands, and (C3) is eliminated",
+        Effect.NOTATION,
+        "(3.19) and every method that uses these g_ℓ",
+        why="(C3) is an equation and (C4) has a sign that its square loses",
+        place=1949,
+    ),
     chosen="(C4) squared as (x(B_j) − x(B_i))² ≥ 0 or as x(B_j)² ≥ x(B_i)², for 1000 random pairs in either order; a "
     "multiplier can push along a constraint only if its gradient is not 0",
 )
@@ -138,8 +149,9 @@ def _squared() -> Evidence:
 @claim(
     "c3.saddle",
     "inf sup of ℒ = W + Σ λ_ℓ min(0, g_ℓ) over all λ gives the minima of W over S.",
-    "(3.20)",
-    Verdict.PROVED,
+    source="(3.20)",
+    quote="Solutions of (3.20) will also be solutions of the original problem (3.18).",
+    recorded=Verdict.PROVED,
 )
 def _saddle() -> Evidence:
     """Take m = min(0, g(z)) of one row; sup over lambda of W + lambda m is W for m = 0 and infinite for m < 0."""
@@ -158,8 +170,12 @@ def _saddle() -> Evidence:
 @claim(
     "c3.rests",
     "A constrained minimum, with its multipliers, is an equilibrium of both systems.",
-    "(3.21) to (3.23)",
-    Verdict.PROVED,
+    source="(3.21) to (3.23)",
+    quote=(
+        "The dynamical system (3.21) and (3.22) has every solution of (3.18) as an equilibrium. … (3.23) … "
+        "has also all solutions of (3.18) as equilibria."
+    ),
+    recorded=Verdict.PROVED,
     chosen="multipliers ≤ 0 for (3.21), ≥ 0 for (3.23), as their signs ask for",
 )
 def _rest() -> Evidence:

@@ -1,5 +1,4 @@
 """Chapter 3, section 2.3: the signs of the Arrow-Hurwicz methods as printed, and where the methods converge."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
@@ -9,11 +8,10 @@ import numpy as np
 
 import dincl
 from dincl.minimise import ArrowHurwicz, DampedArrowHurwicz, Stationary, minimise
-from verification.claims import Evidence, Verdict, at_least, at_most, equal, proved
+from verification.claims import Correction, Effect, Evidence, Verdict, at_least, at_most, claim, equal, proved
 from verification.formal.algebra import identity
 from verification.formal.reals import implication
 from verification.thesis.chapter3.claims.s2_3_1_daha import damped
-from verification.thesis.text.quoted import claim
 
 STEPS = 2000
 # Steps of the methods for discs: a few more than the damped one needs.
@@ -57,8 +55,18 @@ def first_method(side: float, turn: float) -> tuple[float, float]:
 @claim(
     "c3.arrow-hurwicz",
     "The two printed steps of the Arrow-Hurwicz method find a minimum of W over g ≥ 0.",
-    "Method 3.3",
-    Verdict.CORRECTED,
+    source="Method 3.3",
+    quote="z_{n+1} := z_n - α(∇W(z_n) + Σ λ_ℓ ∇g_ℓ(z_n)), λ_{ℓ,n+1} := min(0, λ_{ℓ,n} - β g_ℓ(z_{n+1}))",
+    correction=Correction(
+        ("either λ ≤ 0 with + Σ λ_ℓ ∇g_ℓ and min(0, λ_ℓ + βg_ℓ), or λ ≥ 0 with - Σ λ_ℓ ∇g_ℓ and max(0, λ_ℓ - βg_ℓ)"),
+        Effect.MODEL,
+        "(3.21), (3.22), for which the method is the semi-implicit Euler method, and Method 3.4",
+        why=(
+            "where g > 0 the printed update makes λ negative, and −αλ∇g then moves the state along +∇g, deeper "
+            "into the feasible set: g grows further, and so does −λ, without end"
+        ),
+        place=1979,
+    ),
     rests_on=("c3.saddle",),
     chosen="W = (x + 1)²/2 on x ≥ 0, with the minimum 0; α = 0.1, β = 0.5, 2000 steps from x = 1, λ = 0; the first "
     "step is from z_0 to z_1, though “n > 0” is printed",
@@ -86,8 +94,18 @@ def growth_rate(side: float, turn: float) -> float:
 @claim(
     "c3.equilibria",
     "The minima are attractive equilibria of the system (3.21), (3.22).",
-    "(3.21), (3.22)",
-    Verdict.CORRECTED,
+    source="(3.21), (3.22)",
+    quote="attractive equilibria of the constructed dynamical system … ż = -α(∇W + Σ λ_ℓ ∇g_ℓ), λ̇_ℓ = -βg_ℓ",
+    correction=Correction(
+        (
+            "either λ ≤ 0 with + Σ λ_ℓ ∇g_ℓ in (3.21) and λ̇_ℓ = +βg_ℓ in (3.22), or λ ≥ 0 with - Σ λ_ℓ ∇g_ℓ, as "
+            "in (3.23), and λ̇_ℓ = -βg_ℓ"
+        ),
+        Effect.MODEL,
+        "Method 3.3, which is the semi-implicit Euler method for this system, as in c3.arrow-hurwicz",
+        why="linearised at a contact the printed pair has a positive eigenvalue",
+        place=1987,
+    ),
     rests_on=("c3.rests",),
     chosen="W = (x + 1)²/2 on x ≥ 0, linearised at the minimum, where as printed λ = −1 is at rest",
 )
@@ -105,7 +123,10 @@ def _equilibria() -> Evidence:
 @claim(
     "c3.not-always",
     "The undamped method can fail for discs where the damped one converges.",
-    "section 2.3",
+    source="section 2.3",
+    quote=(
+        "the direct application of the Arrow-Hurwicz algorithm does not always converge for … non-overlapping spheres"
+    ),
     rests_on=("c3.arrow-hurwicz", "c3.daha-multiplier", "c3.squared"),
     chosen="the corrected signs, step sizes 0.1, at most 500 steps; two and four discs that are drawn to one point",
 )
@@ -140,8 +161,18 @@ def two_discs() -> dincl.Problem:
 @claim(
     "c3.daha-multiplier",
     "The damped method finds the minimum with min(0, ·) in the update of its multipliers.",
-    "Method 3.4",
-    Verdict.CORRECTED,
+    source="Method 3.4",
+    quote="λ_{ℓ,n+1} = min(0, λ_{ℓ,n} - Δτ β g_ℓ(z_n))",
+    correction=Correction(
+        "λ_{ℓ,n+1} = max(0, λ_{ℓ,n} - Δτ β g_ℓ(z_n))",
+        Effect.MODEL,
+        "the method: with min, discs that overlap do not notice each other",
+        why=(
+            "λ begins at 0, grows while g < 0 and must not become negative, as (3.25) has − Σ λ∇g; min(0, ·) "
+            "keeps it at 0 there"
+        ),
+        place=2014,
+    ),
     rests_on=("c3.one-step",),
     chosen="the wall of c3.arrow-hurwicz, cΔτ = 2; n starts at 1 with z_1 = z_0, and λ_1 = 0: the thesis sets only λ_0",
 )
@@ -167,8 +198,9 @@ def _damped_multiplier() -> Evidence:
 @claim(
     "c3.rescaled",
     "The step Δτ can be absorbed in the other parameters.",
-    "Remark 3.5",
-    Verdict.PROVED,
+    source="Remark 3.5",
+    quote="For example, we can choose without loss of generality Δτ = 1.",
+    recorded=Verdict.PROVED,
     rests_on=("c3.solved",),
 )
 def _rescaled() -> Evidence:
@@ -187,11 +219,12 @@ def _rescaled() -> Evidence:
 @claim(
     "c3.attractive",
     "For two discs the damped system is attracted by the minimum.",
-    "section 2.3",
-    Verdict.PROVED_INSTANCE,
+    source="section 2.3",
+    quote="For special cases such as N = 2 … the underlying dynamical system … has an attractive equilibrium",
+    recorded=Verdict.PROVED_INSTANCE,
     rests_on=("c3.daha-multiplier",),
-    chosen="W = ‖z‖²/2; for a W that is much weaker the parameters of Table 4 do not attract",
     tried_on="two discs, W = ‖z‖²/2, linearised",
+    chosen="W = ‖z‖²/2; for a W that is much weaker the parameters of Table 4 do not attract",
 )
 def _attractive() -> Evidence:
     """Exclude roots x + iy, x >= 0, of s^3 + C s^2 + GAMMA lambda J s + ALPHA BETA J: contact, J = 8, lambda = 1/4."""

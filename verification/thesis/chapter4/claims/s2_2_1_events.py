@@ -1,5 +1,4 @@
 """Chapter 4, sections 2.2.1 to 2.2.3 and 2.2.5: how cells leave the layers, what their springs do, and who divides."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
@@ -12,9 +11,8 @@ from tissue.files.parameters import preset
 from tissue.frames.frame import Frame
 from tissue.runs.run import Run
 from tissue.runs.simulate import simulate
-from verification.claims import Evidence, Verdict, at_least, at_most, equal, proved
+from verification.claims import Correction, Effect, Evidence, Verdict, at_least, at_most, claim, equal, proved
 from verification.formal.cases import all_cases
-from verification.thesis.text.quoted import claim
 
 SEED = 4
 GROUP = 10
@@ -40,8 +38,9 @@ def bridged(edges: Edges, i: int) -> Edges:
 @claim(
     "c4.bridged",
     "When cells leave a layer their neighbours are joined, so that the rest is again one line of cells.",
-    "sections 2.2.1, 2.2.2",
-    Verdict.PROVED_INSTANCE,
+    source="sections 2.2.1, 2.2.2",
+    quote="we replace the edges (j₁, i) and (i, j₂) with the new edge (j₁, j₂)",
+    recorded=Verdict.PROVED_INSTANCE,
     tried_on="layers of six cells, all orders in which four leave",
 )
 def _bridge() -> Evidence:
@@ -78,8 +77,21 @@ def contracted(relaxes: bool) -> float:
 @claim(
     "c4.rest-length",
     "After the loss of adhesion an equation of chapter 3 no longer holds for the rest length.",
-    "sections 2.2.1, 2.2.2",
-    Verdict.CORRECTED,
+    source="sections 2.2.1, 2.2.2",
+    quote="the INM-specific cell event (3.2) [(3.3)] will not apply anymore for the i th cell",
+    correction=Correction(
+        (
+            "the rules of sections 2.2.2 and 2.2.3 of chapter 3 that set η^{ax*} and η^{bx*} do not apply any "
+            "more; (3.2) and (3.3), by which η tends to η* = 0, do"
+        ),
+        Effect.MODEL,
+        "events [A] and [B], the contraction in Figures 5 and 6, the pull-in effect of section 4.3.2",
+        why=(
+            "η tends to η* only by (3.2) and (3.3); if they stop at the time of the event, η stays as it is and "
+            "nothing contracts, against Figures 5 and 6"
+        ),
+        place=2403,
+    ),
 )
 def _rest_length() -> Evidence:
     what = f"length of a freed spring at rest {HOURS:g} h after [A], over the one before,"
@@ -97,8 +109,20 @@ def run_with(changes: dict[str, object]) -> Run:
 @claim(
     "c4.free-basal",
     "A state with a freed basal point off the x-axis is in the set S of (3.16).",
-    "section 2.2.2",
-    Verdict.CORRECTED,
+    source="section 2.2.2",
+    quote=(
+        "We recall, that the constraints for basal points (C3) and (C4) do only hold for vertices of the basal network."
+    ),
+    correction=Correction(
+        "(C3) of chapter 3 is for all B_i; it must be restricted: B_i ∈ ℝ × {0} for the vertices i of ℬ",
+        Effect.NOTATION,
+        ("(3.16), (3.33) and the freedom of B_i after [B]; chapter 3 is not concerned, for there all are vertices"),
+        why=(
+            "(C3) of chapter 3 is printed for all i, so a point that moves freely in the plane leaves S; the "
+            "sentence quoted recalls a restriction that chapter 3 does not make"
+        ),
+        place=2418,
+    ),
     chosen="the rest length of the spring relaxes at the rate of Table 2",
 )
 def _free() -> Evidence:
@@ -136,8 +160,8 @@ def bend(frames: tuple[Frame, ...]) -> float:
 @claim(
     "c4.bent",
     "A cell whose bending spring has no stiffness is bent.",
-    "section 2.2.3, Figure 7",
-    Verdict.NOT_REFUTED,
+    source="section 2.2.3, Figure 7",
+    quote="the angle between the apical-nuclei and basal-nuclei springs is no longer straight",
     tried_on="ten cells of one run",
 )
 def _bent() -> Evidence:
@@ -156,8 +180,8 @@ def _bent() -> Evidence:
 @claim(
     "c4.constant-group",
     "The number of EMT cells is constant: they begin new cycles and have no daughters.",
-    "sections 2.2.5, 2.3.1",
-    Verdict.NOT_REFUTED,
+    source="sections 2.2.5, 2.3.1",
+    quote="the EMT cells will effectively reset their cell cycle instead of performing cell division",
     tried_on="ten cells of one run, 48 h",
 )
 def _constant() -> Evidence:

@@ -1,5 +1,4 @@
 """Chapter 4, sections 2.1 and 2.2.4: how a basal point runs, and how it pulls its cell."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
@@ -11,11 +10,10 @@ from scipy.optimize import brentq
 from tissue.files.parameters import preset as named
 from tissue.runs.simulate import simulate
 from tissue.state.cells import Floats
-from verification.claims import Evidence, Verdict, at_least, at_most, proved
+from verification.claims import Correction, Effect, Evidence, Verdict, at_least, at_most, claim, proved
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication, solver_library
 from verification.thesis.chapter4.frequencies import MODEL, in_readings
-from verification.thesis.text.quoted import claim
 
 SEED = 224
 # Units of R_soft; v^run has no value in the thesis: 1 R_soft/h, and with (4.1) only the time scale depends on it.
@@ -48,10 +46,13 @@ def run(B: Floats, X: Floats, hours: float) -> tuple[Floats, float]:
 
 @claim(
     "c4.protrusion-law",
-    "A basal point runs away from its nucleus at one speed and stops 2 R_soft below the basal layer; "
-    "one that begins above its nucleus never gets there.",
-    "(4.1)",
-    Verdict.PROVED,
+    (
+        "A basal point runs away from its nucleus at one speed and stops 2 R_soft below the basal layer; one "
+        "that begins above its nucleus never gets there."
+    ),
+    source="(4.1)",
+    quote="Ḃ_i = v^run (B_i − X_i)/‖B_i − X_i‖ if y(B_i) > −2R^soft, 0 else",
+    recorded=Verdict.PROVED,
     chosen="the nucleus rests; v^run = 1 R_soft/h, for the thesis gives no value",
 )
 def _law() -> Evidence:
@@ -99,9 +100,16 @@ def on_arrival(preset: str) -> list[float]:
 
 @claim(
     "c4.outside-depth",
-    "When its basal point has come to this depth a cell lies below the basal layer with its whole soft disc.",
-    "section 2.2.4",
-    Verdict.CORRECTED,
+    ("When its basal point has come to this depth a cell lies below the basal layer with its whole soft disc."),
+    source="section 2.2.4",
+    quote=("The motion stops once B_i … has distance 2R^soft from the basal layer (i.e. the full cell must have left)"),
+    correction=Correction(
+        ("at this depth there is room for the full cell: it lies below the layer once its spring has drawn it to B_i"),
+        Effect.NOTATION,
+        "nothing: the motion stops by y(B_i) alone, and extruded cells are counted by their nuclei, (4.3)",
+        why="the nucleus follows its basal point with a delay, by a spring and past other nuclei",
+        place=2437,
+    ),
     rests_on=("c4.grip",),
 )
 def _outside() -> Evidence:
@@ -143,8 +151,9 @@ def pull(X: Floats, B: Floats, eta: float) -> Floats:
 @claim(
     "c4.basal-force",
     "The force of the basal spring on the nucleus is the one that its energy (3.10) gives.",
-    "section 2.2.4",
-    Verdict.PROVED,
+    source="section 2.2.4",
+    quote="F = 2α^bx/(R^soft + η) (‖B − X‖ − R^soft − η) (B − X)/‖B − X‖",
+    recorded=Verdict.PROVED,
 )
 def _force() -> Evidence:
     sp = library()
@@ -171,8 +180,23 @@ def rest_length(X: Floats, B: Floats) -> float:
 @claim(
     "c4.grip",
     "With this rest length the spring has no force above the basal layer and pulls once below.",
-    "section 2.2.4",
-    Verdict.CORRECTED,
+    source="section 2.2.4",
+    quote="η^bx := ‖X − B‖ − R^soft if y(B) > 0, 0 if y(B) ≤ 0",
+    correction=Correction(
+        (
+            "… and pulls once below, as long as ‖X − B‖ > R^soft; a nucleus that is nearer to its basal point is "
+            "pushed away"
+        ),
+        Effect.MODEL,
+        (
+            "where a nucleus rests beside a basal point below the layer: its disc touches the point, it does not "
+            "reach it"
+        ),
+        why=(
+            "with η^bx = 0 the printed force is 2α^bx/R^soft (‖B − X‖ − R^soft) towards B: below 0 if ‖B − X‖ < R^soft"
+        ),
+        place=2454,
+    ),
     rests_on=("c4.basal-force",),
 )
 def _grip() -> Evidence:
@@ -208,8 +232,24 @@ def gripping(rate: float) -> Floats:
 @claim(
     "c4.grip-at-once",
     "The rule of 2.2.4 is that of 2.1, by which the desired rest length is zero and the pull grows.",
-    "sections 2.1, 2.2.4",
-    Verdict.CORRECTED,
+    source="sections 2.1, 2.2.4",
+    quote=(
+        "as soon as the basal point is below the basal layer, we set the desired rest length of the "
+        "basal-nuclei spring to zero … η^bx(t) := 0 if y(B) ≤ 0. This equation replaces (3.3)."
+    ),
+    correction=Correction(
+        "below the layer η^bx* := 0 and (3.3) goes on to hold; only above it the rule for η^bx replaces (3.3)",
+        Effect.MODEL,
+        (
+            "how suddenly [P] pulls: the two sections contradict each other; in the published program the rest "
+            "length relaxes below the layer (time_step_springs! in src/core/simulate.jl of SteffenPL/sEMTor.jl)"
+        ),
+        why=(
+            "section 2.1 sets the desired rest length to zero and section 2.2.4 the rest length itself; with the "
+            "latter the pull jumps to its full size within one step"
+        ),
+        place=2456,
+    ),
     rests_on=("c4.grip",),
     chosen="the nucleus and the basal point rest; k^bx of Table 2",
 )

@@ -1,5 +1,4 @@
 """Chapter 4, section 2.3: the random times of the events."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
@@ -13,10 +12,9 @@ from tissue.events.known import row, settled
 from tissue.files.timing import timing
 from tissue.state.cells import Floats
 from tissue.study.plan import load_study
-from verification.claims import Evidence, Verdict, at_most, equal, proved
+from verification.claims import Correction, Effect, Evidence, Verdict, at_most, claim, equal, proved
 from verification.formal.algebra import identity, library
 from verification.thesis.chapter4.claims.s4_3_tables import NEVER, TABLE_3, TABLE_4
-from verification.thesis.text.quoted import claim
 
 SEED = 231
 CELLS = 50_000
@@ -32,8 +30,9 @@ ROUGHLY = 2.0
 @claim(
     "c4.mixture",
     "The printed probabilities of U^{70%} are those of a distribution: they add up, and to one.",
-    "section 2.3.1",
-    Verdict.PROVED,
+    source="section 2.3.1",
+    quote="P[T = ∞] = 0.3 and P[T ∈ (a, b)] = 0.7 (b − a)/(T^max − T^min)",
+    recorded=Verdict.PROVED,
 )
 def _mixture() -> Evidence:
     sp = library()
@@ -75,9 +74,15 @@ def spread(p: float, events: str, possible: Mapping[str, Floats] = POSSIBLE) -> 
 
 @claim(
     "c4.seventy",
-    "With 70 % the chances of one, two and three events are as the numbers of their possible orders, up to a factor of "
-    "1.9.",
-    "section 2.3.1",
+    (
+        "With 70 % the chances of one, two and three events are as the numbers of their possible orders, up "
+        "to a factor of 1.9."
+    ),
+    source="section 2.3.1",
+    quote=(
+        "70 % ensures that the number of one-step, two-step and three-step EMT events is roughly proportional"
+        " to the number of possible combinations"
+    ),
     rests_on=(
         "c4.mixture",
         "c4.orders",
@@ -104,7 +109,8 @@ def _seventy() -> Evidence:
 @claim(
     "c4.range",
     "The times of all tables lie between 6 h and 24 h, and reach both; so do those of the runs.",
-    "section 2.3.1",
+    source="section 2.3.1",
+    quote="All simulations in this thesis will use T^min = 6 h and T^max = 24 h.",
 )
 def _range() -> Evidence:
     found = []
@@ -137,8 +143,20 @@ def _range() -> Evidence:
 @claim(
     "c4.onset",
     "The two definitions of the onset, over four events and over three, are the same.",
-    "(Q3), (4.8)",
-    Verdict.CORRECTED,
+    source="(Q3), (4.8)",
+    quote=(
+        "The timing of onset of EMT … is the minimum of T^A, T^B, T^S and T^P; T_i^EMT is that of T_i^A, T_i^B, T_i^S"
+    ),
+    correction=Correction(
+        "in (Q3) max(T^P, T^B) in place of T^P, or as in (4.8) without it",
+        Effect.NUMBER,
+        "the onset of a quarter of the cells with times from (4.2); Figures 21 and 22 are by (4.8)",
+        why=(
+            "section 2.3.1 draws T^P and T^B independently, and [P] waits for [B] (section 2.2.4): a T^P before "
+            "all other times is the time of no event"
+        ),
+        place=2532,
+    ),
 )
 def _onset() -> Evidence:
     """The times as drawn, and those at which the events happen."""

@@ -1,13 +1,11 @@
 """Chapter 4, sections 3.1 and 3.3.3 and footnotes: orders, selections and numbers of runs, counted."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
 from itertools import permutations, product
 
 from tissue.statistics.categories import EVENTS
-from verification.claims import Comparison, Evidence, Verdict, at_least, at_most, equal
-from verification.thesis.text.quoted import claim
+from verification.claims import Comparison, Correction, Effect, Evidence, at_least, at_most, claim, equal
 
 # The footnote on possible orders: counts as printed, and the orders that it lists.
 STEPS = {1: 3, 2: 7, 3: 10, 4: 9}
@@ -26,7 +24,8 @@ MINUTES, FASTER, MEASURED = 45, 300, 27 / 0.08
 @claim(
     "c4.selections",
     "There are twelve sets of events in which [P] comes only with [B].",
-    "(Q2)",
+    source="(Q2)",
+    quote="We get 2³ + 2² = 12 possible selections of active EMT events.",
 )
 def _selections() -> Evidence:
     chosen = [events for events in product((False, True), repeat=4) if events[1] or not events[3]]
@@ -49,8 +48,18 @@ def _orders() -> list[str]:
 @claim(
     "c4.orders",
     "There are 29 orders of one to four events in which [P] follows [B].",
-    "(Q4), footnote 1",
-    Verdict.CORRECTED,
+    source="(Q4), footnote 1",
+    quote="There are 29 possible orderings of the EMT events … 10× three-step EMT … 9× four-step EMT",
+    correction=Correction(
+        "34 = 3 + 7 + 12 + 12",
+        Effect.NUMBER,
+        "the number of EMT categories by order, and the list in the footnote",
+        why=(
+            "without [P] there are 3, 6 and 6 orders of one to three of A, B, S; with [P] behind [B] 1, 6 and 12 "
+            "of two to four: 3, 7, 12 and 12; the footnote itself lists 12 of three"
+        ),
+        place=2535,
+    ),
 )
 def _count_orders() -> Evidence:
     found = _orders()
@@ -68,8 +77,18 @@ def _count_orders() -> Evidence:
 @claim(
     "c4.orders-listed",
     "The footnote lists all possible orders of the events.",
-    "footnote 1",
-    Verdict.CORRECTED,
+    source="footnote 1",
+    quote="9× four-step EMT: ABSP, ABPS, ASPB, BASP, BAPS, BSAP, BSPA, BPAS, BPSA.",
+    correction=Correction(
+        "without ASPB, with ASBP, SABP, SBAP and SBPA: twelve of four steps",
+        Effect.NUMBER,
+        "the count of 29 in (Q4)",
+        why=(
+            "in ASPB [P] comes before [B], which the footnote excludes; of the 4!/2 = 12 orders of all four "
+            "events it lacks four"
+        ),
+        place=2556,
+    ),
     rests_on=("c4.orders",),
 )
 def _listed_orders() -> Evidence:
@@ -87,7 +106,10 @@ def _listed_orders() -> Evidence:
 @claim(
     "c4.samples",
     "The numbers of runs and of categories give a thousand runs for each category.",
-    "section 3.3.3",
+    source="section 3.3.3",
+    quote=(
+        "n^D ∈ [10, 500] … n^rep ∈ [10⁴, 5·10⁵] to ensure that we have around 10³ simulations to rate each category"
+    ),
     arithmetic=True,
 )
 def _samples() -> Evidence:
@@ -102,7 +124,10 @@ def _samples() -> Evidence:
 @claim(
     "c4.ten-per-cent",
     "The shares of Figure 10 and of section 4.1.2 for [A] add up.",
-    "section 4.1.2, Figure 10",
+    source="section 4.1.2, Figure 10",
+    quote=(
+        "There is only a 10 % likelihood that an EMT cell is neither apically extruded nor below all epithelial cells."
+    ),
     arithmetic=True,
 )
 def _ten_per_cent() -> Evidence:
@@ -113,7 +138,8 @@ def _ten_per_cent() -> Evidence:
 @claim(
     "c4.speed-up",
     "45 min at the new speed are ten days at the former one.",
-    "footnote 2",
+    source="footnote 2",
+    quote="300 times faster … 50000 simulations in less than 45 min instead of 10 days",
     arithmetic=True,
 )
 def _speed_up() -> Evidence:

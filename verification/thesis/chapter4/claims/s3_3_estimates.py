@@ -1,5 +1,4 @@
 """Chapter 4, section 3.3: the apical-basal scale, categories of event times, and the ratios estimated for them."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
@@ -10,10 +9,9 @@ from numpy.typing import NDArray
 
 from tissue.state.cells import Floats
 from tissue.statistics.proportions import POWER
-from verification.claims import Evidence, Tables, Verdict, at_most, equal, proved
+from verification.claims import Correction, Effect, Evidence, Tables, Verdict, at_most, claim, equal, proved
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication, solver_library
-from verification.thesis.text.quoted import claim
 
 # Of the intervals D_k.
 PARTS = 10
@@ -23,8 +21,9 @@ POINTS = np.concatenate((np.linspace(0.0, 1.0, 201), [-0.02, 1.03]))
 @claim(
     "c4.ab-scale",
     "The scale is 0 at the basal and 1 at the apical layer; the indicators tell which cells are out.",
-    "section 3.3.1, (4.3)",
-    Verdict.PROVED,
+    source="section 3.3.1, (4.3)",
+    quote="y^AB(X_i) := y(X_i)/y(A_i^ref) … δ^basal-extr = 1 if y^AB < 0, δ^apical-extr = 1 if y^AB > 1",
+    recorded=Verdict.PROVED,
     chosen="the apical layer is a graph over x",
 )
 def _scale() -> Evidence:
@@ -45,8 +44,12 @@ def _scale() -> Evidence:
 @claim(
     "c4.contained",
     "A basally extruded cell counts as being in basal positioning, too, so the yellow ratio contains it.",
-    "section 3.3.1, Figure 10",
-    Verdict.PROVED,
+    source="section 3.3.1, Figure 10",
+    quote=(
+        "δ^basal-pos := 1 if y^AB(X_i) ≤ min_{j control} y^AB(X_j) … The yellow color shows the ratio of EMT "
+        "cells below all epithelial cells"
+    ),
+    recorded=Verdict.PROVED,
     chosen="no control cell has left basally",
 )
 def _contained() -> Evidence:
@@ -77,8 +80,18 @@ def cells_for_one(share: float) -> int | None:
 @claim(
     "c4.partition",
     "The intervals are a partition of the positions at the onset of EMT.",
-    "section 3.3.4",
-    Verdict.CORRECTED,
+    source="section 3.3.4",
+    quote="(0, 1/n^D] ∪ … ∪ ((n^D−1)/n^D, 1] = [0, 1]",
+    correction=Correction(
+        "[0, 1/n^D] ∪ (1/n^D, 2/n^D] ∪ … = [0, 1], and one set each for positions below 0 and above 1",
+        Effect.NOTATION,
+        "Figure 21: one cell of ten thousand is in no category",
+        why=(
+            "the first interval is open at 0, so 0 is in no D_k though the union is said to be [0, 1]; positions "
+            "at the onset may lie outside of [0, 1] by (4.3)"
+        ),
+        place=2712,
+    ),
     needs=("emt_complete_outside",),
 )
 def _partition(tables: Tables) -> Evidence:
@@ -119,8 +132,15 @@ def share_sum(sets: int) -> float:
 @claim(
     "c4.categories-count",
     "The event times are divided into n^D + 1 categories D_1 to D_{n^D}.",
-    "section 3.3.3",
-    Verdict.CORRECTED,
+    source="section 3.3.3",
+    quote="we will consider a partition … into n^D + 1 many subsets D_1, …, D_{n^D}",
+    correction=Correction(
+        "n^D many subsets",
+        Effect.NUMBER,
+        "P[D_k] ≈ 1/n^D and the n^rep/n^D samples for each category",
+        why="the sets are numbered from 1 to n^D, and n^D chances of 1/n^D make up 1",
+        place=2655,
+    ),
 )
 def _count() -> Evidence:
     what = f"total chance of sets with a chance of 1/n^D each, n^D = {SETS},"
@@ -138,8 +158,21 @@ def accepted(outcomes: Floats, inside: Floats) -> Floats:
 @claim(
     "c4.sampling",
     "(4.12) draws from a category by inverse transform sampling.",
-    "section 3.3.3",
-    Verdict.CORRECTED,
+    source="section 3.3.3",
+    quote=(
+        "This approach to sample these conditional expectations is an inverse transform sampling for the "
+        "conditional probabilities."
+    ),
+    correction=Correction(
+        "it is rejection sampling: of the draws of all times those in D_k are accepted",
+        Effect.NOTATION,
+        "the next sentence, by which accept-rejection algorithms do not fit; the estimate (4.12) stands",
+        why=(
+            "inverse transform sampling maps a uniform number by an inverse distribution function and rejects no "
+            "draw; (4.12) draws all times and keeps those in D_k"
+        ),
+        place=2673,
+    ),
     rests_on=("c4.conditional",),
 )
 def _sampling() -> Evidence:
@@ -192,8 +225,8 @@ def by_counting() -> tuple[Floats, Floats]:
 @claim(
     "c4.conditional",
     "The ratio of chances is the conditional expectation, and the ratio of sums over runs tends to it.",
-    "(4.9), (4.11), (4.12)",
-    Verdict.NOT_REFUTED,
+    source="(4.9), (4.11), (4.12)",
+    quote="E[δ_i | T_i ∈ D_k] ≈ Σ_ℓ δ_i(ω_ℓ) 1_{D_k}(T_i(ω_ℓ)) / Σ_ℓ 1_{D_k}(T_i(ω_ℓ))",
     tried_on="a model with three categories and known chances",
 )
 def _conditional() -> Evidence:
@@ -217,8 +250,8 @@ def _conditional() -> Evidence:
 @claim(
     "c4.average",
     "The mean over the cells of a group and the ratio over all cells of a category estimate one number.",
-    "(4.10), Remark 4.1",
-    Verdict.NOT_REFUTED,
+    source="(4.10), Remark 4.1",
+    quote="Expected ratio of basally extruded cells in category k = A/B",
     rests_on=("c4.conditional",),
     tried_on="a model with three categories and known chances, whose cells differ by place and share their luck",
 )
@@ -241,10 +274,13 @@ def _average() -> Evidence:
 
 @claim(
     "c4.total",
-    "With equally distributed event times the ratios of the categories, weighted by their chances, make up the ratio "
-    "of extruded cells.",
-    "(4.7), (4.10)",
-    Verdict.PROVED,
+    (
+        "With equally distributed event times the ratios of the categories, weighted by their chances, make "
+        "up the ratio of extruded cells."
+    ),
+    source="(4.7), (4.10)",
+    quote="r*(D_k) := 1/N^EMT Σ_i E[δ_i* | T_i ∈ D_k]",
+    recorded=Verdict.PROVED,
     rests_on=("c4.conditional",),
 )
 def _total() -> Evidence:

@@ -1,5 +1,4 @@
 """Chapter 5, section 1: what the introduction says."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
@@ -7,16 +6,39 @@ from typing import Any
 
 import numpy as np
 
-from verification.claims import Evidence, FormalProof, Verdict, at_least, at_most, equal, proved, put_right
+from verification.claims import (
+    Correction,
+    Effect,
+    Evidence,
+    FormalProof,
+    Verdict,
+    at_least,
+    at_most,
+    claim,
+    equal,
+    proved,
+    put_right,
+)
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication
 from verification.thesis.chapter5.instant import TOL, WRONG, effective_force, force1, with_springs
 from verification.thesis.chapter5.lemmas import inverses
 from verification.thesis.chapter5.wavy import symbolic_soft
-from verification.thesis.text.quoted import claim
 
 
-@claim("c5.diffusive-scaling", "Diffusion looks the same under (t, x) ↦ (εt, ε²x).", "section 1", Verdict.CORRECTED)
+@claim(
+    "c5.diffusive-scaling",
+    "Diffusion looks the same under (t, x) ↦ (εt, ε²x).",
+    source="section 1",
+    quote="the diffusive scaling limit requires (t, x) ↦ (εt, ε²x)",
+    correction=Correction(
+        "(t, x) ↦ (ε²t, εx)",
+        Effect.NUMBER,
+        "the next sentence, which has ε²x for εx; that scaled positions leave the constraints stands",
+        why="diffusion keeps x²/t: if lengths are multiplied by ε, times are by ε²",
+        place=3099,
+    ),
+)
 def _diffusive() -> Evidence:
     """The density of Brownian motion; a scaled one keeps its integral by the factor of x."""
     sp = library()
@@ -38,8 +60,9 @@ def _diffusive() -> Evidence:
 @claim(
     "c5.scaled-positions",
     "Scaled positions need not fulfil the constraints that the positions fulfil.",
-    "section 1",
-    Verdict.PROVED,
+    source="section 1",
+    quote=("if x is subject to constraints, this scaling is ill-posed since ε²x might not satisfy the … constraints"),
+    recorded=Verdict.PROVED,
     rests_on=("c5.diffusive-scaling",),
     chosen="εx, too, which c5.diffusive-scaling puts in the place of ε²x",
 )
@@ -58,8 +81,9 @@ def _scaled_positions() -> Evidence:
 @claim(
     "c5.inverse-mass",
     "The inverse mean-field mass changes by at most a constant times the distance of two measures.",
-    "section 1",
-    Verdict.PROVED,
+    source="section 1",
+    quote="μ ↦ (∫ m_eff⁽¹⁾(x, y) dμ(x))⁻¹ is bounded and Lipschitz continuous",
+    recorded=Verdict.PROVED,
     rests_on=("c5.inverse", "c5.elliptic", "c5.integrals"),
 )
 def _inverse_mass() -> Evidence:
@@ -81,8 +105,15 @@ def _inverse_mass() -> Evidence:
 @claim(
     "c5.abstract-estimate",
     "Two solutions that start close to each other stay close: W₁, ‖y₁ + y₂‖ and ‖ẏ₁ + ẏ₂‖ are bounded.",
-    "section 1",
-    Verdict.CORRECTED,
+    source="section 1",
+    quote="W₁(μ₁ᵗ, μ₂ᵗ) + ‖y₁ + y₂‖ + ‖ẏ₁ + ẏ₂‖ ≤ C e^{Lt} (…)",
+    correction=Correction(
+        "W₁(μ₁ᵗ, μ₂ᵗ) + ‖y₁ − y₂‖ + ‖ẏ₁ − ẏ₂‖ ≤ C e^{Lt} (…), as in (5.60)",
+        Effect.CONCLUSION,
+        "the main result as the introduction states it; Theorem 5.16 has the right signs",
+        why="for two equal solutions the right side is 0, the printed sums are not; (5.60) has differences",
+        place=3131,
+    ),
     rests_on=("c5.same-estimate",),
 )
 def _estimate() -> Evidence:
@@ -99,8 +130,23 @@ def _estimate() -> Evidence:
 @claim(
     "c5.generalises",
     "The results contain those for linear constraints and forces.",
-    "section 1",
-    Verdict.CORRECTED,
+    source="section 1",
+    quote=(
+        "This article generalises … Instead of assuming that the constraints and forces are linear, we allow nonlinear"
+    ),
+    correction=Correction(
+        (
+            "linear forces are excluded by (A1b), (A1d); with a constant Φ the bounds can be dropped, and then "
+            "the linear case is included"
+        ),
+        Effect.CONCLUSION,
+        "Theorems 5.9, 5.12 and 5.16 do not apply to the linear case of the previous work as they stand",
+        why=(
+            "(A1b) and (A1d) ask for bounded forces, and a linear force is not bounded unless it is 0; the bounds"
+            " are needed only where Φ changes"
+        ),
+        place=3135,
+    ),
     rests_on=("c5.effective",),
     tried_on="one spring, g = X − y",
 )
@@ -141,8 +187,9 @@ def mass_rates() -> FormalProof:
 @claim(
     "c5.changing-mass",
     "With nonlinear constraints the effective mass changes during the motion.",
-    "section 1",
-    Verdict.PROVED,
+    source="section 1",
+    quote="the mean-field mass is non-constant in contrast to the linear case",
+    recorded=Verdict.PROVED,
     rests_on=("c5.effective",),
 )
 def _changing_mass() -> Evidence:

@@ -1,5 +1,4 @@
 """Chapter 5, section 2.1: the particle model and its Lagrangian."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
@@ -7,12 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from verification.claims import Evidence, Verdict, at_least, at_most, proved, put_right
+from verification.claims import Correction, Effect, Evidence, Verdict, at_least, at_most, claim, proved, put_right
 from verification.formal.algebra import identity, library, matrices
 from verification.formal.reals import implication
 from verification.thesis.chapter5.general import even, pair_force, particle
 from verification.thesis.chapter5.instant import TOL, WRONG, Floats, System, general_instant, instant, pulls
-from verification.thesis.text.quoted import claim
 
 
 def odd(r: Floats) -> Floats:
@@ -23,8 +21,15 @@ def odd(r: Floats) -> Floats:
 @claim(
     "c5.non-interacting",
     "The particles exert no forces on each other.",
-    "section 2.1",
-    Verdict.CORRECTED,
+    source="section 2.1",
+    quote="N identical, non-interacting, microscopic particles",
+    correction=Correction(
+        "the particles interact by K of (5.4); only their velocities (5.11b) do not depend on each other",
+        Effect.MODEL,
+        "(5.6a), (5.14), (5.41b), and the conclusion, which lists such forces as a further extension",
+        why="(5.4) and (5.6a), which follow, have a force K between each two particles",
+        place=3155,
+    ),
     rests_on=("c5.equations",),
 )
 def _non_interacting() -> Evidence:
@@ -45,8 +50,9 @@ def _non_interacting() -> Evidence:
 @claim(
     "c5.pair-force",
     "The force of a pair is the negative slope of its potential energy.",
-    "(5.4)",
-    Verdict.PROVED,
+    source="(5.4)",
+    quote="K(X_j, X_i) = ∇_{X_i} − V(X_j − X_i)",
+    recorded=Verdict.PROVED,
     rests_on=("c5.even-potential",),
     chosen="the gradient of −V, as section 3.3 recalls it: −∇_{X_i} V(X_j − X_i); for the sign c5.pair-force-sign",
 )
@@ -62,8 +68,18 @@ def _pair_force() -> Evidence:
 @claim(
     "c5.even-potential",
     "The potential energy of a pair is odd: V(−X) = −V(X).",
-    "after (5.4)",
-    Verdict.CORRECTED,
+    source="after (5.4)",
+    quote="V(−X) = −V(X), ∇V(0) = 0 and V(0) = 0",
+    correction=Correction(
+        "V(−X) = V(X)",
+        Effect.MODEL,
+        "(A2a), (5.52), conservation of energy: with an odd V all pairs cancel",
+        why=(
+            "the gradient of an odd function is even, so K would be symmetric, against (A2a); that of an even one"
+            " is odd"
+        ),
+        place=3163,
+    ),
     tried_on="one even potential",
 )
 def _even() -> Evidence:
@@ -85,7 +101,22 @@ def _even() -> Evidence:
     )
 
 
-@claim("c5.lagrangian", "In the Lagrangian each multiplier is multiplied by g(X_j, y).", "(5.8)", Verdict.CORRECTED)
+@claim(
+    "c5.lagrangian",
+    "In the Lagrangian each multiplier is multiplied by g(X_j, y).",
+    source="(5.8)",
+    quote="L = … − γ Σ_j g(X_j, y) λ_j",
+    correction=Correction(
+        "L = … − γ Σ_j (g(X_j, y) − g(X_jⁱⁿⁱᵗ, yⁱⁿⁱᵗ))·λ_j",
+        Effect.NOTATION,
+        "(5.6c) follows only then, but it is stated as well; (5.6a), (5.6b) are the same",
+        why=(
+            "the derivative by λ_j sets the factor of λ_j to 0, and (5.6c) keeps g at its value at the start, "
+            "which need not be 0"
+        ),
+        place=3193,
+    ),
+)
 def _lagrangian() -> Evidence:
     """The slope in lambda at the start, where g has some value."""
     return put_right(
@@ -102,8 +133,12 @@ def _lagrangian() -> Evidence:
 @claim(
     "c5.equations",
     "The equations for the accelerations are those of the Lagrangian.",
-    "(5.6a), (5.6b)",
-    Verdict.PROVED,
+    source="(5.6a), (5.6b)",
+    quote=(
+        "mẌ_i = F₁(X_i) + 1/N Σ_k K(X_k, X_i) − (∂_X g)ᵀλ_i, ÿ = F₀(y) − 1/N Σ_j (∂_y g)ᵀλ_j … Euler-Lagrange"
+        " equations for the choice α = β = γ = 1/N"
+    ),
+    recorded=Verdict.PROVED,
     rests_on=("c5.lagrangian", "c5.even-potential", "c5.pair-force"),
     chosen="an even 𝒱, as (A2a) needs it; for (5.6c) see c5.lagrangian",
 )
@@ -141,8 +176,9 @@ def _equations() -> Evidence:
 @claim(
     "c5.locally",
     "With full rank, y determines each particle locally: along a motion, not among all positions.",
-    "after (5.5)",
-    Verdict.PROVED_INSTANCE,
+    source="after (5.5)",
+    quote=("This implies that the state of the macroscopic component determines locally the position of all particles"),
+    recorded=Verdict.PROVED_INSTANCE,
     tried_on="g = exp(X) − y in the complex plane",
 )
 def _locally() -> Evidence:
@@ -164,8 +200,9 @@ def _locally() -> Evidence:
 @claim(
     "c5.initial-multipliers",
     "Positions and the velocity of the macroscopic component fix the multipliers at the start.",
-    "after (5.7)",
-    Verdict.PROVED,
+    source="after (5.7)",
+    quote=("the Lagrangian multipliers for (5.6c), and their initial value is determined implicitly by the system"),
+    recorded=Verdict.PROVED,
     rests_on=("c5.equations",),
 )
 def _initial_multipliers() -> Evidence:

@@ -1,5 +1,4 @@
 """Chapter 5, section 2.1: the factors of the Lagrangian (5.8)."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
@@ -7,11 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from verification.claims import Evidence, Verdict, at_least, equal, proved
+from verification.claims import Evidence, Verdict, at_least, claim, equal, proved
 from verification.formal.algebra import identity, library
 from verification.thesis.chapter5.general import multiplier, particle
 from verification.thesis.chapter5.instant import TOL, Floats, System, force1, general_instant, instant, kernel
-from verification.thesis.text.quoted import claim
 
 # The limit is an integral, which sums of 16 terms find to less than this.
 SUMMED = 0.01
@@ -20,8 +18,8 @@ SUMMED = 0.01
 @claim(
     "c5.interaction-scaling",
     "With β = 1/N the interaction keeps its share in the force on a particle as N grows.",
-    "section 2.1",
-    Verdict.NOT_REFUTED,
+    source="section 2.1",
+    quote="The choice β ~ 1/N … keeps the relative influence of the interaction forces constant",
     rests_on=("c5.equations",),
     tried_on="16 and 1024 particles spread evenly over |X| ≤ 1, 𝒱(r) = √(1 + r²), W₁ = √(1 + X²), the force at X = 2",
 )
@@ -48,8 +46,12 @@ def _beta() -> Evidence:
 @claim(
     "c5.scaling",
     "With 1/N before the particles' part of the Lagrangian their influence and multipliers stay bounded.",
-    "section 2.1",
-    Verdict.PROVED,
+    source="section 2.1",
+    quote=(
+        "With the choice α ~ 1/N the influence of the particles on the macroscopic component remains of order"
+        " 1 in the limit … to ensure that also λ₁, …, λ_N are of order 1. Therefore, we pick γ ~ 1/N"
+    ),
+    recorded=Verdict.PROVED,
     rests_on=("c5.equations", "c5.acceleration"),
 )
 def _alpha() -> Evidence:
@@ -86,8 +88,8 @@ def inertia(count: int) -> float:
 @claim(
     "c5.total-mass",
     "With α = 1/N all particles together weigh m, however many they are.",
-    "section 2.1",
-    Verdict.NOT_REFUTED,
+    source="section 2.1",
+    quote="A side effect of this scaling is that the total mass of the particles is constant in the limit",
     rests_on=("c5.equations",),
     tried_on="1, 8 and 64 particles that move as y does, g = X − y",
 )
@@ -103,8 +105,9 @@ def _total_mass() -> Evidence:
 @claim(
     "c5.gamma",
     "The factor before the constraints changes only the multipliers.",
-    "section 2.1",
-    Verdict.PROVED,
+    source="section 2.1",
+    quote=("the choice of the factor γ is physically irrelevant, since the Lagrangian multipliers … would just scale"),
+    recorded=Verdict.PROVED,
     rests_on=("c5.equations",),
 )
 def _gamma() -> Evidence:

@@ -1,5 +1,4 @@
 """Chapter 5, section 2.2: the reduced equations, their effective mass and force."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
@@ -7,19 +6,19 @@ from typing import Any
 
 import numpy as np
 
-from verification.claims import Evidence, Verdict, at_most, proved, put_right
+from verification.claims import Correction, Effect, Evidence, Verdict, at_most, claim, proved, put_right
 from verification.formal.algebra import identity, library, matrices
 from verification.thesis.chapter5.general import even, multiplier, particle
 from verification.thesis.chapter5.instant import TOL, general_instant, phi, pulls
 from verification.thesis.chapter5.lemmas import reduced
-from verification.thesis.text.quoted import claim
 
 
 @claim(
     "c5.reduced-model",
-    "Eliminating the multipliers leaves one equation for the macroscopic component, with means over particles.",
-    "section 1",
-    Verdict.PROVED,
+    ("Eliminating the multipliers leaves one equation for the macroscopic component, with means over particles."),
+    source="section 1",
+    quote="(1/N Σ_j m_eff⁽¹⁾(X_j, y)) ÿ = 1/N Σ_j (F_eff⁽¹⁾(X_j, y, ẏ) + 1/N Σ_k K_eff(X_k, X_j))",
+    recorded=Verdict.PROVED,
     rests_on=("c5.equations", "c5.acceleration"),
 )
 def _reduced() -> Evidence:
@@ -40,7 +39,13 @@ def _reduced() -> Evidence:
     )
 
 
-@claim("c5.velocity", "The constraint is kept exactly where each particle moves with Φ_i[ẏ].", "(5.9)", Verdict.PROVED)
+@claim(
+    "c5.velocity",
+    "The constraint is kept exactly where each particle moves with Φ_i[ẏ].",
+    source="(5.9)",
+    quote="g = const. ⇔ dg/dt = 0 ⇔ Ẋ_i = Φ_i[ẏ], Φ = −(∂_X g)⁻¹ ∂_y g",
+    recorded=Verdict.PROVED,
+)
 def _velocity() -> Evidence:
     """Both directions, the derivative of g being taken along any motion; then with matrices of any size for those."""
     sp, p, (U,) = library(), particle(), matrices("U,")
@@ -66,8 +71,15 @@ def _velocity() -> Evidence:
 @claim(
     "c5.acceleration",
     "The acceleration of a particle is Φ_i[ẏ] + Ω_i[ẏ, ẏ].",
-    "(5.10)",
-    Verdict.CORRECTED,
+    source="(5.10)",
+    quote="Ẍ_i = Φ_i[ẏ] + Ω_i[ẏ, ẏ]",
+    correction=Correction(
+        "Ẍ_i = Φ_i[ÿ] + Ω_i[ẏ, ẏ]",
+        Effect.MODEL,
+        "the elimination of Ẍ_i; (5.14), (5.51) and (A.10) are right",
+        why="the derivative of Φ_i[ẏ] in time is Φ_i[ÿ] + Ω_i[ẏ, ẏ]; (A.10) has it",
+        place=3217,
+    ),
     rests_on=("c5.velocity",),
 )
 def _acceleration() -> Evidence:
@@ -84,8 +96,9 @@ def _acceleration() -> Evidence:
 @claim(
     "c5.effective",
     "The macroscopic component moves by Newton's law with an effective mass and an effective force.",
-    "(5.11a), (5.13), (5.14)",
-    Verdict.PROVED,
+    source="(5.11a), (5.13), (5.14)",
+    quote="m_eff = I + m/N Σ_j Φ_jᵀΦ_j, F_eff = F₀ + 1/N Σ_j Φ_jᵀ(F₁(X_j) + 1/N Σ_k K(X_k, X_j) − mΩ_j[ẏ, ẏ])",
+    recorded=Verdict.PROVED,
     rests_on=("c5.equations", "c5.acceleration"),
 )
 def _effective() -> Evidence:
@@ -95,8 +108,9 @@ def _effective() -> Evidence:
 @claim(
     "c5.means",
     "The effective force is a mean over single particles and over pairs, because K(X, X) = 0.",
-    "(5.15), (5.16)",
-    Verdict.PROVED,
+    source="(5.15), (5.16)",
+    quote="The last equation holds because K(X, X) = 0",
+    recorded=Verdict.PROVED,
     rests_on=("c5.effective", "c5.even-potential"),
 )
 def _means() -> Evidence:
@@ -126,8 +140,9 @@ def _means() -> Evidence:
 @claim(
     "c5.effective-interaction",
     "The interaction of particles acts on the macroscopic component only through the change of Φ.",
-    "after (5.17)",
-    Verdict.PROVED,
+    source="after (5.17)",
+    quote=("K_eff might not be anti-symmetric. When K_eff is anti-symmetric, the double sum in (5.16) would vanish"),
+    recorded=Verdict.PROVED,
     rests_on=("c5.means",),
 )
 def _interaction() -> Evidence:
@@ -145,8 +160,17 @@ def _interaction() -> Evidence:
 @claim(
     "c5.kernel-order",
     "K_eff of Lemma 5.6 is K_eff of (5.17).",
-    "proof of Lemma 5.6",
-    Verdict.CORRECTED,
+    source="proof of Lemma 5.6",
+    quote="K_eff(X, Z, y) = Φ(X, y)ᵀ K(Z, X)",
+    correction=Correction(
+        "K_eff(Z, X, y) = Φ(X, y)ᵀ K(Z, X), as in (5.17)",
+        Effect.NOTATION,
+        "nothing: only double sums are used",
+        why=(
+            "in (5.17) the second argument of K_eff is the particle at which Φ is taken, in the lemma it is the first"
+        ),
+        place=3492,
+    ),
     rests_on=("c5.means",),
     tried_on="one state of four particles, nx = 2, ny = 3",
 )

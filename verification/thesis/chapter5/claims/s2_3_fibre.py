@@ -1,13 +1,11 @@
 """Chapter 5, section 2.3: the straight fibre (Example 5.2), linearised (Example 5.3), and linear constraints."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
 from typing import Any
 
-from verification.claims import Evidence, FormalProof, Verdict, proved, put_right
+from verification.claims import Correction, Effect, Evidence, FormalProof, Verdict, claim, proved, put_right
 from verification.formal.algebra import identity, library, matrices
-from verification.thesis.text.quoted import claim
 
 NO_INTERACTION = "no interaction between the particles, as in all examples"
 
@@ -15,8 +13,9 @@ NO_INTERACTION = "no interaction between the particles, as in all examples"
 @claim(
     "c5.straight-slopes",
     "The constraint X_i/y of a straight fibre has the derivatives 1/y and −X_i/y².",
-    "(5.20)",
-    Verdict.PROVED,
+    source="(5.20)",
+    quote="g(X_i, y) = X_i/y, ∂_X g = 1/y and ∂_y g = −X_i/y²",
+    recorded=Verdict.PROVED,
 )
 def _straight_slopes() -> Evidence:
     x, y = library().symbols("x y", positive=True)
@@ -32,8 +31,9 @@ def _straight_slopes() -> Evidence:
 @claim(
     "c5.straight-flow",
     "A straight fibre has Φ = X_i/y and Ω = 0.",
-    "(5.21)",
-    Verdict.PROVED,
+    source="(5.21)",
+    quote="Φ(X_i, y) = X_i/y and Ω(X_i, y) = X_i/y² + −X_i/y² = 0",
+    recorded=Verdict.PROVED,
     rests_on=("c5.straight-slopes", "c5.velocity"),
 )
 def _straight_flow() -> Evidence:
@@ -50,8 +50,15 @@ def _straight_flow() -> Evidence:
 @claim(
     "c5.straight-mass",
     "A straight fibre has the effective mass m + ⟨X_j²⟩/y².",
-    "(5.22)",
-    Verdict.CORRECTED,
+    source="(5.22)",
+    quote="m_eff = m I + 1/N Σ_j X_j²/y²",
+    correction=Correction(
+        "m_eff = 1 + m/N Σ_j X_j²/y²",
+        Effect.MODEL,
+        "the motion of Example 5.2",
+        why="(5.13) with Φ = X/y: the mass of the macroscopic component is 1, and m multiplies Φ²",
+        place=3310,
+    ),
     rests_on=("c5.straight-flow", "c5.effective"),
     chosen=NO_INTERACTION,
 )
@@ -71,8 +78,9 @@ def _straight_mass() -> Evidence:
 @claim(
     "c5.straight-force",
     "A straight fibre has the effective force F₀ + ⟨X_j F₁(X_j)⟩/y.",
-    "(5.23)",
-    Verdict.PROVED,
+    source="(5.23)",
+    quote="F_eff = F₀(y) + 1/N Σ_j X_j/y F₁(X_j)",
+    recorded=Verdict.PROVED,
     rests_on=("c5.straight-flow", "c5.effective"),
     chosen=NO_INTERACTION,
 )
@@ -93,8 +101,9 @@ def _straight_force() -> Evidence:
 @claim(
     "c5.characteristic-length",
     "The point of the linearisation and the scaled coordinate lead to X̃ − y.",
-    "Example 5.3",
-    Verdict.PROVED,
+    source="Example 5.3",
+    quote="linearising the constraint around X_i ≈ X_c = 1/N … X̃_i = y_c/X_c X_i = N y_c X_i",
+    recorded=Verdict.PROVED,
     chosen="y_c is a number of order 1, so that O(y_c/N) contains 1/N",
 )
 def _length() -> Evidence:
@@ -117,8 +126,15 @@ def _length() -> Evidence:
 @claim(
     "c5.linearised",
     "Linearised, the constraint of a straight fibre is X_i/y_c − y/(N y_c²).",
-    "(5.24)",
-    Verdict.CORRECTED,
+    source="(5.24)",
+    quote="g(X_i, y) ≈ X_i/y_c − y/(N y_c²)",
+    correction=Correction(
+        "g(X_i, y) ≈ X_i/y_c − y/(N y_c²) + 1/(N y_c)",
+        Effect.NOTATION,
+        "nothing: a constraint keeps g constant, so a constant may be left out; (5.25) says “= const.”",
+        why="the first terms are 0 where X/y is linearised, X = 1/N and y = y_c, and X/y is 1/(N y_c) there",
+        place=3316,
+    ),
     chosen="X_c = 1/N, as printed",
 )
 def _linearised() -> Evidence:
@@ -142,8 +158,15 @@ def _linearised() -> Evidence:
 @claim(
     "c5.coordinates",
     "In the scaled coordinate the effective mass of y is 1 + m.",
-    "Example 5.3",
-    Verdict.CORRECTED,
+    source="Example 5.3",
+    quote="we apply the coordinate change X̃_i = y_c/X_c X_i = N y_c X_i … m_eff = m I + 1",
+    correction=Correction(
+        ("m_eff = 1 + m(X_c/y_c)² = 1 + m/(N y_c)², and (X_c/y_c)F₁ for F₁; or m and F₁ are said to be those of X̃"),
+        Effect.MODEL,
+        "(5.26) to (5.30): by the letter they are another model than the linearised one, which depends on N",
+        why="m is the mass that multiplies Ẍ_i in (5.6a), and Ẋ_i is X_c/y_c times the rate of X̃_i",
+        place=3324,
+    ),
     rests_on=("c5.linearised", "c5.effective"),
 )
 def _coordinates() -> Evidence:
@@ -164,8 +187,9 @@ def _coordinates() -> Evidence:
 @claim(
     "c5.linear-mass",
     "With the linearised constraint the effective mass is m + 1.",
-    "(5.26)",
-    Verdict.PROVED,
+    source="(5.26)",
+    quote="for g_L = X̃_i − y: m_eff = m I + 1",
+    recorded=Verdict.PROVED,
     rests_on=("c5.effective",),
 )
 def _linear_mass() -> Evidence:
@@ -178,8 +202,9 @@ def _linear_mass() -> Evidence:
 @claim(
     "c5.linear-force",
     "With the linearised constraint the effective force is F₀ + ⟨F₁(X̃_j)⟩.",
-    "(5.27)",
-    Verdict.PROVED,
+    source="(5.27)",
+    quote="F_eff(X̃₁, …, X̃_N, y) = F₀(y) + 1/N Σ_j F₁(X̃_j)",
+    recorded=Verdict.PROVED,
     rests_on=("c5.effective",),
 )
 def _linear_force() -> Evidence:
@@ -204,8 +229,15 @@ def newton() -> FormalProof:
 @claim(
     "c5.linear-newton",
     "With the linearised constraint mÿ = F₀ + ⟨F₁(X̃_j)⟩.",
-    "(5.28)",
-    Verdict.CORRECTED,
+    source="(5.28)",
+    quote="mÿ = F₀(y) + 1/N Σ_j F₁(X̃_j)",
+    correction=Correction(
+        "(1 + m)ÿ = F₀(y) + 1/N Σ_j F₁(X̃_j)",
+        Effect.MODEL,
+        "the motion of Example 5.3; (5.26) is right",
+        why="(5.11a) with the effective mass 1 + m of (5.26)",
+        place=3330,
+    ),
     rests_on=("c5.linear-mass", "c5.linear-force"),
 )
 def _linear_newton() -> Evidence:
@@ -215,8 +247,15 @@ def _linear_newton() -> Evidence:
 @claim(
     "c5.linear-limit",
     "In the limit mÿ = F₀ + ∫F₁ f dx with the linearised constraint.",
-    "(5.30)",
-    Verdict.CORRECTED,
+    source="(5.30)",
+    quote="mÿ = F₀(y) + ∫F₁(x)f(x, t) dx",
+    correction=Correction(
+        "(1 + m)ÿ = F₀(y) + ∫F₁(x)f(x, t) dx",
+        Effect.MODEL,
+        "the mean-field motion of Example 5.3, as in (5.28)",
+        why="(5.40a) with the effective mass 1 + m of (5.26)",
+        place=3336,
+    ),
     rests_on=("c5.linear-newton", "c5.limit-force"),
 )
 def _linear_limit() -> Evidence:
@@ -227,8 +266,9 @@ def _linear_limit() -> Evidence:
 @claim(
     "c5.linear-transport",
     "With the linearised constraint the density is shifted.",
-    "(5.31)",
-    Verdict.PROVED,
+    source="(5.31)",
+    quote="∂_t f(x, t) = −∂_x(f(x, t) ẏ(t))",
+    recorded=Verdict.PROVED,
     rests_on=("c5.linear-velocity", "c5.transport"),
 )
 def _linear_transport() -> Evidence:
@@ -248,8 +288,15 @@ def _linear_transport() -> Evidence:
 @claim(
     "c5.linear-velocity",
     "With the linearised constraint X̃_i = ẏ.",
-    "(5.29)",
-    Verdict.CORRECTED,
+    source="(5.29)",
+    quote="X̃_i = ẏ",
+    correction=Correction(
+        "dX̃_i/dt = ẏ",
+        Effect.MODEL,
+        "the motion of Example 5.3; (5.31) is right",
+        why="(5.11b) with Φ = 1: the constraint is differentiated in time, and a position is no velocity",
+        place=3332,
+    ),
     rests_on=("c5.velocity",),
 )
 def _linear_velocity() -> Evidence:
@@ -267,8 +314,9 @@ def _linear_velocity() -> Evidence:
 @claim(
     "c5.linear-map",
     "With linear constraints the positions are an explicit function of the macroscopic state.",
-    "after (5.31)",
-    Verdict.PROVED,
+    source="after (5.31)",
+    quote="g = Gy − X_i imply that Φ = G is constant and Ω = 0 … X_i(t) = X_iⁱⁿⁱᵗ + G(y(t) − yⁱⁿⁱᵗ)",
+    recorded=Verdict.PROVED,
     rests_on=("c5.velocity",),
 )
 def _linear_map() -> Evidence:

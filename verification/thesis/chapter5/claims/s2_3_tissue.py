@@ -1,5 +1,4 @@
 """Chapter 5, section 2.3: the tissue element (Example 5.4), and what the examples model."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
@@ -8,10 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from verification.claims import Evidence, Verdict, at_most, proved, put_right
+from verification.claims import Correction, Effect, Evidence, Verdict, at_most, claim, proved, put_right
 from verification.formal.algebra import identity, library, matrices
 from verification.thesis.chapter5.instant import TOL, omega, phi, with_springs
-from verification.thesis.text.quoted import claim
 
 # y and its velocity.
 ONE = np.array([1.4]), np.array([0.6])
@@ -25,9 +23,16 @@ def symbolic_deformation(y: Any) -> Any:
 
 @claim(
     "c5.initial-level",
-    "The constraint is F(y)⁻¹X_i = F(yⁱⁿⁱᵗ)X_iⁱⁿⁱᵗ: cross-bridges keep their place in the undeformed tissue.",
-    "(5.19)",
-    Verdict.CORRECTED,
+    ("The constraint is F(y)⁻¹X_i = F(yⁱⁿⁱᵗ)X_iⁱⁿⁱᵗ: cross-bridges keep their place in the undeformed tissue."),
+    source="(5.19)",
+    quote="F(y)⁻¹ X_i = F(yⁱⁿⁱᵗ) X_iⁱⁿⁱᵗ",
+    correction=Correction(
+        "F(y)⁻¹ X_i = F(yⁱⁿⁱᵗ)⁻¹ X_iⁱⁿⁱᵗ",
+        Effect.MODEL,
+        "(5.20) and (5.32), which have it right",
+        why="at t = 0 both sides must agree for all X_iⁱⁿⁱᵗ; (5.32) has the inverse",
+        place=3294,
+    ),
 )
 def _level() -> Evidence:
     """At the start y = y_init and X = X_init."""
@@ -44,8 +49,9 @@ def _level() -> Evidence:
 @claim(
     "c5.shear-flow",
     "In a tissue element a cross-bridge has the velocity F(ẏ)F(y)⁻¹X_i = F(ẏ)F(yⁱⁿⁱᵗ)⁻¹X_iⁱⁿⁱᵗ.",
-    "(5.33), (5.34)",
-    Verdict.PROVED,
+    source="(5.33), (5.34)",
+    quote="Ẋ_i = F(ẏ)F(y)⁻¹X_i = F(ẏ)F(yⁱⁿⁱᵗ)⁻¹X_iⁱⁿⁱᵗ",
+    recorded=Verdict.PROVED,
     rests_on=("c5.velocity", "c5.tissue-level"),
 )
 def _shear_flow() -> Evidence:
@@ -74,8 +80,9 @@ def _shear_flow() -> Evidence:
 @claim(
     "c5.shear-transport",
     "In a tissue element the density of cross-bridges is carried, and thinned where volume grows.",
-    "(5.35), (5.36)",
-    Verdict.PROVED,
+    source="(5.35), (5.36)",
+    quote="∂_t f = −div_x(f F(ẏ)F(y)⁻¹x) = −f tr(F(ẏ)F(y)⁻¹) − ∂_x f F(ẏ)F(y)⁻¹x",
+    recorded=Verdict.PROVED,
     rests_on=("c5.shear-flow", "c5.transport"),
     chosen="f(x, t) on the right side, too, see c5.density-time",
 )
@@ -108,8 +115,12 @@ def _shear_transport() -> Evidence:
 @claim(
     "c5.aligned",
     "Under shear, the stretch of a cross-bridge depends on its direction.",
-    "Figure 2",
-    Verdict.PROVED,
+    source="Figure 2",
+    quote=(
+        "cross-bridges which align with the directions of maximal deformation of the muscle are more extended"
+        " than cross-bridges which are orthogonal"
+    ),
+    recorded=Verdict.PROVED,
     rests_on=("c5.tissue-level",),
 )
 def _aligned() -> Evidence:
@@ -132,8 +143,20 @@ def _aligned() -> Evidence:
 @claim(
     "c5.in-class",
     "The straight fibre is an instance of the systems that the theorems are about.",
-    "section 2.3",
-    Verdict.CORRECTED,
+    source="section 2.3",
+    quote="To motivate the class of systems, we give a few examples",
+    correction=Correction(
+        (
+            "Examples 5.2 and 5.4 are of the class only where X and the inverse of F(y) are bounded: in Example "
+            "5.2 where |X| ≤ R and y ≥ y_min > 0"
+        ),
+        Effect.CONCLUSION,
+        "Theorems 5.9, 5.12 and 5.16 do not apply to Examples 5.2 and 5.4 as they stand",
+        why=(
+            "(5.5) and (A3) to (A5) are asked for all X and y, but X/y has no value at y = 0, and Φ = X/y has no bound"
+        ),
+        place=3284,
+    ),
     tried_on="Example 5.2, |X| ≤ 2, y ≥ 0.5",
 )
 def _in_class() -> Evidence:
@@ -164,8 +187,12 @@ def _in_class() -> Evidence:
 @claim(
     "c5.position",
     "The deformed cross-bridge depends on its vector only, not on its place.",
-    "section 2.3",
-    Verdict.PROVED,
+    source="section 2.3",
+    quote=(
+        "Since we consider a homogeneous deformation of the muscle tissue, the position p of the cross-bridge"
+        " is irrelevant"
+    ),
+    recorded=Verdict.PROVED,
 )
 def _position() -> Evidence:
     F, p, X = matrices("F p X")
@@ -179,8 +206,12 @@ def _position() -> Evidence:
 @claim(
     "c5.needs-nonlinear",
     "With linear constraints all directions are shifted alike.",
-    "before Example 5.4",
-    Verdict.PROVED,
+    source="before Example 5.4",
+    quote=(
+        "the deformation of cross-bridges is larger if they align with the axis … such dynamics require "
+        "nonlinear constraints"
+    ),
+    recorded=Verdict.PROVED,
     rests_on=("c5.velocity", "c5.aligned"),
 )
 def _nonlinear() -> Evidence:
@@ -206,8 +237,9 @@ def _nonlinear() -> Evidence:
 @claim(
     "c5.tissue-level",
     "The constraint carries each cross-bridge with the deformation gradient.",
-    "(5.32)",
-    Verdict.PROVED,
+    source="(5.32)",
+    quote="This constraint ensures that the cross-bridges deform exactly like the tissue",
+    recorded=Verdict.PROVED,
     rests_on=("c5.initial-level",),
 )
 def _deforms_like_tissue() -> Evidence:

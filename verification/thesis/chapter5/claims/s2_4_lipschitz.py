@@ -1,11 +1,10 @@
 """Chapter 5, sections 2.4 and 2.5: boundedness and Lipschitz constants of the terms of the equations."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
 import numpy as np
 
-from verification.claims import Evidence, Verdict, at_most, proved, put_right
+from verification.claims import Correction, Effect, Evidence, Verdict, at_most, claim, proved, put_right
 from verification.formal.algebra import identity, library, sum_of_squares
 from verification.formal.reals import implication
 from verification.thesis.chapter5.bounded import FlowState, constants, force, mass
@@ -13,7 +12,6 @@ from verification.thesis.chapter5.general import multiplier, particle
 from verification.thesis.chapter5.instant import Floats, kernel, wavy_system
 from verification.thesis.chapter5.lemmas import products
 from verification.thesis.chapter5.wavy import soft
-from verification.thesis.text.quoted import claim
 
 # What rounding leaves.
 ROUNDING = 1e-12
@@ -46,11 +44,11 @@ def steepest(count: int) -> float:
 @claim(
     "c5.globally-lipschitz",
     "At bounded speed the right side of the reduced equations is Lipschitz continuous for all positions.",
-    "section 2.5",
-    Verdict.NOT_REFUTED,
+    source="section 2.5",
+    quote="(A1a) to (A5b) are chosen such that the ODE model is globally Lipschitz",
     rests_on=("c5.acceleration-lipschitz",),
-    chosen="read with the sentences after it, for ‖v‖ ≤ M_v: Φ[v] and Ω[v, v] have no constant for all v",
     tried_on="g = X + sin(X)/2 − y with forces and interaction, 1, 8 and 64 particles, |X| of about 200, |v| ≤ 3",
+    chosen="read with the sentences after it, for ‖v‖ ≤ M_v: Φ[v] and Ω[v, v] have no constant for all v",
 )
 def _global() -> Evidence:
     """The bound: v and Phi[v] by the rule for products, F_eff/m_eff with m_eff >= 1."""
@@ -72,8 +70,9 @@ def _global() -> Evidence:
 @claim(
     "c5.any-number",
     "Effective mass and force have bounds and Lipschitz constants that do not depend on N.",
-    "Lemma 5.6",
-    Verdict.PROVED,
+    source="Lemma 5.6",
+    quote="m_eff and F_eff are bounded and Lipschitz continuous … The derived bounds do not depend on N",
+    recorded=Verdict.PROVED,
     rests_on=("c5.product", "c5.one-particle", "c5.kernel-order", "c5.kernel-lipschitz"),
     chosen="distance of positions: the largest over the particles",
 )
@@ -97,8 +96,15 @@ def _any_number() -> Evidence:
 @claim(
     "c5.one-particle",
     "The effective force of one particle is F₀ + ΦᵀF₁ + mΩ[v, v].",
-    "proof of Lemma 5.6",
-    Verdict.CORRECTED,
+    source="proof of Lemma 5.6",
+    quote="F_eff⁽¹⁾ = F₀(y) + Φ(X, y)ᵀF₁(X) + mΩ(X_i, y)[v, v]",
+    correction=Correction(
+        "F_eff⁽¹⁾ = F₀(y) + Φ(X, y)ᵀ(F₁(X) − mΩ(X, y)[v, v])",
+        Effect.MODEL,
+        "the force in (5.41b), to which this definition belongs; (5.14) is right, the lemma stands",
+        why=("(5.14) has −mΦᵀΩ: mΩ[v, v] is in ℝ^nx and cannot be added to F₀ in ℝ^ny, and its sign is the other one"),
+        place=3492,
+    ),
     rests_on=("c5.effective",),
 )
 def _one_particle() -> Evidence:
@@ -121,8 +127,9 @@ def _one_particle() -> Evidence:
 @claim(
     "c5.product",
     "Products of bounded Lipschitz continuous functions are bounded and Lipschitz continuous.",
-    "proof of Lemma 5.6",
-    Verdict.PROVED,
+    source="proof of Lemma 5.6",
+    quote=("if h₁, h₂ are both bounded and Lipschitz continuous, then the product h₁h₂ is also bounded and Lipschitz"),
+    recorded=Verdict.PROVED,
 )
 def _product() -> Evidence:
     return proved(*products("values of any functions"))
@@ -131,8 +138,15 @@ def _product() -> Evidence:
 @claim(
     "c5.kernel-lipschitz",
     "By (A2b) and (A2c) the interaction is Lipschitz continuous in both positions.",
-    "proof of Lemma 5.6",
-    Verdict.CORRECTED,
+    source="proof of Lemma 5.6",
+    quote="K is bounded and Lipschitz by (A2b) and (A2c)",
+    correction=Correction(
+        "K is bounded and Lipschitz by (A2a) to (A2c)",
+        Effect.PROOF,
+        "nothing: (A2a) is among the assumptions",
+        why="(A2b) is about the first position only; (A2a) carries it over to the second one",
+        place=3500,
+    ),
     tried_on="𝒱(r) = √(1 + |r|²), 200 pairs in the plane",
 )
 def _kernel() -> Evidence:
@@ -165,8 +179,9 @@ def _kernel() -> Evidence:
 @claim(
     "c5.acceleration-lipschitz",
     "The acceleration of the macroscopic component is Lipschitz continuous at bounded speed.",
-    "Lemma 5.8",
-    Verdict.PROVED,
+    source="Lemma 5.8",
+    quote="(X⁽ᴺ⁾, y, v) ↦ (m_eff⁽ᴺ⁾)⁻¹ F_eff⁽ᴺ⁾ is Lipschitz continuous … with ‖v‖ ≤ M_v",
+    recorded=Verdict.PROVED,
     rests_on=("c5.any-number", "c5.inverse", "c5.elliptic"),
 )
 def _acceleration() -> Evidence:
@@ -188,8 +203,9 @@ def _acceleration() -> Evidence:
 @claim(
     "c5.elliptic",
     "The effective mass is symmetric and at least the mass of the macroscopic component.",
-    "proof of Lemma 5.8",
-    Verdict.PROVED,
+    source="proof of Lemma 5.8",
+    quote="m_eff is symmetric, wᵀ m_eff w ≥ ‖w‖² for all w ∈ ℝ^ny",
+    recorded=Verdict.PROVED,
     rests_on=("c5.effective",),
 )
 def _elliptic() -> Evidence:

@@ -1,5 +1,4 @@
 """Chapter 5, sections 2.5 and 3.3: the energy is conserved."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
@@ -8,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from verification.claims import Evidence, Verdict, at_least, at_most, proved, put_right
+from verification.claims import Correction, Effect, Evidence, Verdict, at_least, at_most, claim, proved, put_right
 from verification.formal.algebra import identity, library
 from verification.thesis.chapter5.general import even
 from verification.thesis.chapter5.instant import (
@@ -31,7 +30,6 @@ from verification.thesis.chapter5.instant import (
     slope,
 )
 from verification.thesis.chapter5.lemmas import conserved
-from verification.thesis.text.quoted import claim
 
 WEIGHTS = np.array([0.4, 0.3, 0.2, 0.1])
 # A rate of a sum over a square is known to rounding of the sum.
@@ -50,8 +48,9 @@ def along(at: Instant, f: Callable[[Floats, Floats], Floats]) -> float:
 @claim(
     "c5.energy",
     "The reduced equations keep the total energy.",
-    "Lemma 5.5, (5.37)",
-    Verdict.PROVED,
+    source="Lemma 5.5, (5.37)",
+    quote="E = … + 1/(2N) Σ_k 𝒱(X_k, X_i)) is a conserved quantity",
+    recorded=Verdict.PROVED,
     rests_on=("c5.effective", "c5.acceleration", "c5.interaction-power"),
     chosen="𝒱(X_k − X_i), see c5.pair-energy; an even 𝒱, as (A2a) needs it",
 )
@@ -62,8 +61,15 @@ def _energy() -> Evidence:
 @claim(
     "c5.energy-lagrangian",
     "Lagrangian and energy are related by L = ‖ẏ‖² − E.",
-    "proof of Lemma 5.5",
-    Verdict.CORRECTED,
+    source="proof of Lemma 5.5",
+    quote="the Lagrangian L = ‖ẏ‖² − E",
+    correction=Correction(
+        "L = ‖ẏ‖² + m/N Σ_i ‖Ẋ_i‖² − E",
+        Effect.PROOF,
+        "nothing: with L of (5.8) Lemma 5.5 follows as said",
+        why="L is twice the kinetic energy less E, and the particles have a part of the kinetic energy",
+        place=3474,
+    ),
     rests_on=("c5.lagrangian",),
 )
 def _lagrangian() -> Evidence:
@@ -92,11 +98,18 @@ def atoms_move() -> tuple[Instant, Floats, float]:
 @claim(
     "c5.mean-field-energy",
     "The mean-field equations keep the total energy.",
-    "Lemma 5.11, (5.50)",
-    Verdict.CORRECTED,
+    source="Lemma 5.11, (5.50)",
+    quote="E = ½‖ẏ‖² + 𝒲₀(y) + ∫ m/2 ‖Φ(x, y)ẏ‖² + 𝒲₁(x) + ½∫ 𝒱(x′ − x) dμᵗ(x′) is conserved",
+    correction=Correction(
+        "E = ½‖ẏ‖² + 𝒲₀(y) + ∫(m/2 ‖Φ(x, y)ẏ‖² + 𝒲₁(x) + ½∫ 𝒱(x′ − x) dμᵗ(x′)) dμᵗ(x)",
+        Effect.NOTATION,
+        ("the first line of Ė in the proof, which has dμᵗ(x̃′) twice; from its second line on x has its measure"),
+        why="the outer integral has no measure; the mean over the particles in (5.37) becomes an integral over μᵗ",
+        place=3688,
+    ),
     rests_on=("c5.limit-force", "c5.energy-proof", "c5.interaction-power"),
-    chosen="an even 𝒱; for the reading with dx the square |x₁|, |x₂| ≤ 2",
     tried_on="four point masses",
+    chosen="an even 𝒱; for the reading with dx the square |x₁|, |x₂| ≤ 2",
 )
 def _mean_field() -> Evidence:
     """The rate of (5.50) by (5.40), with dμ(x), and with dx: then x stays, and only y, ẏ and the measure move."""
@@ -126,8 +139,9 @@ def _mean_field() -> Evidence:
 @claim(
     "c5.interaction-power",
     "The energy of a pair, and of all pairs, changes by the power of the interaction.",
-    "(5.52), (5.53)",
-    Verdict.PROVED,
+    source="(5.52), (5.53)",
+    quote="d/dt 𝒱(Xᵗ(x′) − Xᵗ(x)) = −Ẋᵗ(x′)K(Xᵗ(x), Xᵗ(x′)) − Ẋᵗ(x)K(Xᵗ(x′), Xᵗ(x))",
+    recorded=Verdict.PROVED,
     rests_on=("c5.even-potential", "c5.pair-force"),
     chosen="an even 𝒱, as (A2a) needs it; products of vectors by c5.power-transpose",
 )
@@ -156,11 +170,18 @@ def _power() -> Evidence:
 @claim(
     "c5.energy-proof",
     "The energy changes at the rate ẏᵀ(m_eff ÿ − F_eff).",
-    "proof of Lemma 5.11",
-    Verdict.CORRECTED,
+    source="proof of Lemma 5.11",
+    quote="Ė = … ∫ ẏᵀΦ_xᵀ(mΦ_x[ÿ] + mΩ_x[ẏ, ẏ] − F₁(Xᵗ(x) − 𝒦(x)) dμⁱⁿⁱᵗ(x) = … = ẏᵀ(m_eff ÿ − F_eff) = 0",
+    correction=Correction(
+        "… − F₁(Xᵗ(x)) − 𝒦(x)) dμⁱⁿⁱᵗ(x) …",
+        Effect.NOTATION,
+        "the second and third line of Ė; the fourth has the bracket where it belongs",
+        why="F₁ is taken at a position, and 𝒦(x) is a force; the next line but one has F₁(Xᵗ(x)) + 𝒦(x)",
+        place=3726,
+    ),
     rests_on=("c5.limit-force", "c5.interaction-power"),
-    chosen="for the last line an acceleration that does not solve the equation, so that the rate is not 0",
     tried_on="one state of four particles, nx = 2, ny = 3",
+    chosen="for the last line an acceleration that does not solve the equation, so that the rate is not 0",
 )
 def _proof() -> Evidence:
     """The third line of Ė on a motion, and the last one for an acceleration that no force causes."""
@@ -191,8 +212,9 @@ def _proof() -> Evidence:
 @claim(
     "c5.energy-in-time",
     "The energy is the same at all times of a motion.",
-    "Lemma 5.5",
-    Verdict.PROVED,
+    source="Lemma 5.5",
+    quote="the total energy … is a conserved quantity",
+    recorded=Verdict.PROVED,
     rests_on=("c5.energy",),
     chosen="an even 𝒱, as (A2a) needs it",
 )

@@ -1,16 +1,14 @@
 """Chapter 5, section 2.5: Lemma 5.7 about the inverse of a matrix that depends on a parameter."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
 import numpy as np
 
-from verification.claims import Evidence, Verdict, at_least, at_most, proved
+from verification.claims import Correction, Effect, Evidence, Verdict, at_least, at_most, claim, proved
 from verification.formal.algebra import identity
 from verification.formal.reals import implication
 from verification.thesis.chapter5.instant import Floats
 from verification.thesis.chapter5.lemmas import inverses
-from verification.thesis.text.quoted import claim
 
 ROUNDING = 1e-12
 SEED, SAMPLES = 57, 200
@@ -29,8 +27,9 @@ def elliptic_pairs(rng: np.random.Generator, least: float) -> tuple[Floats, Floa
 @claim(
     "c5.inverse",
     "The inverse of a uniformly elliptic matrix is Lipschitz continuous.",
-    "Lemma 5.7",
-    Verdict.PROVED,
+    source="Lemma 5.7",
+    quote="z ↦ (m(z))⁻¹ is bounded and Lipschitz continuous with constant δ_m⁻² Lip(m)",
+    recorded=Verdict.PROVED,
     rests_on=("c5.inverse-bounded", "c5.inverse-slope", "c5.inverse-proof"),
     chosen="the notation of c5.ellipticity and c5.inverse-values",
 )
@@ -59,8 +58,15 @@ def _inverse() -> Evidence:
 @claim(
     "c5.inverse-bounded",
     "If the least eigenvalue of m is at least δ_m, ‖m⁻¹‖ ≤ 1/δ_m and m is bounded.",
-    "proof of Lemma 5.7",
-    Verdict.CORRECTED,
+    source="proof of Lemma 5.7",
+    quote="its norm is bounded by ‖(m(z))⁻¹‖ ≤ δ_m⁻¹. This shows implies that x ↦ m(z) is bounded",
+    correction=Correction(
+        "this implies that z ↦ (m(z))⁻¹ is bounded",
+        Effect.PROOF,
+        "nothing: the lemma states it of the inverse, and m is bounded by assumption",
+        why="the line before bounds the inverse, and the least eigenvalue says nothing about the largest",
+        place=3526,
+    ),
     tried_on="200 matrices of 3 × 3",
 )
 def _inverse_bounded() -> Evidence:
@@ -91,8 +97,9 @@ def _inverse_bounded() -> Evidence:
 @claim(
     "c5.inverse-slope",
     "The derivative of the inverse at m in the direction w is −m⁻¹wm⁻¹, of norm at most δ_m⁻².",
-    "proof of Lemma 5.7",
-    Verdict.PROVED,
+    source="proof of Lemma 5.7",
+    quote="DInv(m)[w] = −m⁻¹wm⁻¹ … which implies DInv(m(z)) ≤ δ_m⁻²",
+    recorded=Verdict.PROVED,
     rests_on=("c5.inverse-bounded",),
     chosen="‖DInv(m(z))‖, see c5.inverse-norm",
 )
@@ -116,9 +123,22 @@ def _slope() -> Evidence:
 
 @claim(
     "c5.inverse-proof",
-    "Matrices with positive eigenvalues lie in one connected component, so the mean-value theorem applies.",
-    "proof of Lemma 5.7",
-    Verdict.CORRECTED,
+    ("Matrices with positive eigenvalues lie in one connected component, so the mean-value theorem applies."),
+    source="proof of Lemma 5.7",
+    quote=(
+        "only positive eigenvalues. Hence, they are part of the same connected component of GL(d). Therefore,"
+        " the mean-value theorem is applicable"
+    ),
+    correction=Correction(
+        ("symmetric, with eigenvalues of at least δ_m, as is each matrix of the segment between them; therefore …"),
+        Effect.PROOF,
+        "nothing: the lemma assumes symmetry, and stands",
+        why=(
+            "the mean-value theorem needs the segment between the two matrices in GL(n), with the bound of the "
+            "derivative on it; a connected component need not contain the segment"
+        ),
+        place=3536,
+    ),
     tried_on="200 pairs of 3 × 3 matrices",
 )
 def _inverse_proof() -> Evidence:

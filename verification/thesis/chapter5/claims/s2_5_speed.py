@@ -1,5 +1,4 @@
 """Chapter 5, sections 2.5 and 3.3: what the energy says about the speed of the macroscopic component."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
@@ -7,12 +6,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from verification.claims import Evidence, Verdict, at_most, proved, put_right
+from verification.claims import Correction, Effect, Evidence, Verdict, at_most, claim, proved, put_right
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication
 from verification.thesis.chapter5.instant import STEP, TOL, general_instant, kinetic, phi, potential
 from verification.thesis.chapter5.wavy import runge_kutta, symbolic_soft
-from verification.thesis.text.quoted import claim
 
 # What the integration of the pendulum leaves, and far above it.
 SLACK = 1e-6
@@ -28,11 +26,24 @@ def speeds(force: Callable[[float], float]) -> tuple[float, float]:
 @claim(
     "c5.speed-all-times",
     "The start alone bounds the speed of the macroscopic component for all times.",
-    "section 2.5",
-    Verdict.CORRECTED,
+    source="section 2.5",
+    quote="‖ẏ(t)‖ ≤ M_v for all t ≥ 0 where M_v > 0 is a constant depending only on the initial conditions",
+    correction=Correction(
+        (
+            "for potentials that are bounded below, which (A1a) to (A5b) do not ask for; else up to a time T, "
+            "with a bound that depends on T"
+        ),
+        Effect.PROOF,
+        "the constants of Theorems 5.9, 5.12 and 5.16; existence and uniqueness up to T stand",
+        why=(
+            "a constant force fulfils (A1a), (A1b) and accelerates without end; the energy bounds the speed only "
+            "if the potential energy is bounded below"
+        ),
+        place=3458,
+    ),
     rests_on=("c5.speed-bound",),
-    chosen="W₀ = −y, and W₀ = √(1 + y²) − y, which pulls the same way but is not negative",
     tried_on="one potential ≥ 0",
+    chosen="W₀ = −y, and W₀ = √(1 + y²) − y, which pulls the same way but is not negative",
 )
 def _all_times() -> Evidence:
     """A free fall, and a potential that is bounded below and pulls the same way."""
@@ -47,8 +58,15 @@ def _all_times() -> Evidence:
 @claim(
     "c5.speed-bound",
     "The energy E bounds the speed of the macroscopic component: ‖ẏ‖² ≤ 2E.",
-    "(5.38)",
-    Verdict.CORRECTED,
+    source="(5.38)",
+    quote="‖ẏ(t)‖² ≤ 2E(Xⁱⁿⁱᵗ, yⁱⁿⁱᵗ, vⁱⁿⁱᵗ)",
+    correction=Correction(
+        "‖ẏ(t)‖² ≤ 2(E − the infimum of the potential energy), or 2E if no potential is negative",
+        Effect.CONCLUSION,
+        "M_v of Theorems 5.9, 5.12 and 5.16, which need potentials that are bounded below",
+        why="‖ẏ‖²/2 is E less all other energy, and the potential energy may be negative",
+        place=3472,
+    ),
     rests_on=("c5.energy",),
 )
 def _bound() -> Evidence:
@@ -66,11 +84,12 @@ def _bound() -> Evidence:
 @claim(
     "c5.well-posed",
     "Solutions exist for all times and are unique, though a term grows with the square of the speed.",
-    "Theorem 5.9",
-    Verdict.PROVED_INSTANCE,
+    source="Theorem 5.9",
+    quote="For T > 0 … the ODE model has a unique solution",
+    recorded=Verdict.PROVED_INSTANCE,
     rests_on=("c5.acceleration-lipschitz", "c5.speed-all-times", "c5.speed-constant"),
-    chosen="particles without forces on g = X + sin(X)/2 − y",
     tried_on="g = X + sin(X)/2 − y without forces, every mass and start",
+    chosen="particles without forces on g = X + sin(X)/2 − y",
 )
 def _well_posed() -> Evidence:
     """v = y' by (5.11a) without forces, X' = Phi v: E is constant, so v follows from X, and X' = h(X) has one solution.
@@ -109,8 +128,15 @@ def _well_posed() -> Evidence:
 @claim(
     "c5.speed-constant",
     "M_v = 2E² bounds the speed in the proof.",
-    "proof of Theorem 5.9",
-    Verdict.CORRECTED,
+    source="proof of Theorem 5.9",
+    quote="M_v := 2(E(Xⁱⁿⁱᵗ, yⁱⁿⁱᵗ, vⁱⁿⁱᵗ))²",
+    correction=Correction(
+        "M_v := (2E(Xⁱⁿⁱᵗ, yⁱⁿⁱᵗ, vⁱⁿⁱᵗ))^½ for potentials ≥ 0",
+        Effect.NUMBER,
+        "the set on which the right side is Lipschitz",
+        why="(5.38) bounds the square of the speed by 2E, so the speed by a root, not by a square",
+        place=3558,
+    ),
     rests_on=("c5.speed-bound",),
 )
 def _constant() -> Evidence:
@@ -141,8 +167,18 @@ def energy_rate(moving: float) -> float:
 @claim(
     "c5.speed-constant-limit",
     "In the limit M_v = 2E(y, ẏ, μⁱⁿⁱᵗ) bounds the speed.",
-    "proof of Theorem 5.12",
-    Verdict.CORRECTED,
+    source="proof of Theorem 5.12",
+    quote="M_v := 2E(y, ẏ, μⁱⁿⁱᵗ). Then every solution candidate has to satisfy ‖ẏ(t)‖ ≤ M_v",
+    correction=Correction(
+        "M_v := (2E(yⁱⁿⁱᵗ, vⁱⁿⁱᵗ, μⁱⁿⁱᵗ))^½ for potentials ≥ 0",
+        Effect.NUMBER,
+        "the set on which the right side is Lipschitz",
+        why=(
+            "2E bounds the square of the speed; and Lemma 5.11 keeps the energy of y(t), ẏ(t), μᵗ, not that of "
+            "y(t), ẏ(t), μⁱⁿⁱᵗ"
+        ),
+        place=3786,
+    ),
     rests_on=("c5.mean-field-energy",),
     tried_on="one free motion, and one state of four points",
 )

@@ -1,5 +1,4 @@
 """Chapter 5, sections 3.1 and 3.2: the mean-field equations, particles as measures, weak solutions."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
@@ -9,12 +8,22 @@ from typing import Any
 
 import numpy as np
 
-from verification.claims import Evidence, FormalProof, Verdict, at_least, at_most, proved, put_right
+from verification.claims import (
+    Correction,
+    Effect,
+    Evidence,
+    FormalProof,
+    Verdict,
+    at_least,
+    at_most,
+    claim,
+    proved,
+    put_right,
+)
 from verification.formal.algebra import identity, library
 from verification.thesis.chapter5.instant import WRONG, Floats, effective_force, effective_mass, general_instant, phi
 from verification.thesis.chapter5.lemmas import means_apart, reduced
 from verification.thesis.chapter5.wavy import runge_kutta, soft, symbolic_soft
-from verification.thesis.text.quoted import claim
 
 # What rounding leaves.
 TOL = 1e-9
@@ -27,8 +36,9 @@ M, SPREAD, TIME, STEPS = 5.0, 0.5, 3.0, 40
 @claim(
     "c5.limit-force",
     "In the limit integrals over the density give the effective mass and the effective force.",
-    "section 1, (5.40a), (5.41)",
-    Verdict.PROVED,
+    source="section 1, (5.40a), (5.41)",
+    quote="(∫ m_eff⁽¹⁾(x, y) f dx) ÿ = ∫ (F_eff⁽¹⁾(x, y, ẏ) + ∫ K_eff(x′, x) f(x′, t) dx′) f(x, t) dx",
+    recorded=Verdict.PROVED,
     rests_on=("c5.effective", "c5.empirical", "c5.integrals"),
     chosen="F_eff⁽¹⁾ with −mΦᵀΩ, as in (5.14)",
 )
@@ -40,8 +50,9 @@ def _limit_force() -> Evidence:
 @claim(
     "c5.transport",
     "The density of the particles is carried with the velocity Φ[ẏ].",
-    "section 1, (5.42b)",
-    Verdict.PROVED,
+    source="section 1, (5.42b)",
+    quote="∂_t f(x, t) = −div_x(f(x, t) Φ(x, y)[ẏ])",
+    recorded=Verdict.PROVED,
     rests_on=("c5.velocity",),
 )
 def _transport() -> Evidence:
@@ -71,8 +82,15 @@ def _transport() -> Evidence:
 @claim(
     "c5.weak-bracket",
     "The mean of a test function ξ changes at the rate −⟨ξ, div(Φẏ) f⟩.",
-    "proof of Lemma 5.10",
-    Verdict.CORRECTED,
+    source="proof of Lemma 5.10",
+    quote="d/dt ⟨ξ, f⁽ᴺ⁾⟩ = … = −⟨ξ, div(Φẏ) f⁽ᴺ⁾⟩",
+    correction=Correction(
+        "−⟨ξ, div(Φẏ f⁽ᴺ⁾)⟩",
+        Effect.PROOF,
+        "nothing: the line above it has f under the divergence",
+        why="integration by parts moves the derivative from ξ to the whole product Φẏ f",
+        place=3676,
+    ),
     rests_on=("c5.moved-measure",),
 )
 def _weak_bracket() -> Evidence:
@@ -114,8 +132,9 @@ def atoms() -> FormalProof:
 @claim(
     "c5.empirical",
     "For point masses the integrals are the effective mass and force of the particles.",
-    "(5.44) to (5.46)",
-    Verdict.PROVED,
+    source="(5.44) to (5.46)",
+    quote="m_eff(μ^emp, y) = m_eff⁽ᴺ⁾(X⁽ᴺ⁾, y), F_eff(μ^emp, y, v) = F_eff⁽ᴺ⁾(X⁽ᴺ⁾, y, v)",
+    recorded=Verdict.PROVED,
     rests_on=("c5.means",),
     chosen="F_eff⁽¹⁾ with −mΦᵀΩ, as in (5.14)",
 )
@@ -126,8 +145,9 @@ def _empirical() -> Evidence:
 @claim(
     "c5.consistency",
     "The motion of particles solves the mean-field equations for their empirical measure.",
-    "Lemma 5.10",
-    Verdict.PROVED,
+    source="Lemma 5.10",
+    quote="we can construct X … such that (X, y) is a solution of the … equations (5.40a) to (5.40c)",
+    recorded=Verdict.PROVED,
     rests_on=("c5.empirical", "c5.moved-measure", "c5.weak-bracket"),
 )
 def _consistency() -> Evidence:
@@ -159,11 +179,11 @@ def correlations(found: Floats) -> Floats:
 @claim(
     "c5.independent",
     "Particles with independent starts become uncorrelated as their number grows.",
-    "section 3.1",
-    Verdict.NOT_REFUTED,
+    source="section 3.1",
+    quote="we can hope that there exists a statistical distribution … such that X₁(t), …, X_N(t) ~ μᵗ",
     rests_on=("c5.effective",),
-    chosen=f"a mass of {M:g}, so that few particles feel each other; independence by the correlation of positions",
     tried_on=f"g = X + sin(X)/2 − y, normal starts, {FEW} and {MANY} particles at t = {TIME:g}",
+    chosen=f"a mass of {M:g}, so that few particles feel each other; independence by the correlation of positions",
 )
 def _independent() -> Evidence:
     """The order in N at which the correlation of two particles falls, with its interval by batches."""
@@ -196,8 +216,15 @@ def velocity(at_X: Floats) -> Floats:
 @claim(
     "c5.no-pairs",
     "Neither of the two reduced equations has an interaction of pairs of particles.",
-    "footnote 2",
-    Verdict.CORRECTED,
+    source="footnote 2",
+    quote="the ODE model (5.11a) and (5.11b) since it lacks pairwise interaction between particles",
+    correction=Correction(
+        "only (5.11b) lacks it: (5.11a) has the forces K, by which particles act on each other through y",
+        Effect.MODEL,
+        "why independence in the limit is called less surprising; (5.14), (5.16), (5.41b) have these forces",
+        why="(5.14), the right side of (5.11a), has the sum of K over all pairs",
+        place=3590,
+    ),
     rests_on=("c5.effective",),
     tried_on="one state of four particles, nx = 2, ny = 3",
 )
@@ -224,8 +251,9 @@ def _no_pairs() -> Evidence:
 @claim(
     "c5.moved-measure",
     "Integrals over the measure at a time are integrals over the initial one along the flow.",
-    "proof of Lemma 5.10",
-    Verdict.PROVED_INSTANCE,
+    source="proof of Lemma 5.10",
+    quote="∫ξ(x) dμᵗ(x) = ∫ξ(Xᵗ(x′)) dμⁱⁿⁱᵗ(x′)",
+    recorded=Verdict.PROVED_INSTANCE,
     rests_on=("c5.transport",),
     tried_on="g = X + sin(X)/2 − y, all densities and all ξ",
 )

@@ -1,16 +1,14 @@
 """Chapter 5, section 3.3: the equations as an ODE in the space Z of flows, (5.54) to (5.58)."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
 import numpy as np
 
-from verification.claims import Evidence, Verdict, at_most, equal, proved
+from verification.claims import Correction, Effect, Evidence, Verdict, at_most, claim, equal, proved
 from verification.formal.reals import implication
 from verification.thesis.chapter5.instant import TOL, Floats, System, general_system, phi, wavy_system, with_springs
 from verification.thesis.chapter5.lemmas import products, weighted
 from verification.thesis.chapter5.wavy import runge_kutta
-from verification.thesis.text.quoted import claim
 
 M = 0.7
 # The largest value of 1/(1 + cos(x)/2).
@@ -26,8 +24,9 @@ ATOMS, SHARES = np.array([120, 190, 215, 260]), np.array([0.1, 0.4, 0.3, 0.2])
 @claim(
     "c5.linear-growth",
     "The flow stays in the space Y in which its equation is solved.",
-    "section 3.3",
-    Verdict.PROVED,
+    source="section 3.3",
+    quote="We pick the function space of continuous and at most linearly growing functions",
+    recorded=Verdict.PROVED,
     rests_on=("c5.speed-constant-limit",),
     chosen="‖Xᵗ(x)‖ ≤ ‖x‖ + M_Φ M_v t, with M_v = √(2E)",
 )
@@ -46,8 +45,15 @@ def _linear_growth() -> Evidence:
 @claim(
     "c5.bounded-flow",
     "(A5b) makes the velocity field an element of 𝒴.",
-    "section 3.3",
-    Verdict.CORRECTED,
+    source="section 3.3",
+    quote="(A5b) implies ‖Φ(φ(·), y)[v]‖_Y ≤ M_Φ M_v",
+    correction=Correction(
+        "(A4b) implies it",
+        Effect.NOTATION,
+        "nothing: (A4b) is among the assumptions",
+        why="(A5b) bounds Ω; (A4b) bounds Φ by M_Φ",
+        place=3760,
+    ),
     tried_on="g = X + sin(X)/2 − y",
 )
 def _bounded_flow() -> Evidence:
@@ -69,8 +75,15 @@ def _bounded_flow() -> Evidence:
 @claim(
     "c5.lipschitz-constants",
     "Integrals are Lipschitz continuous in the flow with constants that contain ‖φ − ψ‖_Y.",
-    "Lemma 5.13",
-    Verdict.CORRECTED,
+    source="Lemma 5.13",
+    quote="Lipschitz continuous with constants Lip(ϕ)C_μ‖φ − ψ‖_Y and 2Lip(η)C_μ‖φ − ψ‖_Y",
+    correction=Correction(
+        "with constants Lip(ϕ)C_μ and 2Lip(η)C_μ",
+        Effect.NOTATION,
+        "nothing: the proof bounds the differences",
+        why="‖φ − ψ‖_Y is the distance by which a Lipschitz constant is multiplied, not a part of it",
+        place=3774,
+    ),
     rests_on=("c5.weighted-difference",),
     tried_on="ϕ(a) = a and η(a, b) = a + b",
 )
@@ -117,8 +130,8 @@ def slope_change(apart: float) -> float:
 @claim(
     "c5.differentiable-flow",
     "The flow has a continuous slope in the initial position.",
-    "Theorem 5.12",
-    Verdict.NOT_REFUTED,
+    source="Theorem 5.12",
+    quote="(y, X) ∈ C²([0, T], ℝⁿʸ) × C¹([0, T] × ℝⁿˣ, ℝⁿˣ)",
     rests_on=("c5.right-side",),
     tried_on="one constraint with nx = 2, ny = 3, one path y(t), starts on a line",
 )
@@ -142,9 +155,10 @@ def norm(values: Floats) -> float:
 
 @claim(
     "c5.weighted-difference",
-    "The mean distance of two flows is at most C_μ times their distance in 𝒴, and C_μ is the least such constant.",
-    "proof of Lemma 5.13",
-    Verdict.HOLDS,
+    ("The mean distance of two flows is at most C_μ times their distance in 𝒴, and C_μ is the least such constant."),
+    source="proof of Lemma 5.13",
+    quote="∫‖φ(x) − ψ(x)‖ dμ(x) ≤ C_μ‖φ − ψ‖_Y",
+    recorded=Verdict.HOLDS,
 )
 def _difference() -> Evidence:
     """The estimate is proved; flows that differ by h(1 + |x|) attain it."""
@@ -160,8 +174,9 @@ def _difference() -> Evidence:
 @claim(
     "c5.right-side",
     "The right side of the mean-field equations is Lipschitz continuous on Z at bounded speed.",
-    "proof of Theorem 5.12",
-    Verdict.PROVED,
+    source="proof of Theorem 5.12",
+    quote="(φ, y, y) ↦ h(φ, y, ẏ; μⁱⁿⁱᵗ) is Lipschitz continuous provided ‖v‖ ≤ M_v … depends on M_v and C_μ",
+    recorded=Verdict.PROVED,
     rests_on=("c5.any-number", "c5.inverse", "c5.product", "c5.lipschitz-constants"),
     chosen="the notation of c5.right-side-letters",
 )

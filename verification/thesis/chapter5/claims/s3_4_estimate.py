@@ -1,5 +1,4 @@
 """Chapter 5, sections 2.2, 3.4 and 4: motions, the stability estimate (5.60) and its constants."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
@@ -7,14 +6,13 @@ from collections.abc import Callable
 
 import numpy as np
 
-from verification.claims import Evidence, Verdict, at_least, at_most, proved
+from verification.claims import Correction, Effect, Evidence, Verdict, at_least, at_most, claim, proved
 from verification.formal.algebra import identity
 from verification.thesis.chapter5.bounded import FlowState, force, mass
 from verification.thesis.chapter5.general import multiplier, particle
 from verification.thesis.chapter5.instant import WRONG, Floats
 from verification.thesis.chapter5.lemmas import estimate, reduced
 from verification.thesis.chapter5.wavy import runge_kutta, soft
-from verification.thesis.text.quoted import claim
 
 # What steps of a run leave.
 RUN_TOL = 1e-6
@@ -37,11 +35,24 @@ def amplified(force: Callable[[float], float], y: float, v: float, time: float =
 @claim(
     "c5.stability-constants",
     "The constants of the stability estimate are the same for all starts of one energy and moment.",
-    "Theorem 5.16",
-    Verdict.CORRECTED,
+    source="Theorem 5.16",
+    quote=("for some constants L, C > 0 which do only depend on the initial total energy of both states and on … C_μ"),
+    correction=Correction(
+        (
+            "for potentials that are bounded below; L then depends on the energy above their infimum. Otherwise C"
+            " and L depend on the largest speed up to the time t"
+        ),
+        Effect.CONCLUSION,
+        ("Theorem 5.16 and Corollary 5.19, as far as C and L are said to be independent of the start and of time"),
+        why=(
+            "L contains the bound of the speed, which follows from the energy only if the potential energy is "
+            "bounded below"
+        ),
+        place=3854,
+    ),
     rests_on=("c5.flow-estimate", "c5.stability-step", "c5.speed-constant-limit"),
-    chosen="two point masses, g = sinh(X)e⁻ʸ, W₀ = −y, no other forces",
     tried_on="three starts in one potential ≥ 0",
+    chosen="two point masses, g = sinh(X)e⁻ʸ, W₀ = −y, no other forces",
 )
 def _constants() -> Evidence:
     """Starts of one energy and one first moment: in free fall, and in a potential sqrt(1 + y^2) - y >= 0."""
@@ -82,9 +93,23 @@ def moved(X: Floats, y: float, v: float) -> Floats:
 
 @claim(
     "c5.same-estimate",
-    "With nonlinear constraints the distance of solutions is at most C e^{Lt} times that of their starts, for all t.",
-    "section 4",
-    Verdict.CORRECTED,
+    ("With nonlinear constraints the distance of solutions is at most C e^{Lt} times that of their starts, for all t."),
+    source="section 4",
+    quote="the same stability estimate as in the linear case also holds for nonlinear constraints",
+    correction=Correction(
+        (
+            "it holds on each [0, T], with C and L that depend on the largest speed up to T, and for all times if"
+            " potentials are bounded below"
+        ),
+        Effect.CONCLUSION,
+        ("Corollary 5.19 at each time t, which stands; nothing for all times at once, see c5.stability-constants"),
+        why=(
+            "in free fall the speed grows without end, and particles that are close at first move apart as "
+            "exp(t²/2); linear forces and constraints make the whole system linear, so that C and L exist for all"
+            " times"
+        ),
+        place=3968,
+    ),
     rests_on=("c5.flow-estimate", "c5.stability-step", "c5.speed-all-times", "c5.stability-constants"),
     chosen="two point masses, g = sinh(X)e⁻ʸ, W₀ = −y, no other forces, which fulfils (A1a) to (A5b); the correction "
     "for all systems of the chapter",
@@ -108,8 +133,15 @@ def _estimate() -> Evidence:
 @claim(
     "c5.future-interaction",
     "Forces between particles are left to further work.",
-    "section 4",
-    Verdict.CORRECTED,
+    source="section 4",
+    quote="Second, … one could drop the full-rank condition and add interaction forces between the particles",
+    correction=Correction(
+        "one could drop the full-rank condition: interaction forces are in the model already, by (5.4)",
+        Effect.MODEL,
+        "nothing in the theorems, which have these forces; see c5.non-interacting and c5.no-pairs",
+        why="(5.4) and (5.6a) have such forces, and Theorems 5.12 and 5.16 include them",
+        place=3970,
+    ),
     rests_on=("c5.effective",),
     chosen="the forces of (5.4), within the class of the chapter",
 )
@@ -129,8 +161,9 @@ def _future() -> Evidence:
 @claim(
     "c5.same-motion",
     "Constrained and reduced equations have the same motions, and the multipliers can be recovered.",
-    "before Proposition 5.1",
-    Verdict.PROVED,
+    source="before Proposition 5.1",
+    quote="Every solution of the DAE model (5.6a) to (5.6c) also solves the ODE model (5.11a) and (5.11b)",
+    recorded=Verdict.PROVED,
     rests_on=("c5.effective", "c5.derivation-multipliers"),
     chosen="the multipliers by (A.12) with K(X_k, X_i), see c5.derivation-multipliers",
 )
@@ -150,8 +183,12 @@ def _same_motion() -> Evidence:
 @claim(
     "c5.limit-in-time",
     "As their number grows, particles that sample a density move y as the mean-field equations do.",
-    "section 3.4",
-    Verdict.PROVED,
+    source="section 3.4",
+    quote=(
+        "for N → ∞ the behaviour of the ODE model (5.11a) and (5.11b) is well-approximated by the mean-field "
+        "characteristic flow"
+    ),
+    recorded=Verdict.PROVED,
     rests_on=("c5.consistency", "c5.same-estimate"),
     chosen="an even 𝒱, as (A2a) needs it; each time t, with C and L that may depend on t, see c5.same-estimate",
 )

@@ -1,5 +1,4 @@
 """Chapter 5, section 3.4: the distance of measures and the proof of the stability estimate."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
@@ -10,13 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment, linprog
 
-from verification.claims import Evidence, Verdict, at_most, proved, put_right
+from verification.claims import Correction, Effect, Evidence, Verdict, at_most, claim, proved, put_right
 from verification.formal.enclosures import balls, not_negative
 from verification.formal.reals import implication
 from verification.thesis.chapter5.instant import Floats
 from verification.thesis.chapter5.lemmas import gronwall, means_apart
 from verification.thesis.chapter5.wavy import M, soft
-from verification.thesis.text.quoted import claim
 
 SEED = 65
 LINE = np.linspace(-20.0, 20.0, 2001)
@@ -63,10 +61,11 @@ def slack(assigned: NDArray[np.intp]) -> Any:
 @claim(
     "c5.dual",
     "The distance of two measures is the largest difference of the means of a function.",
-    "(5.59)",
-    Verdict.PROVED_INSTANCE,
-    chosen="ϕ with values in ℝ, see c5.dual-values, and as printed in ℝⁿˣ with a norm for |·|",
+    source="(5.59)",
+    quote="W₁(ν, μ) = sup |∫ϕ dν − ∫ϕ dμ| over ϕ ∈ C(ℝⁿˣ, ℝⁿˣ), Lip(ϕ) ≤ 1",
+    recorded=Verdict.PROVED_INSTANCE,
     tried_on="two sets of six points in the plane",
+    chosen="ϕ with values in ℝ, see c5.dual-values, and as printed in ℝⁿˣ with a norm for |·|",
 )
 def _dual() -> Evidence:
     """If f_i - g_j <= |x_i - y_j|, equal for partners, min_j g_j + |z - y_j| has the constant 1 and attains W1."""
@@ -87,8 +86,9 @@ def _dual() -> Evidence:
 @claim(
     "c5.integrals",
     "Means of a function over two measures differ by at most its Lipschitz constant times their distance.",
-    "Lemma 5.15",
-    Verdict.PROVED,
+    source="Lemma 5.15",
+    quote="|∫ϕ dμ₁ − ∫ϕ dμ₂| ≤ Lip(ϕ) W₁(μ₁, μ₂)",
+    recorded=Verdict.PROVED,
     rests_on=("c5.dual",),
 )
 def _integrals() -> Evidence:
@@ -98,8 +98,9 @@ def _integrals() -> Evidence:
 @claim(
     "c5.fundamental",
     "Solutions of two equations move apart by at most ϱe^{Lt} + ε/L (e^{Lt} − 1).",
-    "Lemma 5.17",
-    Verdict.PROVED,
+    source="Lemma 5.17",
+    quote="‖z₁(t) − z₂(t)‖ ≤ ϱ e^{Lt} + ε/L (e^{Lt} − 1)",
+    recorded=Verdict.PROVED,
     chosen="z, z′ ∈ A, see c5.fundamental-set",
 )
 def _fundamental() -> Evidence:
@@ -109,8 +110,18 @@ def _fundamental() -> Evidence:
 @claim(
     "c5.push-forward",
     "The right side is Lipschitz continuous in the initial measure with a constant of M_v and C_μ.",
-    "proof of Theorem 5.16",
-    Verdict.CORRECTED,
+    source="proof of Theorem 5.16",
+    quote="‖h(…; μ₁) − h(…; μ₂)‖ = ‖(m_eff(μ₁, y))⁻¹F_eff(μ₁, y, v) − …‖ … L_μ depends only on M_v and C_μ",
+    correction=Correction(
+        (
+            "h contains m_eff(φ#μ, y) and F_eff(φ#μ, y, v); the bound has the factor Lip(φ), which is at most "
+            "exp(L_Φ M_v t) for flows"
+        ),
+        Effect.PROOF,
+        "Theorem 5.16 stands with larger C and L",
+        why="h contains the image of μ under φ, and ∫k d(φ#μ) = ∫k∘φ dμ, where Lip(k∘φ) is at most Lip(k) Lip(φ)",
+        place=3898,
+    ),
     rests_on=("c5.any-number", "c5.integrals"),
     tried_on="two point masses, φ(x) = 100x",
 )
@@ -128,8 +139,9 @@ def _push_forward() -> Evidence:
 @claim(
     "c5.flow-estimate",
     "Two solutions and their flows move apart by at most the bound of Lemma 5.17.",
-    "(5.64)",
-    Verdict.PROVED,
+    source="(5.64)",
+    quote=("‖y₁ − y₂‖ + ‖ẏ₁ − ẏ₂‖ + ‖X₁ᵗ − X₂ᵗ‖_X ≤ ϱ e^{tL_{f1}} + L_μ W₁(μ₁ⁱⁿⁱᵗ, μ₂ⁱⁿⁱᵗ)/Lip(h₁) (e^{tLip(h₁)} − 1)"),
+    recorded=Verdict.PROVED,
     rests_on=("c5.fundamental", "c5.right-side", "c5.push-forward"),
     chosen="the notation of c5.flow-norm and c5.flow-constant",
 )
@@ -152,8 +164,18 @@ def _flow_estimate() -> Evidence:
 @claim(
     "c5.stability-step",
     "Two measures are at most C_μ‖X₁ᵗ − X₂ᵗ‖ farther apart than at the start.",
-    "(5.65)",
-    Verdict.CORRECTED,
+    source="(5.65)",
+    quote="W₁(μ₁ᵗ, μ₂ᵗ) ≤ C_μ‖X₁ᵗ − X₂ᵗ‖_X + W₁(μ₁ⁱⁿⁱᵗ, μ₂ⁱⁿⁱᵗ)",
+    correction=Correction(
+        "W₁(μ₁ᵗ, μ₂ᵗ) ≤ C_μ‖X₁ᵗ − X₂ᵗ‖ + Lip(X₂ᵗ) W₁(μ₁ⁱⁿⁱᵗ, μ₂ⁱⁿⁱᵗ)",
+        Effect.PROOF,
+        "Theorem 5.16 stands with larger C and L, since Lip(X₂ᵗ) ≤ exp(L_Φ M_v t); it is 1 if all are shifted",
+        why=(
+            "the function that is integrated over both initial measures is ϕ∘X₂ᵗ, with a Lipschitz constant up to"
+            " Lip(ϕ) Lip(X₂ᵗ), and flows stretch"
+        ),
+        place=3924,
+    ),
     rests_on=("c5.lipschitz-constants", "c5.integrals"),
 )
 def _stability_step() -> Evidence:

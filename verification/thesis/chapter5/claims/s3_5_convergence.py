@@ -1,5 +1,4 @@
 """Chapter 5, sections 3.4 and 3.5: the linear case, particles that come close to their limit, and its moments."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
@@ -9,12 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from verification.claims import Evidence, Interval, Verdict, at_least, proved, put_right
+from verification.claims import Correction, Effect, Evidence, Interval, Verdict, at_least, claim, proved, put_right
 from verification.formal.algebra import identity, library, matrices
 from verification.formal.reals import implication, solver_library
 from verification.thesis.chapter5.instant import Floats
 from verification.thesis.chapter5.lemmas import estimate
-from verification.thesis.text.quoted import claim
 
 SEED = 65
 DRAWS, TWO_SIDED = 40, NormalDist().inv_cdf(0.975)
@@ -23,8 +21,9 @@ DRAWS, TWO_SIDED = 40, NormalDist().inv_cdf(0.975)
 @claim(
     "c5.shifted",
     "With linear constraints the measure is only shifted.",
-    "Remark 5.18",
-    Verdict.PROVED,
+    source="Remark 5.18",
+    quote="there is a vector w(t) such that μⁱⁿⁱᵗ(A) = μᵗ(A − w(t))",
+    recorded=Verdict.PROVED,
     rests_on=("c5.linear-map",),
 )
 def _shifted() -> Evidence:
@@ -43,8 +42,11 @@ def _shifted() -> Evidence:
 @claim(
     "c5.linear-step",
     "With linear constraints (5.65) holds as printed, without the Lipschitz constant of the flow.",
-    "Remark 5.18",
-    Verdict.PROVED,
+    source="Remark 5.18",
+    quote=(
+        "in the linear case the third step in the proof is easier, since the particle distribution will only be shifted"
+    ),
+    recorded=Verdict.PROVED,
     rests_on=("c5.linear-map", "c5.stability-step"),
     chosen="the step that leads from (5.64) to (5.65), the last one of the proof, which is about the distribution",
 )
@@ -89,8 +91,9 @@ def distance(one: Floats, fine: Floats) -> float:
 @claim(
     "c5.convergence",
     "At each time particles converge to the mean-field limit, at the rate of their distance at the start.",
-    "Corollary 5.19",
-    Verdict.PROVED,
+    source="Corollary 5.19",
+    quote="‖y − y_k‖ + ‖ẏ − ẏ_k‖ + W₁(μᵗ, μ_kᵗ) ≤ C e^{Lt} W₁(μⁱⁿⁱᵗ, μ_k^emp) → 0",
+    recorded=Verdict.PROVED,
     rests_on=("c5.same-estimate", "c5.consistency"),
     chosen="C and L may depend on the time t, which the corollary does not exclude: for all t there are none, see "
     "c5.same-estimate",
@@ -117,8 +120,8 @@ def draws() -> Floats:
 @claim(
     "c5.samples",
     "Random positions come close to the distribution that they are drawn from.",
-    "section 3.5",
-    Verdict.NOT_REFUTED,
+    source="section 3.5",
+    quote="the existence of suitable initial conditions such that (5.66) holds is shown in",
     tried_on="a normal distribution on a line, N = 64 and 1024",
 )
 def _samples() -> Evidence:
@@ -146,11 +149,12 @@ def _samples() -> Evidence:
 @claim(
     "c5.closure",
     "The transport equation gives equations for the moments of the density.",
-    "Remark 5.20",
-    Verdict.PROVED_INSTANCE,
+    source="Remark 5.20",
+    quote="find equations for the first moments by inserting this ansatz into the (5.42a) and (5.42b)",
+    recorded=Verdict.PROVED_INSTANCE,
     rests_on=("c5.shear-flow", "c5.transport"),
-    chosen="Example 5.4 with y(t) given, where the equations close without an assumption on the density",
     tried_on="Example 5.4, all points and weights",
+    chosen="Example 5.4 with y(t) given, where the equations close without an assumption on the density",
 )
 def _closed() -> Evidence:
     """The moments of one point that follows x' = A x with A = F(y')F(y)^-1; measures are sums of points."""
@@ -167,8 +171,9 @@ def _closed() -> Evidence:
 @claim(
     "c5.mass",
     "The transport equation keeps the number of particles.",
-    "(5.68)",
-    Verdict.PROVED,
+    source="(5.68)",
+    quote="ṁ(t) = 0, conservation of mass",
+    recorded=Verdict.PROVED,
     rests_on=("c5.transport",),
     chosen="m is that of (5.67), not the mass of a particle",
 )
@@ -193,8 +198,15 @@ def _mass() -> Evidence:
 @claim(
     "c5.first-moment",
     "(5.69) gives the rate of the first moment of the density.",
-    "(5.69)",
-    Verdict.CORRECTED,
+    source="(5.69)",
+    quote="ρ̇(t) =",
+    correction=Correction(
+        "ρ̇(t) = ∫Φ(x, y)[ẏ] f(x, t) dx",
+        Effect.NOTATION,
+        "the method of moments, which the remark sets out; the equation for σ is left out too",
+        why="(5.42b), multiplied by x and integrated by parts; the right side is left blank",
+        place=3962,
+    ),
     rests_on=("c5.transport",),
 )
 def _first_moment() -> Evidence:

@@ -9,7 +9,7 @@ import numpy as np
 
 import dincl
 from tissue.statistics.comparisons import Difference
-from verification.claims import Evidence, Tables, Verdict, at_least, at_most, equal, proved
+from verification.claims import Correction, Effect, Evidence, Tables, Verdict, at_least, at_most, claim, equal, proved
 from verification.thesis.chapter1.sets import ROUNDING, Floats
 from verification.thesis.chapter4.claims.s4_6_conditional import early_minus_late
 from verification.thesis.chapter4.frequencies import (
@@ -24,7 +24,6 @@ from verification.thesis.chapter4.frequencies import (
     share,
 )
 from verification.thesis.chapter5.claims.s1_introduction import mass_rates
-from verification.thesis.text.quoted import claim
 
 # Seconds of damped Arrow-Hurwicz and of PBD, as sections 3.2 and 3.4 of chapter 3 print them.
 RUNTIMES = ((27.0, 0.08), (28.0, 0.08))
@@ -33,8 +32,9 @@ PROTRUSIONS, OTHERS = "[BP]", ("[A]", "[B]", "[S]")
 
 @claim(
     "c0.faster",
-    "Position based dynamics simulates tissues more than 300 times faster than the damped Arrow-Hurwicz method.",
-    "introduction, Part II",
+    ("Position based dynamics simulates tissues more than 300 times faster than the damped Arrow-Hurwicz method."),
+    source="introduction, Part II",
+    quote="Thanks to that, we can simulate over 300 times faster",
     rests_on=("c3.speedup",),
     chosen="the runtimes are those that chapter 3 prints",
     arithmetic=True,
@@ -57,8 +57,8 @@ def pbd_error(dt: float) -> float:
 @claim(
     "c0.converges",
     "Position based dynamics converges to the exact solution as the steps get shorter.",
-    "introduction, Part I",
-    Verdict.NOT_REFUTED,
+    source="introduction, Part I",
+    quote="the PBD method converges in numerical tests to the exact solutions.",
     rests_on=("c2.order-exact",),
     tried_on="two discs, one of which pushes the other and slides around it",
 )
@@ -88,9 +88,9 @@ def pbd_by_hand(x: Floats, h: float, steps: int) -> tuple[Floats, int]:
 
 @claim(
     "c0.simple",
-    "Position based dynamics makes one simple operation per overlap, and has no multipliers or numerical parameters.",
-    "introduction, Part I",
-    Verdict.NOT_REFUTED,
+    ("Position based dynamics makes one simple operation per overlap, and has no multipliers or numerical parameters."),
+    source="introduction, Part I",
+    quote=("one simple operation per overlap, but neither Lagrangian multipliers nor artificial numerical parameters."),
     rests_on=("c2.algorithm",),
     tried_on="four discs, 200 steps",
 )
@@ -123,7 +123,8 @@ def scenarios() -> int:
 @claim(
     "c0.scenarios",
     "Four event times, and groups of cells that differ in them, make thousands of EMT scenarios.",
-    "introduction, Part II",
+    source="introduction, Part II",
+    quote="only four parameters … plus groups of cells … give thousands of possible EMT scenarios.",
     chosen="the parameters are the four times of chapter 4, section 2.2; scenarios differ by the order of events, not "
     "by their times; groups of two cells",
 )
@@ -136,8 +137,12 @@ def _scenarios() -> Evidence:
 
 @claim(
     "c0.protrusions",
-    "Cells with protrusions leave basally far more often than others, which are at risk of leaving apically.",
-    "introduction, Part II",
+    ("Cells with protrusions leave basally far more often than others, which are at risk of leaving apically."),
+    source="introduction, Part II",
+    quote=(
+        "cells showing protrusive activities … are much more efficient at exiting basally than cells relying "
+        "on passive forces"
+    ),
     needs=(RATIOS,),
     rests_on=("c4.protrusions",),
     chosen="isolated cells with one event, with INM",
@@ -164,8 +169,18 @@ def _protrusions(tables: Tables) -> Evidence:
 @claim(
     "c0.timing",
     "The times of the events have no relevant influence on basal extrusion.",
-    "introduction, Part II",
-    Verdict.CORRECTED,
+    source="introduction, Part II",
+    quote=("we did not find any relevant correlation between the timing of EMT transition events and the … rates."),
+    correction=Correction(
+        "of the times of the events only that of [A] matters: early [A] extrudes more cells",
+        Effect.CONCLUSION,
+        (
+            "the third of the main features; chapter 4 has the exception in the caption of Figure 20, in 4.5.3 "
+            "and in the answer to (Q3)"
+        ),
+        why=("section 4.5.3 and the answer to (Q3) of chapter 4 find that early onset of [A] increases the extrusion"),
+        place=113,
+    ),
     needs=(CONDITIONAL,),
     rests_on=("c4.q3",),
     chosen=f"cells without [P] of the group '35 % [P]'; relevant: more than {ALIKE:.0%}",
@@ -181,8 +196,11 @@ def _timing(tables: Tables) -> Evidence:
 @claim(
     "c0.mean-field-mass",
     "The mean-field mass changes if the constraints make particles move at different speeds.",
-    "introduction, Part III",
-    Verdict.PROVED,
+    source="introduction, Part III",
+    quote=(
+        "The mean-field mass can even be non-constant if the constrained particles have to move at different speeds"
+    ),
+    recorded=Verdict.PROVED,
     rests_on=("c5.changing-mass",),
 )
 def _mean_field_mass() -> Evidence:
