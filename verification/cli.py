@@ -81,7 +81,7 @@ def claims(
         tables = selection.tables_for(chosen, context)
         table = decide_all(chosen, tables, executor)
     _list_claims(table)
-    print(f"{len(errata())} errata of notation are in verification/thesis/text/errata.csv")
+    print(f"{len(errata())} errata without a check of their own are in verification/thesis/text/errata.csv")
     raise typer.Exit(0 if differing(table).empty else 1)
 
 

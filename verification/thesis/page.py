@@ -55,9 +55,10 @@ def run(context: Context) -> None:
 def sections(context: Context) -> Sequence[Section]:
     """Return counts, the corrections that change results, and all claims in the order of the thesis, to be searched."""
     table = context.tables["claims"]
-    slips = context.tables["claims_errata"]
-    said = fill(PROSE / "statements.html", **_values(table), errata=len(slips))
-    found = [_counts(table, said), _corrections(table, said), *_readings(table), _errata(slips, said)]
+    others = context.tables["claims_errata"]
+    slips = others[others["effect"] == Effect.NOTATION.value]
+    said = fill(PROSE / "statements.html", **_values(table, others), errata=len(slips))
+    found = [_counts(table, said), _corrections(table, others, said), *_readings(table), _errata(slips, said)]
     found.append(Section("All claims", [SearchField()]))
     wrong = corrected_below(register())
     for number, title in TITLES.items():
@@ -67,8 +68,8 @@ def sections(context: Context) -> Sequence[Section]:
     return found
 
 
-def _values(table: pd.DataFrame) -> dict[str, Any]:
-    total, wrong = table["verdict"].value_counts(), corrections(table)
+def _values(table: pd.DataFrame, others: pd.DataFrame) -> dict[str, Any]:
+    total, wrong = table["verdict"].value_counts(), corrections(table, others)
     return {
         "count": len(table),
         **{verdict.name.lower(): int(total.get(verdict.value, 0)) for verdict in Verdict},
@@ -86,8 +87,8 @@ def _counts(table: pd.DataFrame, said: Mapping[str, str]) -> Section:
     return Section(COUNTS, [Text(said["counts"]), Grid(counts, said["by_chapter"], "claims")])
 
 
-def _corrections(table: pd.DataFrame, said: Mapping[str, str]) -> Section:
-    wrong = corrections(table)
+def _corrections(table: pd.DataFrame, others: pd.DataFrame, said: Mapping[str, str]) -> Section:
+    wrong = corrections(table, others)
     steps = wrong["effect"] == Effect.PROOF.value
     shown = headed(wrong, COLUMNS["corrections"])
     return Section(
@@ -122,9 +123,11 @@ def _errata(table: pd.DataFrame, said: Mapping[str, str]) -> Section:
     return Section("Errata of notation", [Text(said["errata"]), Grid(shown, said["slips"], "claims_errata")])
 
 
-def corrections(table: pd.DataFrame) -> pd.DataFrame:
-    """Return the claims that are wrong as printed and whose correction changes a result, the most serious first."""
-    wrong = table[table["verdict"].isin(WRONG) & table["effect"].isin(SERIOUS)]
+def corrections(table: pd.DataFrame, others: pd.DataFrame) -> pd.DataFrame:
+    """Return what is wrong as printed and whose correction changes a result, claims and errata, most serious first."""
+    slips = others.rename(columns={"printed": "quote", "corrected": "correction"})
+    wrong = pd.concat([table[table["verdict"].isin(WRONG)], slips], ignore_index=True)
+    wrong = wrong[wrong["effect"].isin(SERIOUS)]
     return wrong.sort_values("effect", key=lambda column: column.map(SERIOUS.index), kind="stable")
 
 
@@ -132,7 +135,7 @@ def corrections(table: pd.DataFrame) -> pd.DataFrame:
 def findings(context: Context) -> Sequence[Finding]:
     """Count the claims that hold and those that are wrong as printed."""
     table = context.tables["claims"]
-    values, wrong = _values(table), table[table["verdict"].isin(WRONG)]
+    values, wrong = _values(table, context.tables["claims_errata"]), table[table["verdict"].isin(WRONG)]
     serious = wrong["effect"].isin([effect for effect in SERIOUS if effect != Effect.PROOF.value])
     said = fill(PROSE / "learned.html", **values | {"wrong": len(wrong), "serious": int(serious.sum())})
     counts = {verdict: values[verdict.name.lower()] for verdict in Verdict}

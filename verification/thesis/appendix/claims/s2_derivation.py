@@ -24,10 +24,9 @@ from verification.thesis.chapter5.general import eliminated, multiplier, pair_fo
         why=("(5.6a), which (A.4a) recalls, has K(X_k, X_i), and K is antisymmetric, so the sign of the force changes"),
         place=4111,
     ),
-    rests_on=("c5.pair-force",),
 )
 def _order() -> Evidence:
-    """Take one pair and one coordinate, as for c5.pair-force."""
+    """Take one pair and one coordinate."""
     return put_right(pair_force("the force on X_i by X_k is K(X_k, X_i)/N", "it is K(X_i, X_k)/N"))
 
 

@@ -163,18 +163,6 @@ def _overdamped() -> Evidence:
 
 
 @claim(
-    "c1.viscosity",
-    "Cytoplasm is 100 times more viscous than water.",
-    source="Example 1.1",
-    quote="η = 10⁻¹ kg m⁻¹ s⁻¹ which is 100 times larger than that of water",
-    arithmetic=True,
-)
-def _viscosity() -> Evidence:
-    ratio = VISCOSITY / WATER
-    return Evidence(printed=(equal("0.1 Pa s over the viscosity of water at 20 °C", ratio, 100.0, 1.0),))
-
-
-@claim(
     "c1.drag",
     "By the law of Stokes the drag coefficient of a cell is 9.42 × 10⁻³ g/s.",
     source="Example 1.1",

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from verification.claims import Correction, Effect, Evidence, Verdict, at_least, claim, equal, proved
-from verification.formal.algebra import identity, library
+from verification.formal.algebra import library
 from verification.formal.reals import implication, solver_library
 from verification.thesis.chapter1.lemmas import cones
 from verification.thesis.chapter1.sets import ROUNDING, SAMPLES, Floats
@@ -20,24 +20,6 @@ EDGE = np.stack([f(np.linspace(0, 2 * np.pi, 720, endpoint=False)) for f in (np.
 BLIND = 1e-4
 # How far two discs are moved along a vector, in diameters.
 FAR = 1e4
-
-
-@claim(
-    "c1.pairs",
-    "N discs have N(N - 1)/2 constraints, one for each pair.",
-    source="before (1.3)",
-    quote="Let us define g₁, …, g_M for M = (N over 2)",
-    recorded=Verdict.PROVED,
-)
-def _pairs() -> Evidence:
-    """By induction: one more disc has a pair with each of the N before."""
-    return proved(
-        identity(
-            "N(N − 1)/2 is 0 for one disc and grows by N with the disc N + 1",
-            lambda s, n: [(n + 1) * (n + 1 - s) / 2 - n * (n - s) / 2 - n, (n * (n - s) / 2).subs(n, 1)],
-            "N(N + 1)/2",
-        )
-    )
 
 
 @claim(
@@ -210,10 +192,10 @@ def _outward() -> Evidence:
 @claim(
     "c1.equivalent",
     "The inclusion with the normal cone and the equations with multipliers have the same solutions.",
-    source="section 1.3",
+    source="section 1.3; Theorem 1.25; Corollary 1.30, (1.35)",
+    also=("c1.cones", "c1.sum-of-all", "c1.sum-limit"),
     quote="we will see that this model is equivalent to (1.4) and (1.5).",
     recorded=Verdict.PROVED_INSTANCE,
-    rests_on=("c1.cones",),
     tried_on="states whose contacts have independent gradients",
 )
 def _equivalent() -> Evidence:

@@ -7,22 +7,10 @@ import numpy as np
 from verification.claims import Correction, Effect, Evidence, Verdict, at_least, claim, equal, proved, put_right
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication
-from verification.thesis.chapter1.lemmas import growth_of_distance, sign_values
+from verification.thesis.chapter1.lemmas import sign_values
 
 # Places on both sides of 0, the nearest as near as numbers that are squared allow.
 LINE = np.concatenate([sign * np.logspace(-8, 1, 40) for sign in (-1.0, 1.0)])
-
-
-@claim(
-    "c1.one-sided",
-    "Two solutions of a one-sided Lipschitz inclusion stay within e^{Lt} times their first distance.",
-    source="Theorem 1.13",
-    quote="‖x(t) - y(t)‖ ≤ exp(Lt) ‖x(0) - y(0)‖",
-    recorded=Verdict.PROVED,
-)
-def _one_sided() -> Evidence:
-    """E' = 2 (x' - y') (x - y) <= 2 L E for E = |x - y|^2; K = L t."""
-    return proved(*growth_of_distance())
 
 
 def step_values(x: float) -> tuple[float, float]:
@@ -100,7 +88,7 @@ def _monotone_maps() -> Evidence:
     source="after Remark 1.15",
     quote=("the multi-functions F considered will neither be upper semicontinuous nor one-sided Lipschitz continuous."),
     recorded=Verdict.PROVED,
-    rests_on=("c1.cones",),
+    rests_on=("c1.equivalent",),
     chosen="F = 0 and two discs",
 )
 def _neither() -> Evidence:

@@ -42,39 +42,11 @@ FUNCTIONS: dict[str, Callable[[float], float]] = {
 }
 
 
-def largest_rise(f: Callable[[float], float]) -> float:
-    """Return the most that the increments over cells of a total length of SHORT add up to, as in Definition 1.6."""
-    increments = np.abs(np.diff([f(k / CELLS) for k in range(CELLS + 1)]))
-    return float(np.sort(increments)[-int(SHORT * CELLS) :].sum())
-
-
 def lost_rise(f: Callable[[float], float]) -> float:
     """Return f(1) - f(0) less the integral of the derivative, as in Lemma 1.7, by the midpoint rule."""
     middles = (np.arange(CELLS) + 0.5) / CELLS
     slopes = [(f(x + EDGE) - f(x - EDGE)) / (2 * EDGE) for x in middles]
     return float(f(1.0) - f(0.0) - np.mean(slopes))
-
-
-@claim(
-    "c1.absolutely-continuous",
-    "A function is absolutely continuous if and only if it is the integral of an integrable function.",
-    source="Definition 1.6, Lemma 1.7",
-    quote=(
-        "f is absolutely continuous if and only if there exists a Lebesgue integrable function g … f(x) = f(a) + ∫ g"
-    ),
-    tried_on="four functions on [0, 1]",
-    chosen="g can only be the derivative",
-)
-def _absolutely_continuous() -> Evidence:
-    rises, lost = ({name: part(f) for name, f in FUNCTIONS.items()} for part in (largest_rise, lost_rise))
-    unlike = sum((rises[name] < 0.5) != (abs(lost[name]) < 0.5) for name in FUNCTIONS)
-    continuous = sum(rise < 0.5 for rise in rises.values())
-    return Evidence(
-        printed=(
-            equal(f"functions on which definition and lemma disagree, of {', '.join(FUNCTIONS)}", unlike, 0),
-            equal("absolutely continuous ones by the definition", continuous, 2),
-        )
-    )
 
 
 def speed(t: float, h: float) -> float:
@@ -122,7 +94,10 @@ def _no_classical() -> Evidence:
     source="Example 1.9",
     quote="It turns out that the unique solution is x(t) = max(c - t, 0).",
     recorded=Verdict.PROVED,
-    rests_on=("c1.step-continuity", "c1.one-sided"),
+    rests_on=(
+        "c1.step-continuity",
+        "c1.dependence",
+    ),
 )
 def _step() -> Evidence:
     """x' in -H(x), H = sign(x), and [-1, 1] at 0; h and k are values of H at x and y."""
@@ -184,7 +159,7 @@ def _kink() -> Evidence:
         ),
         place=441,
     ),
-    rests_on=("c1.absolutely-continuous", "c1.step"),
+    rests_on=("c1.step",),
 )
 def _almost_everywhere() -> Evidence:
     lost, ours = lost_rise(cantor), lost_rise(lambda t: max(C - t, 0.0))

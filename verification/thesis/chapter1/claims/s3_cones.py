@@ -10,29 +10,6 @@ from verification.thesis.chapter1.sets import ROUNDING
 
 
 @claim(
-    "c1.convex-cone",
-    "Normal cones are convex cones, and {0} at inner points.",
-    source="after Definition 1.16",
-    quote="for v, w ∈ N_C(x) we also have αv + w ∈ N_C(x) for all α > 0 … N_C(x) = {0}",
-    recorded=Verdict.PROVED,
-)
-def _convex_cone() -> Evidence:
-    """p = v.(y - x) and q = w.(y - x) for a point y of C; at an inner point y = x + t v is in C for a t > 0."""
-    return proved(
-        implication(
-            "v·(y − x) ≤ 0 and w·(y − x) ≤ 0 give (αv + w)·(y − x) ≤ 0 for α > 0",
-            lambda s, a, p, q: ([a > 0, p <= 0, q <= 0], s * a * p + q <= 0),
-            "−αv + w",
-        ),
-        implication(
-            "v·(tv) ≤ 0 with t > 0 gives v = 0",
-            lambda s, t, square: ([t * s > 0, square >= 0, t * square <= 0], square == 0),
-            "with t < 0",
-        ),
-    )
-
-
-@claim(
     "c1.outside",
     "Outside a convex set its normal cone is empty.",
     source="after Definition 1.16",
@@ -90,7 +67,10 @@ def _monotone() -> Evidence:
     source="after (1.15)",
     quote="in the case F = 0, Theorem 1.13 implies uniqueness of solutions of (1.15).",
     recorded=Verdict.PROVED,
-    rests_on=("c1.one-sided", "c1.monotone"),
+    rests_on=(
+        "c1.dependence",
+        "c1.monotone",
+    ),
     chosen="a set that moves, as in (1.16): in one that stands still nothing moves without F",
 )
 def _convex_unique() -> Evidence:

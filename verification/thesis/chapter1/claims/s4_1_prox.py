@@ -46,40 +46,6 @@ def _not_convex() -> Evidence:
 
 
 @claim(
-    "c1.convex-projection",
-    "The projection onto a closed convex set is single-valued.",
-    source="after Definition 1.20",
-    quote="the projection onto convex, closed, non-empty sets C is unique, i.e. P_C is single valued.",
-    recorded=Verdict.PROVED,
-)
-def _convex_projection() -> Evidence:
-    """The parallelogram law in each coordinate; a, b, c: squared distances of p, q, m from z; d = |p - q|^2.
-
-    Points of C that come to the infimum r2 are a Cauchy sequence; its limit is in C, which is closed.
-    """
-    return proved(
-        identity(
-            "|z − m|² = |z − p|²/2 + |z − q|²/2 − |p − q|²/4 for the middle m of p, q",
-            lambda s, z, p, q: (z - (p + q) / 2) ** 2 - (z - p) ** 2 / 2 - (z - q) ** 2 / 2 + s * (p - q) ** 2 / 4,
-            "+|p − q|²/4",
-        ),
-        implication(
-            "as m ∈ C, points of C with |z − p|², |z − q|² ≤ inf² + e have |p − q|² ≤ 4e: a nearest point exists",
-            lambda s, a, b, c, d, r2, e: (
-                [d >= 0, a <= r2 + e, b <= r2 + e, c == (a + b) / 2 - s * d / 4, c >= r2],
-                d <= 4 * e,
-            ),
-            "+|p − q|²/4",
-        ),
-        implication(
-            "m ∈ C is no nearer than two nearest points p and q, so p = q",
-            lambda s, r2, e, m2: ([e >= 0, r2 >= 0, m2 == r2 - s * e / 4, m2 >= r2], e == 0),
-            "+|p − q|²/4",
-        ),
-    )
-
-
-@claim(
     "c1.pacman",
     "The Pacman set is not uniformly prox-regular.",
     source="Figure 7",

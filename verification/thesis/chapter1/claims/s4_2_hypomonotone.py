@@ -2,36 +2,9 @@
 
 from __future__ import annotations
 
-from verification.claims import Correction, Effect, Evidence, Verdict, at_most, claim, equal, proved
+from verification.claims import Evidence, Verdict, claim, proved
 from verification.formal.reals import implication
-from verification.thesis.chapter1.claims.s2_1_inclusions import LINE, step_values
-from verification.thesis.chapter1.lemmas import cones
-
-
-@claim(
-    "c1.cones",
-    "The proximal normals of the set of discs are Σ -λ_k ∇g_k over the contacts, with λ_k ≥ 0.",
-    source="Theorem 1.25",
-    quote="N(S, x) = N^g(x) for all x ∈ ℝ^2N",
-    recorded=Verdict.PROVED_INSTANCE,
-    tried_on="states whose contacts have independent gradients",
-)
-def _cones() -> Evidence:
-    return proved(*cones())
-
-
-@claim(
-    "c1.sum-of-all",
-    "The normal cone of the set of discs is the sum of the normal cones of its pairs.",
-    source="Theorem 1.25",
-    quote="N(S, x) = Σ_j N(S_j, x) for all x ∈ ℝ^2N",
-    recorded=Verdict.PROVED_INSTANCE,
-    rests_on=("c1.cones",),
-    tried_on="states whose contacts have independent gradients",
-)
-def _sum_of_all() -> Evidence:
-    """N(S_j, x) is the ray of one gradient, by the same proof with one row, and N^g the sum of these rays."""
-    return proved(*cones())
+from verification.thesis.chapter1.claims.s2_1_inclusions import step_values
 
 
 def spread(sign: float) -> float:
@@ -42,36 +15,6 @@ def spread(sign: float) -> float:
         if all(low <= s <= high for low, high in allowed):
             ends.append(s)
     return max(ends) - min(ends)
-
-
-@claim(
-    "c1.one-sided-word",
-    "Solutions of ẋ ∈ F(x) are unique if F is one-sided semicontinuous.",
-    source="section 4.3",
-    quote="We saw in Theorem 1.13 that solutions of ẋ ∈ F(x) are unique, if F is one-sided semicontinuous.",
-    correction=Correction(
-        "if F is one-sided Lipschitz continuous; so in the sentence after it",
-        Effect.NOTATION,
-        "nothing else: Theorem 1.13 has the right word",
-        why=(
-            "Theorem 1.13 is stated for one-sided Lipschitz continuous multi-functions, and “one-sided "
-            "semicontinuous” is defined nowhere"
-        ),
-        place=723,
-    ),
-    rests_on=("c1.one-sided",),
-    chosen="semicontinuous is read as in Definition 1.10",
-)
-def _one_sided_word() -> Evidence:
-    low, high = step_values(0.0)
-    beyond = sum(not low <= -end <= high for y in LINE for end in step_values(y))
-    return Evidence(
-        printed=(at_most("spread at t = 1 of solutions of ẋ ∈ sign(x) from 0, semicontinuous", spread(-1.0), 0.0),),
-        corrected=(
-            at_most("spread at t = 1 of solutions of ẋ ∈ -sign(x) from 0, one-sided Lipschitz", spread(1.0), 0.0),
-            equal("values of sign near 0 outside its value at 0, which is [-1, 1],", beyond, 0),
-        ),
-    )
 
 
 @claim(

@@ -21,7 +21,6 @@ from verification.claims import (
 )
 from verification.formal.reals import implication, solver_library
 from verification.thesis.chapter1.claims.s1_2_constraints import SIDES
-from verification.thesis.chapter1.lemmas import cones
 from verification.thesis.chapter1.sets import ROUNDING, SAMPLES, SEED, Floats, contact_gradients, support_of_cone
 
 DIRECTIONS = np.stack([f(np.linspace(0, 2 * np.pi, 720, endpoint=False)) for f in (np.cos, np.sin)], axis=1)
@@ -50,30 +49,6 @@ def ellipse_support(w: Floats) -> Floats:
 
 
 @claim(
-    "c1.half-spaces",
-    "A set lies in the half-space v·w ≤ α if and only if σ(A, w) ≤ α.",
-    source="after (1.29)",
-    quote="A ⊆ {v | v·w ≤ α} ⟺ σ(A, w) ≤ α",
-    recorded=Verdict.PROVED,
-)
-def _half_spaces() -> Evidence:
-    """p = v.w of a point v of A; sigma is the least upper bound of these p, so not above alpha if alpha is one."""
-    return proved(
-        implication(
-            "σ(A, w) ≤ α gives v·w ≤ σ(A, w) ≤ α for all v ∈ A",
-            lambda s, p, sigma, alpha: ([p <= sigma, s * sigma <= s * alpha], p <= alpha),
-            "σ(A, w) ≥ α",
-        ),
-        implication(
-            "if σ(A, w) > α there is a v ∈ A with v·w > σ(A, w) − (σ(A, w) − α) = α, σ(A, w) being the least "
-            "upper bound",
-            lambda s, p, sigma, alpha, e: ([sigma > alpha, e == sigma - s * alpha, p > sigma - e], p > alpha),
-            "v·w > −α",
-        ),
-    )
-
-
-@claim(
     "c1.support",
     "A set A lies in B if and only if σ(A, ·) ≤ σ(B, ·).",
     source="(1.30)",
@@ -85,7 +60,6 @@ def _half_spaces() -> Evidence:
         why="support functions do not tell a set from its closed convex hull: {0, 1} and [0, 1] have the same one",
         place=759,
     ),
-    rests_on=("c1.half-spaces",),
     tried_on="an ellipse and 300 points",
 )
 def _support() -> Evidence:
@@ -273,32 +247,6 @@ def _distance() -> Evidence:
             "larger w",
             0.25,
         ),
-    )
-
-
-@claim(
-    "c1.sum-limit",
-    "Sums of normals at points that tend to x are, in the limit, normals at x.",
-    source="Corollary 1.30, (1.35)",
-    quote="lim sup σ(-Σ_j N(S_j, p_j) ∩ B₁(0), w) ≤ σ(-N(S, x) ∩ B₁(0), w)",
-    recorded=Verdict.PROVED_INSTANCE,
-    rests_on=("c1.cones",),
-    tried_on="contacts with independent gradients",
-    chosen="the ball cuts the sum of the cones, not each of them",
-)
-def _sum_limit() -> Evidence:
-    """n = sum l_j grad g_j(p_j), |n| <= 1: the l_j are bounded, so that a subsequence converges, to a normal at x."""
-    return proved(
-        implication(
-            "with |Gᵀλ| ≥ σ|λ| at x and |Gᵀλ − G′ᵀλ| ≤ ½σ|λ| near x, |G′ᵀλ| ≤ 1 gives |λ| ≤ 2/σ",
-            lambda s, lam, near, at, sigma: (
-                [sigma > 0, lam >= 0, at >= sigma * lam, near >= at - 0.5 * sigma * lam, near <= 1],
-                sigma * lam <= s * 2,
-            ),
-            "|λ| ≤ 1/σ",
-            0.5,
-        ),
-        *cones(),
     )
 
 

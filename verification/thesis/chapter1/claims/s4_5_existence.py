@@ -18,24 +18,6 @@ OVERLAPPING, APART = np.array([[0.0, 0.0], [0.8, 0.0]]), np.array([[0.0, 0.0], [
 
 
 @claim(
-    "c1.linear-growth",
-    "Lipschitz continuous forces grow at most linearly.",
-    source="section 4.5, (A1), (A2)",
-    quote="We note that Lipschitz continuity implies that the function grows at most linearly.",
-    recorded=Verdict.PROVED,
-)
-def _linear_growth() -> Evidence:
-    """n = |F(x)|, n0 = |F(0)|, r = |x|."""
-    return proved(
-        implication(
-            "‖F(x)‖ ≤ ‖F(0)‖ + L_F‖x‖ ≤ M_F(1 + ‖x‖) with M_F = max(L_F, ‖F(0)‖)",
-            lambda s, n, n0, L, r, M: ([r >= 0, L >= 0, n <= n0 + L * r, M >= L, n0 <= M], n <= M * (1 + s * r)),
-            "M_F(1 − ‖x‖)",
-        )
-    )
-
-
-@claim(
     "c1.catch-up-normal",
     "A step of the catch-up scheme satisfies a discrete inclusion with a normal at the new point.",
     source="after (1.39)",
@@ -70,10 +52,8 @@ def slide(t: Floats) -> Floats:
         "c1.constant",
         "c1.speeds",
         "c1.unique-projections",
-        "c1.compact",
         "c1.dense",
         "c1.step-inclusion",
-        "c1.lower",
     ),
     tried_on="a point that slides over a disc",
 )
@@ -98,10 +78,15 @@ def _existence() -> Evidence:
 @claim(
     "c1.dependence",
     "Two solutions stay within a constant times their first distance.",
-    source="Lemma 1.32, (1.41)",
+    source="Lemma 1.32, (1.41); Theorem 1.13",
+    also=("c1.one-sided",),
     quote="there exists a constant a > 0 such that for all t ∈ [0, T] ‖x(t) - y(t)‖ ≤ a ‖xⁱⁿⁱᵗ - yⁱⁿⁱᵗ‖",
     recorded=Verdict.PROVED,
-    rests_on=("c1.one-sided", "c1.hypomonotone", "c1.uniqueness-sign", "c1.gronwall"),
+    rests_on=(
+        "c1.hypomonotone",
+        "c1.uniqueness-sign",
+        "c1.gronwall",
+    ),
 )
 def _dependence() -> Evidence:
     """E = |x - y|^2, F has the constant L, and -N is hypomonotone by (1.28): p = -(v - w).(x - y), v, w forces <= M."""

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
-from verification.claims import Correction, Effect, Evidence, Verdict, at_most, claim, proved
-from verification.formal.algebra import identity, library
+from verification.claims import Correction, Effect, Evidence, at_most, claim
 from verification.thesis.chapter1.sets import ROUNDING, SAMPLES, SEED, Floats
 
 T, A, B, N = 1.0, 0.01, 0.01, 50
@@ -62,74 +60,6 @@ def _isometry() -> Evidence:
             at_most(f"largest excess over Hlawka's inequality of {SAMPLES} triples in L¹", mean, 0.0, ROUNDING),
         ),
         seed=SEED,
-    )
-
-
-@claim(
-    "c1.mazur",
-    "Convex combinations of a weakly convergent sequence converge strongly.",
-    source="Lemma 1.34",
-    quote="z⁽ⁿ⁾ = Σ_{ℓ ≥ n} λ_ℓ y⁽ℓ⁾ … such that z⁽ⁿ⁾ → x in X.",
-    recorded=Verdict.PROVED_INSTANCE,
-    tried_on="sin(2πnt) in L¹(0, 1)",
-    chosen="y⁽ℓ⁾ is read as x⁽ℓ⁾ (see the errata)",
-)
-def _mazur() -> Evidence:
-    """The mean of the elements n to 2n - 1 in L2, which bounds its norm in L1: orthogonal elements of norm^2 1/2."""
-    sp = library()
-    k, m = sp.symbols("k m", positive=True, integer=True)
-    t = sp.Symbol("t", real=True)
-
-    def wave(number: Any) -> Any:
-        return sp.sin(2 * sp.pi * number * t)
-
-    return proved(
-        identity(
-            "∫₀¹ sin²(2πkt) dt = ½ and ∫₀¹ sin(2πkt) sin(2π(k + m)t) dt = 0 for m ≥ 1",
-            lambda s: [
-                sp.integrate(wave(k) ** 2, (t, 0, 1)) - s * sp.Rational(1, 2),
-                sp.integrate(sp.expand(wave(k) * wave(k + m)), (t, 0, 1)),
-            ],
-            "−½",
-        ),
-        identity(
-            "so the mean of n of them has the norm² n · ½/n² = 1/(2n), which tends to 0, though each has ½",
-            lambda s, n: n * sp.Rational(1, 2) / n**2 - s / (2 * n),
-            "−1/(2n)",
-        ),
-    )
-
-
-@claim(
-    "c1.compact",
-    ("Paths with bounded speeds have a subsequence that converges uniformly, with velocities that do weakly*."),
-    source="Lemma 1.35",
-    quote="x⁽ⁿ_k⁾ → x in L^∞ and ẋ⁽ⁿ_k⁾ ⇀* ẋ in L^∞",
-    recorded=Verdict.PROVED_INSTANCE,
-    tried_on="sin(2πnt)/(2πn), velocities paired with step functions",
-    chosen="one sequence whose velocities do not converge in norm",
-)
-def _compact() -> Evidence:
-    """The pairing of the velocity with the indicator of [a, b]; step functions are dense in L1."""
-    sp = library()
-    n = sp.Symbol("n", positive=True, integer=True)
-    t, a, b = sp.symbols("t a b", real=True)
-
-    def path(at: Any) -> Any:
-        return sp.sin(2 * sp.pi * n * at) / (2 * sp.pi * n)
-
-    return proved(
-        identity(
-            "∫ₐᵇ ẋ⁽ⁿ⁾ dt = x⁽ⁿ⁾(b) − x⁽ⁿ⁾(a), at most 1/(πn) in size as |x⁽ⁿ⁾| ≤ 1/(2πn): ẋ⁽ⁿ⁾ ⇀* 0, x⁽ⁿ⁾ → 0 "
-            "uniformly",
-            lambda s: sp.integrate(path(t).diff(t), (t, a, b)) - path(b) + s * path(a),
-            "+x⁽ⁿ⁾(a)",
-        ),
-        identity(
-            "while ∫₀¹ |ẋ⁽ⁿ⁾|² dt = ½ for all n",
-            lambda s: sp.integrate(path(t).diff(t) ** 2, (t, 0, 1)) - s * sp.Rational(1, 2),
-            "−½",
-        ),
     )
 
 

@@ -9,9 +9,8 @@ import numpy as np
 from verification.claims import Correction, Effect, Evidence, Verdict, at_least, at_most, claim, proved
 from verification.formal.algebra import identity
 from verification.formal.reals import implication
-from verification.thesis.chapter1.claims.s4_4_supports import excess, limits
 from verification.thesis.chapter1.lemmas import nearest
-from verification.thesis.chapter1.sets import ROUNDING, SEED, Floats, catch_up, outside
+from verification.thesis.chapter1.sets import ROUNDING, Floats, catch_up
 
 T, STEPS = 1.0, 200
 H = T / STEPS
@@ -27,38 +26,11 @@ def pushing(x: Floats) -> Floats:
 
 
 @claim(
-    "c1.projection-step",
-    "A step x_{k+1} ∈ P_S(x_k) is dist(x_k + hF(x_k), S) away from x_k + hF(x_k).",
-    source="before (1.50)",
-    quote="With x_{k+1} ∈ P_S(x_k), we get ‖x_{k+1} - (x_k + hF(x_k))‖ = dist(x_k + hF(x_k), S)",
-    correction=Correction(
-        "x_{k+1} ∈ P_S(x_k + hF(x_k))",
-        Effect.NOTATION,
-        "nothing else: (1.46) is right",
-        why="(1.46) projects x_k + hF(x_k); P_S(x_k) = x_k as x_k ∈ S",
-        place=974,
-    ),
-    tried_on="a linear force outside of a disc, four starts",
-)
-def _projection_step() -> Evidence:
-    """The first line of (1.50) at points of S, with the next point as printed and as in (1.46)."""
-    x = catch_up(STARTS, pushing, H, STEPS)[:-1]
-    target = x + H * pushing(x)
-    away = np.maximum(1 - np.linalg.norm(target, axis=-1), 0.0)
-    printed, right = (float(np.abs(np.linalg.norm(outside(y) - target, axis=-1) - away).max() / H) for y in (x, target))
-    return Evidence(
-        printed=(at_most("largest error of the equality in (1.50) over h, P_S(x_k)", printed, 0.0, 1e-9),),
-        corrected=(at_most("largest error of the equality in (1.50) over h, P_S(x_k + hF(x_k))", right, 0.0, 1e-9),),
-    )
-
-
-@claim(
     "c1.step-bounds",
     "A step of catch-up moves by at most 2hM_F(1 + ‖x_k‖).",
     source="(1.50), (1.51)",
     quote="… ≤ hM_F(1 + ‖x_k‖), ‖x_{k+1} - x_k‖ ≤ 2hM_F(‖x_k‖ + 1)",
     recorded=Verdict.PROVED,
-    rests_on=("c1.linear-growth", "c1.projection-step"),
 )
 def _step_bounds() -> Evidence:
     """d = dist(x_k + hF, S) <= |hF| as x_k is in S; g = h M_F (1 + |x_k|); n = |x_(k+1) - x_k|."""
@@ -188,7 +160,6 @@ def settled(first: int, last: int) -> float:
         ),
         place=1039,
     ),
-    rests_on=("c1.mazur",),
     tried_on="one sequence of running steps",
 )
 def _dense() -> Evidence:
@@ -218,29 +189,4 @@ def _step_inclusion() -> Evidence:
             "y = x_k − hF(x_k)",
         ),
         nearest(),
-    )
-
-
-@claim(
-    "c1.lower",
-    "The last step of the proof uses scalar lower semicontinuity of the short normals.",
-    source="step 6",
-    quote="We now use scalarly lower semicontinuity of x ↦ -N(S, x) ∩ B_{C₃}(0)",
-    correction=Correction(
-        "upper semicontinuity",
-        Effect.NOTATION,
-        "(1.71), which is Proposition 1.28",
-        why="(1.71) bounds the lim sup from above and names Proposition 1.28, which is about upper semicontinuity",
-        place=1077,
-    ),
-    rests_on=("c1.scalarly-upper",),
-    tried_on="three touching discs, three sequences",
-)
-def _lower() -> Evidence:
-    values = limits(1e-7)
-    above, below = excess(values), float((values[3] - values[:3]).max())
-    return Evidence(
-        printed=(at_most("largest σ(x) - σ(x_n), three touching discs, x_n 10⁻⁷ from x", below, 0.0, 1e-6),),
-        corrected=(at_most("largest σ(x_n) - σ(x), x_n 10⁻⁷ over 10⁻⁵ from x", above / excess(limits(1e-5)), 0.1),),
-        seed=SEED,
     )

@@ -219,30 +219,3 @@ def _alternating() -> Evidence:
             0.5,
         ),
     )
-
-
-@claim(
-    "c2.subspaces",
-    "For subspaces alternating projections converge to the projection onto the intersection.",
-    source="Remark 2.4",
-    quote="If A, B are closed subspaces … Von Neumann's alternating projections",
-    recorded=Verdict.PROVED_INSTANCE,
-    tried_on="subspaces of finite dimension, in the planes of their principal angles",
-)
-def _subspaces() -> Evidence:
-    """In each such plane both subspaces are lines, at an angle w: for w = 0 a common one, else they share 0 only."""
-    sp = library()
-    w = sp.Symbol("w", real=True)
-
-    def onto(angle: Any) -> Any:
-        unit = sp.Matrix([sp.cos(angle), sp.sin(angle)])
-        return unit * unit.T
-
-    A, B = onto(0), onto(w)
-    return proved(
-        identity(
-            "(P_A P_B)² = cos²w P_A P_B, so (P_A P_B)ⁿ → 0 for w ≠ 0 and is P_A for w = 0: the projection onto A ∩ B",
-            lambda s: [A * B * A * B - s * sp.cos(w) ** 2 * A * B, (A * B - A).subs(w, 0)],
-            "−cos²w",
-        )
-    )

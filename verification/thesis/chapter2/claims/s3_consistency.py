@@ -382,7 +382,7 @@ def _induction() -> Evidence:
         ),
         place=1470,
     ),
-    rests_on=("c1.sum-limit",),
+    rests_on=("c1.equivalent",),
 )
 def _last() -> Evidence:
     """Both sides for two touching discs, w pointing apart: p_1 has no contact left."""

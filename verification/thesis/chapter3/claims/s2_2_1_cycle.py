@@ -126,7 +126,7 @@ def following(seed: int) -> float:
         place=1725,
     ),
     needs=("tissue_daha_shares",),
-    rests_on=(*MODEL, "c3.adaptation", "c3.squared", "c3.daha-multiplier"),
+    rests_on=(*MODEL, "c3.adaptation", "c3.daha-multiplier"),
     chosen="DAHA with Table 4, at most 100,000 iterations in a step, denominators as printed: the rule is complete if "
     "half of the runs of 10 h end; rest lengths follow if they are off by less than half as much as in the last hour",
 )

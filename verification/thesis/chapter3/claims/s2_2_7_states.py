@@ -8,17 +8,9 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from tissue.files.parameters import preset
-from tissue.frames.frame import Frame
-from tissue.model.cycle import adapt_rest_lengths
 from tissue.model.energy import energy
 from tissue.quasi_steady.frozen import constraints, particles
-from tissue.rules.slice import in_plane
-from tissue.runs.compiled_rules import rules_pointer
-from tissue.runs.group import Group
 from tissue.runs.simulate import simulate
-from tissue.state.cells import COORDINATES, Cells
-from tissue.state.numbers import numbers_pointer
-from tissue.state.running import contents, new_state
 from verification.claims import Correction, Effect, Evidence, at_least, at_most, claim, equal
 from verification.thesis.chapter3.printed import AX, ENLARGED, HARD, R_SOFT
 from verification.thesis.chapter3.terms import spring
@@ -112,64 +104,6 @@ def _equal_radii() -> Evidence:
     )
 
 
-def next_state(frame: Frame, rest: float) -> Cells:
-    """Return the state after a step without noise, all cytoskeleton springs being lengthened by ``rest`` before."""
-    numbers = preset("thesis").numbers()._replace(variance=0.0)
-    longer = frame.cells._replace(rest_ax=frame.cells.rest_ax + rest, rest_bx=frame.cells.rest_bx + rest)
-    held = new_state(longer, frame.layers, capacity=len(longer.x), space=in_plane())
-    adapt_rest_lengths(held, frame.t, numbers_pointer(numbers), rules_pointer([held]))
-    Group([held], numbers).make_substeps()
-    return contents(held)[0]
-
-
-@claim(
-    "c3.state",
-    ("The positions with the hard radii and desired rest lengths are the state, and the energy is a function of them."),
-    source="section 2.2 and Model 3.1",
-    quote=(
-        "W : R^6N × R^3N → R … Given the state of the system at time t_k as (Z^k, P^k), P_i = (R_i^hard, "
-        "η_i^ax*, η_i^bx*)"
-    ),
-    correction=Correction(
-        (
-            "the present rest lengths η^ax, η^bx and η^aa belong to the state, and W is a function of them; it "
-            "does not depend on R^hard and η*"
-        ),
-        Effect.NOTATION,
-        (
-            "Model 3.1 and Method 3.7, which update the rest lengths all the same: only who restarts a run from "
-            "(Z, P) gets another one"
-        ),
-        why="(3.9) to (3.11) contain η^ax, η^bx, η^aa, which neither Z nor P has, and neither R^hard nor η*",
-        place=1674,
-    ),
-    rests_on=("c3.adaptation",),
-    chosen="60 cells after 1 h; rest lengths of both springs 0.5 R^soft longer",
-)
-def _state() -> Evidence:
-    """Compare states of equal Z^k and P^k, which are functions of positions and ages."""
-    numbers = preset("thesis").numbers()
-    frame = simulate(preset("thesis").changed({"numerics.t_end": "1 h"}), 0).final
-    cells, one, other = frame.cells, next_state(frame, 0.0), next_state(frame, OFF)
-    apart = max(float(np.abs(getattr(one, name) - getattr(other, name)).max()) for name in COORDINATES)
-    by_radius, by_rest = (
-        abs(energy(changed, frame.layers, numbers) - energy(cells, frame.layers, numbers))
-        for changed in (cells._replace(radius=2 * cells.radius), cells._replace(rest_ax=cells.rest_ax + OFF))
-    )
-    return Evidence(
-        printed=(
-            at_most(
-                "difference of positions one step after equal (Z, P), other rest lengths [R_soft]", apart, 0.0, 1e-9
-            ),
-        ),
-        corrected=(
-            at_most("change of W with all R^hard doubled", by_radius, 0.0, 1e-9),
-            at_least("change of W with η^ax longer by 0.5 R_soft", by_rest, 1.0),
-        ),
-        seed=0,
-    )
-
-
 def moving() -> tuple[str, ...]:
     """Return the coordinates that a shift along the basal layer moves."""
     return "x", "ax", "bx"
@@ -180,7 +114,7 @@ def moving() -> tuple[str, ...]:
     "Minima of the energy over the feasible states need not be unique.",
     source="Remark 3.2",
     quote="The local minimisation in the QSS model might not be unique in some circumstances",
-    rests_on=("c3.forces", "c3.feasible-set"),
+    rests_on=("c3.forces",),
     chosen="60 cells after 1 h, all moved by 0.7 R^soft along the basal layer",
 )
 def _not_unique() -> Evidence:
@@ -233,38 +167,3 @@ def minima(power: int) -> float:
     z = np.linspace(-1.0, 3.0, 4001)
     total = np.maximum(0.0, 1.0 - z) + np.abs(z) ** power
     return float(np.ptp(z[total <= total.min() + 1e-12]))
-
-
-@claim(
-    "c3.regularised",
-    "A distance from the last state added to the energy makes the minimiser unique.",
-    source="Remark 3.2",
-    quote="One might add a regularising term Z^k+1 := argmin (W(Z, P^k) + c ‖Z − Z^k‖)",
-    correction=Correction(
-        (
-            "the term is c ‖Z − Z^k‖², with W(Z, P^k+1) as in Model 3.1; it is the implicit Euler step of μ dZ/dt"
-            " = −∇W with μ = 2c Δt"
-        ),
-        Effect.NOTATION,
-        "who takes the norm without square gets a tissue that stops wherever ‖∇W‖ ≤ c; nothing else uses it",
-        why=(
-            "c‖Z − Z^k‖ has a kink at Z^k, so Z^k stays the minimiser wherever ‖∇W‖ ≤ c; its square makes the "
-            "implicit Euler step"
-        ),
-        place=1881,
-    ),
-    chosen="a regularised step should have one minimiser for each convex W and c > 0, and rest at minima of W only; "
-    "one spring (3.9) from 12 starts and weights c, and W = max(0, 1 − z) with z^k = 0, c = 1",
-)
-def _regularised() -> Evidence:
-    what, extent = "largest distance from the spring's rest length where steps stay", "extent of the minimisers"
-    return Evidence(
-        printed=(
-            at_most(f"{what} [R_soft]", at_rest(1), 0.0, 1e-3),
-            at_most(f"{extent} for W = max(0, 1 − z)", minima(1), 0.0, 1e-3),
-        ),
-        corrected=(
-            at_most(f"{what}, with the square [R_soft]", at_rest(2), 0.0, 1e-3),
-            at_most(f"{extent} for W = max(0, 1 − z), with the square", minima(2), 0.0, 1e-3),
-        ),
-    )

@@ -12,7 +12,6 @@ from tissue.frames.observables import nuclear_layers, widths
 from tissue.runs.simulate import simulate
 from verification.claims import Correction, Effect, Evidence, Verdict, at_least, claim, equal, proved
 from verification.formal.algebra import identity, library
-from verification.formal.reals import implication
 from verification.thesis.chapter3.intervals import over_seeds
 from verification.thesis.chapter3.printed import CELLS, G2, HEIGHT, MITOSIS, R_SOFT, SPACING, WIDTH
 from verification.thesis.chapter3.sampled import MODEL, SEEDS, runs_for
@@ -55,24 +54,6 @@ def _layers() -> Evidence:
         printed=(at_least(what, mean, 0.0, interval=(low, high)),),
         seed=SEEDS[0],
         runs_needed=max(runs_for(values, mean / 2) for values in counted.values()),
-    )
-
-
-@claim(
-    "c3.relative",
-    "Only the ratios of the stiffnesses matter for the minima of the energy.",
-    source="section 2.2.9",
-    quote="The stiffness coefficients are relative to each other",
-    recorded=Verdict.PROVED,
-)
-def _relative() -> Evidence:
-    """Multiply the energies v, w of two states by c."""
-    return proved(
-        implication(
-            "W(z) ≤ W(z′) gives cW(z) ≤ cW(z′) for every common factor c > 0: the minima are the same",
-            lambda s, v, w, c: ([c > 0, v <= w], s * c * v <= s * c * w),
-            "c < 0",
-        )
     )
 
 

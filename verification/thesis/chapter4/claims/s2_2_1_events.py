@@ -106,44 +106,6 @@ def run_with(changes: dict[str, object]) -> Run:
     return simulate(preset("thesis").changed({"emt.cells": GROUP} | changes), SEED)
 
 
-@claim(
-    "c4.free-basal",
-    "A state with a freed basal point off the x-axis is in the set S of (3.16).",
-    source="section 2.2.2",
-    quote=(
-        "We recall, that the constraints for basal points (C3) and (C4) do only hold for vertices of the basal network."
-    ),
-    correction=Correction(
-        "(C3) of chapter 3 is for all B_i; it must be restricted: B_i ∈ ℝ × {0} for the vertices i of ℬ",
-        Effect.NOTATION,
-        ("(3.16), (3.33) and the freedom of B_i after [B]; chapter 3 is not concerned, for there all are vertices"),
-        why=(
-            "(C3) of chapter 3 is printed for all i, so a point that moves freely in the plane leaves S; the "
-            "sentence quoted recalls a restriction that chapter 3 does not make"
-        ),
-        place=2418,
-    ),
-    chosen="the rest length of the spring relaxes at the rate of Table 2",
-)
-def _free() -> Evidence:
-    frame = run_with({"emt.b": "6 h", "numerics.t_end": "12 h"}).final
-    cells, layer = frame.cells, frame.layers.basal
-    group = cells.emt >= 0
-    off = int((np.abs(cells.by[group]) > ROUNDING).sum())
-    held = float(np.abs(cells.by[layer]).max())
-    steps = np.diff(cells.bx[layer])
-    everyone = int((np.abs(cells.by) > ROUNDING).sum())
-    return Evidence(
-        printed=(at_most("basal points that break (C3) as printed, for all i, 6 h after [B]", everyone, 0),),
-        corrected=(
-            equal(f"basal points off the x-axis, of {GROUP} that are free", off, GROUP),
-            at_most("|y(B)| of the vertices of ℬ [R_soft]", held, 0.0, ROUNDING),
-            at_least("least step from vertex to vertex along ℬ [R_soft]", float(steps.min()), 0.0, 1e-6),
-        ),
-        seed=SEED,
-    )
-
-
 def bend(frames: tuple[Frame, ...]) -> float:
     """Mean of 180° - γ over the EMT cells of these states [degrees]."""
     angles = []

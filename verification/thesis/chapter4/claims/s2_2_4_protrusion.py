@@ -5,22 +5,17 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from scipy.optimize import brentq
 
-from tissue.files.parameters import preset as named
-from tissue.runs.simulate import simulate
 from tissue.state.cells import Floats
 from verification.claims import Correction, Effect, Evidence, Verdict, at_least, at_most, claim, proved
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication, solver_library
-from verification.thesis.chapter4.frequencies import MODEL, in_readings
 
 SEED = 224
 # Units of R_soft; v^run has no value in the thesis: 1 R_soft/h, and with (4.1) only the time scale depends on it.
 SPEED, ALPHA, STEP = 1.0, 2.0, 1e-3
 DEPTH = 2.0
 # A basal point this near to the depth has arrived.
-ARRIVED = 0.1
 # Where a nucleus rests; k^bx of Table 2 [1/h]; for how long; a rise in a step of 1e-3 h that is none: 50 steps to full.
 CENTRE, RATE, HOURS, SMOOTH = 3.0, 5.0, 2.0, 0.02
 # The rate of a rest length that is set to zero.
@@ -84,57 +79,6 @@ def _law() -> Evidence:
             "at the negative of that time",
         ),
     )
-
-
-def on_arrival(preset: str) -> list[float]:
-    """y of the nuclei of ten cells with [BP], each in the first state in which its basal point is at the depth."""
-    emt = {"emt.cells": 10, "emt.b": "6 h", "emt.p": "6 h"}
-    run = simulate(named(preset).changed(emt | {"numerics.t_end": "12 h", "numerics.keep": "0.1 h"}), SEED)
-    found: dict[int, float] = {}
-    for frame in run.frames:
-        cells = frame.cells
-        for i in np.flatnonzero((cells.emt >= 0) & (cells.by <= -DEPTH + ARRIVED)):
-            found.setdefault(int(cells.emt[i]), float(cells.y[i]))
-    return list(found.values())
-
-
-@claim(
-    "c4.outside-depth",
-    ("When its basal point has come to this depth a cell lies below the basal layer with its whole soft disc."),
-    source="section 2.2.4",
-    quote=("The motion stops once B_i … has distance 2R^soft from the basal layer (i.e. the full cell must have left)"),
-    correction=Correction(
-        ("at this depth there is room for the full cell: it lies below the layer once its spring has drawn it to B_i"),
-        Effect.NOTATION,
-        "nothing: the motion stops by y(B_i) alone, and extruded cells are counted by their nuclei, (4.3)",
-        why="the nucleus follows its basal point with a delay, by a spring and past other nuclei",
-        place=2437,
-    ),
-    rests_on=("c4.grip",),
-)
-def _outside() -> Evidence:
-    """The nucleus straight above the basal point, in units of R_soft."""
-    B = np.array([0.0, -DEPTH])
-
-    def lift(y: float) -> float:
-        X = np.array([0.0, y])
-        return float(pull(X, B, rest_length(X, B))[1])
-
-    rest = brentq(lift, -DEPTH + 0.1, 3.0)
-
-    def compare(preset: str) -> Evidence:
-        tops = [y + 1.0 for y in on_arrival(preset)]
-        above = sum(top > 0 for top in tops)
-        return Evidence(
-            printed=(
-                at_most(f"cells of {len(tops)} whose soft disc is above the basal layer on arrival", above, 0),
-                at_most("highest top of a soft disc on arrival [R_soft]", max(tops), 0.0, TOL),
-            ),
-            corrected=(at_most("top of the soft disc at rest [R_soft]", rest + 1.0, 0.0, TOL),),
-            seed=SEED,
-        )
-
-    return in_readings(compare, MODEL)
 
 
 def energy(X: Floats, B: Floats, eta: float) -> float:

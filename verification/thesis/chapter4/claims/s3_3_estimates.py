@@ -2,66 +2,16 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
 from tissue.state.cells import Floats
-from tissue.statistics.proportions import POWER
-from verification.claims import Correction, Effect, Evidence, Tables, Verdict, at_most, claim, equal, proved
+from verification.claims import Correction, Effect, Evidence, Verdict, at_most, claim, equal, proved
 from verification.formal.algebra import identity, library
-from verification.formal.reals import implication, solver_library
 
 # Of the intervals D_k.
 PARTS = 10
 POINTS = np.concatenate((np.linspace(0.0, 1.0, 201), [-0.02, 1.03]))
-
-
-@claim(
-    "c4.ab-scale",
-    "The scale is 0 at the basal and 1 at the apical layer; the indicators tell which cells are out.",
-    source="section 3.3.1, (4.3)",
-    quote="y^AB(X_i) := y(X_i)/y(A_i^ref) … δ^basal-extr = 1 if y^AB < 0, δ^apical-extr = 1 if y^AB > 1",
-    recorded=Verdict.PROVED,
-    chosen="the apical layer is a graph over x",
-)
-def _scale() -> Evidence:
-    """y of a nucleus and h > 0 of the apical layer at the same place: the scale is q = y/h."""
-    z3 = solver_library()
-    return proved(
-        implication(
-            "q = y/h is 0 for y = 0 and 1 for y = h; q < 0 means y < 0 and q > 1 means y > h",
-            lambda s, y, h, q: (
-                [h > 0, q * h == y],
-                [z3.Implies(y == 0, q == 0), z3.Implies(y == h, q == s), (q < 0) == (y < 0), (q > 1) == (y > h)],
-            ),
-            "−1 on the apical layer",
-        )
-    )
-
-
-@claim(
-    "c4.contained",
-    "A basally extruded cell counts as being in basal positioning, too, so the yellow ratio contains it.",
-    source="section 3.3.1, Figure 10",
-    quote=(
-        "δ^basal-pos := 1 if y^AB(X_i) ≤ min_{j control} y^AB(X_j) … The yellow color shows the ratio of EMT "
-        "cells below all epithelial cells"
-    ),
-    recorded=Verdict.PROVED,
-    chosen="no control cell has left basally",
-)
-def _contained() -> Evidence:
-    """y of an EMT cell that is out, y < 0; m is the least y of the control cells, m >= 0."""
-    return proved(
-        implication(
-            "y^AB < 0 ≤ min y^AB of the control cells gives y^AB ≤ min: every basally extruded cell is in basal "
-            "positioning",
-            lambda s, y, m: ([y < 0, s * m >= 0], y <= m),
-            "control cells at or below the basal layer",
-        )
-    )
 
 
 def members(points: Floats, closed: bool, unbounded: bool) -> Floats:
@@ -70,45 +20,6 @@ def members(points: Floats, closed: bool, unbounded: bool) -> Floats:
     inside = (points[:, None] > edges[:-1]) & (points[:, None] <= edges[1:])
     counts = inside.sum(axis=1) + (closed & (points == 0))
     return np.asarray(counts + (unbounded & ((points < 0) | (points > 1))))
-
-
-def cells_for_one(share: float) -> int | None:
-    """Cells among which one of such a share is seen with the given probability: one is enough."""
-    return math.ceil(math.log1p(-POWER) / math.log1p(-share)) if 0 < share < 1 else None
-
-
-@claim(
-    "c4.partition",
-    "The intervals are a partition of the positions at the onset of EMT.",
-    source="section 3.3.4",
-    quote="(0, 1/n^D] ∪ … ∪ ((n^D−1)/n^D, 1] = [0, 1]",
-    correction=Correction(
-        "[0, 1/n^D] ∪ (1/n^D, 2/n^D] ∪ … = [0, 1], and one set each for positions below 0 and above 1",
-        Effect.NOTATION,
-        "Figure 21: one cell of ten thousand is in no category",
-        why=(
-            "the first interval is open at 0, so 0 is in no D_k though the union is said to be [0, 1]; positions "
-            "at the onset may lie outside of [0, 1] by (4.3)"
-        ),
-        place=2712,
-    ),
-    needs=("emt_complete_outside",),
-)
-def _partition(tables: Tables) -> Evidence:
-    """Exactly at 0, and by the onsets of the runs, some of which are above the apical layer."""
-    found = tables["emt_complete_outside"][["outside", "of"]].sum()
-    printed, right = members(POINTS, False, False), members(POINTS, True, True)
-    unit = (POINTS >= 0) & (POINTS <= 1)
-    return Evidence(
-        printed=(
-            at_most("points of [0, 1] that are not in one D_k", int((printed[unit] != 1).sum()), 0),
-            at_most(f"onsets outside of all D_k, of {found['of']} in the runs", int(found["outside"]), 0),
-        ),
-        corrected=(
-            at_most("positions not in one set, with 0 in D_1 and two unbounded intervals", int((right != 1).sum()), 0),
-        ),
-        runs_needed=cells_for_one(found["outside"] / found["of"]),
-    )
 
 
 SEED = 333
@@ -153,45 +64,6 @@ def _count() -> Evidence:
 def accepted(outcomes: Floats, inside: Floats) -> Floats:
     """Rejection sampling: the outcomes of the draws that fall into the category, one after the other."""
     return np.array([each for each, wanted in zip(outcomes, inside, strict=True) if wanted])
-
-
-@claim(
-    "c4.sampling",
-    "(4.12) draws from a category by inverse transform sampling.",
-    source="section 3.3.3",
-    quote=(
-        "This approach to sample these conditional expectations is an inverse transform sampling for the "
-        "conditional probabilities."
-    ),
-    correction=Correction(
-        "it is rejection sampling: of the draws of all times those in D_k are accepted",
-        Effect.NOTATION,
-        "the next sentence, by which accept-rejection algorithms do not fit; the estimate (4.12) stands",
-        why=(
-            "inverse transform sampling maps a uniform number by an inverse distribution function and rejects no "
-            "draw; (4.12) draws all times and keeps those in D_k"
-        ),
-        place=2673,
-    ),
-    rests_on=("c4.conditional",),
-)
-def _sampling() -> Evidence:
-    """Inverse transform sampling makes each uniform number a draw from the category, and rejects none."""
-    kinds, hits = runs(np.random.default_rng(SEED))
-    kept, off = [], 0.0
-    for k in range(len(CHANCE)):
-        inside = kinds[:, 0] == k
-        chosen = accepted(hits[:, 0], inside)
-        kept.append(len(chosen) / RUNS)
-        off = max(off, abs(estimate(hits[:, 0], inside) - float(chosen.mean())))
-    return Evidence(
-        printed=(equal("least share of the draws that (4.12) uses for a category", min(kept), 1.0),),
-        corrected=(
-            at_most("(4.12) minus the mean by rejection sampling", off, 0.0, ROUNDING),
-            at_most("share of the draws minus P[D_k]", float(np.abs(kept - CHANCE).max()), NEAR),
-        ),
-        seed=SEED,
-    )
 
 
 def extruded_given(i: int) -> Floats:

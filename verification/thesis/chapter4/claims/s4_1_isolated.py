@@ -140,7 +140,6 @@ def _remain(tables: Tables) -> Evidence:
         place=2764,
     ),
     needs=(RATIOS,),
-    rests_on=("c4.contained",),
 )
 def _mostly_basally(tables: Tables) -> Evidence:
     """The ratios are of the same cells."""

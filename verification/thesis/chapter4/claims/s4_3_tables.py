@@ -13,7 +13,6 @@ from tissue.frames.observables import ab_positions
 from tissue.runs.simulate import simulate_many
 from tissue.state.cells import Floats
 from tissue.statistics.proportions import wilson
-from tissue.study.plan import load_study
 from verification.claims import (
     Comparison,
     Correction,
@@ -34,7 +33,6 @@ DRAWS = 200_000
 LEVEL = 0.999
 NEVER = np.inf
 # (T_A, T_B) of Table 3 and (T_A, T_B, T_P) of Table 4 [h], in the order of their rows.
-TABLE_3 = ((6, 24), (15, 15), (24, 6))
 TABLE_4 = (
     (6, 12, 18),
     (12, 6, 18),
@@ -57,38 +55,6 @@ STATED_RUNS, STATED_CELLS = 50_000, 10
 NINTH = (NEVER, 6, NEVER)
 # Rows 4 to 6 of Table 4 have a delay between two events, the seventh and the eighth are one program early and late.
 DELAYED = ((3, 1, 2), (4, 0, 1), (5, 1, 0))
-EARLY_LATE = ((6, 7, 0),)
-
-
-@claim(
-    "c4.delays",
-    ("The delays of Table 3 are 18 h, those of the first eight rows of Table 4 are 12 h, and so they are in the runs."),
-    source="Tables 3 and 4, Figure 15",
-    quote="for [A☒B] there is an 18 h delay between [A] and [B] … The ⊗ symbol denotes 12 h delay",
-    rests_on=("c4.table-4",),
-)
-def _delays() -> Evidence:
-    third = [abs(b - a) for a, b in TABLE_3]
-    fourth = [TABLE_4[k][late] - TABLE_4[k][early] for k, early, late in DELAYED]
-    fourth += [TABLE_4[late][event] - TABLE_4[early][event] for early, late, event in EARLY_LATE]
-    other = len(set(zip(*times_of("figure14")[:2], strict=True)) ^ set(TABLE_3))
-    other += len(set(zip(*times_of("figure15"), strict=True)) ^ {*TABLE_4[:8], NINTH, *TABLE_4[9:]})
-    return Evidence(
-        printed=(
-            *(
-                equal(f"delay {k + 1} of Table 3 [h]", t, wanted)
-                for k, (t, wanted) in enumerate(zip(third, (18, 0, 18), strict=True))
-            ),
-            *(equal(f"delay {k + 1} of Table 4 [h]", t, 12) for k, t in enumerate(fourth)),
-            equal("programs of the runs with other times than the tables", other, 0),
-        ),
-    )
-
-
-def times_of(study: str) -> list[list[float]]:
-    """Return the fixed times of [A], of [B] and of [P] in the scenarios of a study [h]."""
-    found = [scenario.groups()[0].scenario.times for scenario in load_study(study).scenarios.values()]
-    return [[t.low.value if (t := times[event]).low else NEVER for times in found] for event in "abp"]
 
 
 @claim(
@@ -143,7 +109,6 @@ def acting(percent: float) -> Comparison:
         ),
         place=2909,
     ),
-    rests_on=("c4.mixture",),
 )
 def _seven() -> Evidence:
     found = [acting(percent) for percent in (90, 50, 10)]

@@ -59,7 +59,8 @@ def early_minus_late(tables: Tables, preset: str, event: str) -> list[tuple[str,
         "In a mixed group early [A] extrudes more cells than late [A]; early and late [B] are alike, and so "
         "are early and late [P]."
     ),
-    source="section 4.5.3, Figure 20",
+    source="section 4.5.3, Figure 20; introduction, Part II",
+    also=("c0.timing",),
     quote=(
         "the basal extrusion ratios are independent of the timing of [B] and [P] … there is some trend "
         "concerning [A], preferring earlier timings"

@@ -84,7 +84,11 @@ def _scaled_positions() -> Evidence:
     source="section 1",
     quote="μ ↦ (∫ m_eff⁽¹⁾(x, y) dμ(x))⁻¹ is bounded and Lipschitz continuous",
     recorded=Verdict.PROVED,
-    rests_on=("c5.inverse", "c5.elliptic", "c5.integrals"),
+    rests_on=(
+        "c5.inverse",
+        "c5.elliptic",
+        "c5.dual",
+    ),
 )
 def _inverse_mass() -> Evidence:
     """a = |A^-1|, b = |B^-1| for the masses of two measures, r = |A - B| at most L W by Lemma 5.15."""
@@ -187,7 +191,8 @@ def mass_rates() -> FormalProof:
 @claim(
     "c5.changing-mass",
     "With nonlinear constraints the effective mass changes during the motion.",
-    source="section 1",
+    source="section 1; introduction, Part III",
+    also=("c0.mean-field-mass",),
     quote="the mean-field mass is non-constant in contrast to the linear case",
     recorded=Verdict.PROVED,
     rests_on=("c5.effective",),

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from verification.claims import Correction, Effect, Evidence, Verdict, at_least, at_most, claim, proved, put_right
+from verification.claims import Correction, Effect, Evidence, Verdict, at_least, at_most, claim, proved
 from verification.formal.algebra import identity, library, matrices
 from verification.formal.reals import implication
-from verification.thesis.chapter5.general import even, pair_force, particle
+from verification.thesis.chapter5.general import even, particle
 from verification.thesis.chapter5.instant import TOL, WRONG, Floats, System, general_instant, instant, pulls
 
 
@@ -44,24 +44,6 @@ def _non_interacting() -> Evidence:
             at_least("change of ÿ by these forces, (5.6a)", change, WRONG),
             at_most("change of Ẋ_i by these forces, (5.11b)", same, 0.0, TOL),
         ),
-    )
-
-
-@claim(
-    "c5.pair-force",
-    "The force of a pair is the negative slope of its potential energy.",
-    source="(5.4)",
-    quote="K(X_j, X_i) = ∇_{X_i} − V(X_j − X_i)",
-    recorded=Verdict.PROVED,
-    rests_on=("c5.even-potential",),
-    chosen="the gradient of −V, as section 3.3 recalls it: −∇_{X_i} V(X_j − X_i); for the sign c5.pair-force-sign",
-)
-def _pair_force() -> Evidence:
-    return proved(
-        pair_force(
-            "N times the negative slope in X_i of the energy of a pair in (5.8) is K(X_k, X_i)/N, for every even 𝒱",
-            "−K for K",
-        )
     )
 
 
@@ -102,35 +84,6 @@ def _even() -> Evidence:
 
 
 @claim(
-    "c5.lagrangian",
-    "In the Lagrangian each multiplier is multiplied by g(X_j, y).",
-    source="(5.8)",
-    quote="L = … − γ Σ_j g(X_j, y) λ_j",
-    correction=Correction(
-        "L = … − γ Σ_j (g(X_j, y) − g(X_jⁱⁿⁱᵗ, yⁱⁿⁱᵗ))·λ_j",
-        Effect.NOTATION,
-        "(5.6c) follows only then, but it is stated as well; (5.6a), (5.6b) are the same",
-        why=(
-            "the derivative by λ_j sets the factor of λ_j to 0, and (5.6c) keeps g at its value at the start, "
-            "which need not be 0"
-        ),
-        place=3193,
-    ),
-)
-def _lagrangian() -> Evidence:
-    """The slope in lambda at the start, where g has some value."""
-    return put_right(
-        identity(
-            "the slope of L in λ_j, −γ(g(X_j, y) − g(X_jⁱⁿⁱᵗ, yⁱⁿⁱᵗ)), vanishes at the start, and keeps g as "
-            "(5.6c) does",
-            lambda s, gamma, start: -gamma * (start - s * start),
-            "−γ g(X_j, y) vanishes at the start",
-            0,
-        )
-    )
-
-
-@claim(
     "c5.equations",
     "The equations for the accelerations are those of the Lagrangian.",
     source="(5.6a), (5.6b)",
@@ -139,7 +92,7 @@ def _lagrangian() -> Evidence:
         " equations for the choice α = β = γ = 1/N"
     ),
     recorded=Verdict.PROVED,
-    rests_on=("c5.lagrangian", "c5.even-potential", "c5.pair-force"),
+    rests_on=("c5.even-potential",),
     chosen="an even 𝒱, as (A2a) needs it; for (5.6c) see c5.lagrangian",
 )
 def _equations() -> Evidence:

@@ -4,12 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
-from verification.claims import Correction, Effect, Evidence, Verdict, at_most, claim, proved, put_right
+from verification.claims import Correction, Effect, Evidence, Verdict, claim, proved, put_right
 from verification.formal.algebra import identity, library, matrices
 from verification.thesis.chapter5.general import even, multiplier, particle
-from verification.thesis.chapter5.instant import TOL, general_instant, phi, pulls
 from verification.thesis.chapter5.lemmas import reduced
 
 
@@ -154,38 +151,4 @@ def _interaction() -> Evidence:
             lambda s: pT * pull - (pT if s == 1 else other) * pull,
             "K_eff is antisymmetric for Φ that differ",
         )
-    )
-
-
-@claim(
-    "c5.kernel-order",
-    "K_eff of Lemma 5.6 is K_eff of (5.17).",
-    source="proof of Lemma 5.6",
-    quote="K_eff(X, Z, y) = Φ(X, y)ᵀ K(Z, X)",
-    correction=Correction(
-        "K_eff(Z, X, y) = Φ(X, y)ᵀ K(Z, X), as in (5.17)",
-        Effect.NOTATION,
-        "nothing: only double sums are used",
-        why=(
-            "in (5.17) the second argument of K_eff is the particle at which Φ is taken, in the lemma it is the first"
-        ),
-        place=3492,
-    ),
-    rests_on=("c5.means",),
-    tried_on="one state of four particles, nx = 2, ny = 3",
-)
-def _order_of_arguments() -> Evidence:
-    """K_eff of (5.17) at (X_k, X_j) and K_eff of Lemma 5.6 at the same arguments."""
-    at = general_instant()
-    moved, pull = phi(at.system, at.X, at.y), pulls(at.system, at.X)
-    first = np.einsum("jab,kja->kjb", moved, pull)
-    lemma = np.einsum("kab,jka->kjb", moved, pull)
-    swapped = float(np.abs(first - lemma.transpose(1, 0, 2)).max())
-    apart, sums = float(np.abs(first - lemma).max()), float(np.abs((first - lemma).sum(axis=(0, 1))).max())
-    return Evidence(
-        printed=(at_most("K_eff of Lemma 5.6 less K_eff of (5.17)", apart, 0.0, TOL),),
-        corrected=(
-            at_most("K_eff of Lemma 5.6 with swapped arguments less K_eff of (5.17)", swapped, 0.0, TOL),
-            at_most("difference of their double sums", sums, 0.0, TOL),
-        ),
     )

@@ -2,30 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from verification.claims import Correction, Effect, Evidence, FormalProof, Verdict, claim, proved, put_right
 from verification.formal.algebra import identity, library, matrices
 
 NO_INTERACTION = "no interaction between the particles, as in all examples"
-
-
-@claim(
-    "c5.straight-slopes",
-    "The constraint X_i/y of a straight fibre has the derivatives 1/y and −X_i/y².",
-    source="(5.20)",
-    quote="g(X_i, y) = X_i/y, ∂_X g = 1/y and ∂_y g = −X_i/y²",
-    recorded=Verdict.PROVED,
-)
-def _straight_slopes() -> Evidence:
-    x, y = library().symbols("x y", positive=True)
-    return proved(
-        identity(
-            "the slopes of X/y are 1/y and −X/y²",
-            lambda s: [(x / y).diff(x) - 1 / y, (x / y).diff(y) + s * x / y**2],
-            "+X/y²",
-        )
-    )
 
 
 @claim(
@@ -34,7 +14,7 @@ def _straight_slopes() -> Evidence:
     source="(5.21)",
     quote="Φ(X_i, y) = X_i/y and Ω(X_i, y) = X_i/y² + −X_i/y² = 0",
     recorded=Verdict.PROVED,
-    rests_on=("c5.straight-slopes", "c5.velocity"),
+    rests_on=("c5.velocity",),
 )
 def _straight_flow() -> Evidence:
     x, y = library().symbols("x y", positive=True)
@@ -99,63 +79,6 @@ def _straight_force() -> Evidence:
 
 
 @claim(
-    "c5.characteristic-length",
-    "The point of the linearisation and the scaled coordinate lead to X̃ − y.",
-    source="Example 5.3",
-    quote="linearising the constraint around X_i ≈ X_c = 1/N … X̃_i = y_c/X_c X_i = N y_c X_i",
-    recorded=Verdict.PROVED,
-    chosen="y_c is a number of order 1, so that O(y_c/N) contains 1/N",
-)
-def _length() -> Evidence:
-    x, y, n, c = library().symbols("x y N y_c", positive=True)
-    at = {x: 1 / n, y: c}
-    linear = x / c - y / (n * c**2)
-    return proved(
-        identity(
-            "at X = 1/N, y = y_c the slopes of X/y are those of (5.24), which is (X̃ − y)/(N y_c²) for X̃ = N y_c X",
-            lambda s: [
-                (x / y).diff(x).subs(at) - linear.diff(x),
-                (x / y).diff(y).subs(at) - linear.diff(y),
-                linear - (n**s * c * x - y) / (n * c**2),
-            ],
-            "X̃ = y_c X/N",
-        )
-    )
-
-
-@claim(
-    "c5.linearised",
-    "Linearised, the constraint of a straight fibre is X_i/y_c − y/(N y_c²).",
-    source="(5.24)",
-    quote="g(X_i, y) ≈ X_i/y_c − y/(N y_c²)",
-    correction=Correction(
-        "g(X_i, y) ≈ X_i/y_c − y/(N y_c²) + 1/(N y_c)",
-        Effect.NOTATION,
-        "nothing: a constraint keeps g constant, so a constant may be left out; (5.25) says “= const.”",
-        why="the first terms are 0 where X/y is linearised, X = 1/N and y = y_c, and X/y is 1/(N y_c) there",
-        place=3316,
-    ),
-    chosen="X_c = 1/N, as printed",
-)
-def _linearised() -> Evidence:
-    x, y, n, c = library().symbols("x y N y_c", positive=True)
-    at = {x: 1 / n, y: c}
-
-    def residuals(s: Any) -> Any:
-        off = x / y - (x / c - y / (n * c**2) + s / (n * c))
-        return [each.subs(at) for each in (off, off.diff(x), off.diff(y))]
-
-    return put_right(
-        identity(
-            "X/y_c − y/(N y_c²) + 1/(N y_c) has the value and the slopes of X/y at X = 1/N, y = y_c",
-            residuals,
-            "without 1/(N y_c)",
-            0,
-        )
-    )
-
-
-@claim(
     "c5.coordinates",
     "In the scaled coordinate the effective mass of y is 1 + m.",
     source="Example 5.3",
@@ -167,7 +90,7 @@ def _linearised() -> Evidence:
         why="m is the mass that multiplies Ẍ_i in (5.6a), and Ẋ_i is X_c/y_c times the rate of X̃_i",
         place=3324,
     ),
-    rests_on=("c5.linearised", "c5.effective"),
+    rests_on=("c5.effective",),
 )
 def _coordinates() -> Evidence:
     """Phi of (5.24) in the coordinate X."""
@@ -229,7 +152,8 @@ def newton() -> FormalProof:
 @claim(
     "c5.linear-newton",
     "With the linearised constraint mÿ = F₀ + ⟨F₁(X̃_j)⟩.",
-    source="(5.28)",
+    source="(5.28); (5.30)",
+    also=("c5.linear-limit",),
     quote="mÿ = F₀(y) + 1/N Σ_j F₁(X̃_j)",
     correction=Correction(
         "(1 + m)ÿ = F₀(y) + 1/N Σ_j F₁(X̃_j)",
@@ -241,25 +165,6 @@ def newton() -> FormalProof:
     rests_on=("c5.linear-mass", "c5.linear-force"),
 )
 def _linear_newton() -> Evidence:
-    return put_right(newton())
-
-
-@claim(
-    "c5.linear-limit",
-    "In the limit mÿ = F₀ + ∫F₁ f dx with the linearised constraint.",
-    source="(5.30)",
-    quote="mÿ = F₀(y) + ∫F₁(x)f(x, t) dx",
-    correction=Correction(
-        "(1 + m)ÿ = F₀(y) + ∫F₁(x)f(x, t) dx",
-        Effect.MODEL,
-        "the mean-field motion of Example 5.3, as in (5.28)",
-        why="(5.40a) with the effective mass 1 + m of (5.26)",
-        place=3336,
-    ),
-    rests_on=("c5.linear-newton", "c5.limit-force"),
-)
-def _linear_limit() -> Evidence:
-    """The mean over particles or over a density."""
     return put_right(newton())
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from verification.claims import Correction, Effect, Evidence, Verdict, at_most, claim, proved, put_right
-from verification.formal.algebra import identity, library, matrices
+from verification.formal.algebra import identity, library
 from verification.thesis.chapter5.instant import TOL, omega, phi, with_springs
 
 # y and its velocity.
@@ -52,7 +52,7 @@ def _level() -> Evidence:
     source="(5.33), (5.34)",
     quote="Ẋ_i = F(ẏ)F(y)⁻¹X_i = F(ẏ)F(yⁱⁿⁱᵗ)⁻¹X_iⁱⁿⁱᵗ",
     recorded=Verdict.PROVED,
-    rests_on=("c5.velocity", "c5.tissue-level"),
+    rests_on=("c5.velocity",),
 )
 def _shear_flow() -> Evidence:
     """F(y) is linear in y; X = F(y) F(y_init)^-1 X_init."""
@@ -121,7 +121,6 @@ def _shear_transport() -> Evidence:
         " than cross-bridges which are orthogonal"
     ),
     recorded=Verdict.PROVED,
-    rests_on=("c5.tissue-level",),
 )
 def _aligned() -> Evidence:
     """F(y) in its axes, with the stretches a > b, and a cross-bridge of length 1 at the angle w to the first axis."""
@@ -185,25 +184,6 @@ def _in_class() -> Evidence:
 
 
 @claim(
-    "c5.position",
-    "The deformed cross-bridge depends on its vector only, not on its place.",
-    source="section 2.3",
-    quote=(
-        "Since we consider a homogeneous deformation of the muscle tissue, the position p of the cross-bridge"
-        " is irrelevant"
-    ),
-    recorded=Verdict.PROVED,
-)
-def _position() -> Evidence:
-    F, p, X = matrices("F p X")
-    return proved(
-        identity(
-            "F(p + X) − Fp = FX for every place p", lambda s: F * (p + X) - F * (s * p) - F * X, "F(p + X) + Fp = FX"
-        )
-    )
-
-
-@claim(
     "c5.needs-nonlinear",
     "With linear constraints all directions are shifted alike.",
     source="before Example 5.4",
@@ -230,24 +210,5 @@ def _nonlinear() -> Evidence:
             "for every linear constraint HX + Ky Φ[ẏ] is the same for all X, so all directions are shifted alike",
             apart,
             "the same for Example 5.4",
-        )
-    )
-
-
-@claim(
-    "c5.tissue-level",
-    "The constraint carries each cross-bridge with the deformation gradient.",
-    source="(5.32)",
-    quote="This constraint ensures that the cross-bridges deform exactly like the tissue",
-    recorded=Verdict.PROVED,
-    rests_on=("c5.initial-level",),
-)
-def _deforms_like_tissue() -> Evidence:
-    F, start, X = matrices("F F0 X")
-    return proved(
-        identity(
-            "F(y)⁻¹X keeps its value at X = F(y)F(yⁱⁿⁱᵗ)⁻¹Xⁱⁿⁱᵗ for all y: cross-bridges deform as the tissue",
-            lambda s: F**-1 * (F**s * start**-1 * X) - start**-1 * X,
-            "F(y)⁻¹F(yⁱⁿⁱᵗ)⁻¹Xⁱⁿⁱᵗ",
         )
     )

@@ -73,7 +73,11 @@ def _global() -> Evidence:
     source="Lemma 5.6",
     quote="m_eff and F_eff are bounded and Lipschitz continuous … The derived bounds do not depend on N",
     recorded=Verdict.PROVED,
-    rests_on=("c5.product", "c5.one-particle", "c5.kernel-order", "c5.kernel-lipschitz"),
+    rests_on=(
+        "c5.product",
+        "c5.one-particle",
+        "c5.kernel-lipschitz",
+    ),
     chosen="distance of positions: the largest over the particles",
 )
 def _any_number() -> Evidence:

@@ -179,7 +179,6 @@ def energy_rate(moving: float) -> float:
         ),
         place=3786,
     ),
-    rests_on=("c5.mean-field-energy",),
     tried_on="one free motion, and one state of four points",
 )
 def _constant_limit() -> Evidence:

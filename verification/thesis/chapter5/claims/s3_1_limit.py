@@ -39,7 +39,11 @@ M, SPREAD, TIME, STEPS = 5.0, 0.5, 3.0, 40
     source="section 1, (5.40a), (5.41)",
     quote="(∫ m_eff⁽¹⁾(x, y) f dx) ÿ = ∫ (F_eff⁽¹⁾(x, y, ẏ) + ∫ K_eff(x′, x) f(x′, t) dx′) f(x, t) dx",
     recorded=Verdict.PROVED,
-    rests_on=("c5.effective", "c5.empirical", "c5.integrals"),
+    rests_on=(
+        "c5.effective",
+        "c5.consistency",
+        "c5.dual",
+    ),
     chosen="F_eff⁽¹⁾ with −mΦᵀΩ, as in (5.14)",
 )
 def _limit_force() -> Evidence:
@@ -130,25 +134,16 @@ def atoms() -> FormalProof:
 
 
 @claim(
-    "c5.empirical",
-    "For point masses the integrals are the effective mass and force of the particles.",
-    source="(5.44) to (5.46)",
-    quote="m_eff(μ^emp, y) = m_eff⁽ᴺ⁾(X⁽ᴺ⁾, y), F_eff(μ^emp, y, v) = F_eff⁽ᴺ⁾(X⁽ᴺ⁾, y, v)",
-    recorded=Verdict.PROVED,
-    rests_on=("c5.means",),
-    chosen="F_eff⁽¹⁾ with −mΦᵀΩ, as in (5.14)",
-)
-def _empirical() -> Evidence:
-    return proved(atoms())
-
-
-@claim(
     "c5.consistency",
     "The motion of particles solves the mean-field equations for their empirical measure.",
-    source="Lemma 5.10",
+    source="Lemma 5.10; (5.44) to (5.46)",
+    also=("c5.empirical",),
     quote="we can construct X … such that (X, y) is a solution of the … equations (5.40a) to (5.40c)",
     recorded=Verdict.PROVED,
-    rests_on=("c5.empirical", "c5.moved-measure", "c5.weak-bracket"),
+    rests_on=(
+        "c5.moved-measure",
+        "c5.weak-bracket",
+    ),
 )
 def _consistency() -> Evidence:
     """The flow at X_j(0) moves by Phi[y'], as X_j(t) does in (5.11b): with h(X^t(x)) for h(x) (5.40a) is (5.11a)."""

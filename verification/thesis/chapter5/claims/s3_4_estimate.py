@@ -178,20 +178,3 @@ def _same_motion() -> Evidence:
             "−Ω in Ẍ_i",
         ),
     )
-
-
-@claim(
-    "c5.limit-in-time",
-    "As their number grows, particles that sample a density move y as the mean-field equations do.",
-    source="section 3.4",
-    quote=(
-        "for N → ∞ the behaviour of the ODE model (5.11a) and (5.11b) is well-approximated by the mean-field "
-        "characteristic flow"
-    ),
-    recorded=Verdict.PROVED,
-    rests_on=("c5.consistency", "c5.same-estimate"),
-    chosen="an even 𝒱, as (A2a) needs it; each time t, with C and L that may depend on t, see c5.same-estimate",
-)
-def _limit() -> Evidence:
-    """The particles are the empirical measure (c5.consistency); its distance from the limit is estimated by (5.60)."""
-    return proved(*estimate())

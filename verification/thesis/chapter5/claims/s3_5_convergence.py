@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from verification.claims import Correction, Effect, Evidence, Interval, Verdict, at_least, claim, proved, put_right
+from verification.claims import Evidence, Interval, Verdict, at_least, claim, proved
 from verification.formal.algebra import identity, library, matrices
 from verification.formal.reals import implication, solver_library
 from verification.thesis.chapter5.instant import Floats
@@ -91,7 +91,8 @@ def distance(one: Floats, fine: Floats) -> float:
 @claim(
     "c5.convergence",
     "At each time particles converge to the mean-field limit, at the rate of their distance at the start.",
-    source="Corollary 5.19",
+    source="Corollary 5.19; section 3.4",
+    also=("c5.limit-in-time",),
     quote="‖y − y_k‖ + ‖ẏ − ẏ_k‖ + W₁(μᵗ, μ_kᵗ) ≤ C e^{Lt} W₁(μⁱⁿⁱᵗ, μ_k^emp) → 0",
     recorded=Verdict.PROVED,
     rests_on=("c5.same-estimate", "c5.consistency"),
@@ -191,34 +192,5 @@ def _mass() -> Evidence:
             "∫ₐᵇ ∂_t f dx = q(a) − q(b) for (5.42b), q = fΦ[ẏ]: with no flux at the ends the mass is constant",
             residual,
             "−q(a)",
-        )
-    )
-
-
-@claim(
-    "c5.first-moment",
-    "(5.69) gives the rate of the first moment of the density.",
-    source="(5.69)",
-    quote="ρ̇(t) =",
-    correction=Correction(
-        "ρ̇(t) = ∫Φ(x, y)[ẏ] f(x, t) dx",
-        Effect.NOTATION,
-        "the method of moments, which the remark sets out; the equation for σ is left out too",
-        why="(5.42b), multiplied by x and integrated by parts; the right side is left blank",
-        place=3962,
-    ),
-    rests_on=("c5.transport",),
-)
-def _first_moment() -> Evidence:
-    """One coordinate: x times the right side of (5.42b), up to the derivative of x u f; u = Phi y'."""
-    sp = library()
-    x = sp.Symbol("x")
-    u, f = (sp.Function(name)(x) for name in "uf")
-    return put_right(
-        identity(
-            "−x(uf)′ = uf − (xuf)′: ρ̇ = ∫Φ(x, y)[ẏ] f dx",
-            lambda s: -x * (u * f).diff(x) + (x * u * f).diff(x) - s * u * f,
-            "ρ̇ = 0, as nothing is printed",
-            0,
         )
     )

@@ -101,7 +101,6 @@ def ratios(problem: dincl.Problem, x: Floats) -> tuple[float, float, int]:
     "Near S a sweep of projections reduces the distance to the projection onto S by a factor below 1.",
     source="Ideas for proving convergence of PBD",
     quote="max_j dist(x, S_j) ≥ α dist(x, S) … c ∈ (0, 1): ‖P_S(x) − P_{S_M} ∘ … ∘ P_{S_1}(x)‖ ≤ c ‖P_S(x) − x‖",
-    rests_on=("c2.subspaces",),
     tried_on="3 or 4 discs in rows, triangles and rhombi, disturbed by a hundredth",
     chosen="rows, triangles and rhombi of discs, disturbed by a hundredth",
 )

@@ -9,21 +9,16 @@ import numpy as np
 
 import dincl
 from tissue.statistics.comparisons import Difference
-from verification.claims import Correction, Effect, Evidence, Tables, Verdict, at_least, at_most, claim, equal, proved
+from verification.claims import Evidence, Tables, at_least, at_most, claim, equal
 from verification.thesis.chapter1.sets import ROUNDING, Floats
-from verification.thesis.chapter4.claims.s4_6_conditional import early_minus_late
 from verification.thesis.chapter4.frequencies import (
-    ALIKE,
-    CONDITIONAL,
     RATIOS,
-    alike,
     evidence,
     in_readings,
     more,
     ratio_of,
     share,
 )
-from verification.thesis.chapter5.claims.s1_introduction import mass_rates
 
 # Seconds of damped Arrow-Hurwicz and of PBD, as sections 3.2 and 3.4 of chapter 3 print them.
 RUNTIMES = ((27.0, 0.08), (28.0, 0.08))
@@ -121,21 +116,6 @@ def scenarios() -> int:
 
 
 @claim(
-    "c0.scenarios",
-    "Four event times, and groups of cells that differ in them, make thousands of EMT scenarios.",
-    source="introduction, Part II",
-    quote="only four parameters … plus groups of cells … give thousands of possible EMT scenarios.",
-    chosen="the parameters are the four times of chapter 4, section 2.2; scenarios differ by the order of events, not "
-    "by their times; groups of two cells",
-)
-def _scenarios() -> Evidence:
-    """Each time may also be ∞, and [P] does not come before [B]; INM, which is no time, would double the orders."""
-    one = scenarios()
-    name = f"scenarios of two cells, each with one of {one} orders of the four times"
-    return Evidence(printed=(at_least(name, one * (one + 1) // 2, 2000),))
-
-
-@claim(
     "c0.protrusions",
     ("Cells with protrusions leave basally far more often than others, which are at risk of leaving apically."),
     source="introduction, Part II",
@@ -164,44 +144,3 @@ def _protrusions(tables: Tables) -> Evidence:
         )
 
     return in_readings(compare)
-
-
-@claim(
-    "c0.timing",
-    "The times of the events have no relevant influence on basal extrusion.",
-    source="introduction, Part II",
-    quote=("we did not find any relevant correlation between the timing of EMT transition events and the … rates."),
-    correction=Correction(
-        "of the times of the events only that of [A] matters: early [A] extrudes more cells",
-        Effect.CONCLUSION,
-        (
-            "the third of the main features; chapter 4 has the exception in the caption of Figure 20, in 4.5.3 "
-            "and in the answer to (Q3)"
-        ),
-        why=("section 4.5.3 and the answer to (Q3) of chapter 4 find that early onset of [A] increases the extrusion"),
-        place=113,
-    ),
-    needs=(CONDITIONAL,),
-    rests_on=("c4.q3",),
-    chosen=f"cells without [P] of the group '35 % [P]'; relevant: more than {ALIKE:.0%}",
-)
-def _timing(tables: Tables) -> Evidence:
-    def compare(preset: str) -> Evidence:
-        found = early_minus_late(tables, preset, "A")
-        return evidence([alike(*each, ALIKE) for each in found], [more(*each) for each in found])
-
-    return in_readings(compare)
-
-
-@claim(
-    "c0.mean-field-mass",
-    "The mean-field mass changes if the constraints make particles move at different speeds.",
-    source="introduction, Part III",
-    quote=(
-        "The mean-field mass can even be non-constant if the constrained particles have to move at different speeds"
-    ),
-    recorded=Verdict.PROVED,
-    rests_on=("c5.changing-mass",),
-)
-def _mean_field_mass() -> Evidence:
-    return proved(mass_rates())
