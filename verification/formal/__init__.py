@@ -5,13 +5,42 @@ wrong variant, with the opposite sign of a term or with a constant that is too g
 or variables, by their names.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable
+from dataclasses import dataclass
 from inspect import signature
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from verification.claims import FormalProof
 
 
 class UnsoundProof(Exception):
     """A proof that accepts a wrong variant of its statement, or whose wrong variant it cannot refute."""
+
+
+@dataclass(frozen=True)
+class Step:
+    """A proof with its wrong variant, made when it is called.
+
+    Attributes
+    ----------
+    make
+        (statement, wrong variant in words) -> the proof.
+    said
+        What it proves; empty for what the claim says.
+    rejects
+        The wrong variant in words; empty for what is printed, or "its wrong variant".
+    """
+
+    make: Callable[[str, str], FormalProof]
+    said: str = ""
+    rejects: str = ""
+
+    def __call__(self, said: str = "", rejects: str = "") -> FormalProof:
+        """Return the proof; the words are those of the claim, where the step has none of its own."""
+        return self.make(self.said or said, self.rejects or rejects)
 
 
 def refuse_unless_refuted(refuted: bool, statement: str, wrong: str) -> None:

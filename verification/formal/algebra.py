@@ -9,7 +9,7 @@ from typing import Any
 
 from dincl.extras import needs
 from verification.claims import FormalProof, Technique
-from verification.formal import names, refuse_unless_refuted
+from verification.formal import Step, names, refuse_unless_refuted
 
 # Far above what is lost in DIGITS digits, and below the residual of a wrong variant at the point of ``_point``.
 SEEN, DIGITS = 1e-20, 40
@@ -51,9 +51,27 @@ def identity(
         If the residuals of the wrong variant vanish, too.
     """
     symbols = [library().Symbol(name, commutative=not words) for name in names(residual)]
-    true = all(map(_vanishes, _entries(residual(1, *symbols))))
-    refuse_unless_refuted(any(map(_differs, _entries(residual(factor, *symbols)))), statement, wrong)
-    return FormalProof(statement, Technique.IDENTITY, f"sympy {library().__version__}", true, wrong)
+    return _identity(residual(1, *symbols), residual(factor, *symbols), statement, wrong)
+
+
+def vanishes(right: Any, wrong: Any, said: str = "", rejects: str = "") -> Step:
+    """Return the proof that an expression is zero for all values of its symbols and for all functions in it.
+
+    Parameters
+    ----------
+    right, wrong
+        An expression, a matrix or a sequence of them each: all of ``right`` simplify to zero, one of ``wrong`` differs
+        from zero at a point.
+    said, rejects
+        See ``Step``.
+    """
+    return Step(partial(_identity, right, wrong), said, rejects)
+
+
+def _identity(right: Any, wrong: Any, statement: str, rejected: str) -> FormalProof:
+    true = all(map(_vanishes, _entries(right)))
+    refuse_unless_refuted(any(map(_differs, _entries(wrong))), statement, rejected)
+    return FormalProof(statement, Technique.IDENTITY, f"sympy {library().__version__}", true, rejected)
 
 
 def sum_of_squares(
@@ -67,10 +85,22 @@ def sum_of_squares(
 
     The wrong variant is refuted by a point where it is negative. Parameters and errors: see ``identity``.
     """
+    return _squares(polynomial(1), polynomial(factor), squares, statement, wrong)
+
+
+def squares(right: Any, wrong: Any, parts: Sequence[tuple[Any, Any]], said: str = "", rejects: str = "") -> Step:
+    """Return the proof that a polynomial is at least 0, the sum of c q^2 over the pairs (c, q), all c >= 0.
+
+    The polynomial ``wrong`` is negative at a point; ``said``, ``rejects``: see ``Step``.
+    """
+    return Step(partial(_squares, right, wrong, parts), said, rejects)
+
+
+def _squares(right: Any, other: Any, squares: Sequence[tuple[Any, Any]], statement: str, wrong: str) -> FormalProof:
     sympy = library()
     total = sum(c * q**2 for c, q in squares)
-    true = bool(all(sympy.sympify(c).is_nonnegative for c, _ in squares) and _vanishes(polynomial(1) - total))
-    refuse_unless_refuted(_negative_somewhere(polynomial(factor)), statement, wrong)
+    true = bool(all(sympy.sympify(c).is_nonnegative for c, _ in squares) and _vanishes(right - total))
+    refuse_unless_refuted(_negative_somewhere(other), statement, wrong)
     certificate = " + ".join(f"{c}*({q})**2" for c, q in squares)
     return FormalProof(statement, Technique.SQUARES, f"sympy {sympy.__version__}", true, wrong, certificate)
 

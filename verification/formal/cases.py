@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
+from functools import partial
 from platform import python_version
 from typing import Any
 
 from verification.claims import FormalProof, Technique
-from verification.formal import refuse_unless_refuted
+from verification.formal import Step, refuse_unless_refuted
 
 
 def all_cases(
@@ -33,7 +34,22 @@ def all_cases(
     UnsoundProof
         If the wrong variant holds in all cases.
     """
-    listed = list(cases)
-    true = bool(listed) and all(holds(1, case) for case in listed)
-    refuse_unless_refuted(any(not holds(factor, case) for case in listed), statement, wrong)
+    return _cases(partial(holds, 1), partial(holds, factor), list(cases), statement, wrong)
+
+
+def in_all(
+    cases: Iterable[Any], right: Callable[[Any], bool], wrong: Callable[[Any], bool], said: str = "", rejects: str = ""
+) -> Step:
+    """Return the proof of a statement in each of finitely many cases; ``wrong`` fails in one of them.
+
+    ``said``, ``rejects``: see ``Step``.
+    """
+    return Step(partial(_cases, right, wrong, list(cases)), said, rejects)
+
+
+def _cases(
+    right: Callable[[Any], bool], other: Callable[[Any], bool], listed: Sequence[Any], statement: str, wrong: str
+) -> FormalProof:
+    true = bool(listed) and all(map(right, listed))
+    refuse_unless_refuted(not all(map(other, listed)), statement, wrong)
     return FormalProof(statement, Technique.CASES, f"Python {python_version()}", true, wrong, f"{len(listed)} cases")

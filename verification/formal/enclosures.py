@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from heapq import heappop, heappush
 from itertools import product
 from math import inf, nextafter
@@ -10,7 +11,7 @@ from typing import Any
 
 from dincl.extras import needs
 from verification.claims import FormalProof, Technique
-from verification.formal import refuse_unless_refuted
+from verification.formal import Step, refuse_unless_refuted
 
 # Boxes that are looked at before a proof is given up.
 LARGEST = 200_000
@@ -47,8 +48,22 @@ def not_negative(
     UnsoundProof
         If no point is found where the wrong variant is negative.
     """
-    true, boxes = _decided(lambda *x: function(1.0, *x), box)
-    refuse_unless_refuted(_decided(lambda *x: function(factor, *x), box)[0] is False, statement, wrong)
+    return _enclosure(partial(function, 1.0), partial(function, factor), box, statement, wrong)
+
+
+def positive(right: Callable[..., Any], wrong: Callable[..., Any], box: Box, said: str = "", rejects: str = "") -> Step:
+    """Return the proof that a function of balls is at least 0 on a box; ``wrong`` is negative at a point of it.
+
+    ``said``, ``rejects``: see ``Step``.
+    """
+    return Step(partial(_enclosure, right, wrong, box), said, rejects)
+
+
+def _enclosure(
+    right: Callable[..., Any], other: Callable[..., Any], box: Box, statement: str, wrong: str
+) -> FormalProof:
+    true, boxes = _decided(right, box)
+    refuse_unless_refuted(_decided(other, box)[0] is False, statement, wrong)
     tool = f"python-flint {balls().__version__}"
     return FormalProof(statement, Technique.ENCLOSURE, tool, true, wrong, f"{boxes} boxes" if box else "")
 

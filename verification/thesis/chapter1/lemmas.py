@@ -1,5 +1,4 @@
 """Proofs that several claims of chapter 1 rest on."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 

@@ -13,7 +13,6 @@ from verification.formal.reals import implication, solver_library
 from verification.thesis.chapter1.lemmas import cones
 from verification.thesis.chapter1.sets import ROUNDING, SAMPLES, Floats
 
-SIDES = [(0, 1), (0, 2), (1, 2)]
 SEED = 14
 # Points of the edge of the unit disc, and what the largest product with them may lack.
 EDGE = np.stack([f(np.linspace(0, 2 * np.pi, 720, endpoint=False)) for f in (np.cos, np.sin)], axis=1)

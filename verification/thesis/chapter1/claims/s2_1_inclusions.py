@@ -9,9 +9,6 @@ from verification.formal.algebra import identity, library
 from verification.formal.reals import implication
 from verification.thesis.chapter1.lemmas import sign_values
 
-# Places on both sides of 0, the nearest as near as numbers that are squared allow.
-LINE = np.concatenate([sign * np.logspace(-8, 1, 40) for sign in (-1.0, 1.0)])
-
 
 def step_values(x: float) -> tuple[float, float]:
     """Return the least and the largest value of the right-hand side of (1.13)."""

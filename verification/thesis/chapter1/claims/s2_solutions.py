@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 
 import numpy as np
@@ -32,14 +31,6 @@ def cantor(x: float) -> float:
             value, x = value + weight, x - 2
         weight /= 2
     return value
-
-
-FUNCTIONS: dict[str, Callable[[float], float]] = {
-    "√x": math.sqrt,
-    "|x - 0.4|": lambda x: abs(x - 0.4),
-    "Cantor's function": cantor,
-    "a step": lambda x: float(x >= 0.3),
-}
 
 
 def lost_rise(f: Callable[[float], float]) -> float:
@@ -94,10 +85,7 @@ def _no_classical() -> Evidence:
     source="Example 1.9",
     quote="It turns out that the unique solution is x(t) = max(c - t, 0).",
     recorded=Verdict.PROVED,
-    rests_on=(
-        "c1.step-continuity",
-        "c1.dependence",
-    ),
+    rests_on=("c1.step-continuity", "c1.dependence"),
 )
 def _step() -> Evidence:
     """x' in -H(x), H = sign(x), and [-1, 1] at 0; h and k are values of H at x and y."""

@@ -67,10 +67,7 @@ def _monotone() -> Evidence:
     source="after (1.15)",
     quote="in the case F = 0, Theorem 1.13 implies uniqueness of solutions of (1.15).",
     recorded=Verdict.PROVED,
-    rests_on=(
-        "c1.dependence",
-        "c1.monotone",
-    ),
+    rests_on=("c1.dependence", "c1.monotone"),
     chosen="a set that moves, as in (1.16): in one that stands still nothing moves without F",
 )
 def _convex_unique() -> Evidence:

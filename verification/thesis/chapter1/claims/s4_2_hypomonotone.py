@@ -4,17 +4,6 @@ from __future__ import annotations
 
 from verification.claims import Evidence, Verdict, claim, proved
 from verification.formal.reals import implication
-from verification.thesis.chapter1.claims.s2_1_inclusions import step_values
-
-
-def spread(sign: float) -> float:
-    """Measure how far apart solutions s t of sign times (1.13) are at t = 1 that all start at 0."""
-    ends = []
-    for s in (-1.0, -0.5, 0.0, 0.5, 1.0):
-        allowed = (sorted(sign * end for end in step_values(s * t)) for t in (0.25, 0.5, 1.0))
-        if all(low <= s <= high for low, high in allowed):
-            ends.append(s)
-    return max(ends) - min(ends)
 
 
 @claim(

@@ -20,7 +20,6 @@ from verification.claims import (
     proved,
 )
 from verification.formal.reals import implication, solver_library
-from verification.thesis.chapter1.claims.s1_2_constraints import SIDES
 from verification.thesis.chapter1.sets import ROUNDING, SAMPLES, SEED, Floats, contact_gradients, support_of_cone
 
 DIRECTIONS = np.stack([f(np.linspace(0, 2 * np.pi, 720, endpoint=False)) for f in (np.cos, np.sin)], axis=1)
@@ -148,32 +147,6 @@ def _single_valued() -> Evidence:
     return Evidence(
         printed=(equal(name.format("{f(x)}"), plain, 0),), corrected=(equal(name.format("(-∞, f(x)]"), lines, 0),)
     )
-
-
-def bent(opening: float) -> Floats:
-    """Return three discs of which the first touches both others; 0 closes the triangle."""
-    angles = np.array([0.0, math.pi / 3 + opening])
-    return np.concatenate([[[0.0, 0.0]], np.stack([np.cos(angles), np.sin(angles)], axis=1)])
-
-
-def normals_support(x: Floats, w: Floats) -> float:
-    """Return sigma(-N(S, x) ∩ B_1, w) of discs of radius 1/2 at a point of S."""
-    closed = [(i, j) for i, j in SIDES if np.linalg.norm(x[i] - x[j]) < 1 + 1e-12]
-    return support_of_cone(contact_gradients(x, closed), w)
-
-
-def limits(step: float) -> Floats:
-    """Return sigma at three sequences that are ``step`` away from the closed triangle, and at the triangle, (4, K)."""
-    directions = np.random.default_rng(SEED).normal(size=(100, 6))
-    corner = bent(0.0)
-    turned = corner @ np.array([[math.cos(step), math.sin(step)], [-math.sin(step), math.cos(step)]])
-    places = (bent(step), turned, (1 + step) * corner, corner)
-    return np.array([[normals_support(x, w) for w in directions] for x in places])
-
-
-def excess(values: Floats) -> float:
-    """Measure how far sigma at the sequences of ``limits`` is above sigma at their limit."""
-    return float((values[:3] - values[3]).max())
 
 
 def closed_graph() -> FormalProof:

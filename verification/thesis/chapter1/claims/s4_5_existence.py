@@ -48,13 +48,7 @@ def slide(t: Floats) -> Floats:
     "The inclusion has a solution, to which the catch-up scheme converges.",
     source="Theorem 1.31",
     quote="the system has an absolutely continuous solution x : [0, T] → ℝ^d.",
-    rests_on=(
-        "c1.constant",
-        "c1.speeds",
-        "c1.unique-projections",
-        "c1.dense",
-        "c1.step-inclusion",
-    ),
+    rests_on=("c1.constant", "c1.speeds", "c1.unique-projections", "c1.dense", "c1.step-inclusion"),
     tried_on="a point that slides over a disc",
 )
 def _existence() -> Evidence:
@@ -82,11 +76,7 @@ def _existence() -> Evidence:
     also=("c1.one-sided",),
     quote="there exists a constant a > 0 such that for all t ∈ [0, T] ‖x(t) - y(t)‖ ≤ a ‖xⁱⁿⁱᵗ - yⁱⁿⁱᵗ‖",
     recorded=Verdict.PROVED,
-    rests_on=(
-        "c1.hypomonotone",
-        "c1.uniqueness-sign",
-        "c1.gronwall",
-    ),
+    rests_on=("c1.hypomonotone", "c1.uniqueness-sign", "c1.gronwall"),
 )
 def _dependence() -> Evidence:
     """E = |x - y|^2, F has the constant L, and -N is hypomonotone by (1.28): p = -(v - w).(x - y), v, w forces <= M."""

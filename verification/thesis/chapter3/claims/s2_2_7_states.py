@@ -2,27 +2,20 @@
 
 from __future__ import annotations
 
-from itertools import combinations, product
+from itertools import combinations
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 
 from tissue.files.parameters import preset
 from tissue.model.energy import energy
 from tissue.quasi_steady.frozen import constraints, particles
 from tissue.runs.simulate import simulate
 from verification.claims import Correction, Effect, Evidence, at_least, at_most, claim, equal
-from verification.thesis.chapter3.printed import AX, ENLARGED, HARD, R_SOFT
-from verification.thesis.chapter3.terms import spring
+from verification.thesis.chapter3.printed import ENLARGED, HARD, R_SOFT
 
 # Of (3.7) [μm].
 OFFSET = 0.05
 ROUNDING, TOL = 1e-9, 1e-6
-# Rest lengths that are off by this [R_soft], as they are between G2 and the hour after.
-OFF = 0.5
-# Initial rest length of a spring of the cytoskeleton [R_soft].
-REST = 1.5
-STARTS, WEIGHTS, STEPS = (1.8, 2.2, 3.0, 4.0), (0.3, 1.0, 3.0), 400
 
 
 @claim(
@@ -137,33 +130,3 @@ def _not_unique() -> Evidence:
         ),
         seed=0,
     )
-
-
-def regularised(d: float, weight: float, power: int) -> float:
-    """Return one step of Remark 3.2 for the length d of a single spring (3.9), with |z − z^k|^power."""
-
-    def total(z: float) -> float:
-        return spring(z, REST, AX) + weight * abs(z - d) ** power
-
-    found = minimize_scalar(total, bounds=(1.0, 6.0), method="bounded", options={"xatol": 1e-10}).x
-    return d if total(d) <= total(found) else float(found)
-
-
-def at_rest(power: int) -> float:
-    """Return the largest distance from the minimum of W at which steps stay, from all starts with all weights."""
-    distance = 0.0
-    for start, weight in product(STARTS, WEIGHTS):
-        d = start
-        for _ in range(STEPS):
-            before, d = d, regularised(d, weight, power)
-            if abs(d - before) < TOL / STEPS:
-                break
-        distance = max(distance, abs(d - 1 - REST))
-    return distance
-
-
-def minima(power: int) -> float:
-    """Return the extent of the minimisers of max(0, 1 − z) + |z|^power, a convex W with z^k = 0 and c = 1."""
-    z = np.linspace(-1.0, 3.0, 4001)
-    total = np.maximum(0.0, 1.0 - z) + np.abs(z) ** power
-    return float(np.ptp(z[total <= total.min() + 1e-12]))

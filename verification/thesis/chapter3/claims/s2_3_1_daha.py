@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 import dincl
 from dincl.minimise import DampedArrowHurwicz, Stationary, minimise
@@ -13,7 +12,6 @@ from verification.claims import Correction, Effect, Evidence, Verdict, at_least,
 from verification.formal.algebra import identity, library
 from verification.thesis.chapter3.printed import ALPHA, BETA, EPS, GAMMA, C
 
-Floats = NDArray[np.float64]
 ROUNDING, TOL = 1e-12, 1e-8
 # Factors of c = 2: 1 and 2 are the last but two and the last but one.
 DAMPINGS = (0.1, 0.5, 1.0, 2.0, 10.0)

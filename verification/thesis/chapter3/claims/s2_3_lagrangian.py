@@ -2,34 +2,8 @@
 
 from __future__ import annotations
 
-import math
-from itertools import combinations
-
-import numpy as np
-from numpy.typing import NDArray
-
 from verification.claims import Evidence, Verdict, claim, proved
 from verification.formal.reals import implication, solver_library
-
-Floats = NDArray[np.float64]
-SEED = 37
-SAMPLES = 1000
-# The hard radius, the largest distance of neighbouring basal points [R_soft], and a small tissue.
-HARD, MOST, CELLS = 1 / 3, 1 / 3, 5
-
-
-def states() -> Floats:
-    """Return nuclei, apical and basal points of CELLS cells, shape (SAMPLES, 3 CELLS, 2); many are not feasible."""
-    rng = np.random.default_rng(SEED)
-    z = rng.uniform(0.0, 3.0, (SAMPLES, 3 * CELLS, 2))
-    z[:, 2 * CELLS :, 0] = rng.uniform(-0.05, 1.2 * MOST, (SAMPLES, CELLS)).cumsum(axis=1)
-    z[:, 2 * CELLS :, 1] *= rng.uniform(size=(SAMPLES, 1)) < 0.2
-    return z
-
-
-def apart(nuclei: Floats) -> bool:
-    """Return whether (C1) holds, as printed."""
-    return all(math.dist(one, other) >= 2 * HARD for one, other in combinations(nuclei.tolist(), 2))
 
 
 @claim(

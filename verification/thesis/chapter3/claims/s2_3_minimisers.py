@@ -127,10 +127,7 @@ def _equilibria() -> Evidence:
     quote=(
         "the direct application of the Arrow-Hurwicz algorithm does not always converge for … non-overlapping spheres"
     ),
-    rests_on=(
-        "c3.arrow-hurwicz",
-        "c3.daha-multiplier",
-    ),
+    rests_on=("c3.arrow-hurwicz", "c3.daha-multiplier"),
     chosen="the corrected signs, step sizes 0.1, at most 500 steps; two and four discs that are drawn to one point",
 )
 def _not_always() -> Evidence:

@@ -94,11 +94,7 @@ def _part_way(tables: Tables) -> Evidence:
     ),
     recorded=Verdict.REFUTED,
     needs=("tissue_daha_shares",),
-    rests_on=(
-        "c3.daha-multiplier",
-        "c3.dimensions",
-        "c3.passive-springs",
-    ),
+    rests_on=("c3.daha-multiplier", "c3.dimensions", "c3.passive-springs"),
     chosen="73 runs of 10 h for each of four readings of the model; at most 100,000 iterations in a step; refuted if "
     "no reading has such a share. As printed a quarter of the runs have failed by 3.3 h, all by 5.5 h",
 )

@@ -21,7 +21,6 @@ ALPHA, RATE, MU, ETA, STEP, HOURS = 2.0, 5.0, 0.15, 1.5, 1e-3, 3.0
 # A contraction worth the name: the spring becomes at least a tenth shorter.
 SHORTER = 0.9
 # What rounding leaves of y = 0 and of a length.
-ROUNDING = 1e-12
 # A bend that can be seen [degrees], and how many times that of a cell with a stiff bending spring.
 BEND, TIMES = 10.0, 2.0
 

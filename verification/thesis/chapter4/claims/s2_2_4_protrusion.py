@@ -11,7 +11,6 @@ from verification.claims import Correction, Effect, Evidence, Verdict, at_least,
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication, solver_library
 
-SEED = 224
 # Units of R_soft; v^run has no value in the thesis: 1 R_soft/h, and with (4.1) only the time scale depends on it.
 SPEED, ALPHA, STEP = 1.0, 2.0, 1e-3
 DEPTH = 2.0

@@ -2,45 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from itertools import combinations
-
 import numpy as np
 
 from tissue.events.known import row, settled
 from tissue.files.timing import timing
-from tissue.state.cells import Floats
 from verification.claims import Correction, Effect, Evidence, at_most, claim
 
 SEED = 231
 CELLS = 50_000
 SHARE = 70.0
-# Of the figures of section 4.
-STUDIES = ("figure10", "figure12", "figure14", "figure15", "table5_63", "table5_35", "table5_7")
-# Tables 1 and 2: the finite times of events [h] (lines 2749 to 2752 and 2804 to 2807).
-# "Roughly proportional": the chances per possible order differ by less than this factor.
-ROUGHLY = 2.0
-
-
-def steps(p: float, events: str) -> Floats:
-    """P[0, 1, 2, ... effective events] for independent events, each with chance p; [P] acts only beside [B]."""
-    chances = np.zeros(len(events) + 1)
-    for k in range(len(events) + 1):
-        for had in combinations(events, k):
-            effective = k - ("P" in had and "B" not in had)
-            chances[effective] += p**k * (1 - p) ** (len(events) - k)
-    return chances
-
-
-# Possible orders of one, two and three of the events, [P] after [B]; possible sets of them, [P] only beside [B].
-POSSIBLE = {"ABSP": np.array([3.0, 7.0, 12.0]), "ABP": np.array([2.0, 3.0, 3.0])}
-SETS = {"ABSP": np.array([3.0, 4.0, 3.0]), "ABP": np.array([2.0, 2.0, 1.0])}
-
-
-def spread(p: float, events: str, possible: Mapping[str, Floats] = POSSIBLE) -> float:
-    """Chance over number of orders (or sets) for one, two and three steps: the largest over the smallest."""
-    each = steps(p, events)[1:4] / possible[events]
-    return float(each.max() / each.min())
 
 
 @claim(

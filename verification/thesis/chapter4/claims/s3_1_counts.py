@@ -13,11 +13,6 @@ RIGHT = {1: 3, 2: 7, 3: 12, 4: 12}
 LISTED = """A, B, S, AB, AS, BA, BS, BP, SA, SB, ABS, ABP, ASB, BAS, BAP, BSA, BSP, BPA, BPS, SAB, SBA, SBP,
 ABSP, ABPS, ASPB, BASP, BAPS, BSAP, BSPA, BPAS, BPSA""".replace("\n", " ").split(", ")
 INSTEAD = [*(order for order in LISTED if order != "ASPB"), "ASBP", "SABP", "SBAP", "SBPA"]
-# n^D and n^rep of section 3.3.3, at both ends.
-# Of Figure 10 and section 4.1.2 [%].
-APICAL, BELOW = 30, 60
-# Of footnote 2; the ratio of the runtimes 27 s and 0.08 s of chapter 3.
-MINUTES, FASTER, MEASURED = 45, 300, 27 / 0.08
 
 
 def _orders() -> list[str]:

@@ -9,26 +9,12 @@ from tissue.state.cells import Floats
 from verification.claims import Correction, Effect, Evidence, Verdict, at_most, claim, equal, proved
 from verification.formal.algebra import identity, library
 
-# Of the intervals D_k.
-PARTS = 10
-POINTS = np.concatenate((np.linspace(0.0, 1.0, 201), [-0.02, 1.03]))
-
-
-def members(points: Floats, closed: bool, unbounded: bool) -> Floats:
-    """In how many of the D_k each point lies; ``closed``: 0 counts to the first; ``unbounded``: with the rest."""
-    edges = np.arange(PARTS + 1) / PARTS
-    inside = (points[:, None] > edges[:-1]) & (points[:, None] <= edges[1:])
-    counts = inside.sum(axis=1) + (closed & (points == 0))
-    return np.asarray(counts + (unbounded & ((points < 0) | (points > 1))))
-
-
 SEED = 333
 RUNS, GROUP = 20_000, 10
 # Chances of a mean of independent numbers to be this many standard errors off: 6e-5.
 ERRORS = 4.0
 SETS = 25
 # Four standard errors of a share of 20,000 draws.
-NEAR = 0.015
 ROUNDING = 1e-12
 # A model of a run: P[T_i in D_k], and P[extruded | T_i in D_k] for the cells of the group.
 CHANCE = np.array([0.5, 0.3, 0.2])
@@ -59,11 +45,6 @@ def _count() -> Evidence:
         printed=(equal(f"{what} n^D + 1 sets", share_sum(SETS + 1), 1.0, ROUNDING),),
         corrected=(equal(f"{what} n^D sets", share_sum(SETS), 1.0, ROUNDING),),
     )
-
-
-def accepted(outcomes: Floats, inside: Floats) -> Floats:
-    """Rejection sampling: the outcomes of the draws that fall into the category, one after the other."""
-    return np.array([each for each, wanted in zip(outcomes, inside, strict=True) if wanted])
 
 
 def extruded_given(i: int) -> Floats:

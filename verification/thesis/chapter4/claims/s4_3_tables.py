@@ -53,8 +53,6 @@ TABLE_5 = tuple(
 STATED_RUNS, STATED_CELLS = 50_000, 10
 # The ninth row, the partner of the tenth.
 NINTH = (NEVER, 6, NEVER)
-# Rows 4 to 6 of Table 4 have a delay between two events, the seventh and the eighth are one program early and late.
-DELAYED = ((3, 1, 2), (4, 0, 1), (5, 1, 0))
 
 
 @claim(

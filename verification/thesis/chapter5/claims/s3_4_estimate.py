@@ -6,12 +6,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from verification.claims import Correction, Effect, Evidence, Verdict, at_least, at_most, claim, proved
-from verification.formal.algebra import identity
+from verification.claims import Correction, Effect, Evidence, at_least, at_most, claim
 from verification.thesis.chapter5.bounded import FlowState, force, mass
-from verification.thesis.chapter5.general import multiplier, particle
 from verification.thesis.chapter5.instant import WRONG, Floats
-from verification.thesis.chapter5.lemmas import estimate, reduced
+from verification.thesis.chapter5.lemmas import ESTIMATE
 from verification.thesis.chapter5.wavy import runge_kutta, soft
 
 # What steps of a run leave.
@@ -50,7 +48,7 @@ def amplified(force: Callable[[float], float], y: float, v: float, time: float =
         ),
         place=3854,
     ),
-    rests_on=("c5.flow-estimate", "c5.stability-step", "c5.speed-constant-limit"),
+    rests_on=("c5.fundamental", "c5.stability-step", "c5.speed-bound"),
     tried_on="three starts in one potential ≥ 0",
     chosen="two point masses, g = sinh(X)e⁻ʸ, W₀ = −y, no other forces",
 )
@@ -94,7 +92,8 @@ def moved(X: Floats, y: float, v: float) -> Floats:
 @claim(
     "c5.same-estimate",
     ("With nonlinear constraints the distance of solutions is at most C e^{Lt} times that of their starts, for all t."),
-    source="section 4",
+    source="section 4; section 1",
+    also=("c5.abstract-estimate",),
     quote="the same stability estimate as in the linear case also holds for nonlinear constraints",
     correction=Correction(
         (
@@ -110,7 +109,7 @@ def moved(X: Floats, y: float, v: float) -> Floats:
         ),
         place=3968,
     ),
-    rests_on=("c5.flow-estimate", "c5.stability-step", "c5.speed-all-times", "c5.stability-constants"),
+    rests_on=("c5.fundamental", "c5.stability-step", "c5.speed-all-times", "c5.stability-constants"),
     chosen="two point masses, g = sinh(X)e⁻ʸ, W₀ = −y, no other forces, which fulfils (A1a) to (A5b); the correction "
     "for all systems of the chapter",
 )
@@ -126,7 +125,7 @@ def _estimate() -> Evidence:
                 RUN_TOL,
             ),
         ),
-        corrected=estimate(),
+        corrected=tuple(step() for step in ESTIMATE),
     )
 
 
@@ -142,7 +141,7 @@ def _estimate() -> Evidence:
         why="(5.4) and (5.6a) have such forces, and Theorems 5.12 and 5.16 include them",
         place=3970,
     ),
-    rests_on=("c5.effective",),
+    rests_on=("c5.reduced-model",),
     chosen="the forces of (5.4), within the class of the chapter",
 )
 def _future() -> Evidence:
@@ -155,26 +154,4 @@ def _future() -> Evidence:
     return Evidence(
         printed=(at_most("part of F_eff of 8 particles by forces between them, (5.41b)", part, 0.0, RUN_TOL),),
         corrected=(at_least("part of F_eff of 8 particles by forces between them, (5.41b)", part, WRONG),),
-    )
-
-
-@claim(
-    "c5.same-motion",
-    "Constrained and reduced equations have the same motions, and the multipliers can be recovered.",
-    source="before Proposition 5.1",
-    quote="Every solution of the DAE model (5.6a) to (5.6c) also solves the ODE model (5.11a) and (5.11b)",
-    recorded=Verdict.PROVED,
-    rests_on=("c5.effective", "c5.derivation-multipliers"),
-    chosen="the multipliers by (A.12) with K(X_k, X_i), see c5.derivation-multipliers",
-)
-def _same_motion() -> Evidence:
-    """Both directions: elimination of lambda, and lambda of (A.12) put back."""
-    p = particle()
-    return proved(
-        reduced(),
-        identity(
-            "along (5.11a), (5.11b) λ_i of (A.12) fulfils (5.6a)",
-            lambda s: p.m * (p.phi * p.a + s * p.curved) - p.f + p.GT * multiplier(p),
-            "−Ω in Ẍ_i",
-        ),
     )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from itertools import product
 
 import numpy as np
 
@@ -103,16 +102,6 @@ def _simple() -> Evidence:
             at_least("operations of the loop", operations, 1),
         )
     )
-
-
-def scenarios() -> int:
-    """Return orders of the four events in time, each of which may not happen or happen with others."""
-    found = set()
-    for a, b, s, p in product((1, 2, 3, 4, math.inf), repeat=4):
-        times = (a, b, s, max(p, b))
-        ranks = sorted({t for t in times if t < math.inf})
-        found.add(tuple(ranks.index(t) if t < math.inf else None for t in times))
-    return len(found)
 
 
 @claim(
