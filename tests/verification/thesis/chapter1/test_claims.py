@@ -10,10 +10,8 @@ from tests.verification.thesis.claim_changes import CLAIMS, Change, Wrong, repla
 from verification.claims import Verdict
 from verification.thesis.chapter1.cells import HARD
 from verification.thesis.chapter1.claims import (
-    s4_4_supports,
     s4_6_1_tools,
 )
-from verification.thesis.chapter1.sets import outside
 from verification.thesis.chapter4.studies import PRESETS
 
 
@@ -56,32 +54,16 @@ CHANGES: dict[str, Wrong] = {
         "introduction.s1_introduction", "pbd_by_hand", with_given(lambda x, h, steps: (x, 1.01 * h, steps))
     ),
     "c0.protrusions": Wrong("introduction.s1_introduction", "PROTRUSIONS", replaced("[S]"), tables=ratios(350)),
-    "c1.drag": Wrong("chapter1.s1_1_newton", "RADIUS", replaced(4e-6)),
     "c1.density": Wrong("chapter1.s1_1_newton", "LITRE", replaced(1e-6), TRUE),
-    "c1.regime": Wrong("chapter1.s1_1_newton", "VISCOSITY", replaced(1e-9)),
-    "c1.outward-normals": Wrong("chapter1.s1_2_constraints", "inside", replaced(outside)),
-    "c1.no-classical": Wrong("chapter1.s2_solutions", "speed", times(0.0)),
     "c1.almost-everywhere": Wrong("chapter1.s2_solutions", "cantor", replaced(lambda x: x), TRUE),
     "c1.generalise": Wrong("chapter1.s2_1_inclusions", "step_values", replaced(lambda x: (0.0, 0.0)), TRUE),
-    "c1.sweeping-unique": Wrong(
-        "chapter1.s3_cones", "swept_from", lambda f: lambda start, h, end: f(0.0, h, end), TRUE
-    ),
     "c1.prox-constant": Wrong("chapter1.s4_1_prox", "printed_constant", replaced(lambda n, d: 0.01 / n), TRUE),
-    "c1.support": Wrong("chapter1.s4_4_supports", "ellipse_support", times(1.2)),
-    "c1.single-valued": Wrong("chapter1.s4_4_supports", "by_limsup", replaced(s4_4_supports.by_singletons), TRUE),
-    "c1.sum-of-cones": Wrong("chapter1.s4_4_supports", "support_of_cone", less_for_many),
     "c1.existence": Wrong("chapter1.s4_5_existence", "slide", times(1.01)),
     "c1.start": Wrong("chapter1.s4_5_existence", "apart", replaced(lambda y: y), TRUE),
     "c1.time-independent": Wrong("chapter1.cells", "GROWN", replaced(HARD), TRUE),
     "c1.isometry": Wrong("chapter1.s4_6_1_tools", "sup_norm", replaced(s4_6_1_tools.mean_norm), TRUE),
     "c1.gronwall-discrete": Wrong("chapter1.s4_6_1_tools", "sequences", times(1.2)),
-    "c1.gronwall-range": Wrong("chapter1.s4_6_1_tools", "discrete_bound", times(200.0), TRUE),
-    "c1.constant": Wrong("chapter1.s4_6_2_steps", "first_constant", times(100.0), TRUE),
     "c1.dense": Wrong("chapter1.s4_6_2_steps", "settled", times(0.9)),
-    "c1.uniqueness-sign": Wrong(
-        "chapter1.s4_6_3_uniqueness", "beside_the_top", with_result(lambda s: (s[0], -s[1], s[2])), TRUE
-    ),
-    "c1.gronwall": Wrong("chapter1.s4_6_3_uniqueness", "beside_the_top", with_result(lambda s: (s[0], s[1] / 2, s[2]))),
     "c1.applications": Wrong("chapter1.cells", ("GROWN", "OFFSET"), replaced(HARD), TRUE),
 }
 

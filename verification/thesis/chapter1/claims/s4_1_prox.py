@@ -3,70 +3,48 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
-from verification.claims import Correction, Effect, Evidence, Verdict, at_least, at_most, claim, equal, proved
-from verification.formal.algebra import identity, library
-from verification.formal.reals import implication
-from verification.thesis.chapter1.lemmas import nearest
+from verification.claims import Correction, Effect, Evidence, at_least, at_most, claim, equal
+from verification.formal.algebra import library
+from verification.formal.reals import follows, reals
+from verification.formal.stated import argument, identity
+from verification.thesis.chapter1.lemmas import NEAREST
 from verification.thesis.chapter1.sets import ROUNDING, contact_gradients
+
+sp = library()
+R, w, a, r = sp.symbols("R w a r", positive=True)
+p, k, D, t, u, v = reals("p k D t u v")
 
 SEED = 11
 RADIUS = 0.5
 
+# Centres at -e and e, exchanged, and half-way between: any radius and direction.
+e = R * sp.Matrix([sp.cos(w), sp.sin(w)])
+# Squares of the distances of the centres of both, and of half the sum of both states.
+TOUCHING, MIDDLE = (2 * e).dot(2 * e), (e - e).dot(e - e)
 
-@claim(
+_not_convex = identity(
     "c1.not-convex",
-    "The set of discs that do not overlap is not convex.",
-    source="section 4",
-    quote="the set of non-overlapping disks … is not convex.",
-    recorded=Verdict.PROVED,
+    "section 4",
+    "the set of non-overlapping disks … is not convex.",
+    "Two touching discs and the same exchanged have the distance 2R, half-way the centres coincide: S is not convex.",
+    right=[TOUCHING - 4 * R**2, MIDDLE],
+    wrong=TOUCHING,
 )
-def _not_convex() -> Evidence:
-    """Centres at -R e and R e, exchanged, and half-way between: any radius and direction."""
-    sp = library()
-    R, w = sp.symbols("R w", positive=True)
-    e = R * sp.Matrix([sp.cos(w), sp.sin(w)])
-    first, other = (-e, e), (e, -e)
-    between = [(a + b) / 2 for a, b in zip(first, other, strict=True)]
 
-    def square(pair: Any) -> Any:
-        return (pair[0] - pair[1]).dot(pair[0] - pair[1])
+# (a, 0) in a mouth of half the angle w < pi/2, and the point of a lip at r from the corner.
+LIP = (a - r * sp.cos(w)) ** 2 + (r * sp.sin(w)) ** 2 - (r - a * sp.cos(w)) ** 2
 
-    return proved(
-        identity(
-            "two touching discs and the same with places exchanged have the distance 2R, half-way the centres coincide",
-            lambda s: [square(first) - s * 4 * R**2, square(other) - 4 * R**2, square(between)],
-            "no distance",
-            0,
-        )
-    )
-
-
-@claim(
+_pacman = identity(
     "c1.pacman",
-    "The Pacman set is not uniformly prox-regular.",
-    source="Figure 7",
-    quote=(
-        "The Pacman-like set is not uniformly prox-regular since for points in the middle of the mouth … not unique."
-    ),
-    recorded=Verdict.PROVED,
+    "Figure 7",
+    "The Pacman-like set is not uniformly prox-regular since for points in the middle of the mouth … not unique.",
+    "On both lips of the Pacman set the point at a cos w is nearest to (a, 0) in its mouth, as near as one likes.",
+    right=LIP - (a * sp.sin(w)) ** 2,
+    wrong=LIP + (a * sp.sin(w)) ** 2,
 )
-def _pacman() -> Evidence:
-    """(s, 0) in a mouth of half the angle w < pi/2, and the point of a lip at r from the corner."""
-    sp = library()
-    a, r, w = sp.symbols("a r w", positive=True)
-    square = (a - r * sp.cos(w)) ** 2 + (r * sp.sin(w)) ** 2
-    return proved(
-        identity(
-            "|(a, 0) − r(cos w, ± sin w)|² = (r − a cos w)² + a² sin²w: on both lips the point at r = a cos w is "
-            "nearest, at the distance a sin w, as small as one likes",
-            lambda s: square - (r - a * sp.cos(w)) ** 2 - s * (a * sp.sin(w)) ** 2,
-            "−a² sin²w",
-        )
-    )
 
 
 def printed_constant(n: int, d: int) -> float:
@@ -127,66 +105,62 @@ def _prox_constant() -> Evidence:
     )
 
 
-@claim(
+# p = n.(y - x), D = |y - x|^2 for y in C; n is proximal if p <= k D for a k >= 0; x + t(y - x) is in C.
+SHORT = [k > 0, D > 0, t * p <= k * t * t * D, t * t <= 1]
+
+_same_cones = argument(
     "c1.same-cones",
+    "after Definition 1.23",
+    "N_C(x) = N(C, x) for all x ∈ ℝ^d",
     "The proximal normals of a convex set are its normals of convex analysis.",
-    source="after Definition 1.23",
-    quote="N_C(x) = N(C, x) for all x ∈ ℝ^d",
-    recorded=Verdict.PROVED,
+    follows(
+        [*SHORT, t * (p + k * D) == p],
+        p <= 0,
+        ([*SHORT, t * (-p + k * D) == p], p <= 0),
+        "t n·(y − x) ≤ k t²|y − x|² for t = p/(p + kD) ∈ (0, 1] gives n·(y − x) ≤ 0: proximal normals are normals",
+        "t of the wrong sign",
+    ),
+    follows(
+        [D >= 0, p <= 0],
+        D - 2 * p >= 0,
+        D + 2 * p >= 0,
+        "n·(y − x) ≤ 0 gives |x + n − y|² ≥ |n|²: x is the nearest point of C to x + n",
+        "to x − n",
+    ),
     rests_on=("c1.outside",),
     chosen="x ∈ C, or N_C(x) = ∅ outside C, as is said after Definition 1.16",
 )
-def _same_cones() -> Evidence:
-    """p = n.(y - x), D = |y - x|^2 for y in C; n is proximal if p <= k D for a k >= 0; x + t(y - x) is in C."""
-    return proved(
-        implication(
-            "t n·(y − x) ≤ k t²|y − x|² for t = p/(p + kD) ∈ (0, 1] gives n·(y − x) ≤ 0: proximal normals are normals",
-            lambda s, p, k, D, t: (
-                [k > 0, D > 0, t * (s * p + k * D) == p, t * p <= k * t * t * D, t * t <= 1],
-                p <= 0,
-            ),
-            "t of the wrong sign",
-        ),
-        implication(
-            "n·(y − x) ≤ 0 gives |x + n − y|² ≥ |n|²: x is the nearest point of C to x + n",
-            lambda s, p, D: ([D >= 0, p <= 0], D - s * 2 * p >= 0),
-            "to x − n",
-        ),
-    )
 
+# A is the outside of the unit disc, x = (0, 1), n = -x; (u, v) is a point of A.
+NOT_NEARER = u * u + (v - 0.5) * (v - 0.5) >= 0.25
 
-@claim(
+_not_a_convex_normal = argument(
     "c1.nonconvex-normal",
+    "Figure 8",
+    "n would not be a normal vector according to Definition 1.16 since n·(y - x) > 0.",
     "A proximal normal of a set that is not convex need not be a normal of Definition 1.16.",
-    source="Figure 8",
-    quote="n would not be a normal vector according to Definition 1.16 since n·(y - x) > 0.",
-    recorded=Verdict.PROVED,
+    follows(
+        [u * u + v * v >= 1],
+        NOT_NEARER,
+        ([u * u + v * v >= 0.25], NOT_NEARER),
+        "x is nearest in A to x + n/2 = (0, ½), so n is a proximal normal",
+        "A the outside of a disc with the radius ½",
+    ),
+    follows(
+        [v == -1.5, p == -(v - 1)],
+        p > 0,
+        ([v == -1.5, p == v - 1], p > 0),
+        "but n·(y − x) = 5/2 > 0 for y = (0, −3/2) ∈ A",
+        "n = x",
+    ),
     chosen="the outside of the unit disc",
 )
-def _not_a_convex_normal() -> Evidence:
-    """A is the outside of the unit disc, x = (0, 1), n = -x; (u, v) is a point of A."""
-    return proved(
-        implication(
-            "x is nearest in A to x + n/2 = (0, ½), so n is a proximal normal",
-            lambda s, u, v: ([u * u + v * v >= s], u * u + (v - 0.5) * (v - 0.5) >= 0.25),
-            "A the outside of a disc with the radius ½",
-            0.25,
-        ),
-        implication(
-            "but n·(y − x) = 5/2 > 0 for y = (0, −3/2) ∈ A",
-            lambda s, v, p: ([v == -1.5, p == -s * (v - 1)], p > 0),
-            "n = x",
-        ),
-    )
 
-
-@claim(
+_projection_normal = argument(
     "c1.projection-normal",
-    "The difference of y and its projection is a proximal normal.",
-    source="(1.23)",
-    quote="x = P_S(y) ⟺ P_S(x + (y - x)) = x ⟹ y - x ∈ N(S, x)",
-    recorded=Verdict.PROVED,
+    "(1.23); after (1.39); (1.66)",
+    "x = P_S(y) ⟺ P_S(x + (y - x)) = x ⟹ y - x ∈ N(S, x)",
+    "The difference of y and its projection is a proximal normal; so is x_k + hF(x_k) − x_{k+1} in a step of catch-up.",
+    NEAREST,
+    also=("c1.catch-up-normal", "c1.step-inclusion"),
 )
-def _projection_normal() -> Evidence:
-    """|y - z|^2 = |y - x|^2 - 2 (y - x).(z - x) + |z - x|^2."""
-    return proved(nearest())

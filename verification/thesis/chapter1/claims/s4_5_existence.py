@@ -5,36 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 import dincl
-from verification.claims import Correction, Effect, Evidence, Verdict, at_least, at_most, claim, equal, proved
-from verification.formal.algebra import identity
-from verification.formal.reals import implication
+from verification.claims import Correction, Effect, Evidence, at_least, at_most, claim, equal
+from verification.formal.reals import follows, reals
+from verification.formal.stated import argument
 from verification.thesis.chapter1.cells import GROWN, HARD, TOL, away, in_mitosis, resting
-from verification.thesis.chapter1.lemmas import growth_of_distance, nearest
+from verification.thesis.chapter1.lemmas import GROWTH_OF_DISTANCE
 from verification.thesis.chapter1.sets import ROUNDING, SAMPLES, SEED, Floats, apart, catch_up, falling
 
 # Half the step of a central difference of numbers that are right to rounding.
 HALF = 1e-5
 OVERLAPPING, APART = np.array([[0.0, 0.0], [0.8, 0.0]]), np.array([[0.0, 0.0], [1.3, 0.0]])
-
-
-@claim(
-    "c1.catch-up-normal",
-    "A step of the catch-up scheme satisfies a discrete inclusion with a normal at the new point.",
-    source="after (1.39)",
-    quote="x_k - x_{k+1} + hF(x_k) ∈ N(S, x_{k+1})",
-    recorded=Verdict.PROVED,
-    rests_on=("c1.projection-normal",),
-)
-def _catch_up_normal() -> Evidence:
-    """x_(k+1) = P_S(y) with y = x_k + h F(x_k); the vector is y - x_(k+1)."""
-    return proved(
-        identity(
-            "x_k − x_{k+1} + hF(x_k) = y − P_S(y) for y = x_k + hF(x_k)",
-            lambda s, x, new, h, F: x - new + h * F - (x + s * h * F - new),
-            "y = x_k − hF(x_k)",
-        ),
-        nearest(),
-    )
 
 
 def slide(t: Floats) -> Floats:
@@ -48,7 +28,7 @@ def slide(t: Floats) -> Floats:
     "The inclusion has a solution, to which the catch-up scheme converges.",
     source="Theorem 1.31",
     quote="the system has an absolutely continuous solution x : [0, T] → ℝ^d.",
-    rests_on=("c1.constant", "c1.speeds", "c1.unique-projections", "c1.dense", "c1.step-inclusion"),
+    rests_on=("c1.constant", "c1.speeds", "c1.unique-projections", "c1.dense", "c1.projection-normal"),
     tried_on="a point that slides over a disc",
 )
 def _existence() -> Evidence:
@@ -69,28 +49,25 @@ def _existence() -> Evidence:
     )
 
 
-@claim(
+# E = |x - y|^2, F has the constant L, and -N is hypomonotone by (1.28): p = -(v - w).(x - y), v, w forces <= M.
+f, p, L, E, v, w, M, k = reals("f p L E v w M k")
+
+_dependence = argument(
     "c1.dependence",
+    "Lemma 1.32, (1.41); Theorem 1.13",
+    "there exists a constant a > 0 such that for all t ∈ [0, T] ‖x(t) - y(t)‖ ≤ a ‖xⁱⁿⁱᵗ - yⁱⁿⁱᵗ‖",
     "Two solutions stay within a constant times their first distance.",
-    source="Lemma 1.32, (1.41); Theorem 1.13",
+    follows(
+        [E > 0, L >= 0, k > 0, v >= 0, w >= 0, v <= M, w <= M, f <= L * E, p <= (v + w) * k * E],
+        f + p <= (L + 2 * M * k) * E,
+        f + p <= (L - 2 * M * k) * E,
+        "½Ė ≤ L_F E + (‖v‖ + ‖w‖)E/(2η) ≤ (L_F + M/η)E, v and w being constraint forces of at most M",
+        "(L_F − M/η)E",
+    ),
+    *GROWTH_OF_DISTANCE,
     also=("c1.one-sided",),
-    quote="there exists a constant a > 0 such that for all t ∈ [0, T] ‖x(t) - y(t)‖ ≤ a ‖xⁱⁿⁱᵗ - yⁱⁿⁱᵗ‖",
-    recorded=Verdict.PROVED,
     rests_on=("c1.hypomonotone", "c1.uniqueness-sign", "c1.gronwall"),
 )
-def _dependence() -> Evidence:
-    """E = |x - y|^2, F has the constant L, and -N is hypomonotone by (1.28): p = -(v - w).(x - y), v, w forces <= M."""
-    return proved(
-        implication(
-            "½Ė ≤ L_F E + (‖v‖ + ‖w‖)E/(2η) ≤ (L_F + M/η)E, v and w being constraint forces of at most M",
-            lambda s, f, p, L, E, v, w, M, k: (
-                [E > 0, L >= 0, k > 0, v >= 0, w >= 0, v <= M, w <= M, f <= L * E, p <= (v + w) * k * E],
-                f + p <= (L + s * 2 * M * k) * E,
-            ),
-            "(L_F − M/η)E",
-        ),
-        *growth_of_distance(),
-    )
 
 
 @claim(

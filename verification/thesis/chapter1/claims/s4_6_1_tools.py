@@ -85,7 +85,8 @@ def discrete_bound(first: float) -> float:
 @claim(
     "c1.gronwall-discrete",
     ("Sequences with (1.43) are bounded by (1 + BT/n)^n + A/B ((1 + BT/n)^n - 1), whatever their first element."),
-    source="Theorem 1.36",
+    source="Theorem 1.36; Theorem 1.36, (1.43)",
+    also=("c1.gronwall-range",),
     quote="a_k ≤ (1 + BT/n)^n + 1/B ((1 + BT/n)^n - 1) A ≤ exp(BT) + A (exp(BT) - 1)/B",
     correction=Correction(
         "‖a_k‖ ≤ (1 + BT/n)^n ‖a₀‖ + 1/B ((1 + BT/n)^n - 1) A ≤ exp(BT) ‖a₀‖ + A (exp(BT) - 1)/B",
@@ -108,37 +109,5 @@ def _gronwall_discrete() -> Evidence:
             at_most("largest ‖a_k‖ over (1.44) with ‖a₀‖", largest / discrete_bound(start), 1.0, ROUNDING),
             at_most("largest ‖a_k‖ over (1.45) with ‖a₀‖", largest / top, 1.0, ROUNDING),
         ),
-        seed=SEED,
-    )
-
-
-@claim(
-    "c1.gronwall-range",
-    "If (1.43) holds for 1 ≤ k ≤ n, the bound holds for 0 ≤ k ≤ n.",
-    source="Theorem 1.36, (1.43)",
-    quote="‖a_{k+1} - a_k‖ ≤ … for all 1 ≤ k ≤ n, then … for all integers 0 ≤ k ≤ n.",
-    correction=Correction(
-        "(1.43) for 0 ≤ k ≤ n - 1, for a sequence a₀, …, a_n",
-        Effect.PROOF,
-        "(1.52), where the scheme begins with x₀",
-        why=(
-            "for k = n (1.43) speaks of a_{n+1}, which the sequence a₁, …, a_n does not have, and for a₀ it says "
-            "nothing"
-        ),
-        place=938,
-    ),
-    rests_on=("c1.gronwall-discrete",),
-    tried_on="300 sequences in the plane, n = 50",
-    chosen="the bound begins with ‖a₁‖, the first element that (1.43) speaks of",
-)
-def _gronwall_range() -> Evidence:
-    """a_0 = 100 and a_k = 1 from k = 1 on: (1.43) for 1 <= k <= n says nothing of a_0."""
-    steps = np.abs(np.diff(np.array([100.0] + [1.0] * (N + 1))))
-    allowed = bool((steps[1:] <= T / N * (A + B)).all())
-    free = 100.0 / discrete_bound(1.0) if allowed else math.nan
-    right = float((np.linalg.norm(sequences(1.0), axis=2) / discrete_bound(1.0)).max())
-    return Evidence(
-        printed=(at_most("(1.43) for 1 ≤ k ≤ n, ‖a₀‖ = 100: ‖a₀‖ over the bound", free, 1.0),),
-        corrected=(at_most("(1.43) for 0 ≤ k ≤ n - 1: largest ‖a_k‖ over the bound", right, 1.0, ROUNDING),),
         seed=SEED,
     )

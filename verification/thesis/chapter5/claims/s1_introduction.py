@@ -6,15 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from verification.claims import (
-    Correction,
-    Effect,
-    Evidence,
-    at_least,
-    at_most,
-    claim,
-    equal,
-)
+from verification.claims import Correction, Effect, Evidence, at_least, at_most, claim, equal
 from verification.formal.algebra import library, vanishes
 from verification.formal.reals import reals
 from verification.formal.stated import argument, identity, implication

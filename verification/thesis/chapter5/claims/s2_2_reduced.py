@@ -5,22 +5,7 @@ from __future__ import annotations
 from verification.claims import Correction, Effect
 from verification.formal.algebra import library, matrices, vanishes
 from verification.formal.stated import argument, identity
-from verification.thesis.chapter5.general import (
-    BT,
-    B,
-    G,
-    a,
-    curved,
-    dB,
-    dG,
-    even,
-    f,
-    m,
-    multiplier,
-    phi,
-    phiT,
-    v,
-)
+from verification.thesis.chapter5.general import BT, B, G, a, curved, dB, dG, even, f, m, multiplier, phi, phiT, v
 from verification.thesis.chapter5.lemmas import REDUCED
 
 # The force of a particle alone, that of the others, K(X, X), and Phi^T of another particle.

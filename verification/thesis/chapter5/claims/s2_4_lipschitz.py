@@ -18,7 +18,6 @@ sp = library()
 ROUNDING = 1e-12
 SEED, SAMPLES = 57, 200
 
-
 S, n, M, h = reals("S n M h")
 TERMS = [n >= 1, M >= 0, n * M >= S, -n * M <= S, h <= M, h >= -M]
 

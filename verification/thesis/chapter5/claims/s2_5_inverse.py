@@ -11,7 +11,6 @@ from verification.formal.stated import argument, implication
 d, e, f, p, a, b, r, n, i, s, q, k = reals("d e f p a b r n i s q k")
 A, B, m, w = matrices("A B m w")
 
-
 _inverse = argument(
     "c5.inverse",
     "Lemma 5.7; section 1; proof of Lemma 5.7",

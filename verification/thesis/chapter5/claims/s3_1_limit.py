@@ -8,14 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from verification.claims import (
-    Correction,
-    Effect,
-    Evidence,
-    at_least,
-    at_most,
-    claim,
-)
+from verification.claims import Correction, Effect, Evidence, at_least, at_most, claim
 from verification.formal.algebra import library, vanishes
 from verification.formal.stated import argument, identity
 from verification.thesis.chapter5.instant import WRONG, Floats, effective_force, effective_mass, general_instant, phi

@@ -10,14 +10,7 @@ import dincl
 from tissue.statistics.comparisons import Difference
 from verification.claims import Evidence, Tables, at_least, at_most, claim, equal
 from verification.thesis.chapter1.sets import ROUNDING, Floats
-from verification.thesis.chapter4.frequencies import (
-    RATIOS,
-    evidence,
-    in_readings,
-    more,
-    ratio_of,
-    share,
-)
+from verification.thesis.chapter4.frequencies import RATIOS, evidence, in_readings, more, ratio_of, share
 
 # Seconds of damped Arrow-Hurwicz and of PBD, as sections 3.2 and 3.4 of chapter 3 print them.
 RUNTIMES = ((27.0, 0.08), (28.0, 0.08))
