@@ -48,11 +48,6 @@ def less_for_many(f: Callable[..., float]) -> Callable[..., float]:
 
 TRUE = Verdict.HOLDS
 CHANGES: dict[str, Wrong] = {
-    "c0.faster": Wrong("introduction.s1_introduction", "RUNTIMES", replaced(((27.0, 0.1),))),
-    "c0.converges": Wrong("introduction.s1_introduction", "pbd_error", times(100.0)),
-    "c0.simple": Wrong(
-        "introduction.s1_introduction", "pbd_by_hand", with_given(lambda x, h, steps: (x, 1.01 * h, steps))
-    ),
     "c0.protrusions": Wrong("introduction.s1_introduction", "PROTRUSIONS", replaced("[S]"), tables=ratios(350)),
     "c1.density": Wrong("chapter1.s1_1_newton", "LITRE", replaced(1e-6), TRUE),
     "c1.almost-everywhere": Wrong("chapter1.s2_solutions", "cantor", replaced(lambda x: x), TRUE),

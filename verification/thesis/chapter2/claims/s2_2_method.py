@@ -3,27 +3,17 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
 import dincl
-from verification.claims import (
-    Correction,
-    Effect,
-    Evidence,
-    Tables,
-    Verdict,
-    at_least,
-    at_most,
-    claim,
-    equal,
-    proved,
-    put_right,
-)
-from verification.formal.algebra import identity, library
-from verification.formal.reals import implication
+from verification.claims import Correction, Effect, Evidence, Tables, at_least, at_most, claim, equal
+from verification.formal.algebra import library, vanishes
+from verification.formal.reals import follows, reals
+from verification.formal.stated import argument, identity
 from verification.thesis.chapter2.methods import PBD
+
+sp = library()
 
 # A ball that meets an elastic wall at t = 1 with speed 1.
 IMPACT_STEPS = (0.1, 0.01, 0.001)
@@ -50,11 +40,15 @@ def _elastic() -> Evidence:
     return Evidence(printed=(at_least(f"least error after an elastic collision, steps {steps} [length]", error, 0.5),))
 
 
-@claim(
+m, v, F, h, u = sp.symbols("m v F h u")
+
+_mass = identity(
     "c2.mass",
+    "(2.3)",
+    "m ẍ = F(x) … ṽ_{k+1} := v_k + Δt F(x_k, v_k)",
     "In a step the velocity of a body of mass m grows by Δt F.",
-    source="(2.3)",
-    quote="m ẍ = F(x) … ṽ_{k+1} := v_k + Δt F(x_k, v_k)",
+    right=m * ((v + h * F / m) - v) / h - F,
+    wrong=m * ((v + h * F) - v) / h - F,
     correction=Correction(
         "ṽ_{k+1} = v_k + Δt F(x_k, v_k)/m; (2.3) as printed is for m = 1",
         Effect.MODEL,
@@ -63,81 +57,49 @@ def _elastic() -> Evidence:
         place=1269,
     ),
 )
-def _mass() -> Evidence:
-    return put_right(
-        identity(
-            "m(ṽ − v)/Δt = F for ṽ = v + ΔtF/m",
-            lambda s, m, v, F, h: m * ((v + h * F / m**s) - v) / h - F,
-            "ṽ = v + ΔtF for every m",
-            0,
-        )
-    )
+
+# The slope D of (x, v) -> (x + h v', v'), v' = v - h grad U(x), H the Hessian of U, any number of variables.
+H = sp.Symbol("H", commutative=False)
+FORM = sp.Matrix([[0, 1], [-1, 0]])
 
 
-@claim(
+def kept(sign: int) -> object:
+    """Return D^T J D - J for v' = v - sign h grad U."""
+    slope = sp.Matrix([[1 - h**2 * H, h], [-sign * h * H, 1]])
+    transposed = sp.Matrix([[1 - h**2 * H, -sign * h * H], [h, 1]])
+    return transposed * FORM * slope - FORM
+
+
+_symplectic = identity(
     "c2.symplectic",
-    "The prediction of velocities and then positions is a symplectic map.",
-    source="section 2.2",
-    quote="The first part (2.3) and (2.4) is the symplectic Euler method",
-    recorded=Verdict.PROVED,
+    "section 2.2",
+    "The first part (2.3) and (2.4) is the symplectic Euler method",
+    "DᵀJD = J for one step of (2.3), (2.4) in any potential: it is the symplectic Euler method.",
+    right=kept(1),
+    wrong=kept(-1),
     rests_on=("c2.mass",),
     chosen="forces that depend on the positions only and have a potential",
 )
-def _symplectic() -> Evidence:
-    """The slope of (x, v) -> (x + h v', v'), v' = v - h grad U(x), H the Hessian of U, any number of variables."""
-    sp = library()
-    h, H = sp.Symbol("h"), sp.Symbol("H", commutative=False)
-    form = sp.Matrix([[0, 1], [-1, 0]])
 
-    def residual(s: Any) -> Any:
-        slope, transposed = ([[1 - h**2 * H, h], [-s * h * H, 1]], [[1 - h**2 * H, -s * h * H], [h, 1]])
-        return sp.Matrix(transposed) * form * sp.Matrix(slope) - form
-
-    return proved(
-        identity("DᵀJD = J for one step in any potential, its Hessian being symmetric", residual, "+Δt∇U in (2.3)")
-    )
-
-
-@claim(
-    "c2.infeasible",
-    "After a sweep of projections a state may still be infeasible.",
-    source="section 2.3",
-    quote="it can happen that even the corrected state is not feasible, i.e. x_{k+1} ∉ S",
-    recorded=Verdict.PROVED,
+# Discs of diameter 1 at -1 + w, 0 and 1 - w; p, q after the first pair is moved apart, then q2, r the second.
+w, p, q, q2, r = reals("w p q q2 r")
+SWEPT = [w > 0, w < 0.5, p == -1 + w - w / 2, q == w / 2, q2 == q - (1 - (1 - w - q)) / 2, r == 1 - w + (q - q2)]
+FIRST_PAIR = follows(
+    SWEPT,
+    [q - p == 1, r - q2 == 1, 1 - (q2 - p) == 0.75 * w, q2 - p < 1],
+    1 - (q2 - p) == 0.5 * w,
+    "three discs in a row, the outer ones pressed inwards by h: after one sweep the first pair overlaps by ¾h > 0",
+    "by ½h",
 )
-def _infeasible() -> Evidence:
-    """Discs of diameter 1 at -1 + h, 0 and 1 - h; a, b, c after the first pair is moved apart, then d, e the second."""
-    return proved(
-        implication(
-            "three discs in a row, the outer ones pressed inwards by h: after one sweep the first pair overlaps "
-            "by ¾h > 0",
-            lambda s, h, a, b, d, e: (
-                [h > 0, h < 0.5, a == -1 + h - h / 2, b == h / 2, d == b - (1 - (1 - h - b)) / 2, e == 1 - h + (b - d)],
-                [b - a == 1, e - d == 1, 1 - (d - a) == s * 0.75 * h, d - a < 1],
-            ),
-            "by ½h",
-            2 / 3,
-        )
-    )
-
-
-@claim(
-    "c2.prediction",
-    "The prediction adds at most Δt ‖F‖ to the distance from S.",
-    source="section 2.3",
-    quote="dist(x̃_{k+1}, S) ≤ dist(x_k, S) + Δt ‖F(x_k)‖",
-    recorded=Verdict.PROVED,
+# far = |x - p| for the point p of S nearest to x, moved = |x~ - p|, left = dist(x~, S), push = dt |F|.
+far, moved, left, push = reals("far moved left push")
+FAR = follows(
+    [far >= 0, push > 0, left <= moved, moved <= far + push],
+    left <= far + push,
+    left <= far,
+    "dist(x̃, S) ≤ |x̃ − p| ≤ |x − p| + Δt‖F‖ for the point p of S nearest to x, in any set S",
+    "without Δt‖F‖",
 )
-def _prediction() -> Evidence:
-    """p is the point of S nearest to x; d = |x - p|, n = |x~ - p|, q = dist(x~, S) <= n."""
-    return proved(
-        implication(
-            "dist(x̃, S) ≤ |x̃ − p| ≤ |x − p| + Δt‖F‖ for the point p of S nearest to x, in any set S",
-            lambda s, q, n, d, f: ([d >= 0, f > 0, q <= n, n <= d + f], q <= d + s * f),
-            "without Δt‖F‖",
-            0,
-        )
-    )
 
 
 def largest_overlap(dt: float) -> float:
@@ -149,7 +111,8 @@ def largest_overlap(dt: float) -> float:
 @claim(
     "c2.smaller",
     "With short enough steps the overlaps left by PBD get small.",
-    source="Figure 2",
+    source="Figure 2; section 2.3; Ideas for proving convergence of PBD",
+    also=("c2.infeasible", "c2.prediction", "c6.feasible"),
     quote="by choosing sufficiently small time steps the infeasibility will also decrease",
     tried_on="four discs that are drawn to one point",
     chosen="the four discs of Figure 4, the start is not given",
@@ -157,7 +120,13 @@ def largest_overlap(dt: float) -> float:
 def _smaller() -> Evidence:
     coarse, fine = (largest_overlap(dt) for dt in STEPS)
     order = math.log2(coarse / fine)
-    return Evidence(printed=(equal("order of the largest overlap, steps 1/160 and half", order, 1.0, ORDER_BAND),))
+    return Evidence(
+        printed=(
+            equal("order of the largest overlap, steps 1/160 and half", order, 1.0, ORDER_BAND),
+            FIRST_PAIR(),
+            FAR(),
+        )
+    )
 
 
 @claim(
@@ -183,39 +152,36 @@ def _large(tables: Tables) -> Evidence:
     )
 
 
-@claim(
+# A point (x, y) of the unit disc with y < 1/2 goes to (x, 1/2) and, if that is outside, to (x, 1/2)/|(x, 1/2)|. u =
+# x^2, w is
+# u of the next point, 3/4 that of the common point. Of three discs in a line a and b are the overlaps.
+QUARTER, LEAST = sp.Rational(1, 4), sp.Rational(3, 4)
+NEXT, LEFT = u / (u + QUARTER) - LEAST, (u - LEAST) / (4 * u + 1)
+place, d, new, a, b = reals("u d new a b")
+ROUND = [d > 0, place == 0.75 + d, new * (4 * place + 1) == d]
+LINE = [a == 0, b > 0, new == (a + b / 2) / 2]
+
+_alternating = argument(
     "c2.alternating",
+    "Remark 2.4",
+    "alternating projections finds a point in the intersection A ∩ B by iterating x_{k+1} = P_A(P_B(x_k))",
     "Alternating projections find a common point of two sets, in some cases also if they are not convex.",
-    source="Remark 2.4",
-    quote="alternating projections finds a point in the intersection A ∩ B by iterating x_{k+1} = P_A(P_B(x_k))",
-    recorded=Verdict.PROVED_INSTANCE,
+    vanishes(
+        NEXT - LEFT, NEXT + LEFT, "u = x² becomes w = u/(u + ¼), and w − ¾ = (u − ¾)/(4u + 1)", "−(u − ¾)/(4u + 1)"
+    ),
+    follows(
+        ROUND,
+        new <= d / 4,
+        new <= d / 8,
+        "so each round leaves less than a quarter of the distance to the disc and the half plane",
+        "less than an eighth",
+    ),
+    follows(
+        LINE,
+        new == b / 4,
+        new == b / 8,
+        "and a quarter of the overlap of three discs in a line, whose sets are not convex",
+        "an eighth",
+    ),
     tried_on="the unit disc and y ≥ ½, and three discs in a line",
 )
-def _alternating() -> Evidence:
-    """A point (x, y) of the unit disc with y < 1/2 goes to (x, 1/2) and, if that is outside, to (x, 1/2)/|(x, 1/2)|.
-
-    u = x^2, w is u of the next point, 3/4 that of the common point. Of three discs in a line a and b are the overlaps.
-    """
-    return proved(
-        identity(
-            "u = x² becomes w = u/(u + ¼), and w − ¾ = (u − ¾)/(4u + 1)",
-            lambda s, u: (
-                u / (u + library().Rational(1, 4))
-                - library().Rational(3, 4)
-                - s * (u - library().Rational(3, 4)) / (4 * u + 1)
-            ),
-            "−(u − ¾)/(4u + 1)",
-        ),
-        implication(
-            "so each round leaves less than a quarter of the distance to the disc and the half plane",
-            lambda s, u, d, new: ([d > 0, u == 0.75 + d, new * (4 * u + 1) == d], new <= s * d / 4),
-            "less than an eighth",
-            0.5,
-        ),
-        implication(
-            "and a quarter of the overlap of three discs in a line, whose sets are not convex",
-            lambda s, a, b, new: ([a == 0, b > 0, new == (a + b / 2) / 2], new == s * b / 4),
-            "an eighth",
-            0.5,
-        ),
-    )

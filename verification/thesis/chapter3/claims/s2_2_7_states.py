@@ -42,7 +42,7 @@ ROUNDING, TOL = 1e-9, 1e-6
         ),
         place=1680,
     ),
-    rests_on=("c2.example",),
+    rests_on=("c2.gauss-newton",),
     arithmetic=True,
 )
 def _at_all_times() -> Evidence:

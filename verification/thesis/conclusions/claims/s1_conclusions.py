@@ -13,7 +13,6 @@ from verification.thesis.chapter2.discs import RADIUS, points_of_step
 
 SEED, SAMPLES = 61, 30
 TOL = 1e-10
-DT = 0.05
 # Ten discs in a corner: steps, a time when they have come to rest, and one long after [time].
 CORNER_STEPS, SETTLED, LONG = (0.02, 0.01), 3.0, 12.0
 # States of touching discs, in units of the radius: a row, a triangle, a rhombus.
@@ -22,37 +21,6 @@ TOUCHING = (
     np.array([[0.0, 0.0], [2.0, 0.0], [1.0, math.sqrt(3)]]),
     np.array([[0.0, 0.0], [2.0, 0.0], [1.0, math.sqrt(3)], [3.0, math.sqrt(3)]]),
 )
-
-
-def scheme() -> dincl.Scheme:
-    """Return the catch-up scheme, which is said to stay within S."""
-    return dincl.CatchUp(dt=DT, projection=dincl.Daqp(tol=TOL))
-
-
-@claim(
-    "c6.feasible",
-    "The catch-up scheme stays within S, and PBD leaves small overlaps.",
-    source="Ideas for proving convergence of PBD",
-    quote=(
-        "Moreau's catch-up scheme always stays within the feasible set S, whereas the PBD method can lead to "
-        "slightly infeasible states."
-    ),
-    rests_on=("c2.infeasible", "c2.smaller"),
-    tried_on="the four discs of Figure 4 of chapter 2",
-    chosen="the four discs of Figure 4 of chapter 2, their start and step; slightly: less with shorter steps",
-)
-def _feasible() -> Evidence:
-    scene = dincl.scenes.four_disks()
-    times = np.arange(1, round(2 / DT) + 1) * DT
-    schemes = (scheme(), dincl.PBD(dt=DT), dincl.PBD(dt=DT / 4))
-    moreau, pbd, finer = (float(dincl.solve(scene, each, t=times).violation().max()) for each in schemes)
-    return Evidence(
-        printed=(
-            at_most(f"largest overlap of catch-up, dt = {DT:g}, projections to 1e-10", moreau, 0.0, 10 * TOL),
-            at_least(f"largest overlap of PBD, dt = {DT:g}, discs of radius {RADIUS:g}", pbd, 1e-4),
-            at_most("largest overlap of PBD with dt/4 over the same with dt", finer / pbd, 0.5),
-        ),
-    )
 
 
 def largest_overlaps(dt: float) -> tuple[float, float]:
@@ -67,7 +35,7 @@ def largest_overlaps(dt: float) -> tuple[float, float]:
     "The overlaps of PBD do not grow in time, and vanish with the step.",
     source="Ideas for proving convergence of PBD",
     quote="the distance to the feasible set remains bounded and converges to zero",
-    rests_on=("c6.feasible", "c2.smaller"),
+    rests_on=("c2.smaller",),
     tried_on="ten discs in a corner, two steps, to t = 12",
     chosen="the ten discs of Figure 5 of chapter 2, their start and steps",
 )
