@@ -53,7 +53,8 @@ def speed(table: pd.DataFrame, part: tuple[float, float]) -> float:
 @claim(
     "c3.inm",
     ("Nuclei move slowly towards the basal side for most of the cycle and fast to the apical side at the end of it."),
-    source="section 1.3",
+    source="section 1.3; Figure 7",
+    also=("c3.last-hour",),
     quote=(
         "an apical to basal movement during the G1 phase, the S phase and a passive part of the G2 phase. "
         "Followed by a fast basal to apical displacement during the active part of the G2 phase and mitosis"
@@ -63,11 +64,13 @@ def speed(table: pd.DataFrame, part: tuple[float, float]) -> float:
 )
 def _movement() -> Evidence:
     down, up = ([speed(nuclei(seed), part) for seed in SEEDS] for part in (PASSIVE, RISE))
+    turns = [turn(nuclei(seed)) for seed in SEEDS]
     return Evidence(
         printed=(
             of_mean("dy_AB/dt from 9 h to 1.1 h before division [1/h]", down, at_most, 0.0),
             of_mean("dy_AB/dt in the last hour [1/h]", up, at_least, 0.0),
             at_least("speed in the last hour over the speed before", abs(float(np.mean(up) / np.mean(down))), 1.0),
+            of_mean("time before division at which y_AB turns upwards [h]", turns, equal, 1.0, GRAIN),
         ),
         seed=SEEDS[0],
         runs_needed=max(runs_for(values, abs(float(np.mean(values)))) for values in (down, up)),
@@ -107,23 +110,6 @@ def turn(table: pd.DataFrame) -> float:
     """Return the hours before division at which the mean of y_AB over all cells bends upwards most."""
     mean = table[table["before"] > PASSIVE[0] / 2].groupby("before")["y_ab"].mean()
     return -float(mean.index[1 + int(np.diff(mean, 2).argmax())])
-
-
-@claim(
-    "c3.last-hour",
-    "Nuclei turn round one hour before division.",
-    source="Figure 7",
-    quote=("Just one hour before cell division the cytoskeleton of the cell pushed the nucleus to the apical side"),
-    rests_on=("c3.inm",),
-    chosen="as for c3.inm",
-)
-def _last_hour() -> Evidence:
-    turns = [turn(nuclei(seed)) for seed in SEEDS]
-    return Evidence(
-        printed=(of_mean("time before division at which y_AB turns upwards [h]", turns, equal, 1.0, GRAIN),),
-        seed=SEEDS[0],
-        runs_needed=runs_for(turns, GRAIN - abs(float(np.mean(turns)) - 1.0)),
-    )
 
 
 def spread(name: str, changes: tuple[tuple[str, object], ...]) -> list[float]:

@@ -107,7 +107,6 @@ def moving() -> tuple[str, ...]:
     "Minima of the energy over the feasible states need not be unique.",
     source="Remark 3.2",
     quote="The local minimisation in the QSS model might not be unique in some circumstances",
-    rests_on=("c3.forces",),
     chosen="60 cells after 1 h, all moved by 0.7 R^soft along the basal layer",
 )
 def _not_unique() -> Evidence:

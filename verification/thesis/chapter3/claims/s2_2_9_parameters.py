@@ -10,10 +10,11 @@ import numpy as np
 from tissue.files.parameters import preset
 from tissue.frames.observables import nuclear_layers, widths
 from tissue.runs.simulate import simulate
-from verification.claims import Correction, Effect, Evidence, Verdict, at_least, claim, equal, proved
-from verification.formal.algebra import identity, library
+from verification.claims import Correction, Effect, Evidence, at_least, claim, equal
+from verification.formal.algebra import library
+from verification.formal.stated import identity
 from verification.thesis.chapter3.intervals import over_seeds
-from verification.thesis.chapter3.printed import CELLS, G2, HEIGHT, MITOSIS, R_SOFT, SPACING, WIDTH
+from verification.thesis.chapter3.printed import G2, HEIGHT, MITOSIS, R_SOFT, WIDTH
 from verification.thesis.chapter3.sampled import MODEL, SEEDS, runs_for
 
 MANY = 12
@@ -57,36 +58,28 @@ def _layers() -> Evidence:
     )
 
 
-@claim(
+# One coordinate and one step from x: independent steps add their variances, so n of them have 2 D n dt.
+sp = library()
+x, u = sp.symbols("x u", real=True)
+D, h = sp.symbols("D h", positive=True)
+DENSITY = sp.exp(-(u**2) / (4 * D * h)) / sp.sqrt(4 * sp.pi * D * h)
+SQUARE, MEAN = (sp.integrate((x + u) ** power * DENSITY, (u, -sp.oo, sp.oo)) for power in (2, 1))
+
+_diffusion = identity(
     "c3.diffusion",
+    "Table 1, (3.17)",
+    "D = 2.5 μm²/h diffusion coefficient; X_i^k+1 − X_i^k ∼ N_2(0, 2DΔt)",
     "Noise of variance 2DΔt in each coordinate makes free nuclei diffuse with the coefficient D.",
-    source="Table 1, (3.17)",
-    quote="D = 2.5 μm²/h diffusion coefficient; X_i^k+1 − X_i^k ∼ N_2(0, 2DΔt)",
-    recorded=Verdict.PROVED,
+    right=[SQUARE - x**2 - 2 * D * h, MEAN - x],
+    wrong=SQUARE - x**2 + 2 * D * h,
 )
-def _diffusion() -> Evidence:
-    """Take one coordinate and one step from x: independent steps add their variances, so n of them have 2 D n dt."""
-    sp = library()
-    x, u = sp.symbols("x u", real=True)
-    D, h = sp.symbols("D h", positive=True)
-    density = sp.exp(-(u**2) / (4 * D * h)) / sp.sqrt(4 * sp.pi * D * h)
-    return proved(
-        identity(
-            "E[(x + u)²] = x² + 2DΔt and E[x + u] = x for u ∼ N(0, 2DΔt): in the plane the mean square "
-            "displacement is 4Dt",
-            lambda s: [
-                sp.integrate((x + u) ** 2 * density, (u, -sp.oo, sp.oo)) - x**2 - s * 2 * D * h,
-                sp.integrate((x + u) * density, (u, -sp.oo, sp.oo)) - x,
-            ],
-            "−2DΔt",
-        )
-    )
 
 
 @claim(
     "c3.box",
     "The tissue is 50 μm high and 40 μm wide at the start.",
     source="Table 1",
+    also=("c3.row",),
     quote="h^init = 50 μm initial tissue height, w^init = 40 μm initial tissue width",
     correction=Correction(
         "h^init = 40 μm, w^init = 50 μm",
@@ -107,40 +100,6 @@ def _box() -> Evidence:
         corrected=(
             equal("40 μm over R_soft, for the first height of Figure 16", WIDTH / R_SOFT, FIRST_HEIGHT, TOL),
             equal("40 μm over R_soft, for the height in the published program", WIDTH / R_SOFT, PUBLISHED_HEIGHT, TOL),
-        ),
-    )
-
-
-@claim(
-    "c3.row",
-    "At the start the apical points of 60 cells, 1.66 μm apart, are 40 μm wide.",
-    source="Table 1",
-    quote="N^init = 60 number of cells, w^init = 40 μm initial tissue width, d^init-apical = 1.66 μm",
-    correction=Correction(
-        "w^init = N^init d^init-apical, 100 μm for 60 cells; 50 μm are the width of 30 cells",
-        Effect.NUMBER,
-        (
-            "the start of runs: by the letter all nuclei begin above less than half of their apical points; "
-            "c3.box, whose 50 μm is the other value of the table, is about which of the two is the height"
-        ),
-        why=(
-            "60 points at 1.66 μm are a row of 100 μm, neither 40 nor 50 μm; the published program has N_init = "
-            "30 and the width N_init/3 in R^soft (parameters.jl, lines 3 and 18, of sEMTor.jl)"
-        ),
-        place=1898,
-    ),
-    rests_on=("c3.box",),
-    chosen="the row reaches half a distance beyond its ends; a distance more or less is left open",
-    arithmetic=True,
-)
-def _row() -> Evidence:
-    """Compare the entries of Table 1 with each other, and with the published width, N_init/3 in R_soft."""
-    wide, narrow = CELLS * SPACING, CELLS // 2 * SPACING
-    return Evidence(
-        printed=(equal("width of 60 points at 1.66 μm, 40 μm printed [μm]", wide, WIDTH, SPACING),),
-        corrected=(
-            equal("width of 60 points, N/3 R_soft in the published program [μm]", wide, CELLS / 3 * R_SOFT, SPACING),
-            equal("width of the 30 points of the published program, 50 μm [μm]", narrow, HEIGHT, SPACING),
         ),
     )
 
