@@ -5,12 +5,11 @@ from __future__ import annotations
 from functools import cache
 from typing import Any
 
-import numpy as np
 import pandas as pd
 import pytest
 
 from tests.verification.thesis.claim_changes import CLAIMS as ALL
-from tests.verification.thesis.claim_changes import Wrong, replaced, times
+from tests.verification.thesis.claim_changes import Wrong, replaced
 from tests.verification.thesis.emt_tables import (
     KEPT,
     Frames,
@@ -22,14 +21,10 @@ from tests.verification.thesis.emt_tables import (
     with_counts,
     without_early_extrusion,
 )
-from tissue.events.known import row
+from tissue.files.timing import timing
 from verification.claims import Evidence, Verdict
 from verification.thesis.chapter4 import frequencies
 from verification.thesis.chapter4.claims import (
-    s2_2_1_events,
-    s2_2_4_protrusion,
-    s2_3_timing,
-    s3_1_counts,
     s4_1_isolated,
     s4_3_tables,
 )
@@ -45,38 +40,6 @@ def by_tables(tables: Frames, verdict: Verdict = Verdict.REFUTED) -> Wrong:
     return Wrong("chapter4.frequencies", (), same, verdict, tables)
 
 
-def without_bridge(edges: frozenset[tuple[int, int]], i: int) -> frozenset[tuple[int, int]]:
-    return frozenset(edge for edge in edges if i not in edge)
-
-
-def unbound(_: Any) -> Any:
-    """Runs in which the times of events are not read."""
-    changed = s2_2_1_events.run_with
-    return lambda changes: changed({key: value for key, value in changes.items() if "emt." not in key})
-
-
-def dividing(run_with: Any) -> Any:
-    """A tissue in which more cells are EMT cells at the end than at the start."""
-
-    def run(changes: dict[str, object]) -> Any:
-        found = run_with(changes)
-        found.final.cells.emt[:12] = np.arange(12)
-        return found
-
-    return run
-
-
-def uncoupled(settled: Any) -> Any:
-    """Cells whose [P] does not wait for [B]."""
-
-    def drawn(times: Any) -> Any:
-        found = settled(times)
-        found[row("p")] = times["p"]
-        return found
-
-    return drawn
-
-
 def mirrored_gain(gain: Any) -> Any:
     """Homogeneous minus mixed groups."""
     return lambda *given, sign=1, **named: gain(*given[:5], -(given[5] if len(given) > 5 else sign), **named)
@@ -87,32 +50,12 @@ def without_b(positions: Any) -> Any:
     return lambda preset, seeds, b: positions(preset, seeds, "never")
 
 
-def mirrored(indicators: Any) -> Any:
-    """The scale with the apical layer at 0."""
-    return lambda positions, group: (indicators(positions, group)[0], indicators(1 - positions, group)[1])
-
-
-def by_all_draws(_: Any) -> Any:
-    """Each draw is used, of whatever category."""
-    return lambda outcomes, inside: outcomes
-
-
 AS_PRINTED = deciding_as(KEPT, "thesis")
 RATIOS, CATEGORIES, CONDITIONAL = frequencies.RATIOS, frequencies.CATEGORIES, frequencies.CONDITIONAL
 HOLDS, FAILS = Verdict.HOLDS, Verdict.REFUTED
 CHANGES = {
-    "c4.rest-length": Wrong("chapter4.s2_2_1_events", "RATE", replaced(0.0)),
-    "c4.bent": Wrong("chapter4.s2_2_1_events", "run_with", unbound),
-    "c4.constant-group": Wrong("chapter4.s2_2_1_events", "run_with", dividing),
-    "c4.grip": Wrong("chapter4.s2_2_4_protrusion", "pull", times(-1.0), Verdict.HOLDS),
-    "c4.grip-at-once": Wrong("chapter4.s2_2_4_protrusion", "AT_ONCE", replaced(s2_2_4_protrusion.RATE), Verdict.HOLDS),
     "c4.pulled-back": Wrong("chapter4.s4_3_tables", "positions", without_b),
-    "c4.onset": Wrong("chapter4.s2_3_timing", "settled", uncoupled),
     "c4.orders": Wrong("chapter4.s3_1_counts", "_orders", replaced(lambda: ["A", "B"])),
-    "c4.orders-listed": Wrong("chapter4.s3_1_counts", "LISTED", replaced(s3_1_counts._orders()), HOLDS),
-    "c4.categories-count": Wrong("chapter4.s3_3_estimates", "share_sum", times(1.5)),
-    "c4.conditional": Wrong("chapter4.s3_3_estimates", "estimate", times(1.1)),
-    "c4.average": Wrong("chapter4.s3_3_estimates", "estimate", replaced(lambda hits, inside: hits.sum() / len(hits))),
     "c4.isolated": by_tables(one_value(s4_1_isolated.PRINTED, "agrees", True), HOLDS),
     "c4.protrusions": by_tables(renamed("scenario", **{"[A]": "[BP]", "[BP]": "[A]"})),
     "c4.remain": by_tables(AS_PRINTED, Verdict.OPEN),
@@ -125,7 +68,7 @@ CHANGES = {
     "c4.straightness": by_tables(AS_PRINTED),
     "c4.straightness-rule": by_tables(with_counts(RATIOS, 0.1), HOLDS),
     "c4.table-4": Wrong("chapter4.s4_3_tables", "NINTH", replaced(s4_3_tables.TABLE_4[9])),
-    "c4.seven-per-cent": Wrong("chapter4.s4_3_tables", "timing", replaced(lambda _: s2_3_timing.timing("6 h"))),
+    "c4.seven-per-cent": Wrong("chapter4.s4_3_tables", "timing", replaced(lambda _: timing("6 h"))),
     "c4.data-points": Wrong("chapter4.s4_3_tables", "STATED_RUNS", replaced(500_000), HOLDS),
     "c4.figure-20": Wrong("chapter4.s4_3_tables", "TABLE_5", replaced((dict.fromkeys("ABSP", "6 h"),)), HOLDS),
     "c4.dominates": by_tables(with_counts(RATIOS, 0.5), Verdict.OPEN),

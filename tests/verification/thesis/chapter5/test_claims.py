@@ -27,10 +27,6 @@ def without_interaction(f: Callable[[], Instant]) -> Callable[[], Instant]:
     return lambda: f()._replace(system=f().system._replace(V=lambda r: 0.0 * r[..., 0]))
 
 
-def less_elliptic(f: Callable[..., Any]) -> Callable[..., Any]:
-    return lambda rng, least: f(rng, least / 4)
-
-
 def backwards(f: Callable[..., Any]) -> Callable[..., Any]:
     """The distances of many samples for those of few, and the other way round."""
     return lambda: f()[::-1]
@@ -39,11 +35,6 @@ def backwards(f: Callable[..., Any]) -> Callable[..., Any]:
 def summed(f: Callable[..., Any]) -> Callable[..., Any]:
     """The forces of the particles are not divided by their number."""
     return lambda system, there, here: len(there) * f(system, there, here)
-
-
-def torn(f: Callable[..., Any]) -> Callable[..., Any]:
-    """The velocities of particles on the two sides of a line differ."""
-    return lambda system, X, y: f(system, X, y) * np.where(X[:, :1] > 0.0, 1.2, 1.0)[..., None]
 
 
 # The world is as printed.

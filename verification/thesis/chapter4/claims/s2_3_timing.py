@@ -2,24 +2,30 @@
 
 from __future__ import annotations
 
-import numpy as np
+from typing import Any
 
-from tissue.events.known import row, settled
-from tissue.files.timing import timing
-from verification.claims import Correction, Effect, Evidence, at_most, claim
+from verification.claims import Correction, Effect
+from verification.formal.reals import reals, solver_library
+from verification.formal.stated import implication
 
-SEED = 231
-CELLS = 50_000
-SHARE = 70.0
+# The times of [A], [B] and [S], as drawn; [P] happens at the later one of p and b.
+z3 = solver_library()
+a, b, s, p, three = reals("a b s p three")
 
 
-@claim(
+def first(one: Any, other: Any) -> Any:
+    """Return the earlier of two times."""
+    return z3.If(one <= other, one, other)
+
+
+_onset = implication(
     "c4.onset",
+    "(Q3), (4.8)",
+    "The timing of onset of EMT … is the minimum of T^A, T^B, T^S and T^P; T_i^EMT is that of T_i^A, T_i^B, T_i^S",
     "The two definitions of the onset, over four events and over three, are the same.",
-    source="(Q3), (4.8)",
-    quote=(
-        "The timing of onset of EMT … is the minimum of T^A, T^B, T^S and T^P; T_i^EMT is that of T_i^A, T_i^B, T_i^S"
-    ),
+    given=[three == first(a, first(b, s))],
+    then=first(three, z3.If(p >= b, p, b)) == three,
+    wrong=first(three, p) == three,
     correction=Correction(
         "in (Q3) max(T^P, T^B) in place of T^P, or as in (4.8) without it",
         Effect.NUMBER,
@@ -31,16 +37,3 @@ SHARE = 70.0
         place=2532,
     ),
 )
-def _onset() -> Evidence:
-    """The times as drawn, and those at which the events happen."""
-    each, rng = timing(f"6 h to 24 h, {SHARE:g} %"), np.random.default_rng(SEED)
-    times = {name: each.times(*rng.random((2, CELLS))) for name in "absp"}
-    three = np.minimum.reduce([times[name] for name in "abs"])
-    first = (times["p"], settled(times)[row("p")])
-    apart, later = (int((np.minimum(three, p) != three).sum()) for p in first)
-    what = f"cells of {CELLS} with times from (4.2) whose two onsets differ,"
-    return Evidence(
-        printed=(at_most(f"{what} T^P as drawn", apart, 0),),
-        corrected=(at_most(f"{what} max(T^P, T^B)", later, 0),),
-        seed=SEED,
-    )

@@ -88,7 +88,8 @@ def of_event(tables: Tables, preset: str, event: str, what: str) -> Ratio:
 @claim(
     "c4.protrusions",
     "Far more isolated cells leave basally with protrusions than by any other single event.",
-    source="section 4.1.1, Figure 10",
+    source="section 4.1.1, Figure 10; introduction, Part II",
+    also=("c0.protrusions",),
     quote="This makes [P] extremely effective compared to all other EMT events.",
     needs=(RATIOS,),
     chosen="far more: by at least half of all cells",

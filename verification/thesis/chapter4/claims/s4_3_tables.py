@@ -13,19 +13,7 @@ from tissue.frames.observables import ab_positions
 from tissue.runs.simulate import simulate_many
 from tissue.state.cells import Floats
 from tissue.statistics.proportions import wilson
-from verification.claims import (
-    Comparison,
-    Correction,
-    Effect,
-    Evidence,
-    Verdict,
-    at_least,
-    at_most,
-    claim,
-    equal,
-    proved,
-)
-from verification.formal.reals import implication
+from verification.claims import Comparison, Correction, Effect, Evidence, at_least, at_most, claim, equal
 from verification.thesis.chapter4.frequencies import in_readings, most_runs, runs_for_bound
 
 SEED = 5
@@ -190,7 +178,6 @@ def positions(preset: str, seeds: Sequence[int], b: str) -> Floats:
         "In [A⊗B], the amount of apical extrusion increases rapidly in the beginning … at the onset of [B] "
         "some cells are pulled back into the tissue."
     ),
-    rests_on=("c4.pull-in",),
     chosen=f"[A] at 6 h, [B] at 24 h; back: y^AB ≤ 1 within {AFTER} h; the same seeds with [B] and without",
 )
 def _pulled_back() -> Evidence:
@@ -207,26 +194,3 @@ def _pulled_back() -> Evidence:
         )
 
     return in_readings(compare)
-
-
-@claim(
-    "c4.pull-in",
-    "The freed spring draws the nucleus to its apical side after [A] and to its basal side after [B].",
-    source="section 4.3.2, Figure 14",
-    quote="not only pulls the apical or basal point towards the nucleus but it also pulls the nucleus itself",
-    recorded=Verdict.PROVED,
-    rests_on=("c4.rest-length",),
-)
-def _pull_in() -> Evidence:
-    """A straight cell at rest, d = R + eta of one spring, eta > 0; its rest length becomes R; f acts on the nucleus."""
-    return proved(
-        implication(
-            "the freed spring pulls the nucleus to its point with 2α(d − R^soft)/R^soft > 0 and the point with "
-            "the opposite",
-            lambda s, d, R, eta, alpha, f, point: (
-                [R > 0, eta > 0, alpha > 0, d == R + eta, f * R == s * 2 * alpha * (d - R), point == -f],
-                [f > 0, point < 0, f + point == 0],
-            ),
-            "−α",
-        )
-    )
