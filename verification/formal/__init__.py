@@ -1,16 +1,14 @@
-"""Techniques of proof by programs; each refutes a wrong variant of every statement that it proves.
+"""Proofs of claims by programs: what is right stands beside a wrong variant, which the same program refutes.
 
-A statement is given as a function of a factor: 1 makes the statement, another number (-1 where nothing else is said) a
-wrong variant, with the opposite sign of a term or with a constant that is too good. Its other arguments become symbols
-or variables, by their names.
+``stated`` makes claims of them, in one entry each: ``identity``, ``implication``, ``argument``. Their steps are
+``algebra.vanishes`` and ``algebra.squares`` (sympy) and ``reals.follows`` (z3, then cvc5).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from inspect import signature
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from verification.claims import FormalProof
@@ -47,8 +45,3 @@ def refuse_unless_refuted(refuted: bool, statement: str, wrong: str) -> None:
     """Raise UnsoundProof unless the wrong variant is refuted."""
     if not refuted:
         raise UnsoundProof(f"{statement}: the wrong variant ({wrong}) is not refuted, so the proof says nothing")
-
-
-def names(function: Callable[..., Any]) -> list[str]:
-    """List the arguments of a function after the first one."""
-    return list(signature(function).parameters)[1:]

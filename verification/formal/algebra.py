@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from functools import partial
 from itertools import product
 from typing import Any
 
 from dincl.extras import needs
 from verification.claims import FormalProof, Technique
-from verification.formal import Step, names, refuse_unless_refuted
+from verification.formal import Step, refuse_unless_refuted
 
 # Far above what is lost in DIGITS digits, and below the residual of a wrong variant at the point of ``_point``.
 SEEN, DIGITS = 1e-20, 40
@@ -25,33 +25,6 @@ def library() -> Any:
 def matrices(names: str) -> Any:
     """Return symbols for matrices and vectors of any size: their products do not commute."""
     return library().symbols(names, commutative=False)
-
-
-def identity(
-    statement: str, residual: Callable[..., Any], wrong: str, factor: Any = -1, *, words: bool = False
-) -> FormalProof:
-    """Prove that residuals vanish for all values of their symbols and for all functions in them.
-
-    Parameters
-    ----------
-    statement
-        What follows if they vanish.
-    residual
-        (factor, symbols) -> an expression, a matrix or a sequence of them; for factor 1 all must simplify to zero.
-    wrong
-        What a reader calls the variant with the other factor.
-    factor
-        Of the wrong variant: one of its residuals must differ from zero at a point.
-    words
-        The symbols are matrices and vectors of any size, see ``matrices``; otherwise they are numbers.
-
-    Raises
-    ------
-    UnsoundProof
-        If the residuals of the wrong variant vanish, too.
-    """
-    symbols = [library().Symbol(name, commutative=not words) for name in names(residual)]
-    return _identity(residual(1, *symbols), residual(factor, *symbols), statement, wrong)
 
 
 def vanishes(right: Any, wrong: Any, said: str = "", rejects: str = "") -> Step:
@@ -72,20 +45,6 @@ def _identity(right: Any, wrong: Any, statement: str, rejected: str) -> FormalPr
     true = all(map(_vanishes, _entries(right)))
     refuse_unless_refuted(any(map(_differs, _entries(wrong))), statement, rejected)
     return FormalProof(statement, Technique.IDENTITY, f"sympy {library().__version__}", true, rejected)
-
-
-def sum_of_squares(
-    statement: str,
-    polynomial: Callable[[Any], Any],
-    squares: Sequence[tuple[Any, Any]],
-    wrong: str,
-    factor: Any = -1,
-) -> FormalProof:
-    """Prove that a polynomial is at least 0: it is the sum of c q^2 over the pairs (c, q), all c >= 0.
-
-    The wrong variant is refuted by a point where it is negative. Parameters and errors: see ``identity``.
-    """
-    return _squares(polynomial(1), polynomial(factor), squares, statement, wrong)
 
 
 def squares(right: Any, wrong: Any, parts: Sequence[tuple[Any, Any]], said: str = "", rejects: str = "") -> Step:

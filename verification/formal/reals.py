@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
 from dincl.extras import needs
 from verification.claims import FormalProof, Technique
-from verification.formal import Step, UnsoundProof, names, refuse_unless_refuted
+from verification.formal import Step, UnsoundProof, refuse_unless_refuted
 
 # Steps of z3 and of cvc5 for each decision: counted, so that the outcome does not depend on the load of the machine.
 LIMIT, SECOND_LIMIT = 20_000_000, 20_000
-Formula = Callable[..., tuple[Sequence[Any], Any]]
 
 
 def solver_library() -> Any:
@@ -21,29 +20,6 @@ def solver_library() -> Any:
     with needs("a proof by a decision procedure", "proofs"):
         import z3
     return z3
-
-
-def implication(statement: str, formula: Formula, wrong: str, factor: Any = -1) -> FormalProof:
-    """Prove that a conclusion follows from assumptions about real numbers.
-
-    Parameters
-    ----------
-    statement
-        What follows from what.
-    formula
-        (factor, real variables) -> assumptions, conclusion; several conclusions are a list. For factor 1 the
-        assumptions and the negated conclusion must have no solution.
-    wrong
-        What a reader calls the variant with the other factor.
-    factor
-        Of the wrong variant: a solution of its assumptions and its negated conclusion must exist.
-
-    Raises
-    ------
-    UnsoundProof
-        If the assumptions contradict each other or contain the conclusions, or if the wrong variant is not refuted.
-    """
-    return _implication(_applied(formula, 1), _applied(formula, factor), statement, wrong)
 
 
 def follows(given: Sequence[Any], then: Any, wrong: Any, said: str = "", rejects: str = "") -> Step:
@@ -77,11 +53,6 @@ def _implication(right: tuple[Any, Any], other: tuple[Any, Any], statement: str,
     if true and _also_unsatisfiable(solver.to_smt2()):
         tool += f", cvc5 {_second().__version__}"
     return FormalProof(statement, Technique.REALS, tool, true, wrong, given=_written(*right))
-
-
-def _applied(formula: Formula, factor: Any) -> tuple[Sequence[Any], Any]:
-    """Return assumptions and conclusion for variables of z3."""
-    return formula(factor, *map(solver_library().Real, names(formula)))
 
 
 def _written(assumptions: Sequence[Any], conclusion: Any) -> str:
