@@ -93,8 +93,6 @@ class Claim:
     tried_on
         The cases that the check decides, where the claim is about more cases: the verdict is then at best "not
         refuted", or "proved for an instance" if the cases are proved. Empty where the check decides the whole claim.
-    arithmetic
-        Whether the check only calculates with printed numbers. Such claims are counted apart.
     stated_at
         Module and line of the claim, "module:12"; by default those of its check.
 
@@ -118,7 +116,6 @@ class Claim:
     correction: Correction | None = None
     chosen: str = ""
     tried_on: str = ""
-    arithmetic: bool = False
     stated_at: str = ""
 
     def __post_init__(self) -> None:
@@ -135,7 +132,6 @@ class Claim:
             given = getattr(self, name)
             named = isinstance(given, tuple) and all(isinstance(each, str) and each for each in given)
             self._refuse_unless(name, named and self.id not in given, f"a tuple of {allowed}")
-        self._refuse_unless("arithmetic", isinstance(self.arithmetic, bool), "True or False")
         self._refuse_unless("recorded", isinstance(self.recorded, Verdict), f"one of {', '.join(map(str, Verdict))}")
         self._refuse_unless(
             "correction", self.correction is None or isinstance(self.correction, Correction), "a Correction or None"

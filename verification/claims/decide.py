@@ -35,7 +35,7 @@ def decide_all(claims: Sequence[Claim], tables: Tables, executor: Executor) -> p
     alone = {claim.id: executor.submit(evidence_row, claim, {}) for claim in claims if not claim.needs}
     found = {claim.id: evidence_row(claim, tables) for claim in claims if claim.needs}
     found |= {name: row.result() for name, row in alone.items()}
-    table = pd.DataFrame([_row(claim) | found[claim.id] for claim in claims])
+    table = pd.DataFrame([{**_row(claim), **found[claim.id]} for claim in claims])
     return table.fillna(dict.fromkeys(readings(table), ""))
 
 
@@ -77,7 +77,6 @@ def _row(claim: Claim) -> Row:
         "chosen": claim.chosen,
         "tried_on": claim.tried_on,
         "rests_on": ", ".join(claim.rests_on),
-        "arithmetic": claim.arithmetic,
         "also": ", ".join(claim.also),
         "check": claim.stated_at,
         "needs": ", ".join(claim.needs),

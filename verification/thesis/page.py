@@ -36,6 +36,7 @@ COLUMNS = read_columns(Path(__file__).parent / "columns.toml")
 COUNTS = "How many claims hold"
 BEFORE = "corrected"  # the reading that decided until now
 WRONG = (Verdict.CORRECTED.value, Verdict.REFUTED.value)  # as printed
+PROVED = (Verdict.PROVED.value, Verdict.PROVED_INSTANCE.value)
 # The most serious first; what only concerns notation changes no result.
 SERIOUS = [effect.value for effect in Effect if effect is not Effect.NOTATION]
 
@@ -53,12 +54,12 @@ def run(context: Context) -> None:
 
 
 def sections(context: Context) -> Sequence[Section]:
-    """Return counts, the corrections that change results, and all claims in the order of the thesis, to be searched."""
+    """Return the corrections that change results, counts, and all claims in the order of the thesis, to be searched."""
     table = context.tables["claims"]
     others = context.tables["claims_errata"]
     slips = others[others["effect"] == Effect.NOTATION.value]
     said = fill(PROSE / "statements.html", **_values(table, others), errata=len(slips))
-    found = [_counts(table, said), _corrections(table, others, said), *_readings(table), _errata(slips, said)]
+    found = [_corrections(table, others, said), _counts(table, said), *_readings(table), _errata(slips, said)]
     found.append(Section("All claims", [SearchField()]))
     wrong = corrected_below(register())
     for number, title in TITLES.items():
@@ -75,8 +76,11 @@ def _values(table: pd.DataFrame, others: pd.DataFrame) -> dict[str, Any]:
         **{verdict.name.lower(): int(total.get(verdict.value, 0)) for verdict in Verdict},
         "other": list(differing(table)["id"]),
         "wrong": len(wrong),
-        "arithmetic": int(table["arithmetic"].sum()),
-        "effects": [f"{count} {effect}" for effect, count in wrong["effect"].value_counts(sort=False).items()],
+        "conclusions": [
+            f"{row['id']} ({row['source'].split(';')[0]})" for _, row in of_effect(wrong, Effect.CONCLUSION).iterrows()
+        ],
+        **{effect.name.lower(): len(of_effect(wrong, effect)) for effect in Effect},
+        "proofs": int(table["verdict"].isin(PROVED).sum()),
     }
 
 
@@ -131,13 +135,17 @@ def corrections(table: pd.DataFrame, others: pd.DataFrame) -> pd.DataFrame:
     return wrong.sort_values("effect", key=lambda column: column.map(SERIOUS.index), kind="stable")
 
 
+def of_effect(table: pd.DataFrame, effect: Effect) -> pd.DataFrame:
+    """Return the corrections that change such a thing."""
+    return table[table["effect"] == effect.value]
+
+
 # It reads the tables of all other chapters.
 def findings(context: Context) -> Sequence[Finding]:
-    """Count the claims that hold and those that are wrong as printed."""
+    """Say what corrections change, and count the claims that hold."""
     table = context.tables["claims"]
-    values, wrong = _values(table, context.tables["claims_errata"]), table[table["verdict"].isin(WRONG)]
-    serious = wrong["effect"].isin([effect for effect in SERIOUS if effect != Effect.PROOF.value])
-    said = fill(PROSE / "learned.html", **values | {"wrong": len(wrong), "serious": int(serious.sum())})
+    values = _values(table, context.tables["claims_errata"])
+    said = fill(PROSE / "learned.html", **values)
     counts = {verdict: values[verdict.name.lower()] for verdict in Verdict}
     card = Card(context.draw("card_claims", cards.verdicts, counts), said["card"], 4)
     return [Finding(said["counts"], COUNTS, card)]

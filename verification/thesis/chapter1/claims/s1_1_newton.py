@@ -159,7 +159,6 @@ _overdamped = argument(
         place=251,
     ),
     rests_on=("c1.velocity",),
-    arithmetic=True,
 )
 def _density() -> Evidence:
     volume, drag = 4 / 3 * math.pi * RADIUS**3, 6 * math.pi * RADIUS * VISCOSITY  # [m³], [kg/s]

@@ -26,7 +26,7 @@ COUNTS, PILES, ORDER_BAND = (400, 1600, 6400), (800, 3200), 0.05
 # distance
 # of the centres, a >= D that of any feasible state, m the square of the way there.
 sp = library()
-L, u, v = sp.Symbol("L", positive=True), *sp.symbols("u v")
+L, (u, v) = sp.Symbol("L", positive=True), sp.symbols("u v")
 x = sp.Matrix(sp.symbols("x:4", real=True))
 between = sp.Matrix([x[2] - x[0], x[3] - x[1]])
 length = sp.sqrt(between.dot(between))

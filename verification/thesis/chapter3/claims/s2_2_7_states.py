@@ -43,7 +43,6 @@ ROUNDING, TOL = 1e-9, 1e-6
         place=1680,
     ),
     rests_on=("c2.gauss-newton",),
-    arithmetic=True,
 )
 def _at_all_times() -> Evidence:
     """Project two discs of radius R from the distance d to d + max(2R - d, 0), by Example 2.5."""
@@ -82,7 +81,6 @@ def _at_all_times() -> Evidence:
     ),
     rests_on=("c1.prox-constant", "c3.enlarged"),
     chosen="three cells; whether S is prox-regular with two radii is left open",
-    arithmetic=True,
 )
 def _equal_radii() -> Evidence:
     mixed, alike = (

@@ -91,7 +91,6 @@ _diffusion = identity(
         ),
         place=1899,
     ),
-    arithmetic=True,
 )
 def _box() -> Evidence:
     """Compare Table 1 with Figure 16 and the published program; the other value is then the width."""
@@ -202,7 +201,6 @@ def text_rule(age: np.ndarray, cycle: float) -> np.ndarray:
         place=1927,
     ),
     chosen="(3.4) and sections 2.1 and 2.2.8 against the table; a cycle of 14 h, in seconds",
-    arithmetic=True,
 )
 def _enlarged() -> Evidence:
     ages = (np.arange(60 * 60 * 14) + 0.5) / 3600

@@ -156,7 +156,6 @@ def decayed(dt: float, mu: float) -> float:
         place=2187,
     ),
     chosen="energies without unit, lengths in R^soft; a spring W = 2d² in 0.1 h and in 6 min, which must decay alike",
-    arithmetic=True,
 )
 def _mu() -> Evidence:
     minutes, left = 60.0, decayed(DT, MU)

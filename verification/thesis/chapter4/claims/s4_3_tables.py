@@ -128,7 +128,6 @@ def _seven() -> Evidence:
         why="50000 runs of 10 cells are 500 000 cells",
         place=2913,
     ),
-    arithmetic=True,
 )
 def _data_points() -> Evidence:
     points, what = STATED_RUNS * STATED_CELLS, f"{STATED_RUNS} runs of {STATED_CELLS} EMT cells [cells]"
