@@ -40,8 +40,8 @@ GROWTH_OF_DISTANCE = (
 )
 
 # N^g = N where the rows of G are independent; of a pair a = |d|, p = d.move, r = |move|^2, b is new. n = -G^T lambda is
-# proximal, as g grows at most by its slope and r/(2a). A proximal n has n.w <= 0 for all w with G w > 0;
-# W = G^T (G G^T)^-1 has G W = I, so lambda = -W^T n >= 0 and n = -G^T lambda but for what no row sees.
+# proximal, as g grows at most by its slope and r/(2a). A proximal n has n.w <= 0 for all w with G w > 0; W = G^T (G
+# G^T)^-1 has G W = I, so lambda = -W^T n >= 0 and n = -G^T lambda but for what no row sees.
 GGT = matrices("GGT,")[0]
 CONES = (
     follows(

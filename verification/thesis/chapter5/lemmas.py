@@ -16,8 +16,8 @@ REDUCED = vanishes(
     "−Ω for Ω",
 )
 
-# The rule for products of matrices and vectors of any size, by their norms: p = |h1|, q = |h2 - h2'|, u = |h1 - h1'|,
-# w = |h2'|, r = |z - z'|, n the norm of the difference.
+# The rule for products of matrices and vectors of any size, by their norms: p = |h1|, q = |h2 - h2'|, u = |h1 - h1'|, w
+# = |h2'|, r = |z - z'|, n the norm of the difference.
 p, q, u, w, r, n, M1, M2, L1, L2 = reals("p q u w r n M1 M2 L1 L2")
 PRODUCTS = (
     vanishes(
@@ -53,9 +53,8 @@ MEANS_APART = follows(
     [w > 0, r > 0, L >= 0, d <= L * r, L * c >= S],
     S + w * d <= L * (c + w * r),
     ([w > 0, r > 0, L >= 0, d <= 2 * L * r, L * c >= S], S + w * d <= L * (c + w * r)),
-    "each piece w(ϕ(x) − ϕ(x′)) ≤ Lip(ϕ) w‖x − x′‖ of any transport plan, so |∫ϕ dμ₁ − ∫ϕ dμ₂| ≤ Lip(ϕ) times "
-    "its cost, "
-    "and times the least cost W₁",
+    "each piece w(ϕ(x) − ϕ(x′)) ≤ Lip(ϕ) w‖x − x′‖ of any transport plan, so |∫ϕ dμ₁ − ∫ϕ dμ₂| ≤ Lip(ϕ) times its "
+    "cost, and times the least cost W₁",
     "ϕ with the constant 2 Lip(ϕ)",
 )
 

@@ -42,10 +42,10 @@ _order = identity(
         "mẌ_i = F₁(X_i) + 1/N Σ_k K(X_k, X_i) − (∂_X g(X_i, y))ᵀλ_i, as in (5.6a)",
         Effect.MODEL,
         (
-            "(A.11) to (A.14), which have the same order; with it “which is equivalent to (A.5a)”, after (A.13), "
-            "is false"
+            "(A.11) to (A.14), which have the same order; with it “which is equivalent to (A.5a)”, after (A.13), is "
+            "false"
         ),
-        why=("(5.6a), which (A.4a) recalls, has K(X_k, X_i), and K is antisymmetric, so the sign of the force changes"),
+        why="(5.6a), which (A.4a) recalls, has K(X_k, X_i), and K is antisymmetric, so the sign of the force changes",
         place=4111,
     ),
 )

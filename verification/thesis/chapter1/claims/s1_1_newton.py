@@ -37,8 +37,8 @@ _impact = argument(
             PUSH - 2 * m * speed,
         ],
         END + speed,
-        "during the contact, which lasts π√(m/k), the velocity −v becomes v and the impulse is 2mv for every k: with "
-        "k → ∞ the velocity jumps and the force is a point measure",
+        "during the contact, which lasts π√(m/k), the velocity −v becomes v and the impulse is 2mv for every k: with k"
+        " → ∞ the velocity jumps and the force is a point measure",
         "it stays −v",
     ),
     tried_on="a ground that is a spring, of any stiffness",
@@ -100,8 +100,8 @@ _velocity = argument(
     also=("c1.time-scale",),
 )
 
-# m x'' + x' + x = 0, x(0) = 1, x'(0) = 0, e = x - exp(-t): e' + e = -m x''; q = int exp(s - t) x'(s) ds. The energy
-# (m x'^2 + x^2)/2 falls, so |x| <= 1; where x' = 1 (or -1) x'' has the other sign, so |x'| <= 1.
+# m x'' + x' + x = 0, x(0) = 1, x'(0) = 0, e = x - exp(-t): e' + e = -m x''; q = int exp(s - t) x'(s) ds. The energy (m
+# x'^2 + x^2)/2 falls, so |x| <= 1; where x' = 1 (or -1) x'' has the other sign, so |x'| <= 1.
 x, q = sp.Function("x")(t), sp.Function("q")(t)
 
 

@@ -70,7 +70,7 @@ _monotone_maps = argument(
         "the same for −sign",
     ),
     correction=Correction(
-        ("-sign is one-sided Lipschitz with L = 0; sign is not for any L, as the remark says in its next sentence"),
+        "-sign is one-sided Lipschitz with L = 0; sign is not for any L, as the remark says in its next sentence",
         Effect.PROOF,
         "the remark itself; Theorem 1.13 is applied to -sign",
         why=(
@@ -100,8 +100,7 @@ _neither = argument(
         SLOPE - SQUARE,
         SLOPE + SQUARE,
         "two touching discs turned by any angle have the one-sided slope s/2, −n·(x − y) = (s/2)‖x − y‖², with a "
-        "normal "
-        "n ~ s, for every s: no constant bounds it",
+        "normal n ~ s, for every s: no constant bounds it",
         "slope −s/2",
     ),
     vanishes(
@@ -126,17 +125,17 @@ def cones_from(least: float, most: float) -> int:
     "c1.generalise",
     "Theorem 1.31 and Lemma 1.32 generalise Theorems 1.11 and 1.13.",
     source="after Remark 1.15",
-    quote=("The main theorems of this chapter (Theorem 1.31 and Lemma 1.32) generalise Theorem 1.11 and Theorem 1.13."),
+    quote="The main theorems of this chapter (Theorem 1.31 and Lemma 1.32) generalise Theorem 1.11 and Theorem 1.13.",
     correction=Correction(
         (
-            "they carry existence and uniqueness over to F - N(S, ·) with a single-valued, Lipschitz continuous "
-            "F; neither pair contains the other"
+            "they carry existence and uniqueness over to F - N(S, ·) with a single-valued, Lipschitz continuous F; "
+            "neither pair contains the other"
         ),
         Effect.PROOF,
         "a force with several values, as dry friction has, beside constraints: Theorem 1.31 does not cover it",
         why=(
-            "Theorems 1.11 and 1.13 cover (1.13), whose value at 0 is [-1, 1]; F(x) - N(S, x) is a point plus a "
-            "cone, in ℝ one point, a half-line or all of ℝ, so that Theorem 1.31 does not cover it"
+            "Theorems 1.11 and 1.13 cover (1.13), whose value at 0 is [-1, 1]; F(x) - N(S, x) is a point plus a cone, "
+            "in ℝ one point, a half-line or all of ℝ, so that Theorem 1.31 does not cover it"
         ),
         place=502,
     ),

@@ -60,9 +60,8 @@ _no_classical = implication(
     ),
 )
 
-# x' in -H(x), H = sign(x), and [-1, 1] at 0; h and k are values of H at x and y. Then the quotient q of max(c - t,
-# 0) over
-# a step h from t = c + d, both ends on one side of c or one of them at c.
+# x' in -H(x), H = sign(x), and [-1, 1] at 0; h and k are values of H at x and y. Then the quotient q of max(c - t, 0)
+# over a step h from t = c + d, both ends on one side of c or one of them at c.
 PATH = [t >= 0, c >= 0, z3.If(t < c, x == c - t, x == 0)]
 SOLVES = z3.If(x > 0, rate == -1, z3.And(x == 0, rate <= 1, rate >= -1))
 VALUES = [*sign_values(x, h), *sign_values(y, k)]
@@ -112,8 +111,8 @@ _step = argument(
         Effect.PROOF,
         "nothing else: max(c - t, 0) is absolutely continuous",
         why=(
-            "Cantor's function has the derivative 0 almost everywhere and is not constant; Lemma 1.7 asks that "
-            "the function is the integral of its derivative"
+            "Cantor's function has the derivative 0 almost everywhere and is not constant; Lemma 1.7 asks that the "
+            "function is the integral of its derivative"
         ),
         place=441,
     ),

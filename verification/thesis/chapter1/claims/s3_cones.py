@@ -25,7 +25,7 @@ _outside = implication(
         "it is empty if Definition 1.16 asks for x ∈ C besides; as printed N_C(x) contains at least 0",
         Effect.MODEL,
         "(1.15) and (1.16): as printed they do not keep a point in C, and 0 is a solution from every start",
-        why=("v = 0 fulfils v·(y − x) ≤ 0 for every x, also outside of C, and the definition does not ask for x ∈ C"),
+        why="v = 0 fulfils v·(y − x) ≤ 0 for every x, also outside of C, and the definition does not ask for x ∈ C",
         place=536,
     ),
 )
@@ -51,8 +51,8 @@ _convex_unique = implication(
     "c1.convex-unique",
     "after (1.15)",
     "in the case F = 0, Theorem 1.13 implies uniqueness of solutions of (1.15).",
-    "Without a force the solution in a convex set is unique: ½ d/dt ‖x − y‖² = v·(y − x) + w·(x − y) ≤ 0 for ẋ = "
-    "−v, ẏ = −w.",
+    "Without a force the solution in a convex set is unique: ½ d/dt ‖x − y‖² = v·(y − x) + w·(x − y) ≤ 0 for ẋ = −v, ẏ"
+    " = −w.",
     given=[p <= 0, q <= 0],
     then=p + q <= 0,
     wrong=-p - q <= 0,
@@ -60,8 +60,8 @@ _convex_unique = implication(
     chosen="a set that moves, as in (1.16): in one that stands still nothing moves without F",
 )
 
-# n = -x'/|x'| is normal to C(t). A point of C(t) is within L h of x(t - h) = x - h x' + o(h): n.(z - x) <= 0. So
-# h |x'| - L h b <= o(h), b <= 1 being n times the direction to z; v = |x'| in the limit h -> 0.
+# n = -x'/|x'| is normal to C(t). A point of C(t) is within L h of x(t - h) = x - h x' + o(h): n.(z - x) <= 0. So h |x'|
+# - L h b <= o(h), b <= 1 being n times the direction to z; v = |x'| in the limit h -> 0.
 _sweeping = implication(
     "c1.sweeping",
     "Theorem 1.18",

@@ -81,8 +81,8 @@ def bent_rows(n: int) -> float:
         Effect.NUMBER,
         "Theorem 1.31 and Corollary 1.33 for two discs, which need some η > 0",
         why=(
-            "sin(2π/N) is 0 for N = 1 and N = 2, and Definition 1.21 asks for η > 0; two discs are √2 "
-            "R-prox-regular, as their projection is unique until the centres meet"
+            "sin(2π/N) is 0 for N = 1 and N = 2, and Definition 1.21 asks for η > 0; two discs are √2 R-prox-regular, "
+            "as their projection is unique until the centres meet"
         ),
         place=646,
     ),

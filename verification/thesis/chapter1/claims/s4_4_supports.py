@@ -92,8 +92,7 @@ _scalarly_upper = argument(
         p <= K,
         ([3 * e == K - p, LIMIT], p <= K),
         "v_n·(y − x_n) ≤ ‖v_n‖‖y − x_n‖²/(2η) for all y ∈ S holds in the limit: v ∈ N(S, x), and ‖v‖ ≤ 1, so no "
-        "sequence "
-        "has a larger σ in the limit, for any uniformly prox-regular S",
+        "sequence has a larger σ in the limit, for any uniformly prox-regular S",
         "e = (K − p)/3",
     ),
     rests_on=("c1.hypomonotone",),
@@ -129,8 +128,8 @@ _distance = argument(
         [*SIDE, 2 * k * w < c],
         2 * w * (c + a * w) > k * 4 * w * w,
         ([*SIDE, 0.5 * k * w < c], 2 * w * (c + a * w) > k * 4 * w * w),
-        "nor for a tangential part c: on the circle, at y = ((1 − w²)x + 2w x⊥)/(1 + w²), where v·(y − x) = "
-        "2w(c + aw)/(1 + w²)",
+        "nor for a tangential part c: on the circle, at y = ((1 − w²)x + 2w x⊥)/(1 + w²), where v·(y − x) = 2w(c + "
+        "aw)/(1 + w²)",
         "larger w",
     ),
     tried_on="the outside of the unit disc, every point of its boundary",
@@ -146,12 +145,12 @@ _sum_of_cones = implication(
     then=a * a + b * b <= 2,
     wrong=a * a + b * b <= 1,
     correction=Correction(
-        ("Σ_j (N(S_j, x) ∩ B₁) ⊆ N(S, x) ∩ B_M; the corollary itself holds if the ball cuts the sum of the cones"),
+        "Σ_j (N(S_j, x) ∩ B₁) ⊆ N(S, x) ∩ B_M; the corollary itself holds if the ball cuts the sum of the cones",
         Effect.PROOF,
         "Lemma 2.8, which needs only some radius",
         why=(
-            "(1.31) is about sums of sets: if the ball cuts each cone, the last set is not N(S, x) ∩ B₁, and if "
-            "it cuts the sum, the first equality is none"
+            "(1.31) is about sums of sets: if the ball cuts each cone, the last set is not N(S, x) ∩ B₁, and if it "
+            "cuts the sum, the first equality is none"
         ),
         place=816,
     ),

@@ -79,8 +79,8 @@ _dependence = argument(
         "for all xⁱⁿⁱᵗ ∈ S, as in Theorem 1.31",
         Effect.CONCLUSION,
         (
-            "the models of chapters 3 and 4: their start must not overlap, nor their state after a cell event, as"
-            " it does (section 5)"
+            "the models of chapters 3 and 4: their start must not overlap, nor their state after a cell event, as it "
+            "does (section 5)"
         ),
         why=(
             "N(S, x) = ∅ for x ∉ S by Definition 1.23, so a solution lies in S at almost all times and, being "
@@ -112,14 +112,14 @@ def _start() -> Evidence:
     quote="since we only need the result for time-independent sets, the following proof is simpler.",
     correction=Correction(
         (
-            "S is constant between cell events, where the proof applies; by (3.4) and (3.8) of chapter 3 it jumps"
-            " at them"
+            "S is constant between cell events, where the proof applies; by (3.4) and (3.8) of chapter 3 it jumps at "
+            "them"
         ),
         Effect.PROOF,
         "the use of Theorem 1.31 in chapters 3 and 4, one interval between events after another",
         why=(
-            "in chapter 3 the hard radius of a cell jumps when its mitosis begins (3.4), and a division adds a "
-            "cell (3.7), (3.8), so S changes in time"
+            "in chapter 3 the hard radius of a cell jumps when its mitosis begins (3.4), and a division adds a cell "
+            "(3.7), (3.8), so S changes in time"
         ),
         place=884,
     ),

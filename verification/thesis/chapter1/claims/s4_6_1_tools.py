@@ -39,8 +39,8 @@ def hlawka(norm: Callable[[Floats], Floats], x: Floats, y: Floats, z: Floats) ->
         Effect.PROOF,
         "(1.58), which uses the embedding",
         why=(
-            "L^∞ is not separable and L¹ is, so that no isometry leads into L¹; what is isometric to L^∞ is the "
-            "dual space of L¹, named just before"
+            "L^∞ is not separable and L¹ is, so that no isometry leads into L¹; what is isometric to L^∞ is the dual "
+            "space of L¹, named just before"
         ),
         place=912,
     ),
@@ -84,17 +84,15 @@ def discrete_bound(first: float) -> float:
 
 @claim(
     "c1.gronwall-discrete",
-    ("Sequences with (1.43) are bounded by (1 + BT/n)^n + A/B ((1 + BT/n)^n - 1), whatever their first element."),
-    source="Theorem 1.36; Theorem 1.36, (1.43)",
+    "Sequences with (1.43) are bounded by (1 + BT/n)^n + A/B ((1 + BT/n)^n - 1), whatever their first element.",
+    source="Theorem 1.36, (1.43)",
     also=("c1.gronwall-range",),
     quote="a_k ≤ (1 + BT/n)^n + 1/B ((1 + BT/n)^n - 1) A ≤ exp(BT) + A (exp(BT) - 1)/B",
     correction=Correction(
         "‖a_k‖ ≤ (1 + BT/n)^n ‖a₀‖ + 1/B ((1 + BT/n)^n - 1) A ≤ exp(BT) ‖a₀‖ + A (exp(BT) - 1)/B",
         Effect.CONCLUSION,
         "(1.52) and the constants C₁, C₂, C₃; the proof of existence stands with the factor",
-        why=(
-            "‖a_{k+1}‖ ≤ (1 + BT/n)‖a_k‖ + AT/n, so (1 + BT/n)^k multiplies ‖a₀‖; a_k is a vector, its norm is bounded"
-        ),
+        why="‖a_{k+1}‖ ≤ (1 + BT/n)‖a_k‖ + AT/n, so (1 + BT/n)^k multiplies ‖a₀‖; a_k is a vector, its norm is bounded",
         place=942,
     ),
     tried_on="300 sequences in the plane, n = 50",

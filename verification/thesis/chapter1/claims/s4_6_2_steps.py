@@ -8,8 +8,8 @@ from verification.claims import Correction, Effect, Evidence, at_least, at_most,
 from verification.formal.reals import follows, reals
 from verification.formal.stated import argument, implication
 
-# Sizes: r = |x_k|, new = |x_(k+1)|, start = |x_0|, n = |x_(k+1) - x_k|/h, f = |F(x_k)|, d = dist(x_k + h F(x_k), S),
-# g = h M_F (1 + |x_k|), G = (1 + 2 h M_F)^k; p, q are two nearest points, D = |p - q|^2, rho their distance.
+# Sizes: r = |x_k|, new = |x_(k+1)|, start = |x_0|, n = |x_(k+1) - x_k|/h, f = |F(x_k)|, d = dist(x_k + h F(x_k), S), g
+# = h M_F (1 + |x_k|), G = (1 + 2 h M_F)^k; p, q are two nearest points, D = |p - q|^2, rho their distance.
 r, new, start, h, M, G, n, f, C, m, d, g, D, rho, eta, steps, T = reals(
     "r new start h M G n f C m d g D rho eta steps T"
 )
@@ -33,8 +33,8 @@ _constant = implication(
         Effect.PROOF,
         "C₂ and C₃; the solution of one start exists all the same",
         why=(
-            "Theorem 1.36 with A = B = 2M_F bounds ‖x_k‖ by exp(2M_F T)‖x₀‖ + exp(2M_F T) − 1, and k = 0 alone "
-            "needs C₁ ≥ ‖xⁱⁿⁱᵗ‖"
+            "Theorem 1.36 with A = B = 2M_F bounds ‖x_k‖ by exp(2M_F T)‖x₀‖ + exp(2M_F T) − 1, and k = 0 alone needs "
+            "C₁ ≥ ‖xⁱⁿⁱᵗ‖"
         ),
         place=995,
     ),
@@ -55,16 +55,16 @@ _speeds = argument(
         [d >= 0, d <= f, f <= g, n <= d + f],
         [d <= g, n <= 2 * g],
         n <= g,
-        "dist(x_k + hF, S) ≤ ‖hF‖ ≤ hM_F(1 + ‖x_k‖) and ‖x_{k+1} − x_k‖ ≤ ‖x_{k+1} − x_k − hF‖ + ‖hF‖ ≤ 2hM_F(1 "
-        "+ ‖x_k‖)",
+        "dist(x_k + hF, S) ≤ ‖hF‖ ≤ hM_F(1 + ‖x_k‖) and ‖x_{k+1} − x_k‖ ≤ ‖x_{k+1} − x_k − hF‖ + ‖hF‖ ≤ 2hM_F(1 + "
+        "‖x_k‖)",
         "‖x_{k+1} − x_k‖ ≤ hM_F(1 + ‖x_k‖)",
     ),
     follows(
         STEP,
         1 + new <= (1 + 2 * h * M) * G,
         1 + new <= (1 - 2 * h * M) * G,
-        "1 + ‖x_{k+1}‖ ≤ (1 + 2hM_F)(1 + ‖x_k‖), so 1 + ‖x_k‖ ≤ (1 + 2hM_F)^k (1 + ‖x₀‖) ≤ e^{2M_F T}(1 + ‖x₀‖) "
-        "= 1 + C₁",
+        "1 + ‖x_{k+1}‖ ≤ (1 + 2hM_F)(1 + ‖x_k‖), so 1 + ‖x_k‖ ≤ (1 + 2hM_F)^k (1 + ‖x₀‖) ≤ e^{2M_F T}(1 + ‖x₀‖) = 1 + "
+        "C₁",
         "(1 − 2hM_F)",
     ),
     follows(
@@ -122,8 +122,8 @@ def settled(first: int, last: int) -> float:
         Effect.PROOF,
         "(1.68) to (1.74), which hold for t ∈ 𝒯",
         why=(
-            "a sequence that converges in L¹ has a subsequence that converges almost everywhere; a dense set may "
-            "have measure 0, and (1.74) is for almost every t"
+            "a sequence that converges in L¹ has a subsequence that converges almost everywhere; a dense set may have "
+            "measure 0, and (1.74) is for almost every t"
         ),
         place=1039,
     ),

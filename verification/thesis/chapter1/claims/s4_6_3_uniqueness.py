@@ -37,8 +37,8 @@ _uniqueness_sign = identity(
     rests_on=("c1.hypomonotone",),
 )
 
-# K is the integral of L_F + (|v| + |w|)/(2 eta) up to t, rho the first distance: the bound begins with rho and grows
-# at the rate K'.
+# K is the integral of L_F + (|v| + |w|)/(2 eta) up to t, rho the first distance: the bound begins with rho and grows at
+# the rate K'.
 BOUND = rho * sp.exp(sp.Function("K")(t))
 PRINTED = rho * sp.Function("K")(t)
 RATE = sp.Function("K")(t).diff(t)
@@ -55,8 +55,8 @@ _gronwall = identity(
         Effect.PROOF,
         "the constant a of Lemma 1.32",
         why=(
-            "Gronwall's lemma turns d/dt ‖x − y‖² ≤ 2a(t)‖x − y‖² into the exponential of ∫a; at t = 0 the "
-            "printed bound is 0"
+            "Gronwall's lemma turns d/dt ‖x − y‖² ≤ 2a(t)‖x − y‖² into the exponential of ∫a; at t = 0 the printed "
+            "bound is 0"
         ),
         place=1123,
     ),
@@ -81,18 +81,18 @@ def refined(start: State) -> tuple[float, float]:
     quote="the presented theorems also cover our applications in Chapters 3 and 4.",
     correction=Correction(
         (
-            "they cover the motion from one cell event to the next, if it starts in S; after a division, and when"
-            " mitosis begins, the state is not in S, and has to be projected or set anew, e.g. with daughters "
-            "2R^hard apart"
+            "they cover the motion from one cell event to the next, if it starts in S; after a division, and when "
+            "mitosis begins, the state is not in S, and has to be projected or set anew, e.g. with daughters 2R^hard "
+            "apart"
         ),
         Effect.CONCLUSION,
         (
-            "“which fulfil the assumptions needed for well-posedness” in the introduction; section 3.2 of chapter"
-            " 3, which takes Theorem 1.31 for its model"
+            "“which fulfil the assumptions needed for well-posedness” in the introduction; section 3.2 of chapter 3, "
+            "which takes Theorem 1.31 for its model"
         ),
         why=(
-            "Theorem 1.31 needs xⁱⁿⁱᵗ ∈ S; by (3.7) daughters are set nearer to each other than twice the hard "
-            "radius, and by (3.4) that radius jumps"
+            "Theorem 1.31 needs xⁱⁿⁱᵗ ∈ S; by (3.7) daughters are set nearer to each other than twice the hard radius,"
+            " and by (3.4) that radius jumps"
         ),
         place=1129,
     ),

@@ -53,8 +53,8 @@ def event_driven() -> dincl.Scheme:
     "Event-driven methods are the most rigorous, but their cost grows with the contacts.",
     source="section 1",
     quote=(
-        "The most rigorous methods are typically event-driven methods, however, these methods are … less "
-        "performant for large systems."
+        "The most rigorous methods are typically event-driven methods, however, these methods are … less performant "
+        "for large systems."
     ),
     tried_on="two discs with a known solution, and piles of 4 and 8 discs",
 )
@@ -158,17 +158,17 @@ def steepest(push: Callable[[float], float]) -> float:
     "c2.printed-penalty",
     "With a force ∇g at overlap the inclusion becomes an ordinary differential equation.",
     source="section 1.1.3",
-    quote=("smoothening approach … F_ℓ(x) := ∇g_ℓ(x) if g_ℓ(x) < 0 … one might apply any numerical scheme for ODEs"),
+    quote="smoothening approach … F_ℓ(x) := ∇g_ℓ(x) if g_ℓ(x) < 0 … one might apply any numerical scheme for ODEs",
     correction=Correction(
         (
-            "with F_ℓ = −g_ℓ ∇g_ℓ where g_ℓ < 0 it is an ODE whose right-hand side is Lipschitz continuous while "
-            "no centres coincide; as printed (2.2) is a differential inclusion again"
+            "with F_ℓ = −g_ℓ ∇g_ℓ where g_ℓ < 0 it is an ODE whose right-hand side is Lipschitz continuous while no "
+            "centres coincide; as printed (2.2) is a differential inclusion again"
         ),
         Effect.MODEL,
-        ("“any numerical scheme for ODEs”; the stiffness for large ε of the next paragraph, which is that of −g∇g"),
+        "“any numerical scheme for ODEs”; the stiffness for large ε of the next paragraph, which is that of −g∇g",
         why=(
-            "∇g does not grow from 0 with the overlap: it jumps where contact begins, so the right-hand side is "
-            "not continuous"
+            "∇g does not grow from 0 with the overlap: it jumps where contact begins, so the right-hand side is not "
+            "continuous"
         ),
         place=1223,
     ),

@@ -153,8 +153,7 @@ def _large(tables: Tables) -> Evidence:
 
 
 # A point (x, y) of the unit disc with y < 1/2 goes to (x, 1/2) and, if that is outside, to (x, 1/2)/|(x, 1/2)|. u =
-# x^2, w is
-# u of the next point, 3/4 that of the common point. Of three discs in a line a and b are the overlaps.
+# x^2, w is u of the next point, 3/4 that of the common point. Of three discs in a line a and b are the overlaps.
 QUARTER, LEAST = sp.Rational(1, 4), sp.Rational(3, 4)
 NEXT, LEFT = u / (u + QUARTER) - LEAST, (u - LEAST) / (4 * u + 1)
 place, d, new, a, b = reals("u d new a b")

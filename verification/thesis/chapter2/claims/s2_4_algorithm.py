@@ -23,8 +23,7 @@ DT, END = 1 / 64, 1.0
 COUNTS, PILES, ORDER_BAND = (400, 1600, 6400), (800, 3200), 0.05
 
 # Two discs in the plane, the distance 2R = L; the second disc moves as the first, the other way. Then b < D the
-# distance
-# of the centres, a >= D that of any feasible state, m the square of the way there.
+# distance of the centres, a >= D that of any feasible state, m the square of the way there.
 sp = library()
 L, (u, v) = sp.Symbol("L", positive=True), sp.symbols("u v")
 x = sp.Matrix(sp.symbols("x:4", real=True))
@@ -100,8 +99,8 @@ def dimension(_delta: float) -> float:
         Effect.MODEL,
         "every simulation that takes the algorithm as printed: discs that overlap are drawn together",
         why=(
-            "the algorithm sets δ_ij negative where Example 2.5 has the positive overlap, and d stands for none "
-            "of its variables: with −δ_ij the step is that of the example"
+            "the algorithm sets δ_ij negative where Example 2.5 has the positive overlap, and d stands for none of its"
+            " variables: with −δ_ij the step is that of the example"
         ),
         place=1368,
     ),
@@ -162,8 +161,8 @@ def crowd(count: int) -> Floats:
     source="Remark 2.6; introduction, Part I",
     also=("c0.simple",),
     quote=(
-        "If the maximal number of contacts is locally bounded, then an efficient collision detection allows "
-        "an implementation of Algorithm 1 with linear runtime O(N) instead of O(N²)."
+        "If the maximal number of contacts is locally bounded, then an efficient collision detection allows an "
+        "implementation of Algorithm 1 with linear runtime O(N) instead of O(N²)."
     ),
     rests_on=("c2.algorithm",),
     tried_on="squares of 400 to 6400 discs that slightly overlap, and falling piles of 800 and 3200",

@@ -72,22 +72,22 @@ def beside_normals() -> list[float]:
     "Each limit of a consistent method is a solution.",
     source="sections 3 and 5",
     quote=(
-        "the PBD method is a numerically consistent method. This … shows that each limit of the PBD method "
-        "would be a solution."
+        "the PBD method is a numerically consistent method. This … shows that each limit of the PBD method would be a "
+        "solution."
     ),
     correction=Correction(
         (
-            "consistency as in Definition 2.7, at a fixed x, does not show it; the bound is needed along x_n → x,"
-            " with Δt → 0, as in (1.71), which PBD has while its overlaps are of the size of Δt"
+            "consistency as in Definition 2.7, at a fixed x, does not show it; the bound is needed along x_n → x, with"
+            " Δt → 0, as in (1.71), which PBD has while its overlaps are of the size of Δt"
         ),
         Effect.PROOF,
         (
-            "“uses exactly this concept” after Definition 2.7, and “all convergent limits … will solve” in "
-            "section 5; that overlaps stay small is left open in the conclusions of the thesis"
+            "“uses exactly this concept” after Definition 2.7, and “all convergent limits … will solve” in section 5; "
+            "that overlaps stay small is left open in the conclusions of the thesis"
         ),
         why=(
-            "a flow can be consistent at every fixed x, and fail on sets that move to x as Δt → 0; limits of its "
-            "steps are then no solutions"
+            "a flow can be consistent at every fixed x, and fail on sets that move to x as Δt → 0; limits of its steps"
+            " are then no solutions"
         ),
         place=1381,
     ),
@@ -159,8 +159,8 @@ def leaving() -> tuple[float, float]:
         Effect.MODEL,
         "Lemma 2.8: with the printed arrow PBD is not consistent, where a force leads away from contact",
         why=(
-            "upper semicontinuity bounds the support functions from above; where F leads away from contact the "
-            "left side is 0 and the right side is R"
+            "upper semicontinuity bounds the support functions from above; where F leads away from contact the left "
+            "side is 0 and the right side is R"
         ),
         place=1401,
     ),
@@ -186,8 +186,8 @@ def shares(x: Floats, force: Floats, dt: float) -> Floats:
         Effect.PROOF,
         "nothing else: the proof shows “≤”, and that is what section 3 uses",
         why=(
-            "where a force leads away from contact the left side of the definition is 0 and the right side is R; "
-            "see c2.definition"
+            "where a force leads away from contact the left side of the definition is 0 and the right side is R; see "
+            "c2.definition"
         ),
         place=1409,
     ),
@@ -227,8 +227,8 @@ _equivalent = implication(
         Effect.PROOF,
         "nothing else: only this direction is used",
         why=(
-            "p − q is normal at every q on the line through both centres where the discs touch, also with the "
-            "discs exchanged, and only one of these is the projection"
+            "p − q is normal at every q on the line through both centres where the discs touch, also with the discs "
+            "exchanged, and only one of these is the projection"
         ),
         place=1421,
     ),
@@ -326,9 +326,7 @@ def _induction() -> Evidence:
         "lim sup … ≤ σ(−N(S, x) ∩ B_R(0), w), which is what Corollary 1.30 gives",
         Effect.PROOF,
         "Lemma 2.8 needs only this; “converges” in the caption of Figure 3 is to be read in the same way",
-        why=(
-            "where a projection leaves contact the cones at p_j are smaller than the cone at x, and stay so as Δt → 0"
-        ),
+        why="where a projection leaves contact the cones at p_j are smaller than the cone at x, and stay so as Δt → 0",
         place=1470,
     ),
     rests_on=("c1.equivalent",),

@@ -16,8 +16,6 @@ MUCH = 100.0
 FOUR_DT, MOST_STEPS = 0.02, 1e6
 # An order is one if its interval lies within this distance of 1.
 ORDER_BAND = 0.1
-# A disc that moved less than this in a quarter of a unit of time is at rest [length].
-# The four discs: a time at which they have come to rest, and the accuracy of what is read off there.
 # Scenes with known solutions, at times at which discs slide or have been pressed together; steps that are small there.
 EXACT = (("two_disks", 2.0), ("two_disks", 4.0), ("sliding_disc", 3.0), ("stack", 1.5))
 EXACT_STEPS = (0.0025, 0.00125)
@@ -42,8 +40,8 @@ def step_error(dt: float) -> float:
         Effect.NUMBER,
         "the accuracy of the reference solutions: as printed, the tolerance would spoil them",
         why=(
-            "a reference is as good as the larger of both errors; for the time steps to count, the tolerance has "
-            "to be the smaller one"
+            "a reference is as good as the larger of both errors; for the time steps to count, the tolerance has to be"
+            " the smaller one"
         ),
         place=1480,
     ),
@@ -60,8 +58,8 @@ def _tolerance() -> Evidence:
     "Both convergent methods give the same reference solutions, within their errors.",
     source="section 4.1",
     quote=(
-        "The computed solutions from [inner convex approximation] coincided with the solutions computed with "
-        "Moreau's catch-up scheme."
+        "The computed solutions from [inner convex approximation] coincided with the solutions computed with Moreau's "
+        "catch-up scheme."
     ),
     needs=("references",),
     rests_on=("c2.catch-up", "c2.linearised"),

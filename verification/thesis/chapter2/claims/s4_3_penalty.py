@@ -19,8 +19,8 @@ TOO_STRONGLY = 10.0
     "Too large penalty parameters make simulations unstable, too small ones let discs overlap too much.",
     source="section 4.3",
     quote=(
-        "For too large penalty parameters, simulations become unstable, but for too small …, the constraints "
-        "will be violated too strongly."
+        "For too large penalty parameters, simulations become unstable, but for too small …, the constraints will be "
+        "violated too strongly."
     ),
     needs=("penalty_scan",),
     rests_on=("c2.printed-penalty",),
@@ -45,7 +45,7 @@ def _strength(tables: Tables) -> Evidence:
     "c2.a-priori",
     "The best penalty parameter differs between scenes and steps.",
     source="section 4.3",
-    quote=("In general, it is difficult to find the optimal penalty parameter a priori, i.e. before the simulation."),
+    quote="In general, it is difficult to find the optimal penalty parameter a priori, i.e. before the simulation.",
     needs=("penalty_best",),
     rests_on=("c2.printed-penalty",),
     chosen="the starts and steps, and the force as corrected in c2.printed-penalty",
@@ -63,8 +63,8 @@ def _a_priori(tables: Tables) -> Evidence:
     source="Figure 6; section 4.3",
     also=("c2.both-overlap",),
     quote=(
-        "PBD is able to outperform the penalty method by a small margin, even for optimal choice of the "
-        "penalty parameter."
+        "PBD is able to outperform the penalty method by a small margin, even for optimal choice of the penalty "
+        "parameter."
     ),
     needs=("penalty_best",),
     chosen="the starts and steps; best is the strength with the least largest overlap; how small a margin is small is "

@@ -52,12 +52,12 @@ def speed(table: pd.DataFrame, part: tuple[float, float]) -> float:
 
 @claim(
     "c3.inm",
-    ("Nuclei move slowly towards the basal side for most of the cycle and fast to the apical side at the end of it."),
+    "Nuclei move slowly towards the basal side for most of the cycle and fast to the apical side at the end of it.",
     source="section 1.3; Figure 7",
     also=("c3.last-hour",),
     quote=(
-        "an apical to basal movement during the G1 phase, the S phase and a passive part of the G2 phase. "
-        "Followed by a fast basal to apical displacement during the active part of the G2 phase and mitosis"
+        "an apical to basal movement during the G1 phase, the S phase and a passive part of the G2 phase. Followed by "
+        "a fast basal to apical displacement during the active part of the G2 phase and mitosis"
     ),
     rests_on=MODEL,
     chosen="4 runs of 16 h; ages at the start uniform on the cycle; nuclei anywhere in the box",

@@ -20,7 +20,6 @@ sp = library()
 
 # p^div of Table 1; cells after 48 h over those at the start.
 ADDED, TOO_FAST, MODERATE = 0.2, 4.0, 2.5
-# How near the mean cycle of 50 cells or so in a run comes to that of (3.1) [h].
 # Rest lengths follow the extension if they are off by less than this part of what they are off in the last hour.
 FOLLOWING = 0.5
 
@@ -75,25 +74,25 @@ def following(seed: int) -> float:
 @claim(
     "c3.passive-springs",
     (
-        "In G1 and S the rest lengths follow the extension of the springs, with desired lengths of ‖X − A‖ − "
-        "R^soft and ‖X − B‖ − R^soft."
+        "In G1 and S the rest lengths follow the extension of the springs, with desired lengths of ‖X − A‖ − R^soft "
+        "and ‖X − B‖ − R^soft."
     ),
     source="section 2.2.2",
     quote=(
-        "During the G1 and the S phase, the cytoskeleton of the cell will adapt to the current extension: "
-        "η^ax* := ‖X − A‖ − R^soft"
+        "During the G1 and the S phase, the cytoskeleton of the cell will adapt to the current extension: η^ax* := ‖X "
+        "− A‖ − R^soft"
     ),
     correction=Correction(
         "η^ax* := max(0, ‖X − A‖ − R^soft), η^bx* := max(0, ‖X − B‖ − R^soft)",
         Effect.MODEL,
         (
-            "all comparisons with DAHA in sections 3.1, 3.4 and 4: with the printed energies and rest lengths no "
-            "run of 10 h by DAHA ends, and there is nothing to compare"
+            "all comparisons with DAHA in sections 3.1, 3.4 and 4: with the printed energies and rest lengths no run "
+            "of 10 h by DAHA ends, and there is nothing to compare"
         ),
         why=(
             "a nucleus nearer than R^soft to an end of its cell gets a negative rest length, and a spring that "
-            "stiffens like 1/d; the published program has max(0, ·) (time_step_springs! in src/core/simulate.jl "
-            "of sEMTor.jl). With the squared denominators of c3.dimensions runs end by the printed rule as well"
+            "stiffens like 1/d; the published program has max(0, ·) (time_step_springs! in src/core/simulate.jl of "
+            "sEMTor.jl). With the squared denominators of c3.dimensions runs end by the printed rule as well"
         ),
         place=1725,
     ),
@@ -120,8 +119,8 @@ BOTH = [*SPRINGS, *(each.diff(y) for each in SPRINGS)]
 _equilibrium = identity(
     "c3.inm-equilibrium",
     "sections 2.1 and 2.2.3",
-    "η^ax* := 0 μm, η^bx* := ‖A − B‖ − 2R^soft … such that the most apical position is the equilibrium "
-    "for both springs",
+    "η^ax* := 0 μm, η^bx* := ‖A − B‖ − 2R^soft … such that the most apical position is the equilibrium for both "
+    "springs",
     "With the desired lengths of G2 both springs are at rest where the nucleus touches the apical point.",
     right=[each.subs(y, h - R) for each in BOTH],
     wrong=[each.subs(y, h - 2 * R) for each in BOTH],
@@ -141,8 +140,8 @@ def cells_after(share: float, seed: int) -> float:
     "With cycles of 10 to 21 hours a slice of tissue grows too fast if each division adds a cell to it.",
     source="section 2.2.5",
     quote=(
-        "since we only model a 2D slice of a three-dimensional tissue, the growth of the tissue would be too "
-        "fast if cells divide at a realistic rate"
+        "since we only model a 2D slice of a three-dimensional tissue, the growth of the tissue would be too fast if "
+        "cells divide at a realistic rate"
     ),
     rests_on=MODEL,
     chosen="60 cells at the start; in vivo the tissue at most doubles its height in 48 h. Too fast: more than 4 times "

@@ -59,14 +59,13 @@ def push(d: float) -> float:
         "the denominators are squares: (R^soft + η)² in (3.9), (3.10), (2R^soft)² in (3.11), (3.13)",
         Effect.MODEL,
         (
-            "F^basal-cytos in section 2.2.4 of chapter 4, which needs the square, too; the weight of (3.12) "
-            "against the other terms; the unit of μ (Table 5); the heights of Figures 14 and 16, which the "
-            "squares give"
+            "F^basal-cytos in section 2.2.4 of chapter 4, which needs the square, too; the weight of (3.12) against "
+            "the other terms; the unit of μ (Table 5); the heights of Figures 14 and 16, which the squares give"
         ),
         why=(
-            "each of them is a length squared over a length, and (3.12) is a number: they cannot be added without"
-            " units, and other units give other weights; the published program divides by squares "
-            "(compute_forces.jl of sEMTor.jl)"
+            "each of them is a length squared over a length, and (3.12) is a number: they cannot be added without "
+            "units, and other units give other weights; the published program divides by squares (compute_forces.jl of"
+            " sEMTor.jl)"
         ),
         place=1793,
     ),
@@ -121,8 +120,8 @@ z3 = solver_library()
 _straight = argument(
     "c3.straight-minimum",
     "(3.12)",
-    "The equilibrium of W_i^axb corresponds to the case when the angle … is 180°, i.e. if X_i lies on the"
-    " straight line joining the apical and the basal points",
+    "The equilibrium of W_i^axb corresponds to the case when the angle … is 180°, i.e. if X_i lies on the straight "
+    "line joining the apical and the basal points",
     "The bending energy is least where the nucleus lies between its two points on a straight line.",
     vanishes(LENGTHS - CROSS, LENGTHS + CROSS, "|u|²|v|² = (u·v)² + (u × v)²", "−(u × v)²"),
     follows(
@@ -146,7 +145,7 @@ _straightness = identity(
     correction=Correction(
         "α^axb (cos(γ) + 1) = α^axb (cos(0) − cos(γ − π))",
         Effect.PROOF,
-        ("the energy of a cell, which the second form shifts by −2α^axb; forces and the equilibrium γ = π stand"),
+        "the energy of a cell, which the second form shifts by −2α^axb; forces and the equilibrium γ = π stand",
         why="cos(π) − cos(γ − π) = −1 + cos(γ)",
         place=1815,
     ),
@@ -168,8 +167,8 @@ _repulsion = implication(
         "W_ij^xx = +α^xx/(2R^soft) (‖X_i − X_j‖ − 2R^soft)²",
         Effect.MODEL,
         (
-            "(3.14), the forces of all models of chapters 3 and 4: as printed nuclei attract each other until "
-            "their hard discs touch"
+            "(3.14), the forces of all models of chapters 3 and 4: as printed nuclei attract each other until their "
+            "hard discs touch"
         ),
         why="−∇ of the printed energy points from each nucleus to the other; the text calls it repulsive",
         place=1821,

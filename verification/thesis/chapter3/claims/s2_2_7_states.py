@@ -23,22 +23,22 @@ ROUNDING, TOL = 1e-9, 1e-6
     "The state is feasible at all times, also right after a cell event.",
     source="sections 2.2 and 3.2",
     quote=(
-        "The forces of the system are −∇W(Z, P) with the additional constraint that Z ∈ S at all times. … We "
-        "define the FO-PSE model as (3.33) together [with] the discontinuous cell events"
+        "The forces of the system are −∇W(Z, P) with the additional constraint that Z ∈ S at all times. … We define "
+        "the FO-PSE model as (3.33) together [with] the discontinuous cell events"
     ),
     correction=Correction(
         (
-            "Z ∈ S but right after a division with two offspring and at the onset of mitosis; from there the "
-            "state is first projected onto S, and then follows (3.33)"
+            "Z ∈ S but right after a division with two offspring and at the onset of mitosis; from there the state is "
+            "first projected onto S, and then follows (3.33)"
         ),
         Effect.MODEL,
         (
-            "(3.33), whose right side is empty outside of S, so that it cannot go on after such an event; Model "
-            "3.1 and Method 3.7 need no change, for minimisation and projections begin outside of S as well"
+            "(3.33), whose right side is empty outside of S, so that it cannot go on after such an event; Model 3.1 "
+            "and Method 3.7 need no change, for minimisation and projections begin outside of S as well"
         ),
         why=(
-            "(3.7) puts both nuclei 0.1 μm apart, (C1) asks for 3.32 μm; the radius of (3.4) jumps to 3.5 μm "
-            "while nuclei touch"
+            "(3.7) puts both nuclei 0.1 μm apart, (C1) asks for 3.32 μm; the radius of (3.4) jumps to 3.5 μm while "
+            "nuclei touch"
         ),
         place=1680,
     ),
@@ -69,14 +69,12 @@ def _at_all_times() -> Evidence:
     quote="Since the set S is uniformly prox-regular by Proposition 1.22",
     correction=Correction(
         (
-            "… by Proposition 1.22 while no cell is in mitosis; with the two radii of (3.4) the proposition is "
-            "needed for hard spheres of different radii"
+            "… by Proposition 1.22 while no cell is in mitosis; with the two radii of (3.4) the proposition is needed "
+            "for hard spheres of different radii"
         ),
         Effect.PROOF,
         "well-posedness while a cell is in mitosis; c3.well-posed has another gap of the same sentence",
-        why=(
-            "the proposition has one distance 2R for all pairs; (C1) has R_i^hard + R_j^hard with two values of R^hard"
-        ),
+        why="the proposition has one distance 2R for all pairs; (C1) has R_i^hard + R_j^hard with two values of R^hard",
         place=2145,
     ),
     rests_on=("c1.prox-constant", "c3.enlarged"),

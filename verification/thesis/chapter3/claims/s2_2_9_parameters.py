@@ -18,8 +18,8 @@ from verification.thesis.chapter3.printed import G2, HEIGHT, MITOSIS, R_SOFT, WI
 from verification.thesis.chapter3.sampled import MODEL, SEEDS, runs_for
 
 MANY = 12
-# The first height of Figure 16, and of the published program SteffenPL/sEMTor.jl (src/core/parameters.jl, line 18:
-# size = [N_init/3, 8]), both in R_soft.
+# The first height of Figure 16, and of the published program SteffenPL/sEMTor.jl (src/core/parameters.jl, line 18: size
+# = [N_init/3, 8]), both in R_soft.
 FIRST_HEIGHT, PUBLISHED_HEIGHT = 8.0, 8.0
 TOL = 1e-6
 # z of a 99.9 % interval.
@@ -38,8 +38,8 @@ def layers(distance: str) -> list[float]:
     "The number of layers of nuclei tells the distance of neighbouring apical and basal points.",
     source="section 2.2.9",
     quote=(
-        "by counting the number of layers that the cells form in vivo, one can estimate values for "
-        "d^init-apical, d^max-basal depending on the number of cells"
+        "by counting the number of layers that the cells form in vivo, one can estimate values for d^init-apical, "
+        "d^max-basal depending on the number of cells"
     ),
     rests_on=MODEL,
     chosen="60 cells, 8 h; one distance for both kinds of points; layers are soft discs on a vertical line, on average",
@@ -84,10 +84,10 @@ _diffusion = identity(
     correction=Correction(
         "h^init = 40 μm, w^init = 50 μm",
         Effect.NUMBER,
-        ("every run of chapters 3 and 4 begins in this box; heights are compared with the first one (Figure 16)"),
+        "every run of chapters 3 and 4 begins in this box; heights are compared with the first one (Figure 16)",
         why=(
-            "Figure 16 and section 4 speak of “an increase from 8 to 16” R^soft, and 8 R^soft are 40 μm; the "
-            "published program begins 8 high (parameters.jl, line 18, of sEMTor.jl)"
+            "Figure 16 and section 4 speak of “an increase from 8 to 16” R^soft, and 8 R^soft are 40 μm; the published"
+            " program begins 8 high (parameters.jl, line 18, of sEMTor.jl)"
         ),
         place=1899,
     ),
@@ -119,8 +119,8 @@ def basal_width(distance: str) -> float:
         Effect.MODEL,
         "(C2) in every run of chapters 3 and 4: with 0 the basal layer is a point",
         why=(
-            "with 0 μm (C2) puts all basal points in one place; the published program has 1/3 R^soft "
-            "(parameters.jl, line 20, of sEMTor.jl)"
+            "with 0 μm (C2) puts all basal points in one place; the published program has 1/3 R^soft (parameters.jl, "
+            "line 20, of sEMTor.jl)"
         ),
         place=1902,
     ),
@@ -158,8 +158,8 @@ def singles(two: float) -> tuple[int, int]:
         Effect.MODEL,
         "the growth of the tissue in chapters 3 and 4; p^div-out = 100 % of chapter 4 is 1 − p^div",
         why=(
-            "sections 2.1 and 2.2.5 create a second daughter in 20 % of the divisions; the published program lets"
-            " it leave with 0.8 (parameters.jl, line 21, of sEMTor.jl)"
+            "sections 2.1 and 2.2.5 create a second daughter in 20 % of the divisions; the published program lets it "
+            "leave with 0.8 (parameters.jl, line 21, of sEMTor.jl)"
         ),
         place=1903,
     ),
@@ -195,8 +195,8 @@ def text_rule(age: np.ndarray, cycle: float) -> np.ndarray:
         Effect.MODEL,
         "the rise of nuclei in active G2, which the table makes twice as large while they move",
         why=(
-            "sections 2.1, 2.2.3 and (3.4) enlarge the radius in mitosis only, (3.8) calls the other one that of "
-            "the passive phase, G1 among them"
+            "sections 2.1, 2.2.3 and (3.4) enlarge the radius in mitosis only, (3.8) calls the other one that of the "
+            "passive phase, G1 among them"
         ),
         place=1927,
     ),

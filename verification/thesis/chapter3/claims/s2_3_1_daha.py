@@ -112,13 +112,13 @@ def least_weight(c: float, dtau: float) -> float:
     "A larger damping c and a larger step make DAHA more stable, and take more iterations.",
     source="section 2.3.1",
     quote=(
-        "Increasing the damping coefficient c and the time-step size Δt can reduce the numerical "
-        "instabilities, but it also directly increases the number of required iterations."
+        "Increasing the damping coefficient c and the time-step size Δt can reduce the numerical instabilities, but it"
+        " also directly increases the number of required iterations."
     ),
     correction=Correction(
         (
-            "Δτ must be decreased: energies are stable for Δτ²αW'' ≤ 4, whatever c is; a larger c helps contacts "
-            "only. Both take more iterations"
+            "Δτ must be decreased: energies are stable for Δτ²αW'' ≤ 4, whatever c is; a larger c helps contacts only."
+            " Both take more iterations"
         ),
         Effect.MODEL,
         "the choice of parameters: a larger Δτ is less stable and needs fewer iterations",
@@ -223,16 +223,16 @@ def landed(weight: float) -> list[float]:
     "With Table 4 the states run into their rest without swinging around it.",
     source="section 2.3.1",
     quote=(
-        "We see in particular, that the Damped Arrow-Hurwicz Algorithm approaches the equilibrium on an "
-        "overdamped trajectory."
+        "We see in particular, that the Damped Arrow-Hurwicz Algorithm approaches the equilibrium on an overdamped "
+        "trajectory."
     ),
     correction=Correction(
-        ("… approaches it on an overdamped trajectory where no constraint is active; at a contact the state swings"),
+        "… approaches it on an overdamped trajectory where no constraint is active; at a contact the state swings",
         Effect.PROOF,
         "nothing of Remark 3.6 and section 3.1, which leave the constraints out",
         why=(
-            "c = 2 with Δτ = 1 removes the inertia of z alone: z and λ together are of second order, λ sums up g,"
-            " and (3.26), from which the sentence is read off, has the terms of the constraints"
+            "c = 2 with Δτ = 1 removes the inertia of z alone: z and λ together are of second order, λ sums up g, and "
+            "(3.26), from which the sentence is read off, has the terms of the constraints"
         ),
         place=2043,
     ),
@@ -251,8 +251,8 @@ DESCENT = damped(z, before, size * w, 2 / h, h) - z
 _descent = identity(
     "c3.descent",
     "Remark 3.6",
-    "Let us consider the situation without constraints, e.g. M = 0, and with parameters as in Table 4. In"
-    " this case the DAHA method reduces to a gradient decent method with fixed step size.",
+    "Let us consider the situation without constraints, e.g. M = 0, and with parameters as in Table 4. In this case "
+    "the DAHA method reduces to a gradient decent method with fixed step size.",
     "Without constraints and with c = 2/Δτ DAHA is gradient descent, z_{n+1} = z_n − ½Δτ²α∇W(z_n).",
     right=DESCENT + h**2 * size * w / 2,
     wrong=DESCENT - h**2 * size * w / 2,

@@ -33,8 +33,8 @@ STILL = [z3.Or(z3.And(l == 0, g >= 0), -b * g == 0), a * (w - l * j) + c * l * g
 _rest = implication(
     "c3.rests",
     "(3.21) to (3.23)",
-    "The dynamical system (3.21) and (3.22) has every solution of (3.18) as an equilibrium. … (3.23) … "
-    "has also all solutions of (3.18) as equilibria.",
+    "The dynamical system (3.21) and (3.22) has every solution of (3.18) as an equilibrium. … (3.23) … has also all "
+    "solutions of (3.18) as equilibria.",
     "With ∇W = Σ λ∇g, λg = 0 the right sides of (3.21), λ ≤ 0, of (3.22) and of (3.23), λ ≥ 0, vanish.",
     given=[w == l * j, l >= 0, g >= 0, l * g == 0],
     then=[a * (w - l * j) == 0, *STILL],

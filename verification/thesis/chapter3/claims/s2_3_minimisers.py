@@ -61,12 +61,12 @@ def first_method(side: float, turn: float) -> tuple[float, float]:
     also=("c3.equilibria",),
     quote="z_{n+1} := z_n - α(∇W(z_n) + Σ λ_ℓ ∇g_ℓ(z_n)), λ_{ℓ,n+1} := min(0, λ_{ℓ,n} - β g_ℓ(z_{n+1}))",
     correction=Correction(
-        ("either λ ≤ 0 with + Σ λ_ℓ ∇g_ℓ and min(0, λ_ℓ + βg_ℓ), or λ ≥ 0 with - Σ λ_ℓ ∇g_ℓ and max(0, λ_ℓ - βg_ℓ)"),
+        "either λ ≤ 0 with + Σ λ_ℓ ∇g_ℓ and min(0, λ_ℓ + βg_ℓ), or λ ≥ 0 with - Σ λ_ℓ ∇g_ℓ and max(0, λ_ℓ - βg_ℓ)",
         Effect.MODEL,
         "(3.21), (3.22), for which the method is the semi-implicit Euler method, and Method 3.4",
         why=(
-            "where g > 0 the printed update makes λ negative, and −αλ∇g then moves the state along +∇g, deeper "
-            "into the feasible set: g grows further, and so does −λ, without end"
+            "where g > 0 the printed update makes λ negative, and −αλ∇g then moves the state along +∇g, deeper into "
+            "the feasible set: g grows further, and so does −λ, without end"
         ),
         place=1979,
     ),
@@ -147,8 +147,8 @@ def two_discs() -> dincl.Problem:
         Effect.MODEL,
         "the method: with min, discs that overlap do not notice each other",
         why=(
-            "λ begins at 0, grows while g < 0 and must not become negative, as (3.25) has − Σ λ∇g; min(0, ·) "
-            "keeps it at 0 there"
+            "λ begins at 0, grows while g < 0 and must not become negative, as (3.25) has − Σ λ∇g; min(0, ·) keeps it "
+            "at 0 there"
         ),
         place=2014,
     ),

@@ -24,8 +24,8 @@ Floats = NDArray[np.float64]
 SEED = 36
 # Of integrations with a tolerance of 1e-10, of numbers that are printed with four digits, and of rounding.
 TOL, DIGITS, ROUNDING = 1e-7, 5e-5, 1e-9
-# Ten standard errors of a variance from that many samples.
-# 2 alpha (1/u^2 + 1/v^2 + 1/(u v)) for straightness with u = v = 1, and 4 alpha max(1, |1 - l/d|)/l for both springs.
+# Ten standard errors of a variance from that many samples. 2 alpha (1/u^2 + 1/v^2 + 1/(u v)) for straightness with u =
+# v = 1, and 4 alpha max(1, |1 - l/d|)/l for both springs.
 LIPSCHITZ = 2 * AXB * 3 + 2 * 4 * AX * 1.5 / 2.5
 
 # The chain rule for z~(t) = z(t/delta).
@@ -90,13 +90,13 @@ def curvature(x: Floats, y: Floats) -> Floats:
     "By the theorems of chapter 1 the first-order model has one solution from each start, for all times.",
     source="section 3.2",
     quote=(
-        "Since the set S is uniformly prox-regular …, we obtain from Theorem 1.31 and Lemma 1.32 the "
-        "well-posed of this equation."
+        "Since the set S is uniformly prox-regular …, we obtain from Theorem 1.31 and Lemma 1.32 the well-posed of "
+        "this equation."
     ),
     correction=Correction(
         (
-            "the theorems need a Lipschitz ∇W: they apply as long as no nucleus comes near an end of its cell, "
-            "where (3.12) has no bounded second derivative"
+            "the theorems need a Lipschitz ∇W: they apply as long as no nucleus comes near an end of its cell, where "
+            "(3.12) has no bounded second derivative"
         ),
         Effect.PROOF,
         "well-posedness for all times; where nuclei meet an end, DAHA and PBD become unstable",

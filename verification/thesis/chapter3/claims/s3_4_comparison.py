@@ -64,8 +64,8 @@ def ways(seed: int) -> list[float]:
     "DAHA stops before the minimum, near the start of a step, and the nearer the larger ε/α is.",
     source="section 2.3.2",
     quote=(
-        "we will show an error estimate for DAHA which will later explain why DAHA prefers solutions which "
-        "are close the starting point"
+        "we will show an error estimate for DAHA which will later explain why DAHA prefers solutions which are close "
+        "the starting point"
     ),
     needs=("tissue_judged_steps",),
     rests_on=(*DAHA, "c3.stopping"),
@@ -141,14 +141,14 @@ def _iterations(tables: Tables) -> Evidence:
     "The derived damping brings PBD nearly as close to DAHA as any other.",
     source="section 3.1",
     quote=(
-        "[μ = 0.1333] Here, the choice of n* is the median obtained from Figure 11. We will later see that "
-        "this choice is almost optimal."
+        "[μ = 0.1333] Here, the choice of n* is the median obtained from Figure 11. We will later see that this choice"
+        " is almost optimal."
     ),
     correction=Correction(
         "the same with the desired rest lengths max(0, ·) of c3.passive-springs",
         Effect.MODEL,
         "μ of (3.32) and Table 5",
-        why=("with the printed rest lengths no run of DAHA reaches 10 h, so that there is no tissue to compare with"),
+        why="with the printed rest lengths no run of DAHA reaches 10 h, so that there is no tissue to compare with",
         place=2137,
     ),
     needs=("tissue_daha_fits", "tissue_daha_shares"),
@@ -173,8 +173,8 @@ def _optimal(tables: Tables) -> Evidence:
     source="sections 3 and 3.4; introduction, Part II",
     also=("c0.faster", "c3.gradients"),
     quote=(
-        "27 s … 0.08 s, which is over 300× faster … 28 s … 300× speed-up … essentially the ratio between n* = 7500 and "
-        "n^sub-steps = 20 … The faster simulation is simply a result of less evaluations of the energy gradient."
+        "27 s … 0.08 s, which is over 300× faster … 28 s … 300× speed-up … essentially the ratio between n* = 7500 and"
+        " n^sub-steps = 20 … The faster simulation is simply a result of less evaluations of the energy gradient."
     ),
     needs=("tissue_daha", "tissue_daha_speed"),
     rests_on=DAHA,
@@ -218,7 +218,7 @@ def beyond(row: pd.Series, value: float) -> float:
         "the same with the desired rest lengths max(0, ·) of c3.passive-springs",
         Effect.MODEL,
         "the agreement of both models in section 3.4",
-        why=("with the printed rest lengths no run of DAHA reaches 10 h, so that there is no tissue to compare with"),
+        why="with the printed rest lengths no run of DAHA reaches 10 h, so that there is no tissue to compare with",
         place=2229,
     ),
     needs=("tissue_daha_distances", "tissue_daha_shares"),

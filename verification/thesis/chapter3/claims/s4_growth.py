@@ -42,8 +42,8 @@ SHEET = {"tissue.dimension": 3, "tissue.cells": 100, "space.boundary": "open", "
     "With substeps that are short enough PBD loses no run.",
     source="section 3.4",
     quote=(
-        "In all our experiments, the PBD method did never diverge. The only condition is that Δt and "
-        "n^sub-steps have reasonable values such that the explicit Euler method converges."
+        "In all our experiments, the PBD method did never diverge. The only condition is that Δt and n^sub-steps have "
+        "reasonable values such that the explicit Euler method converges."
     ),
     needs=("tissue_ratios",),
     rests_on=MODEL,
@@ -72,7 +72,7 @@ def _condition(tables: Tables) -> Evidence:
         "the same with the desired rest lengths max(0, ·) of c3.passive-springs",
         Effect.MODEL,
         "the main goal of section 3.4, that the calibration of [Fer+19] applies to the first-order model",
-        why=("with the printed rest lengths no run of DAHA reaches 10 h, so that there is no tissue to compare with"),
+        why="with the printed rest lengths no run of DAHA reaches 10 h, so that there is no tissue to compare with",
         place=2233,
     ),
     needs=("tissue_daha_distances", "tissue_daha_shares"),
@@ -129,16 +129,16 @@ def _accumulation() -> Evidence:
     "With the default parameters the tissue gains less than half of its height in two days.",
     source="section 4, Figure 14",
     quote=(
-        "Figure 14 shows a simulation with the QSS-PSE model where the height increase is less than 50 % of "
-        "the initial height."
+        "Figure 14 shows a simulation with the QSS-PSE model where the height increase is less than 50 % of the "
+        "initial height."
     ),
     correction=Correction(
         "the same with the squared denominators of c3.dimensions; with the printed ones the height gains 68 %",
         Effect.MODEL,
         "Figure 14, and the growth that section 4 compares with the embryo",
         why=(
-            "with the printed denominators springs and repulsion are stronger against (3.12), and the tissue "
-            "grows faster: Figures 14 to 16 show runs of the program, which divides by squares"
+            "with the printed denominators springs and repulsion are stronger against (3.12), and the tissue grows "
+            "faster: Figures 14 to 16 show runs of the program, which divides by squares"
         ),
         place=2244,
     ),
@@ -167,8 +167,8 @@ def _less_than_half(tables: Tables) -> Evidence:
     correction=Correction(
         "the same with the desired rest lengths max(0, ·) of c3.passive-springs",
         Effect.MODEL,
-        ("Figure 15; c3.dimensions, c3.accumulation and c3.less-than-half, where PBD with μ = 0.2 h stands for DAHA"),
-        why=("with the printed rest lengths no run of DAHA reaches 10 h, so that there is no tissue to compare with"),
+        "Figure 15; c3.dimensions, c3.accumulation and c3.less-than-half, where PBD with μ = 0.2 h stands for DAHA",
+        why="with the printed rest lengths no run of DAHA reaches 10 h, so that there is no tissue to compare with",
         place=2253,
     ),
     needs=("tissue_daha_distances", "tissue_daha_shares"),
@@ -237,12 +237,12 @@ def _damping(tables: Tables) -> Evidence:
     source="Figure 16",
     quote="A realistic increase within 48 h would be a doubling …, similar to the choice μ = 0.025.",
     correction=Correction(
-        ("the same with the squared denominators of c3.dimensions; with the printed ones μ = 0.1 h doubles the height"),
+        "the same with the squared denominators of c3.dimensions; with the printed ones μ = 0.1 h doubles the height",
         Effect.MODEL,
         "Figure 16 and the choice of μ in section 4",
         why=(
-            "with the printed denominators springs and repulsion are stronger against (3.12), and the tissue "
-            "grows faster: Figures 14 to 16 show runs of the program, which divides by squares"
+            "with the printed denominators springs and repulsion are stronger against (3.12), and the tissue grows "
+            "faster: Figures 14 to 16 show runs of the program, which divides by squares"
         ),
         place=2258,
     ),
@@ -276,16 +276,14 @@ def overtaken(frame: Frame, first: Frame) -> int:
     "In three dimensions only rules for cell division and for apical-apical springs are missing.",
     source="section 5",
     quote=(
-        "most of the rules are already independent of the dimension. The ‘only’ remaining task is to find "
-        "good rules for cell division and construction of apical-apical springs"
+        "most of the rules are already independent of the dimension. The ‘only’ remaining task is to find good rules "
+        "for cell division and construction of apical-apical springs"
     ),
     correction=Correction(
         "rules are left for cell division, for apical-apical springs, and for neighbours of basal points",
         Effect.MODEL,
-        ("(C2) and (C4), which take the cells to the left and to the right; on a surface there is no such order"),
-        why=(
-            "in a sheet basal neighbours pass each other along x, and their network has no crossing edges all the same"
-        ),
+        "(C2) and (C4), which take the cells to the left and to the right; on a surface there is no such order",
+        why="in a sheet basal neighbours pass each other along x, and their network has no crossing edges all the same",
         place=2269,
     ),
     chosen="a sheet of 100 cells that grows for 12 h; (C4) keeps basal neighbours of the slice in their order along x",

@@ -19,8 +19,8 @@ _rest_length = identity(
     wrong=sp.limit(eta, t, sp.oo),
     correction=Correction(
         (
-            "the rules of sections 2.2.2 and 2.2.3 of chapter 3 that set η^{ax*} and η^{bx*} do not apply any "
-            "more; (3.2) and (3.3), by which η tends to η* = 0, do"
+            "the rules of sections 2.2.2 and 2.2.3 of chapter 3 that set η^{ax*} and η^{bx*} do not apply any more; "
+            "(3.2) and (3.3), by which η tends to η* = 0, do"
         ),
         Effect.MODEL,
         "events [A] and [B], the contraction in Figures 5 and 6, the pull-in effect of section 4.3.2",

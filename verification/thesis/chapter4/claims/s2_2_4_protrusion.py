@@ -29,8 +29,8 @@ _law = argument(
     "c4.protrusion-law",
     "(4.1)",
     "Ḃ_i = v^run (B_i − X_i)/‖B_i − X_i‖ if y(B_i) > −2R^soft, 0 else",
-    "A basal point runs away from its nucleus at one speed and stops 2 R_soft below the basal layer; one "
-    "that begins above its nucleus never gets there.",
+    "A basal point runs away from its nucleus at one speed and stops 2 R_soft below the basal layer; one that begins "
+    "above its nucleus never gets there.",
     vanishes(
         [PATH.diff(t) - v * e, PATH.dot(PATH) - (r + v * t) ** 2],
         PATH.diff(t) + v * e,
@@ -41,8 +41,8 @@ _law = argument(
         RUNNING,
         [arrives(x + 2 * R + start * down), NEVER],
         [arrives(-(x + 2 * R + start * down)), NEVER],
-        "if e points down, y(B) = −2R^soft at t = (y(X) + 2R^soft + r e_y)/(−v e_y); if not, y(B) ≥ y(X) > "
-        "−2R^soft for all t",
+        "if e points down, y(B) = −2R^soft at t = (y(X) + 2R^soft + r e_y)/(−v e_y); if not, y(B) ≥ y(X) > −2R^soft "
+        "for all t",
         "at the negative of that time",
     ),
     chosen="the nucleus rests; v^run = 1 R_soft/h, for the thesis gives no value",
@@ -60,7 +60,7 @@ RELAXING = (d - size) * sp.exp(-k * t)
 
 _grip = argument(
     "c4.grip",
-    "section 2.2.4; sections 2.1, 2.2.4",
+    "sections 2.1, 2.2.4",
     "η^bx := ‖X − B‖ − R^soft if y(B) > 0, 0 if y(B) ≤ 0",
     "With this rest length the spring has no force above the basal layer and pulls once below.",
     vanishes(
@@ -90,12 +90,10 @@ _grip = argument(
         ),
         Effect.MODEL,
         (
-            "where a nucleus rests beside a basal point below the layer: its disc touches the point, it does not "
-            "reach it"
+            "where a nucleus rests beside a basal point below the layer: its disc touches the point, it does not reach"
+            " it"
         ),
-        why=(
-            "with η^bx = 0 the printed force is 2α^bx/R^soft (‖B − X‖ − R^soft) towards B: below 0 if ‖B − X‖ < R^soft"
-        ),
+        why="with η^bx = 0 the printed force is 2α^bx/R^soft (‖B − X‖ − R^soft) towards B: below 0 if ‖B − X‖ < R^soft",
         place=2454,
     ),
 )

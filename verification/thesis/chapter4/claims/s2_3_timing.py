@@ -31,8 +31,8 @@ _onset = implication(
         Effect.NUMBER,
         "the onset of a quarter of the cells with times from (4.2); Figures 21 and 22 are by (4.8)",
         why=(
-            "section 2.3.1 draws T^P and T^B independently, and [P] waits for [B] (section 2.2.4): a T^P before "
-            "all other times is the time of no event"
+            "section 2.3.1 draws T^P and T^B independently, and [P] waits for [B] (section 2.2.4): a T^P before all "
+            "other times is the time of no event"
         ),
         place=2532,
     ),

@@ -32,8 +32,8 @@ def _orders() -> list[str]:
         Effect.NUMBER,
         "the number of EMT categories by order, and the list in the footnote",
         why=(
-            "without [P] there are 3, 6 and 6 orders of one to three of A, B, S; with [P] behind [B] 1, 6 and 12 "
-            "of two to four: 3, 7, 12 and 12; the footnote itself lists 12 of three"
+            "without [P] there are 3, 6 and 6 orders of one to three of A, B, S; with [P] behind [B] 1, 6 and 12 of "
+            "two to four: 3, 7, 12 and 12; the footnote itself lists 12 of three"
         ),
         place=2535,
     ),

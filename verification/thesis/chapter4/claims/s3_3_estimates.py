@@ -52,8 +52,8 @@ _total = identity(
     "c4.total",
     "(4.7), (4.10)",
     "r*(D_k) := 1/N^EMT Σ_i E[δ_i* | T_i ∈ D_k]",
-    "Weighted by the chances of the categories their ratios make up the ratio of extruded cells, Σ_k P[D_k] "
-    "r(D_k) = r.",
+    "Weighted by the chances of the categories their ratios make up the ratio of extruded cells, Σ_k P[D_k] r(D_k) = "
+    "r.",
     right=p * e / p - e,
     wrong=p * e / (p + d) - e,
     rests_on=("c4.conditional",),

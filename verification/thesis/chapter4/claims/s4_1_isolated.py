@@ -40,24 +40,24 @@ FEW, SOME = 0.2, 0.01
     "The ratios of Figures 10 and 12 come out of the model as chapter 3 prints it.",
     source="sections 4.1, 4.2.1, Figures 10, 12",
     quote=(
-        "All simulations use the default parameters from Tables 1 to 3 (from Chapter 3) … [A] 30 % apically, "
-        "10 % basally, without INM 20 %; [B] 0 %, without INM 70 %"
+        "All simulations use the default parameters from Tables 1 to 3 (from Chapter 3) … [A] 30 % apically, 10 % "
+        "basally, without INM 20 %; [B] 0 %, without INM 70 %"
     ),
     correction=Correction(
         (
-            "they come out of the published runs; of the twelve rows in which they differ from chapter 3 two "
-            "decide: the energies of the cytoskeleton and of the apical junctions"
+            "they come out of the published runs; of the twelve rows in which they differ from chapter 3 two decide: "
+            "the energies of the cytoskeleton and of the apical junctions"
         ),
         Effect.MODEL,
         (
-            "all numbers of section 4; averaged over all other rows the first raises basal extrusion of [A] by 28"
-            " points, without INM by 40, of [B] without INM by 58; the second lowers them by 14, 17, 9; no other "
-            "by over 6"
+            "all numbers of section 4; averaged over all other rows the first raises basal extrusion of [A] by 28 "
+            "points, without INM by 40, of [B] without INM by 58; the second lowers them by 14, 17, 9; no other by "
+            "over 6"
         ),
         why=(
             "with (3.9), (3.10) as printed the springs are too stiff by the factor R^soft + η, and hardly a cell "
-            "leaves basally; the published program divides by the square (src/core/compute_forces.jl, line 28, of"
-            " SteffenPL/sEMTor.jl), and its junctions have half the energy of (3.11) without dimension (line 83)"
+            "leaves basally; the published program divides by the square (src/core/compute_forces.jl, line 28, of "
+            "SteffenPL/sEMTor.jl), and its junctions have half the energy of (3.11) without dimension (line 83)"
         ),
         place=2758,
     ),
@@ -109,9 +109,7 @@ def _protrusions(tables: Tables) -> Evidence:
     "c4.remain",
     "More than half of the cells with [B], and of those with [S], are not above or below the others.",
     source="Figure 10",
-    quote=(
-        "For loss of basal adhesion [B] and loss of straightness [S], cells remain mostly between the control cells."
-    ),
+    quote="For loss of basal adhesion [B] and loss of straightness [S], cells remain mostly between the control cells.",
     needs=(RATIOS,),
 )
 def _remain(tables: Tables) -> Evidence:
@@ -128,16 +126,14 @@ def _remain(tables: Tables) -> Evidence:
     "Of the cells that [A] drives out of the tissue most leave basally.",
     source="sections 4.1, 4.1.2",
     quote=(
-        "[A] drives cells out of the tissue, mostly basally. … While there is more apical extrusion than "
-        "basal extrusion …, in 60 % of the cases, the loss of apical adhesion pushes cells basally"
+        "[A] drives cells out of the tissue, mostly basally. … While there is more apical extrusion than basal "
+        "extrusion …, in 60 % of the cases, the loss of apical adhesion pushes cells basally"
     ),
     correction=Correction(
         "[A] brings most cells below all others, but out of the tissue fewer basally than apically",
         Effect.CONCLUSION,
-        ("the second of the observations in 4.1, the heading of 4.1.2, whose text has 30 % apically, 10 % basally"),
-        why=(
-            "a cell that lies below all others is not extruded by (4.3); the section counts it with the extruded ones"
-        ),
+        "the second of the observations in 4.1, the heading of 4.1.2, whose text has 30 % apically, 10 % basally",
+        why="a cell that lies below all others is not extruded by (4.3); the section counts it with the extruded ones",
         place=2764,
     ),
     needs=(RATIOS,),
@@ -186,10 +182,10 @@ def _apical(tables: Tables) -> Evidence:
     correction=Correction(
         "the time of [A] has an impact; the order of [A] and [B], counted from [A] on, has less",
         Effect.CONCLUSION,
-        ("4.3 and 4.3.1; the captions of Figures 14 and 20 and section 4.5.3 say that the time of [A] has an impact"),
+        "4.3 and 4.3.1; the captions of Figures 14 and 20 and section 4.5.3 say that the time of [A] has an impact",
         why=(
-            "a cell whose [A] comes 18 h earlier has 18 h more to leave, and the curves of both orders differ "
-            "even if they begin at [A]"
+            "a cell whose [A] comes 18 h earlier has 18 h more to leave, and the curves of both orders differ even if "
+            "they begin at [A]"
         ),
         place=2841,
     ),
@@ -245,7 +241,7 @@ def _without_inm(tables: Tables) -> Evidence:
     "c4.inm-swaps",
     "Without INM [B] extrudes more cells basally than [A], with INM fewer.",
     source="Figure 12",
-    quote=("Suddenly, [B] leads to much more basal extrusion compared to [A]. With INM it was the other way around."),
+    quote="Suddenly, [B] leads to much more basal extrusion compared to [A]. With INM it was the other way around.",
     needs=(RATIOS,),
 )
 def _swapped(tables: Tables) -> Evidence:
@@ -305,9 +301,7 @@ def by_straightness(tables: Tables, preset: str) -> list[Sized]:
     "c4.straightness",
     "A cell with [S] leaves hardly more often than one without any event.",
     source="section 4.2.2",
-    quote=(
-        "[S] is mostly irrelevant … cells which lose straightness [S] still behave essentially like epithelial cells"
-    ),
+    quote="[S] is mostly irrelevant … cells which lose straightness [S] still behave essentially like epithelial cells",
     needs=(RATIOS,),
     chosen=f"mostly irrelevant: a change of less than {LITTLE:.0%} of the cells; [S] sets α^axb to 0 with the printed "
     "and with the corrected energies, to 1 of 15 in the published program",
@@ -318,19 +312,19 @@ def _straightness(tables: Tables) -> Evidence:
 
 @claim(
     "c4.straightness-rule",
-    ("[S] sets the stiffness of the bending spring to zero, and cells still behave like those without any event."),
+    "[S] sets the stiffness of the bending spring to zero, and cells still behave like those without any event.",
     source="sections 2.2.3, 4.2.2",
     quote="we set the stiffness of the bending spring to zero, e.g. α^axb(t⁺) := 0 … [S] is mostly irrelevant",
     correction=Correction(
         (
-            "[S] decreases α^axb, as section 2.1 says, to 1 of 15 in the published runs, not to 0 as in 2.2.3: "
-            "with 1 it is mostly irrelevant"
+            "[S] decreases α^axb, as section 2.1 says, to 1 of 15 in the published runs, not to 0 as in 2.2.3: with 1 "
+            "it is mostly irrelevant"
         ),
         Effect.MODEL,
         "2.2.3 and Figures 10, 12; that [S] is left out from 4.3 on",
         why=(
-            "section 2.1 says that [S] decreases α^axb; without bending stiffness nothing holds the nucleus "
-            "between its two points, and a fifth to two fifths of the cells with INM leave apically"
+            "section 2.1 says that [S] decreases α^axb; without bending stiffness nothing holds the nucleus between "
+            "its two points, and a fifth to two fifths of the cells with INM leave apically"
         ),
         place=2821,
     ),

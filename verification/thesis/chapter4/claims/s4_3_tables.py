@@ -90,9 +90,7 @@ def acting(percent: float) -> Comparison:
         "7 % = 10 % · 70 %",
         Effect.NUMBER,
         "the names in Figures 17 to 19",
-        why=(
-            "[P] acts only with [B], which 70 % of the cells have: 90 % and 50 % become 63 % and 35 %, 10 % become 7 %"
-        ),
+        why="[P] acts only with [B], which 70 % of the cells have: 90 % and 50 % become 63 % and 35 %, 10 % become 7 %",
         place=2909,
     ),
 )
@@ -122,8 +120,8 @@ def _seven() -> Evidence:
         "5 × 10⁵ data points",
         Effect.NUMBER,
         (
-            "the accuracy of Figures 17 to 22; that millions of transitions were simulated (abstract, "
-            "introduction): the three rows of Table 5 make 1.5 million"
+            "the accuracy of Figures 17 to 22; that millions of transitions were simulated (abstract, introduction): "
+            "the three rows of Table 5 make 1.5 million"
         ),
         why="50000 runs of 10 cells are 500 000 cells",
         place=2913,
@@ -143,9 +141,7 @@ def _data_points() -> Evidence:
         "[A], [B] and [P], also in 'the timing of [B] and [P] are irrelevant'",
         Effect.NUMBER,
         "what the third panel of Figure 20 is of; section 4.5.3 says [P], the times of [S] were never drawn",
-        why=(
-            "Table 5 has T^S = ∞ for all cells, so none starts [S] in any interval; section 4.5.3 has [A], [B] and [P]"
-        ),
+        why="Table 5 has T^S = ∞ for all cells, so none starts [S] in any interval; section 4.5.3 has [A], [B] and [P]",
         place=2955,
     ),
 )
@@ -174,8 +170,8 @@ def positions(preset: str, seeds: Sequence[int], b: str) -> Floats:
     "Some cells that left apically after [A] return into the tissue when [B] frees their basal spring.",
     source="Figure 14",
     quote=(
-        "In [A⊗B], the amount of apical extrusion increases rapidly in the beginning … at the onset of [B] "
-        "some cells are pulled back into the tissue."
+        "In [A⊗B], the amount of apical extrusion increases rapidly in the beginning … at the onset of [B] some cells "
+        "are pulled back into the tissue."
     ),
     chosen=f"[A] at 6 h, [B] at 24 h; back: y^AB ≤ 1 within {AFTER} h; the same seeds with [B] and without",
 )

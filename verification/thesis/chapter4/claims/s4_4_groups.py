@@ -33,7 +33,7 @@ def programs(tables: Tables, preset: str, kind: str) -> tuple[Ratio, Ratio, Rati
     "c4.dominates",
     "Each program with [P] extrudes more cells basally than each without, for cells of one kind.",
     source="section 4.3, Figure 15",
-    quote=("we can already draw that [P] will dominate each other event (which is also confirmed later in Figure 15)"),
+    quote="we can already draw that [P] will dominate each other event (which is also confirmed later in Figure 15)",
     needs=(RATIOS,),
 )
 def _dominates(tables: Tables) -> Evidence:
@@ -49,16 +49,14 @@ def _dominates(tables: Tables) -> Evidence:
     "c4.homogeneous-drop",
     "In a homogeneous group up to ten points fewer of the cells with [B☒] and without INM leave basally.",
     source="section 4.4.1, Table 4",
-    quote=(
-        "the basal extrusion for homogeneous EMT drops …, the difference is up to −10% (for example [☒] without INM)"
-    ),
+    quote="the basal extrusion for homogeneous EMT drops …, the difference is up to −10% (for example [☒] without INM)",
     correction=Correction(
         "the difference is up to −28 %, of [B☒] without INM",
         Effect.NUMBER,
         "how much a group hinders its cells, 4.4.1 and the first half of the answer to (Q5)",
         why=(
-            "79 % of isolated cells with [B☒] and without INM leave basally in the published runs, 52 % of those "
-            "in groups of ten"
+            "79 % of isolated cells with [B☒] and without INM leave basally in the published runs, 52 % of those in "
+            "groups of ten"
         ),
         place=2886,
     ),
@@ -78,7 +76,7 @@ def _drop(tables: Tables) -> Evidence:
 
 @claim(
     "c4.fewer-apical",
-    ("With [P] fewer cells leave apically than without it, by the programs with [B] of Table 4, and none with [BP]."),
+    "With [P] fewer cells leave apically than without it, by the programs with [B] of Table 4, and none with [BP].",
     source="section 5",
     quote="Protrusive activities lead to basal extrusion and prevent apical extrusion, see Figure 10.",
     correction=Correction(

@@ -41,8 +41,8 @@ def gain(tables: Tables, preset: str, events: str, inm: str, group: str, sign: i
 @claim(
     "c4.mixed-with-inm",
     (
-        "Cells with INM and [A], with or without [B], leave basally less often in a mixed group than alone, "
-        "and than among cells with the same events."
+        "Cells with INM and [A], with or without [B], leave basally less often in a mixed group than alone, and than "
+        "among cells with the same events."
     ),
     source="section 4.5.1",
     quote="for EMT cells with INM the frequency of basal extrusion is lowest in the case of heterogeneous EMT",
@@ -65,7 +65,7 @@ def _with_inm(tables: Tables) -> Evidence:
     "c4.mixed-without-inm",
     "Cells without INM leave basally more often in a mixed group than among cells with the same events.",
     source="section 4.5.2",
-    quote=("EMT cells without INM show higher rates of basal extrusion than they would show in a homogeneous case"),
+    quote="EMT cells without INM show higher rates of basal extrusion than they would show in a homogeneous case",
     needs=(CATEGORIES, RATIOS),
     chosen=GROUP_35,
 )
@@ -77,22 +77,22 @@ def _no_inm(tables: Tables) -> Evidence:
 
 @claim(
     "c4.q5-mixed",
-    ("Of the six kinds of cells of Figures 17 to 19 more than half leave basally more often in mixed groups."),
+    "Of the six kinds of cells of Figures 17 to 19 more than half leave basally more often in mixed groups.",
     source="section 4.7, (Q5)",
     quote=(
-        "heterogeneous groups increase the efficiency of basal extrusion for most EMT programs compared to "
-        "homogeneous groups."
+        "heterogeneous groups increase the efficiency of basal extrusion for most EMT programs compared to homogeneous"
+        " groups."
     ),
     correction=Correction(
         (
-            "for cells without INM with [A], in the published runs for all without INM; for those with INM and "
-            "[A], with and without [B], they decrease it"
+            "for cells without INM with [A], in the published runs for all without INM; for those with INM and [A], "
+            "with and without [B], they decrease it"
         ),
         Effect.CONCLUSION,
         "the second half of the answer to (Q5)",
         why=(
-            "the observation of 4.5.1 has a lower frequency with INM, that of 4.5.2 a higher one without: three "
-            "of six figures are not most, and with the corrected energies it is one"
+            "the observation of 4.5.1 has a lower frequency with INM, that of 4.5.2 a higher one without: three of six"
+            " figures are not most, and with the corrected energies it is one"
         ),
         place=3007,
     ),
@@ -132,19 +132,18 @@ def lead(what: str, first: Ratio, second: Ratio, factor: float) -> Sized:
     source="section 4.5.2, Figure 18",
     quote=(
         "In all but one of the examples, individual cells are more efficient than cells in a heterogeneous "
-        "environment. The only exception is in Figure 18 where cells with [A] do almost double their "
-        "extrusion ratios"
+        "environment. The only exception is in Figure 18 where cells with [A] do almost double their extrusion ratios"
     ),
     correction=Correction(
         (
-            "cells with [A] are no exception: in a mixed group they leave no more often than alone, and more "
-            "often than in a homogeneous one"
+            "cells with [A] are no exception: in a mixed group they leave no more often than alone, and more often "
+            "than in a homogeneous one"
         ),
         Effect.CONCLUSION,
         "the caption of Figure 18, and that heterogeneity makes inefficient events more efficient",
         why=(
-            "only with the energies as printed in chapter 3, with which hardly a cell with [A] leaves alone, does"
-            " the mixed group help them beyond that"
+            "only with the energies as printed in chapter 3, with which hardly a cell with [A] leaves alone, does the "
+            "mixed group help them beyond that"
         ),
         place=2934,
     ),
@@ -173,7 +172,7 @@ def _double(tables: Tables) -> Evidence:
     "c4.competition",
     "The more cells of a group have [P], the fewer of those without [P] and without INM leave basally.",
     source="Figure 19",
-    quote=("the presence of more protrusive cells … decreases the basal extrusion rates for cells without protrusions"),
+    quote="the presence of more protrusive cells … decreases the basal extrusion rates for cells without protrusions",
     needs=(CATEGORIES,),
 )
 def _competition(tables: Tables) -> Evidence:

@@ -56,14 +56,14 @@ def early_minus_late(tables: Tables, preset: str, event: str) -> list[tuple[str,
 @claim(
     "c4.timing",
     (
-        "In a mixed group early [A] extrudes more cells than late [A]; early and late [B] are alike, and so "
-        "are early and late [P]."
+        "In a mixed group early [A] extrudes more cells than late [A]; early and late [B] are alike, and so are early "
+        "and late [P]."
     ),
     source="section 4.5.3, Figure 20; introduction, Part II",
     also=("c0.timing",),
     quote=(
-        "the basal extrusion ratios are independent of the timing of [B] and [P] … there is some trend "
-        "concerning [A], preferring earlier timings"
+        "the basal extrusion ratios are independent of the timing of [B] and [P] … there is some trend concerning [A],"
+        " preferring earlier timings"
     ),
     needs=(CONDITIONAL,),
     rests_on=("c4.figure-20",),
@@ -83,7 +83,7 @@ def _timing(tables: Tables) -> Evidence:
     "c4.onset-over-timing",
     "Basal extrusion of cells without [P] depends more on where than on when EMT begins.",
     source="section 4.6, Figures 20, 21",
-    quote=("Comparing Figure 21 and Figure 20 … basal positioning has more impact on basal extrusion than the timing"),
+    quote="Comparing Figure 21 and Figure 20 … basal positioning has more impact on basal extrusion than the timing",
     needs=(CONDITIONAL,),
     chosen="the group '35 % [P]'",
 )
@@ -120,11 +120,9 @@ def _predictor(tables: Tables) -> Evidence:
 
 @claim(
     "c4.most-basal",
-    ("Seven or eight of ten cells without [P] and without INM that begin EMT in the lowest fifth leave basally."),
+    "Seven or eight of ten cells without [P] and without INM that begin EMT in the lowest fifth leave basally.",
     source="section 4.6, Figure 21",
-    quote=(
-        "EMT cells which are in the most basal 20% of the tissue do exit basally with rates between 70 % up to 80 %."
-    ),
+    quote="EMT cells which are in the most basal 20% of the tissue do exit basally with rates between 70 % up to 80 %.",
     recorded=Verdict.OPEN,
     needs=(CONDITIONAL, RATIOS),
     chosen="the group '7 % [P]', in which the rates are highest",

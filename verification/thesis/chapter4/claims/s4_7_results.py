@@ -29,15 +29,15 @@ ALL = "all comparisons in verification/thesis/chapter4/questions.py have to hold
 # own, c4.q2-inm and c4.q5-mixed.
 STATED = {
     "Q1": (
-        "Are groups of EMT cells more efficient than isolated ones? No, in most cases heterogeneous groups "
-        "are less efficient than individual cells.",
+        "Are groups of EMT cells more efficient than isolated ones? No, in most cases heterogeneous groups are less "
+        "efficient than individual cells.",
         "Cells with the same events leave basally more often alone than in a mixed group.",
         (RATIOS, CATEGORIES),
         MOST,
     ),
     "Q2": (
-        "Is basal extrusion possible without all EMT events, and which have to occur? Yes, without INM all "
-        "cell events with [A], [B] or [P] lead to extrusion.",
+        "Is basal extrusion possible without all EMT events, and which have to occur? Yes, without INM all cell events"
+        " with [A], [B] or [P] lead to extrusion.",
         "Without INM cells with [A], with [B] and with [P] are extruded, more often than cells without event.",
         (CATEGORIES,),
         ALL,
@@ -49,29 +49,29 @@ STATED = {
         f"{MOST}: the answer says mostly",
     ),
     "Q4": (
-        "Do specific orders of EMT events lead to more basal extrusion? The order can lead to small "
-        "differences, which are better explained by the absolute timing of one event.",
+        "Do specific orders of EMT events lead to more basal extrusion? The order can lead to small differences, which"
+        " are better explained by the absolute timing of one event.",
         "With [A] at the same time [AB] and [BA] extrude alike; the order matters more where the times differ.",
         (ORDERS,),
         f"{ALL}; the same time: the same interval of 3 h; 2,000 runs of each group",
     ),
     "Q5": (
-        "Is it an advantage if all cells of a group have the same timings, or is a mixture better? Individual"
-        " cells are more effective than groups; for most programs mixed groups beat homogeneous ones.",
+        "Is it an advantage if all cells of a group have the same timings, or is a mixture better? Individual cells "
+        "are more effective than groups; for most programs mixed groups beat homogeneous ones.",
         "Cells leave basally more often alone than in a group of cells with the same events at the same times.",
         (RATIOS,),
         f"{MOST}, without pairs of which all cells leave, or none",
     ),
     "Q6": (
-        "Are EMT cells without INM more effective? Yes: lack of INM increases basal extrusion for EMT "
-        "programs involving [B].",
+        "Are EMT cells without INM more effective? Yes: lack of INM increases basal extrusion for EMT programs "
+        "involving [B].",
         "Each program with [B] and without [P] extrudes more cells without INM than with INM.",
         (RATIOS,),
         ALL,
     ),
     "Q7": (
-        "Does the position of an EMT cell at the start of EMT impact the outcome? Very much so; for cells "
-        "without [P] it is more important than the timing and selection of events.",
+        "Does the position of an EMT cell at the start of EMT impact the outcome? Very much so; for cells without [P] "
+        "it is more important than the timing and selection of events.",
         "Of cells without [P] those in the most basal fifth leave basally more often, and the position at the onset "
         "tells more than the events and their times.",
         (CONDITIONAL, RANKING),
@@ -139,18 +139,18 @@ def favourable(tables: Tables, preset: str) -> Ratio:
     "Cells with INM leave basally if they have [P], or [A] or [B] and a favourable place.",
     source="section 4.7, (Q2)",
     quote=(
-        "If cells continue to perform INM, then only [P] or cells with [A] or [B] and favourable basal "
-        "positioning get extruded."
+        "If cells continue to perform INM, then only [P] or cells with [A] or [B] and favourable basal positioning get"
+        " extruded."
     ),
     correction=Correction(
         (
-            "[P], or [A], with or without [B], and favourable basal positioning: [B] alone with INM does not "
-            "extrude, as Figure 19 says"
+            "[P], or [A], with or without [B], and favourable basal positioning: [B] alone with INM does not extrude, "
+            "as Figure 19 says"
         ),
         Effect.CONCLUSION,
         (
-            "the second half of the answer to (Q2); in homogeneous groups of ten of the published runs [B] "
-            "extrudes 0.3 % to 0.5 % of the cells"
+            "the second half of the answer to (Q2); in homogeneous groups of ten of the published runs [B] extrudes "
+            "0.3 % to 0.5 % of the cells"
         ),
         why="of cells with INM and [B] alone fewer than one in a hundred leave basally, wherever EMT begins",
         place=2990,

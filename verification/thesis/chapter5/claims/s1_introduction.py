@@ -64,14 +64,14 @@ _scaled_positions = implication(
     ),
     correction=Correction(
         (
-            "linear forces are excluded by (A1b), (A1d); with a constant Φ the bounds can be dropped, and then "
-            "the linear case is included"
+            "linear forces are excluded by (A1b), (A1d); with a constant Φ the bounds can be dropped, and then the "
+            "linear case is included"
         ),
         Effect.CONCLUSION,
         "Theorems 5.9, 5.12 and 5.16 do not apply to the linear case of the previous work as they stand",
         why=(
-            "(A1b) and (A1d) ask for bounded forces, and a linear force is not bounded unless it is 0; the bounds"
-            " are needed only where Φ changes"
+            "(A1b) and (A1d) ask for bounded forces, and a linear force is not bounded unless it is 0; the bounds are "
+            "needed only where Φ changes"
         ),
         place=3135,
     ),

@@ -70,8 +70,8 @@ _even = identity(
         Effect.MODEL,
         "(A2a), (5.52), conservation of energy: with an odd V all pairs cancel",
         why=(
-            "the gradient of an odd function is even, so K would be symmetric, against (A2a); that of an even one"
-            " is odd"
+            "the gradient of an odd function is even, so K would be symmetric, against (A2a); that of an even one is "
+            "odd"
         ),
         place=3163,
     ),
@@ -96,8 +96,8 @@ def accelerations(level: Any) -> list[Any]:
 _equations = identity(
     "c5.equations",
     "(5.6a), (5.6b)",
-    "mẌ_i = F₁(X_i) + 1/N Σ_k K(X_k, X_i) − (∂_X g)ᵀλ_i, ÿ = F₀(y) − 1/N Σ_j (∂_y g)ᵀλ_j … Euler-Lagrange"
-    " equations for the choice α = β = γ = 1/N",
+    "mẌ_i = F₁(X_i) + 1/N Σ_k K(X_k, X_i) − (∂_X g)ᵀλ_i, ÿ = F₀(y) − 1/N Σ_j (∂_y g)ᵀλ_j … Euler-Lagrange equations "
+    "for the choice α = β = γ = 1/N",
     "The equations for the accelerations are those of the Lagrangian (5.8) with α = β = γ = 1/N, for every even 𝒱.",
     right=accelerations(level),
     wrong=accelerations(-level),
@@ -113,8 +113,8 @@ _locally = identity(
     "c5.locally",
     "after (5.5)",
     "This implies that the state of the macroscopic component determines locally the position of all particles",
-    "With full rank, y determines each particle along a motion, not among all positions: X and X + (0, 2π) have "
-    "one level.",
+    "With full rank, y determines each particle along a motion, not among all positions: X and X + (0, 2π) have one "
+    "level.",
     right=[plane.jacobian([a, b]).det() - sp.exp(2 * a), *(plane.subs(b, b + 2 * sp.pi) - plane)],
     wrong=[*(plane.subs(b, b + 3 * sp.pi) - plane)],
     tried_on="g = exp(X) − y in the complex plane",
@@ -133,8 +133,8 @@ _initial_multipliers = argument(
     vanishes(
         TESTED + aT * (of.a + of.BT * push) - aT * of.a,
         TESTED + aT * (of.a - of.BT * push) - aT * of.a,
-        "of a solution of the homogeneous equations for Ẍ_i, ÿ, λ_i the sum m|Ẍ_i|² + |ÿ|² is −λ_i·(∂_X g Ẍ_i + "
-        "∂_y g ÿ)",
+        "of a solution of the homogeneous equations for Ẍ_i, ÿ, λ_i the sum m|Ẍ_i|² + |ÿ|² is −λ_i·(∂_X g Ẍ_i + ∂_y g "
+        "ÿ)",
         "−λ_i in the equation of y",
     ),
     follows(

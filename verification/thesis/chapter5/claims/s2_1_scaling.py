@@ -48,8 +48,8 @@ c, n, share, gamma = library().symbols("c N alpha gamma", positive=True)
 _alpha = argument(
     "c5.scaling",
     "section 2.1",
-    "With the choice α ~ 1/N the influence of the particles on the macroscopic component remains of order"
-    " 1 in the limit … to ensure that also λ₁, …, λ_N are of order 1. Therefore, we pick γ ~ 1/N",
+    "With the choice α ~ 1/N the influence of the particles on the macroscopic component remains of order 1 in the "
+    "limit … to ensure that also λ₁, …, λ_N are of order 1. Therefore, we pick γ ~ 1/N",
     "With 1/N before the particles' part of the Lagrangian their influence and multipliers stay bounded.",
     vanishes(
         (1 / (c * n)) / (1 / (c * n)) * multiplier - (1 / n) / (1 / n) * multiplier,

@@ -64,7 +64,7 @@ _coordinates = identity(
     right=1 + m * (1 / (n * c)) ** 2 - (1 + m / (n * c) ** 2),
     wrong=1 + m * (1 / (n * c)) ** 2 - (1 + m),
     correction=Correction(
-        ("m_eff = 1 + m(X_c/y_c)² = 1 + m/(N y_c)², and (X_c/y_c)F₁ for F₁; or m and F₁ are said to be those of X̃"),
+        "m_eff = 1 + m(X_c/y_c)² = 1 + m/(N y_c)², and (X_c/y_c)F₁ for F₁; or m and F₁ are said to be those of X̃",
         Effect.MODEL,
         "(5.26) to (5.30): by the letter they are another model than the linearised one, which depends on N",
         why="m is the mass that multiplies Ẍ_i in (5.6a), and Ẋ_i is X_c/y_c times the rate of X̃_i",

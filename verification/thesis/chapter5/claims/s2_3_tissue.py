@@ -102,10 +102,10 @@ LENGTH, SINE = bridge.dot(bridge) - stretch**2, (stretch**2 - thinner**2) * sp.s
 _aligned = identity(
     "c5.aligned",
     "Figure 2",
-    "cross-bridges which align with the directions of maximal deformation of the muscle are more extended"
-    " than cross-bridges which are orthogonal",
-    "Under stretches a > b |F X|² = a² − (a² − b²) sin²w for a cross-bridge of length 1 at the angle w to the "
-    "axis of a.",
+    "cross-bridges which align with the directions of maximal deformation of the muscle are more extended than "
+    "cross-bridges which are orthogonal",
+    "Under stretches a > b |F X|² = a² − (a² − b²) sin²w for a cross-bridge of length 1 at the angle w to the axis of "
+    "a.",
     right=LENGTH + SINE,
     wrong=LENGTH - SINE,
 )
@@ -118,14 +118,12 @@ _aligned = identity(
     quote="To motivate the class of systems, we give a few examples",
     correction=Correction(
         (
-            "Examples 5.2 and 5.4 are of the class only where X and the inverse of F(y) are bounded: in Example "
-            "5.2 where |X| ≤ R and y ≥ y_min > 0"
+            "Examples 5.2 and 5.4 are of the class only where X and the inverse of F(y) are bounded: in Example 5.2 "
+            "where |X| ≤ R and y ≥ y_min > 0"
         ),
         Effect.CONCLUSION,
         "Theorems 5.9, 5.12 and 5.16 do not apply to Examples 5.2 and 5.4 as they stand",
-        why=(
-            "(5.5) and (A3) to (A5) are asked for all X and y, but X/y has no value at y = 0, and Φ = X/y has no bound"
-        ),
+        why="(5.5) and (A3) to (A5) are asked for all X and y, but X/y has no value at y = 0, and Φ = X/y has no bound",
         place=3284,
     ),
     tried_on="Example 5.2, |X| ≤ 2, y ≥ 0.5",
@@ -161,8 +159,8 @@ OTHER = dict(zip(X2, Z2, strict=True))
 _nonlinear = identity(
     "c5.needs-nonlinear",
     "before Example 5.4",
-    "the deformation of cross-bridges is larger if they align with the axis … such dynamics require "
-    "nonlinear constraints",
+    "the deformation of cross-bridges is larger if they align with the axis … such dynamics require nonlinear "
+    "constraints",
     "With linear constraints HX + Ky all directions are shifted alike: Φ[ẏ] is the same for all X.",
     right=SHIFT - SHIFT.subs(OTHER),
     wrong=SHEAR - SHEAR.subs(OTHER),

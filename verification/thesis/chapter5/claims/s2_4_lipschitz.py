@@ -30,9 +30,8 @@ _any_number = argument(
         TERMS,
         [S + h <= (n + 1) * M, S + h >= -(n + 1) * M],
         S + h <= n * M,
-        "if n terms, or their differences, are at most M and a sum of them at most nM, the next sum is at most "
-        "(n + 1)M: "
-        "bounds and Lipschitz constants of means over particles do not depend on N",
+        "if n terms, or their differences, are at most M and a sum of them at most nM, the next sum is at most (n + "
+        "1)M: bounds and Lipschitz constants of means over particles do not depend on N",
         "at most nM",
     ),
     *PRODUCTS,
@@ -51,7 +50,7 @@ _one_particle = identity(
         "F_eff⁽¹⁾ = F₀(y) + Φ(X, y)ᵀ(F₁(X) − mΩ(X, y)[v, v])",
         Effect.MODEL,
         "the force in (5.41b), to which this definition belongs; (5.14) is right, the lemma stands",
-        why=("(5.14) has −mΦᵀΩ: mΩ[v, v] is in ℝ^nx and cannot be added to F₀ in ℝ^ny, and its sign is the other one"),
+        why="(5.14) has −mΦᵀΩ: mΩ[v, v] is in ℝ^nx and cannot be added to F₀ in ℝ^ny, and its sign is the other one",
         place=3492,
     ),
     rests_on=("c5.reduced-model",),

@@ -13,7 +13,7 @@ A, B, m, w = matrices("A B m w")
 
 _inverse = argument(
     "c5.inverse",
-    "Lemma 5.7; section 1; proof of Lemma 5.7",
+    "section 1; Lemma 5.7 and its proof",
     "z ↦ (m(z))⁻¹ is bounded and Lipschitz continuous with constant δ_m⁻² Lip(m)",
     "The inverse of a uniformly elliptic matrix is Lipschitz continuous.",
     vanishes(
@@ -71,14 +71,14 @@ SEGMENT = [s >= 0, s <= 1]
 _inverse_proof = implication(
     "c5.inverse-proof",
     "proof of Lemma 5.7",
-    "only positive eigenvalues. Hence, they are part of the same connected component of GL(d). Therefore,"
-    " the mean-value theorem is applicable",
+    "only positive eigenvalues. Hence, they are part of the same connected component of GL(d). Therefore, the "
+    "mean-value theorem is applicable",
     "Matrices with positive eigenvalues lie in one connected component, so the mean-value theorem applies.",
     given=[*SEGMENT, d > 0, n > 0, p >= d * n, q >= d * n],
     then=(1 - s) * p + s * q >= d * n,
     wrong=(SEGMENT, 1 - 16 * s * (1 - s) > 0),
     correction=Correction(
-        ("symmetric, with eigenvalues of at least δ_m, as is each matrix of the segment between them; therefore …"),
+        "symmetric, with eigenvalues of at least δ_m, as is each matrix of the segment between them; therefore …",
         Effect.PROOF,
         "nothing: the lemma assumes symmetry, and stands",
         why=(

@@ -29,14 +29,14 @@ def speeds(force: Callable[[float], float]) -> tuple[float, float]:
     quote="‖ẏ(t)‖ ≤ M_v for all t ≥ 0 where M_v > 0 is a constant depending only on the initial conditions",
     correction=Correction(
         (
-            "for potentials that are bounded below, which (A1a) to (A5b) do not ask for; else up to a time T, "
-            "with a bound that depends on T"
+            "for potentials that are bounded below, which (A1a) to (A5b) do not ask for; else up to a time T, with a "
+            "bound that depends on T"
         ),
         Effect.PROOF,
         "the constants of Theorems 5.9, 5.12 and 5.16; existence and uniqueness up to T stand",
         why=(
-            "a constant force fulfils (A1a), (A1b) and accelerates without end; the energy bounds the speed only "
-            "if the potential energy is bounded below"
+            "a constant force fulfils (A1a), (A1b) and accelerates without end; the energy bounds the speed only if "
+            "the potential energy is bounded below"
         ),
         place=3458,
     ),
@@ -90,8 +90,8 @@ _bound = argument(
     rests_on=("c5.energy",),
 )
 
-# v = y' by (5.11a) without forces, X' = Phi v: E is constant, so v follows from X, and X' = h(X) has one solution, as
-# h = Phi (2E/(1 + m Phi^2))^(1/2) with 2/3 <= Phi <= 2 is smooth, of period 2 pi, and never 0.
+# v = y' by (5.11a) without forces, X' = Phi v: E is constant, so v follows from X, and X' = h(X) has one solution, as h
+# = Phi (2E/(1 + m Phi^2))^(1/2) with 2/3 <= Phi <= 2 is smooth, of period 2 pi, and never 0.
 sp = library()
 x, v, m = sp.symbols("X v m", positive=True)
 soft = symbolic_soft(x)

@@ -34,17 +34,17 @@ def amplified(force: Callable[[float], float], y: float, v: float, time: float =
     "c5.stability-constants",
     "The constants of the stability estimate are the same for all starts of one energy and moment.",
     source="Theorem 5.16",
-    quote=("for some constants L, C > 0 which do only depend on the initial total energy of both states and on … C_μ"),
+    quote="for some constants L, C > 0 which do only depend on the initial total energy of both states and on … C_μ",
     correction=Correction(
         (
-            "for potentials that are bounded below; L then depends on the energy above their infimum. Otherwise C"
-            " and L depend on the largest speed up to the time t"
+            "for potentials that are bounded below; L then depends on the energy above their infimum. Otherwise C and "
+            "L depend on the largest speed up to the time t"
         ),
         Effect.CONCLUSION,
-        ("Theorem 5.16 and Corollary 5.19, as far as C and L are said to be independent of the start and of time"),
+        "Theorem 5.16 and Corollary 5.19, as far as C and L are said to be independent of the start and of time",
         why=(
-            "L contains the bound of the speed, which follows from the energy only if the potential energy is "
-            "bounded below"
+            "L contains the bound of the speed, which follows from the energy only if the potential energy is bounded "
+            "below"
         ),
         place=3854,
     ),
@@ -91,21 +91,20 @@ def moved(X: Floats, y: float, v: float) -> Floats:
 
 @claim(
     "c5.same-estimate",
-    ("With nonlinear constraints the distance of solutions is at most C e^{Lt} times that of their starts, for all t."),
+    "With nonlinear constraints the distance of solutions is at most C e^{Lt} times that of their starts, for all t.",
     source="section 4; section 1",
     also=("c5.abstract-estimate",),
     quote="the same stability estimate as in the linear case also holds for nonlinear constraints",
     correction=Correction(
         (
-            "it holds on each [0, T], with C and L that depend on the largest speed up to T, and for all times if"
-            " potentials are bounded below"
+            "it holds on each [0, T], with C and L that depend on the largest speed up to T, and for all times if "
+            "potentials are bounded below"
         ),
         Effect.CONCLUSION,
-        ("Corollary 5.19 at each time t, which stands; nothing for all times at once, see c5.stability-constants"),
+        "Corollary 5.19 at each time t, which stands; nothing for all times at once, see c5.stability-constants",
         why=(
-            "in free fall the speed grows without end, and particles that are close at first move apart as "
-            "exp(t²/2); linear forces and constraints make the whole system linear, so that C and L exist for all"
-            " times"
+            "in free fall the speed grows without end, and particles that are close at first move apart as exp(t²/2); "
+            "linear forces and constraints make the whole system linear, so that C and L exist for all times"
         ),
         place=3968,
     ),

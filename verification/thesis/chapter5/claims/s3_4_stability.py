@@ -50,8 +50,8 @@ _fundamental = argument(
     quote="‖h(…; μ₁) − h(…; μ₂)‖ = ‖(m_eff(μ₁, y))⁻¹F_eff(μ₁, y, v) − …‖ … L_μ depends only on M_v and C_μ",
     correction=Correction(
         (
-            "h contains m_eff(φ#μ, y) and F_eff(φ#μ, y, v); the bound has the factor Lip(φ), which is at most "
-            "exp(L_Φ M_v t) for flows"
+            "h contains m_eff(φ#μ, y) and F_eff(φ#μ, y, v); the bound has the factor Lip(φ), which is at most exp(L_Φ "
+            "M_v t) for flows"
         ),
         Effect.PROOF,
         "Theorem 5.16 stands with larger C and L",
@@ -88,8 +88,8 @@ _stability_step = implication(
         Effect.PROOF,
         "Theorem 5.16 stands with larger C and L, since Lip(X₂ᵗ) ≤ exp(L_Φ M_v t); it is 1 if all are shifted",
         why=(
-            "the function that is integrated over both initial measures is ϕ∘X₂ᵗ, with a Lipschitz constant up to"
-            " Lip(ϕ) Lip(X₂ᵗ), and flows stretch"
+            "the function that is integrated over both initial measures is ϕ∘X₂ᵗ, with a Lipschitz constant up to "
+            "Lip(ϕ) Lip(X₂ᵗ), and flows stretch"
         ),
         place=3924,
     ),
