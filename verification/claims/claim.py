@@ -22,6 +22,23 @@ if TYPE_CHECKING:
 Tables = Mapping[str, "pd.DataFrame"]
 
 
+class Table(str):
+    """The name of a table that checks read, with the function that makes it.
+
+    Attributes
+    ----------
+    made_by
+        "module:function" of a function of a context, which fills ``context.tables``; imported when it is needed.
+    """
+
+    made_by: str
+
+    def __new__(cls, name: str, made_by: str) -> Table:
+        table = super().__new__(cls, name)
+        table.made_by = made_by
+        return table
+
+
 class MissingRow(RuntimeError):
     """A table has no row of the kind that a check is about: the studies were too short for it."""
 
@@ -79,7 +96,7 @@ class Claim:
     quote
         One sentence or formula of the source, as printed.
     needs
-        Names of the tables that ``check`` reads.
+        Names of the tables that ``check`` reads; a ``Table`` says what makes it.
     rests_on
         Ids of the claims that this one uses; where one of them is corrected or refuted, this one is marked.
     also

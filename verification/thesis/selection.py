@@ -7,9 +7,8 @@ from difflib import get_close_matches
 from fnmatch import fnmatchcase
 
 from dincl.errors import InvalidProblem
-from verification.claims import Claim, Tables
+from verification.claims import Claim, Table, Tables
 from verification.page.context import Context
-from verification.thesis.chapter4 import kept
 from verification.thesis.register import chapter_of
 
 
@@ -49,13 +48,8 @@ def _named(claim: Claim, patterns: Iterable[str]) -> bool:
 
 
 def tables_for(claims: Iterable[Claim], context: Context) -> Tables:
-    """Return the tables that the claims read; chapters of the report are run for tables that do not ship."""
-    from verification.page.chapters import CHAPTERS
-
-    needed = {name for claim in claims for name in claim.needs}
-    if not context.full:
-        context.tables |= kept.tables()
-    for chapter in CHAPTERS:
-        if any(name.startswith(chapter.tables) for name in needed - context.tables.keys()):
-            chapter.run(context)
+    """Return the tables that the claims read; only their studies are taken over, or run with ``context.full``."""
+    for needed in dict.fromkeys(name for claim in claims for name in claim.needs):
+        if isinstance(needed, Table):
+            context.table(needed)
     return context.tables

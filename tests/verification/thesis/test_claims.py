@@ -4,6 +4,7 @@ import re
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
+from pkgutil import resolve_name
 
 import pytest
 
@@ -18,7 +19,7 @@ from tests.verification.thesis.chapter4.test_claims import CHANGES as CHANGES4
 from tests.verification.thesis.chapter5.test_claims import CHANGES as CHANGES5
 from tests.verification.thesis.claim_changes import CLAIMS, decided
 from tests.verification.thesis.emt_tables import KEPT
-from verification.claims import Claim, Effect, Verdict
+from verification.claims import Claim, Effect, Table, Verdict
 from verification.page.chapters import CHAPTERS
 from verification.thesis import register
 from verification.thesis.chapter1.claims import s1_1_newton
@@ -87,4 +88,6 @@ def test_claim_waits_for_its_tables_which_one_chapter_makes(claim: Claim) -> Non
     assert evidence.verdict is Verdict.OPEN
     for name in claim.needs:
         assert name in evidence.measured
+        assert isinstance(name, Table)
+        assert callable(resolve_name(name.made_by))
         assert len([chapter for chapter in CHAPTERS if name.startswith(chapter.tables)]) == 1

@@ -2,9 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
-import numpy as np
 import pandas as pd
 import pytest
 from typer.testing import CliRunner
@@ -12,9 +10,8 @@ from typer.testing import CliRunner
 from dincl import study
 from tests.executors import Here
 from verification import cli
-from verification.claims import Claim, Correction, Effect, Evidence, Tables, Verdict, decide, equal
+from verification.claims import Claim, Correction, Effect, Evidence, Table, Tables, Verdict, decide, equal
 from verification.page import parts
-from verification.page.chapters import CHAPTERS
 from verification.page.context import Context
 from verification.thesis import register, selection
 
@@ -131,16 +128,16 @@ def test_command_names_what_it_does_not_know() -> None:
     assert "c9.none" in done.output
 
 
-def test_only_the_chapters_that_make_the_tables_are_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    made = []
+def make_orders(context: Context) -> None:
+    context.tables["orders"] = pd.DataFrame({"order": [float(len(context.tables))]})
 
-    def runner(name: str) -> Any:
-        return lambda context: made.append(name) or context.tables.update(orders=pd.DataFrame({"order": [1.0]}))
 
-    for chapter in CHAPTERS:
-        monkeypatch.setitem(vars(chapter), "run", runner(chapter.title))
-    with Here() as here:
-        tables = selection.tables_for(CLAIMS, Context(tmp_path, False, here))
-    assert made == ["Numerical experiments with first-order PBD"]
-    assert tables["orders"]["order"].tolist() == [1.0]
-    assert np.isin(["emt_complete_ratios", "emt_complete_orders"], list(tables)).all()
+def test_only_what_the_claims_read_is_made_and_only_once(tmp_path: Path) -> None:
+    orders, other = Table("orders", f"{__name__}:make_orders"), Table("other", "no.module:at_all")
+    claims = [replace(CLAIMS[2], needs=(orders,)), replace(CLAIMS[2], id="c2.again", needs=(orders,))]
+    unread = replace(CLAIMS[2], id="c2.unread", needs=(other,))
+    context = Context(tmp_path, False, Here())
+    for chosen in (claims, claims[:1]):
+        assert selection.tables_for(chosen, context)["orders"]["order"].tolist() == [0.0]
+    with pytest.raises(ModuleNotFoundError, match="no"):
+        selection.tables_for([unread], context)

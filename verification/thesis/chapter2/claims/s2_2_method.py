@@ -12,6 +12,7 @@ from verification.formal.algebra import library, vanishes
 from verification.formal.reals import follows, reals
 from verification.formal.stated import argument, identity
 from verification.thesis.chapter2.methods import PBD
+from verification.thesis.chapter2.tables import LARGE_STEPS
 
 sp = library()
 
@@ -134,7 +135,7 @@ def _smaller() -> Evidence:
     "PBD stays stable at large steps, at which penalty methods are unstable.",
     source="Figure 2",
     quote="Crucially, the use of large time steps does not make the simulations unstable.",
-    needs=("large_steps",),
+    needs=(LARGE_STEPS,),
     tried_on="the scenes of Figures 4 and 5",
     chosen="steps at which explicit Euler without constraints is stable; the starts",
 )

@@ -9,6 +9,7 @@ import numpy as np
 import dincl
 from verification.claims import Correction, Effect, Evidence, Tables, at_least, at_most, claim, equal
 from verification.thesis.chapter2.methods import CHECK_TOL, PBD, REFERENCE_TOL
+from verification.thesis.chapter2.tables import CONVERGENCE, ORDERS, REFERENCES
 
 # "Much smaller" and "much larger" are read as at least this factor.
 MUCH = 100.0
@@ -61,7 +62,7 @@ def _tolerance() -> Evidence:
         "The computed solutions from [inner convex approximation] coincided with the solutions computed with Moreau's "
         "catch-up scheme."
     ),
-    needs=("references",),
+    needs=(REFERENCES,),
     rests_on=("c2.catch-up", "c2.linearised"),
     chosen="the starts; the limits of small steps are compared: with one step the two differ",
 )
@@ -123,7 +124,7 @@ def _order(scene: str, tables: Tables) -> Evidence:
     source="Figure 4; Figure 5; section 4.2",
     also=("c2.order-ten", "c2.decreases"),
     quote="The PBD method converges to the reference solution with order 1.",
-    needs=("orders", "convergence"),
+    needs=(ORDERS, CONVERGENCE),
     chosen="the start",
 )
 def _four(tables: Tables) -> Evidence:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from verification.claims import Evidence, Tables, at_least, claim
+from verification.thesis.chapter2.tables import PENALTY_BEST, PENALTY_SCAN
 
 # Discs that end farther than this, a radius, from where they belong have been thrown away [length].
 THROWN = 0.5
@@ -22,7 +23,7 @@ TOO_STRONGLY = 10.0
         "For too large penalty parameters, simulations become unstable, but for too small …, the constraints will be "
         "violated too strongly."
     ),
-    needs=("penalty_scan",),
+    needs=(PENALTY_SCAN,),
     rests_on=("c2.printed-penalty",),
     chosen="the starts, the steps, and the force as corrected in c2.printed-penalty",
 )
@@ -46,7 +47,7 @@ def _strength(tables: Tables) -> Evidence:
     "The best penalty parameter differs between scenes and steps.",
     source="section 4.3",
     quote="In general, it is difficult to find the optimal penalty parameter a priori, i.e. before the simulation.",
-    needs=("penalty_best",),
+    needs=(PENALTY_BEST,),
     rests_on=("c2.printed-penalty",),
     chosen="the starts and steps, and the force as corrected in c2.printed-penalty",
 )
@@ -66,7 +67,7 @@ def _a_priori(tables: Tables) -> Evidence:
         "PBD is able to outperform the penalty method by a small margin, even for optimal choice of the penalty "
         "parameter."
     ),
-    needs=("penalty_best",),
+    needs=(PENALTY_BEST,),
     chosen="the starts and steps; best is the strength with the least largest overlap; how small a margin is small is "
     "left open",
 )

@@ -12,6 +12,7 @@ from tissue.runs.simulate import simulate
 from verification.claims import Correction, Effect, Evidence, Tables, at_least, at_most, claim
 from verification.formal.algebra import library
 from verification.formal.stated import identity
+from verification.thesis.chapter3 import tables as made
 from verification.thesis.chapter3.claims.s1_3_model import grown
 from verification.thesis.chapter3.printed import DT, G2, MITOSIS, R_SOFT
 from verification.thesis.chapter3.sampled import MODEL, SEEDS, daha_runs_ending, of_mean, runs_for
@@ -96,7 +97,7 @@ def following(seed: int) -> float:
         ),
         place=1725,
     ),
-    needs=("tissue_daha_shares",),
+    needs=(made.SHARES,),
     rests_on=(*MODEL, "c3.adaptation", "c3.daha-multiplier"),
     chosen="DAHA with Table 4, at most 100,000 iterations in a step, denominators as printed: the rule is complete if "
     "half of the runs of 10 h end; rest lengths follow if they are off by less than half as much as in the last hour",

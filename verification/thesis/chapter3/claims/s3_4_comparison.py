@@ -23,6 +23,7 @@ from verification.claims import (
     claim,
     equal,
 )
+from verification.thesis.chapter3 import tables as made
 from verification.thesis.chapter3.daha import COMPARED, DOUBLED_CASE, OWN, PRINTED, TERMINATING, THEORY, TIMES
 from verification.thesis.chapter3.intervals import CONFIDENCE
 from verification.thesis.chapter3.judged import TOL, begun, floored
@@ -67,7 +68,7 @@ def ways(seed: int) -> list[float]:
         "we will show an error estimate for DAHA which will later explain why DAHA prefers solutions which are close "
         "the starting point"
     ),
-    needs=("tissue_judged_steps",),
+    needs=(made.JUDGED_STEPS,),
     rests_on=(*DAHA, "c3.stopping"),
     chosen="a tenth of the way in the energy is left at least; ‖∇W − Jᵀλ‖/‖z‖ is of the size 2ε/α, of c3.stopping, if "
     "its median is within half of it; steps at 1 and 5 h of 4 tissues grown by PBD, ε of Table 4 and 10 times as large",
@@ -95,7 +96,7 @@ def _part_way(tables: Tables) -> Evidence:
         "In roughly every fourth situation, the DAHA solver has stability issues which lead to non-terminating states."
     ),
     recorded=Verdict.REFUTED,
-    needs=("tissue_daha_shares",),
+    needs=(made.SHARES,),
     rests_on=("c3.daha-multiplier", "c3.dimensions", "c3.passive-springs"),
     chosen="73 runs of 10 h for each of four readings of the model; at most 100,000 iterations in a step; refuted if "
     "no reading has such a share. As printed a quarter of the runs have failed by 3.3 h, all by 5.5 h",
@@ -117,7 +118,7 @@ def _failures(tables: Tables) -> Evidence:
     "DAHA needs close to 7500 iterations in most steps.",
     source="section 3.1, Figure 11",
     quote="For the default parameter ε = 10⁻⁶, the number of iterations in most cases close to n* ≈ 7500.",
-    needs=("tissue_daha_iterations",),
+    needs=(made.ITERATIONS,),
     rests_on=("c3.daha-multiplier",),
     chosen="thesis preset, Table 4, steps that end; close: within a quarter",
 )
@@ -151,7 +152,7 @@ def _iterations(tables: Tables) -> Evidence:
         why="with the printed rest lengths no run of DAHA reaches 10 h, so that there is no tissue to compare with",
         place=2137,
     ),
-    needs=("tissue_daha_fits", "tissue_daha_shares"),
+    needs=(made.FITS, made.SHARES),
     rests_on=(*DAHA, "c3.time-scale"),
     chosen=f"the step of DAHA is α, as in (3.26), from which 0.1333 is derived; almost: within a factor 1.5; {FLOOR}",
 )
@@ -176,7 +177,7 @@ def _optimal(tables: Tables) -> Evidence:
         "27 s … 0.08 s, which is over 300× faster … 28 s … 300× speed-up … essentially the ratio between n* = 7500 and"
         " n^sub-steps = 20 … The faster simulation is simply a result of less evaluations of the energy gradient."
     ),
-    needs=("tissue_daha", "tissue_daha_speed"),
+    needs=(made.DAHA, made.SPEED),
     rests_on=DAHA,
     chosen=f"10 h of tissue, PBD with 20 substeps; {FLOOR}, without which no run of DAHA ends",
 )
@@ -221,7 +222,7 @@ def beyond(row: pd.Series, value: float) -> float:
         why="with the printed rest lengths no run of DAHA reaches 10 h, so that there is no tissue to compare with",
         place=2229,
     ),
-    needs=("tissue_daha_distances", "tissue_daha_shares"),
+    needs=(made.DISTANCES, made.SHARES),
     rests_on=(*DAHA, "c3.update"),
     chosen=f"the step of DAHA is α, as in (3.26); {FLOOR}; one run is compared with the spread of single runs",
 )

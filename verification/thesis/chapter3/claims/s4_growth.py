@@ -12,6 +12,7 @@ from tissue.frames.frame import Frame
 from tissue.frames.observables import ab_positions
 from tissue.runs.simulate import simulate
 from verification.claims import Correction, Effect, Evidence, Tables, at_least, at_most, claim, equal
+from verification.thesis.chapter3 import tables as made
 from verification.thesis.chapter3.claims.s3_4_comparison import DAHA, FLOOR, SHARE
 from verification.thesis.chapter3.daha import COMPARED, DOUBLED_CASE, TERMINATING, TIMES
 from verification.thesis.chapter3.growing import PRESETS
@@ -45,7 +46,7 @@ SHEET = {"tissue.dimension": 3, "tissue.cells": 100, "space.boundary": "open", "
         "In all our experiments, the PBD method did never diverge. The only condition is that Δt and n^sub-steps have "
         "reasonable values such that the explicit Euler method converges."
     ),
-    needs=("tissue_ratios",),
+    needs=(made.RATIOS,),
     rests_on=MODEL,
     tried_on="48 h of growth, five dampings, two presets, 24 seeds each",
     chosen="short enough: the finest substeps of the study of growth, by the stability of explicit Euler",
@@ -75,7 +76,7 @@ def _condition(tables: Tables) -> Evidence:
         why="with the printed rest lengths no run of DAHA reaches 10 h, so that there is no tissue to compare with",
         place=2233,
     ),
-    needs=("tissue_daha_distances", "tissue_daha_shares"),
+    needs=(made.DISTANCES, made.SHARES),
     rests_on=(*DAHA, "c3.update"),
     chosen=f"the step of DAHA is α, as in (3.26); {FLOOR}; height and apical width at 10 h within 10 %, μ = 0.14 h",
 )
@@ -142,7 +143,7 @@ def _accumulation() -> Evidence:
         ),
         place=2244,
     ),
-    needs=("tissue_ratios",),
+    needs=(made.RATIOS,),
     rests_on=(*MODEL, "c3.dimensions", "c3.similar"),
     chosen="PBD with μ = 0.2 h, which is said to be similar, stands for DAHA; for the squared denominators of "
     "c3.dimensions the rules of the published runs",
@@ -171,7 +172,7 @@ def _less_than_half(tables: Tables) -> Evidence:
         why="with the printed rest lengths no run of DAHA reaches 10 h, so that there is no tissue to compare with",
         place=2253,
     ),
-    needs=("tissue_daha_distances", "tissue_daha_shares"),
+    needs=(made.DISTANCES, made.SHARES),
     rests_on=DAHA,
     chosen=f"similar: heights at 10 h within 10 %; {FLOOR}",
 )
@@ -212,7 +213,7 @@ def growth_steps(table: pd.DataFrame) -> pd.DataFrame:
         why="the sentence before says that reduced damping leads to faster growth, as do Figures 15 and 16",
         place=2248,
     ),
-    needs=("tissue_ratios",),
+    needs=(made.RATIOS,),
     rests_on=MODEL,
     chosen="faster growth fits better to the in vivo data, as the sentence before says",
 )
@@ -246,7 +247,7 @@ def _damping(tables: Tables) -> Evidence:
         ),
         place=2258,
     ),
-    needs=("tissue_doubling",),
+    needs=(made.DOUBLING,),
     rests_on=(*MODEL, "c3.dimensions"),
     chosen="for the squared denominators of c3.dimensions the rules of the published runs",
 )
@@ -312,7 +313,7 @@ def least_grown(table: pd.DataFrame) -> pd.Series:
     "Tissue in three dimensions grows in height.",
     source="Figure 17",
     quote="already the first simulations gave rise to growth of the tissue height",
-    needs=("space_heights",),
+    needs=(made.SPACE_HEIGHTS,),
     chosen="of all kinds of sheets the one that grows least",
 )
 def _height(tables: Tables) -> Evidence:

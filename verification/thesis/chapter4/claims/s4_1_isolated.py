@@ -13,7 +13,9 @@ from verification.thesis.chapter4.frequencies import (
     MODEL,
     OUTCOMES,
     PERCENT,
+    PRINTED,
     RATIOS,
+    SINCE,
     Sized,
     alike,
     evidence,
@@ -26,7 +28,6 @@ from verification.thesis.chapter4.frequencies import (
 )
 from verification.thesis.chapter4.studies import PRESETS
 
-PRINTED, SINCE = "emt_complete_printed", "emt_complete_since"
 # Of Table 3 those with the longest delays.
 PROGRAMS = ("[AxB]", "[BxA]")
 # 'Almost guarantees': more than half of all cells more than any other event does.

@@ -13,6 +13,7 @@ from verification.thesis.chapter4.frequencies import (
     CONDITIONAL,
     KINDS,
     PERCENT,
+    RANKING,
     RATIOS,
     Sized,
     alike,
@@ -24,7 +25,7 @@ from verification.thesis.chapter4.frequencies import (
     runs_by_width,
     share,
 )
-from verification.thesis.chapter4.questions import RANKING, onset_first
+from verification.thesis.chapter4.questions import onset_first
 from verification.thesis.chapter4.studies import PRESETS
 
 # The middle row of Table 5, whose cells Figure 22 shows.

@@ -9,6 +9,8 @@ from verification.claims import Correction, Effect, Evidence, Tables, claim
 from verification.thesis.chapter4.frequencies import (
     CATEGORIES,
     CONDITIONAL,
+    ORDERS,
+    RANKING,
     RATIOS,
     between,
     category,
@@ -19,7 +21,7 @@ from verification.thesis.chapter4.frequencies import (
     pooled,
     share,
 )
-from verification.thesis.chapter4.questions import ORDERS, POPULATIONS, RANKING, answer
+from verification.thesis.chapter4.questions import POPULATIONS, answer
 
 # 'Get extruded': one cell in a hundred, at least. 'Favourable': the lower half of the scale, as in Figure 22.
 SOME, FAVOURABLE = 0.01, 0.5
