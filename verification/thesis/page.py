@@ -130,6 +130,7 @@ def _errata(table: pd.DataFrame, said: Mapping[str, str]) -> Section:
 def corrections(table: pd.DataFrame, others: pd.DataFrame) -> pd.DataFrame:
     """Return what is wrong as printed and whose correction changes a result, claims and errata, most serious first."""
     slips = others.rename(columns={"printed": "quote", "corrected": "correction"})
+    slips["id"] += slips["claim"].map(lambda name: f" (by {name})" if name else "")
     wrong = pd.concat([table[table["verdict"].isin(WRONG)], slips], ignore_index=True)
     wrong = wrong[wrong["effect"].isin(SERIOUS)]
     return wrong.sort_values("effect", key=lambda column: column.map(SERIOUS.index), kind="stable")

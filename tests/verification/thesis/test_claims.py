@@ -25,8 +25,7 @@ from verification.thesis import register
 from verification.thesis.chapter1.claims import s1_1_newton
 
 CHANGES = CHANGES1 | CHANGES2 | CHANGES3 | CHANGES4 | CHANGES5
-SLOW = ("c1.neither", "c3.slice", "c3.diffusion", "c3.stopping", "c3.part-way", "c3.accumulation")
-SLOW += ("c4.pulled-back", "c5.independent")
+SLOW = ("c3.slice", "c3.inm", "c3.part-way", "c3.accumulation", "c4.pulled-back", "c5.independent")
 SLOW_CHANGES = ("c2.linear-runtime", "c3.inm", "c3.apical-mitosis", "c3.pushing")
 SLOW_CHANGES += ("c3.passive-springs", "c3.part-way", "c3.accumulation")
 SLOW_CHANGES += ("c4.pulled-back", "c5.independent")

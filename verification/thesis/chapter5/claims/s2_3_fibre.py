@@ -56,13 +56,17 @@ _straight_force = identity(
     chosen=NO_INTERACTION,
 )
 
+# (5.24) in the coordinate X.
+near = x / c - y / (n * c**2)
+near_phi = -near.diff(y) / near.diff(x)
+
 _coordinates = identity(
     "c5.coordinates",
     "Example 5.3",
     "we apply the coordinate change X̃_i = y_c/X_c X_i = N y_c X_i … m_eff = m I + 1",
     "In the scaled coordinate the effective mass of y is 1 + m.",
-    right=1 + m * (1 / (n * c)) ** 2 - (1 + m / (n * c) ** 2),
-    wrong=1 + m * (1 / (n * c)) ** 2 - (1 + m),
+    right=1 + m * near_phi**2 - (1 + m / (n * c) ** 2),
+    wrong=1 + m * near_phi**2 - (1 + m),
     correction=Correction(
         "m_eff = 1 + m(X_c/y_c)² = 1 + m/(N y_c)², and (X_c/y_c)F₁ for F₁; or m and F₁ are said to be those of X̃",
         Effect.MODEL,
