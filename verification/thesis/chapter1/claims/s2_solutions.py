@@ -14,8 +14,8 @@ from verification.thesis.chapter1.lemmas import sign_values
 z3 = solver_library()
 x, y, rate, t, c, h, k, d, q, value = reals("x y rate t c h k d q value")
 
-# The start c of Example 1.9 where quotients are formed, and their step; both exact in binary.
-C, STEP = 0.75, 2.0**-10
+# The start c of Example 1.9.
+C = 0.75
 # Ternary digits of Cantor's function, and a distance from the ends of the intervals where it is constant.
 LEVELS, EDGE = 20, 1e-7
 # Cells of [0, 1]; Cantor's function is constant on all but a part of length (2/3)^8 < 0.04 of them.
