@@ -61,7 +61,7 @@ def claims(
 ) -> None:
     """Decide the claims of the thesis; the exit code is 1 if a verdict differs from the recorded one.
 
-    Verdicts and studies that are in <out>/tables are not recomputed: an interrupted call can be repeated.
+    Studies that are in <out>/tables are not recomputed: an interrupted call can be repeated.
     """
     need_thesis("verification claims")
     from dincl.study import workers
@@ -79,9 +79,9 @@ def claims(
     with workers() as executor:
         context = Context(out, full, executor, complete=kept.STUDIES)
         tables = selection.tables_for(chosen, context)
-        table = decide_all(chosen, tables, context.folder, executor, kept.files())
+        table = decide_all(chosen, tables, executor)
     _list_claims(table)
-    print(f"{len(errata())} errata of notation are in verification/thesis/text/errata.csv")
+    print(f"{len(errata())} errata without a check of their own are in verification/thesis/text/errata.csv")
     raise typer.Exit(0 if differing(table).empty else 1)
 
 

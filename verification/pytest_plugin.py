@@ -11,7 +11,6 @@ states claims has imported ``verification.claims.claim`` itself.
 
 from __future__ import annotations
 
-import inspect
 import re
 import sys
 from collections.abc import Iterator
@@ -52,7 +51,7 @@ def pytest_pycollect_makeitem(collector: pytest.Collector, name: str, obj: objec
     items = [
         ClaimItem.from_parent(collector, name=claim.id, claim=claim)
         for claim in (obj if isinstance(obj, tuple) else (obj,))
-        if isinstance(claim, stating.Claim) and claim.check.__module__ == collector.obj.__name__
+        if isinstance(claim, stating.Claim) and claim.module == collector.obj.__name__
     ]
     return items or None
 
@@ -94,9 +93,8 @@ class ClaimItem(pytest.Item):
         return super().repr_failure(excinfo, *given)
 
     def reportinfo(self) -> tuple[os.PathLike[str] | str, int | None, str]:
-        """Return file and line of the check."""
-        check = inspect.unwrap(self.claim.check)
-        return self.path, check.__code__.co_firstlineno - 1, f"claim {self.claim.id}"
+        """Return file and line of the claim."""
+        return self.path, int(self.claim.stated_at.rpartition(":")[2]) - 1, f"claim {self.claim.id}"
 
 
 def described(claim: Claim, evidence: Evidence) -> Iterator[str]:

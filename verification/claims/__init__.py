@@ -1,6 +1,6 @@
 """Claims: sentences with the checks that decide them."""
 
-from verification.claims.claim import Claim, Correction, Effect, MissingRow, Tables, claim, stated_in
+from verification.claims.claim import Claim, Correction, Effect, MissingRow, Table, Tables, claim, stated_in
 from verification.claims.evidence import (
     Comparison,
     Evidence,
@@ -24,6 +24,7 @@ __all__ = [
     "FormalProof",
     "Interval",
     "MissingRow",
+    "Table",
     "Tables",
     "Technique",
     "Verdict",

@@ -7,8 +7,8 @@ from dataclasses import KW_ONLY, dataclass
 from enum import Enum
 from inspect import signature
 from pkgutil import resolve_name
-from types import ModuleType
-from typing import TYPE_CHECKING
+from types import FunctionType, ModuleType
+from typing import TYPE_CHECKING, Any
 
 from dincl.checks import describe
 from dincl.errors import InvalidProblem
@@ -20,6 +20,23 @@ if TYPE_CHECKING:
 
 # By name.
 Tables = Mapping[str, "pd.DataFrame"]
+
+
+class Table(str):
+    """The name of a table that checks read, with the function that makes it.
+
+    Attributes
+    ----------
+    made_by
+        "module:function" of a function of a context, which fills ``context.tables``; imported when it is needed.
+    """
+
+    made_by: str
+
+    def __new__(cls, name: str, made_by: str) -> Table:
+        table = super().__new__(cls, name)
+        table.made_by = made_by
+        return table
 
 
 class MissingRow(RuntimeError):
@@ -79,9 +96,11 @@ class Claim:
     quote
         One sentence or formula of the source, as printed.
     needs
-        Names of the tables that ``check`` reads.
+        Names of the tables that ``check`` reads; a ``Table`` says what makes it.
     rests_on
         Ids of the claims that this one uses; where one of them is corrected or refuted, this one is marked.
+    also
+        Ids of statements that this one contains: the source says them at several places, and one check decides them.
     recorded
         The verdict that was found; another one is a regression.
     correction
@@ -91,8 +110,8 @@ class Claim:
     tried_on
         The cases that the check decides, where the claim is about more cases: the verdict is then at best "not
         refuted", or "proved for an instance" if the cases are proved. Empty where the check decides the whole claim.
-    arithmetic
-        Whether the check only calculates with printed numbers. Such claims are counted apart.
+    stated_at
+        Module and line of the claim, "module:12"; by default those of its check.
 
     Raises
     ------
@@ -107,25 +126,29 @@ class Claim:
     _: KW_ONLY
     source: str = ""
     quote: str = ""
+    also: tuple[str, ...] = ()
     needs: tuple[str, ...] = ()
     rests_on: tuple[str, ...] = ()
     recorded: Verdict = Verdict.HOLDS
     correction: Correction | None = None
     chosen: str = ""
     tried_on: str = ""
-    arithmetic: bool = False
+    stated_at: str = ""
 
     def __post_init__(self) -> None:
+        if not self.stated_at and isinstance(self.check, FunctionType):
+            line = f"{self.check.__module__}:{self.check.__code__.co_firstlineno}"
+            object.__setattr__(self, "stated_at", line)
         if not isinstance(self.id, str) or not self.id or self.id != "".join(self.id.split()):
             raise InvalidProblem(f"id = {describe(self.id)}: must be a short name without spaces")
         for name in ("statement", "source", "quote", "chosen", "tried_on"):
             self._refuse_unless(name, isinstance(getattr(self, name), str), "text")
         self._refuse_unless("statement", bool(self.statement.strip()), "a sentence")
-        for name, allowed in (("needs", "names of tables"), ("rests_on", "ids of other claims")):
+        tuples = {"needs": "names of tables", "rests_on": "ids of other claims", "also": "ids of other statements"}
+        for name, allowed in tuples.items():
             given = getattr(self, name)
             named = isinstance(given, tuple) and all(isinstance(each, str) and each for each in given)
             self._refuse_unless(name, named and self.id not in given, f"a tuple of {allowed}")
-        self._refuse_unless("arithmetic", isinstance(self.arithmetic, bool), "True or False")
         self._refuse_unless("recorded", isinstance(self.recorded, Verdict), f"one of {', '.join(map(str, Verdict))}")
         self._refuse_unless(
             "correction", self.correction is None or isinstance(self.correction, Correction), "a Correction or None"
@@ -148,8 +171,13 @@ class Claim:
             raise InvalidProblem(f"claim {self.id}: {name} = {describe(getattr(self, name))}: must be {allowed}")
 
     def __reduce__(self) -> tuple[Callable[[str, str], Claim], tuple[str, str]]:
-        """Pickle a claim by the module of its check and its id."""
-        return find, (self.check.__module__, self.id)
+        """Pickle a claim by its module and its id."""
+        return find, (self.module, self.id)
+
+    @property
+    def module(self) -> str:
+        """The module that states the claim."""
+        return self.stated_at.rpartition(":")[0]
 
     def missing(self, tables: Tables) -> list[str]:
         """Return the names of the tables that the check reads and that are missing."""
@@ -175,42 +203,21 @@ class Claim:
         return of_examples.get(verdict, verdict) if self.tried_on else verdict
 
 
-def claim(
-    id: str,
-    statement: str,
-    *,
-    source: str = "",
-    quote: str = "",
-    needs: tuple[str, ...] = (),
-    rests_on: tuple[str, ...] = (),
-    recorded: Verdict = Verdict.HOLDS,
-    correction: Correction | None = None,
-    chosen: str = "",
-    tried_on: str = "",
-    arithmetic: bool = False,
-) -> Callable[[Callable[..., Evidence]], Claim]:
+def claim(id: str, statement: str, **details: Any) -> Callable[[Callable[..., Evidence]], Claim]:
     """State what a check decides, above the check.
 
     ``@claim("my.order", "PBD converges with order one on my scene")`` above a function () -> Evidence gives a Claim.
-    With ``needs``, the names of tables, the function is tables -> Evidence. Arguments and errors: see ``Claim``.
+    With ``needs``, the names of tables, the function is tables -> Evidence. ``details`` and errors: see ``Claim``. A
+    claim with a correction is recorded as corrected, one on examples as not refuted, unless something else is said.
     """
+    if details.get("correction"):
+        details.setdefault("recorded", Verdict.CORRECTED)
+    elif details.get("tried_on"):
+        details.setdefault("recorded", Verdict.NOT_REFUTED)
 
     def stated(check: Callable[..., Evidence]) -> Claim:
         """Return the claim that the function decides."""
-        return Claim(
-            id,
-            statement,
-            check,
-            source=source,
-            quote=quote,
-            needs=needs,
-            rests_on=rests_on,
-            recorded=recorded,
-            correction=correction,
-            chosen=chosen,
-            tried_on=tried_on,
-            arithmetic=arithmetic,
-        )
+        return Claim(id, statement, check, **details)
 
     return stated
 
@@ -223,7 +230,7 @@ def stated_in(module: ModuleType) -> tuple[Claim, ...]:
     found: dict[int, Claim] = {}
     for value in vars(module).values():
         for each in value if isinstance(value, tuple) else (value,):
-            if isinstance(each, Claim) and each.check.__module__ == module.__name__:
+            if isinstance(each, Claim) and each.module == module.__name__:
                 found[id(each)] = each
     return tuple(found.values())
 

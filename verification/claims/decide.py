@@ -1,4 +1,4 @@
-"""Deciding claims: in parallel, stored one by one; a solver that fails leaves a claim open."""
+"""Deciding claims, in parallel; a solver that fails leaves a claim open."""
 
 from __future__ import annotations
 
@@ -6,15 +6,13 @@ import time
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from concurrent.futures import Executor
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
 from dincl.errors import InvalidProblem
-from dincl.provenance import provenance
-from dincl.study import Key, Row, Study, digest
-from verification.claims.claim import Claim, Tables, find
+from dincl.study import Row
+from verification.claims.claim import Claim, Tables
 from verification.claims.evidence import Evidence
 
 # Errors of a solver that does not converge; the claim is then open.
@@ -23,14 +21,10 @@ UNSOLVED = (RuntimeError, ArithmeticError, np.linalg.LinAlgError)
 READING = "reading: "
 
 
-def decide_all(
-    claims: Sequence[Claim], tables: Tables, folder: Path, executor: Executor, reads: Sequence[Path] = ()
-) -> pd.DataFrame:
+def decide_all(claims: Sequence[Claim], tables: Tables, executor: Executor) -> pd.DataFrame:
     """Return one row for each claim, in the order given: what it states, its verdict and the evidence.
 
-    Claims without tables are decided by the executor and kept in ``folder`` as they come, so that an interrupted call
-    is taken up again; those that read tables are quick, and are decided anew. A claim is decided again once the code
-    that its check reaches, or one of the files that checks read (``reads``), has changed.
+    Claims without tables are decided by the executor; those that read tables are quick, and are decided here.
 
     Raises
     ------
@@ -38,31 +32,11 @@ def decide_all(
         If two claims have one id.
     """
     refuse_one_id_for_two(claims)
-    alone = [claim for claim in claims if not claim.needs]
-    found = {}
-    if alone:
-        rows = _study(alone, reads).complete(folder, executor)
-        found = {str(row["id"]): row for row in rows.drop(columns=["module", "made_by"]).to_dict("records")}
-    for claim in claims:
-        if claim.needs:
-            found[claim.id] = evidence_row(claim, tables)
-    table = pd.DataFrame([_row(claim) | found[claim.id] for claim in claims])
+    alone = {claim.id: executor.submit(evidence_row, claim, {}) for claim in claims if not claim.needs}
+    found = {claim.id: evidence_row(claim, tables) for claim in claims if claim.needs}
+    found |= {name: row.result() for name, row in alone.items()}
+    table = pd.DataFrame([{**_row(claim), **found[claim.id]} for claim in claims])
     return table.fillna(dict.fromkeys(readings(table), ""))
-
-
-def _study(claims: Sequence[Claim], reads: Sequence[Path]) -> Study:
-    """Return the study of some claims; its table keeps the rows of other claims."""
-    files = {path.name: digest(path.read_bytes()) for path in sorted(reads)}
-    runs = tuple(
-        {"id": claim.id, "module": claim.check.__module__, "made_by": digest(provenance(claim.check, files=files))}
-        for claim in claims
-    )
-    settings = {"unsolved": [error.__name__ for error in UNSOLVED], "readings": READING}
-    return Study("claims_decided", "Claims", ("id", "module", "made_by"), runs, _alone, settings=settings)
-
-
-def _alone(key: Key) -> list[Row]:
-    return [{**key, **evidence_row(find(key["module"], key["id"]), {})}]
 
 
 def evidence_row(claim: Claim, tables: Tables) -> Row:
@@ -103,15 +77,16 @@ def _row(claim: Claim) -> Row:
         "chosen": claim.chosen,
         "tried_on": claim.tried_on,
         "rests_on": ", ".join(claim.rests_on),
-        "arithmetic": claim.arithmetic,
-        "check": f"{claim.check.__module__}:{claim.check.__code__.co_firstlineno}",
+        "also": ", ".join(claim.also),
+        "check": claim.stated_at,
         "needs": ", ".join(claim.needs),
     }
 
 
 def refuse_one_id_for_two(claims: Iterable[Claim]) -> None:
     """Raise InvalidProblem if two claims have one id."""
-    twice = [name for name, count in Counter(claim.id for claim in claims).items() if count > 1]
+    ids = [name for claim in claims for name in (claim.id, *claim.also)]
+    twice = [name for name, count in Counter(ids).items() if count > 1]
     if twice:
         raise InvalidProblem(f"claim ids {', '.join(twice)} are given twice: each must be unique")
 

@@ -99,8 +99,6 @@ class Technique(Enum):
     IDENTITY = "computer algebra"
     SQUARES = "a sum of squares"
     REALS = "a decision procedure for real numbers"
-    ENCLOSURE = "interval arithmetic"
-    CASES = "all cases"
 
 
 @dataclass(frozen=True)

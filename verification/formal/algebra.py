@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from functools import partial
 from itertools import product
 from typing import Any
 
 from dincl.extras import needs
 from verification.claims import FormalProof, Technique
-from verification.formal import names, refuse_unless_refuted
+from verification.formal import Step, refuse_unless_refuted
 
 # Far above what is lost in DIGITS digits, and below the residual of a wrong variant at the point of ``_point``.
 SEEN, DIGITS = 1e-20, 40
@@ -27,50 +27,39 @@ def matrices(names: str) -> Any:
     return library().symbols(names, commutative=False)
 
 
-def identity(
-    statement: str, residual: Callable[..., Any], wrong: str, factor: Any = -1, *, words: bool = False
-) -> FormalProof:
-    """Prove that residuals vanish for all values of their symbols and for all functions in them.
+def vanishes(right: Any, wrong: Any, said: str = "", rejects: str = "") -> Step:
+    """Return the proof that an expression is zero for all values of its symbols and for all functions in it.
 
     Parameters
     ----------
-    statement
-        What follows if they vanish.
-    residual
-        (factor, symbols) -> an expression, a matrix or a sequence of them; for factor 1 all must simplify to zero.
-    wrong
-        What a reader calls the variant with the other factor.
-    factor
-        Of the wrong variant: one of its residuals must differ from zero at a point.
-    words
-        The symbols are matrices and vectors of any size, see ``matrices``; otherwise they are numbers.
-
-    Raises
-    ------
-    UnsoundProof
-        If the residuals of the wrong variant vanish, too.
+    right, wrong
+        An expression, a matrix or a sequence of them each: all of ``right`` simplify to zero, one of ``wrong`` differs
+        from zero at a point.
+    said, rejects
+        See ``Step``.
     """
-    symbols = [library().Symbol(name, commutative=not words) for name in names(residual)]
-    true = all(map(_vanishes, _entries(residual(1, *symbols))))
-    refuse_unless_refuted(any(map(_differs, _entries(residual(factor, *symbols)))), statement, wrong)
-    return FormalProof(statement, Technique.IDENTITY, f"sympy {library().__version__}", true, wrong)
+    return Step(partial(_identity, right, wrong), said, rejects)
 
 
-def sum_of_squares(
-    statement: str,
-    polynomial: Callable[[Any], Any],
-    squares: Sequence[tuple[Any, Any]],
-    wrong: str,
-    factor: Any = -1,
-) -> FormalProof:
-    """Prove that a polynomial is at least 0: it is the sum of c q^2 over the pairs (c, q), all c >= 0.
+def _identity(right: Any, wrong: Any, statement: str, rejected: str) -> FormalProof:
+    true = all(map(_vanishes, _entries(right)))
+    refuse_unless_refuted(any(map(_differs, _entries(wrong))), statement, rejected)
+    return FormalProof(statement, Technique.IDENTITY, f"sympy {library().__version__}", true, rejected)
 
-    The wrong variant is refuted by a point where it is negative. Parameters and errors: see ``identity``.
+
+def squares(right: Any, wrong: Any, parts: Sequence[tuple[Any, Any]], said: str = "", rejects: str = "") -> Step:
+    """Return the proof that a polynomial is at least 0, the sum of c q^2 over the pairs (c, q), all c >= 0.
+
+    The polynomial ``wrong`` is negative at a point; ``said``, ``rejects``: see ``Step``.
     """
+    return Step(partial(_squares, right, wrong, parts), said, rejects)
+
+
+def _squares(right: Any, other: Any, squares: Sequence[tuple[Any, Any]], statement: str, wrong: str) -> FormalProof:
     sympy = library()
     total = sum(c * q**2 for c, q in squares)
-    true = bool(all(sympy.sympify(c).is_nonnegative for c, _ in squares) and _vanishes(polynomial(1) - total))
-    refuse_unless_refuted(_negative_somewhere(polynomial(factor)), statement, wrong)
+    true = bool(all(sympy.sympify(c).is_nonnegative for c, _ in squares) and _vanishes(right - total))
+    refuse_unless_refuted(_negative_somewhere(other), statement, wrong)
     certificate = " + ".join(f"{c}*({q})**2" for c, q in squares)
     return FormalProof(statement, Technique.SQUARES, f"sympy {sympy.__version__}", true, wrong, certificate)
 

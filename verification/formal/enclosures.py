@@ -1,56 +1,24 @@
-"""Proofs by interval arithmetic: bounds of functions on boxes, by branch and bound with balls of Arb."""
+"""Proved bounds of functions on boxes, by branch and bound with balls of Arb."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from heapq import heappop, heappush
-from itertools import product
 from math import inf, nextafter
 from typing import Any
 
 from dincl.extras import needs
-from verification.claims import FormalProof, Technique
-from verification.formal import refuse_unless_refuted
 
-# Boxes that are looked at before a proof is given up.
+# Boxes that are looked at before the search is given up.
 LARGEST = 200_000
 Box = Sequence[tuple[float, float]]
 
 
 def balls() -> Any:
     """Return flint; MissingLibrary says that a proof needs it."""
-    with needs("a proof by interval arithmetic", "proofs"):
+    with needs("a bound by interval arithmetic", "proofs"):
         import flint
     return flint
-
-
-def not_negative(
-    statement: str, function: Callable[..., Any], box: Box, wrong: str, factor: float = -1.0
-) -> FormalProof:
-    """Prove that a function is at least 0 on a box.
-
-    Parameters
-    ----------
-    statement
-        What follows.
-    function
-        (factor, coordinates) -> ball, for balls of coordinates.
-    box
-        The ends of each coordinate.
-    wrong
-        What a reader calls the variant with the other factor.
-    factor
-        Of the wrong variant: it must be negative at a point of the box.
-
-    Raises
-    ------
-    UnsoundProof
-        If no point is found where the wrong variant is negative.
-    """
-    true, boxes = _decided(lambda *x: function(1.0, *x), box)
-    refuse_unless_refuted(_decided(lambda *x: function(factor, *x), box)[0] is False, statement, wrong)
-    tool = f"python-flint {balls().__version__}"
-    return FormalProof(statement, Technique.ENCLOSURE, tool, true, wrong, f"{boxes} boxes" if box else "")
 
 
 def least_upper_bound(function: Callable[..., Any], box: Box, slack: float = 1e-6) -> float:
@@ -81,32 +49,9 @@ def _over(function: Callable[..., Any], sides: Sequence[tuple[float, float]]) ->
     return function(*(arb(low).union(arb(high)) for low, high in sides))
 
 
-def _decided(function: Callable[..., Any], box: Box) -> tuple[bool | None, int]:
-    """Return whether a function is at least 0 on a box (False at a negative midpoint), and the number of boxes."""
-    arb = balls().arb
-    waiting, seen = [tuple(box)], 0
-    while waiting and seen < LARGEST:
-        sides = waiting.pop()
-        seen += 1
-        middle = [(low + high) / 2 for low, high in sides]
-        if function(*map(arb, middle)) < 0:
-            return False, seen
-        if not _over(function, sides) >= 0:
-            waiting += _halves(sides, middle)
-    return (None if waiting else True), seen
-
-
 def _cuts(sides: Sequence[tuple[float, float]]) -> Iterator[list[tuple[tuple[float, float], ...]]]:
     """Yield the two halves of a box, for each direction that is not a point."""
     for k, (low, high) in enumerate(sides):
         if low < high:
             middle = (low + high) / 2
             yield [(*sides[:k], ends, *sides[k + 1 :]) for ends in ((low, middle), (middle, high))]
-
-
-def _halves(sides: Sequence[tuple[float, float]], middle: Sequence[float]) -> list[tuple[tuple[float, float], ...]]:
-    """Yield the parts of a box that is halved in each direction that is not a point."""
-    cut = [
-        ((low, at), (at, high)) if low < high else ((low, high),) for (low, high), at in zip(sides, middle, strict=True)
-    ]
-    return list(product(*cut))

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 from dincl.extras import needs
 from verification.claims import FormalProof, Technique
-from verification.formal import UnsoundProof, names, refuse_unless_refuted
+from verification.formal import Step, UnsoundProof, refuse_unless_refuted
 
 # Steps of z3 and of cvc5 for each decision: counted, so that the outcome does not depend on the load of the machine.
 LIMIT, SECOND_LIMIT = 20_000_000, 20_000
-Formula = Callable[..., tuple[Sequence[Any], Any]]
 
 
 def solver_library() -> Any:
@@ -22,40 +22,37 @@ def solver_library() -> Any:
     return z3
 
 
-def implication(statement: str, formula: Formula, wrong: str, factor: Any = -1) -> FormalProof:
-    """Prove that a conclusion follows from assumptions about real numbers.
+def follows(given: Sequence[Any], then: Any, wrong: Any, said: str = "", rejects: str = "") -> Step:
+    """Return the proof that a conclusion follows from assumptions about real numbers, see ``reals``.
 
     Parameters
     ----------
-    statement
-        What follows from what.
-    formula
-        (factor, real variables) -> assumptions, conclusion; several conclusions are a list. For factor 1 the
-        assumptions and the negated conclusion must have no solution.
+    given, then
+        Assumptions; the conclusion, or a list of several. The assumptions and the negated conclusion have no solution.
     wrong
-        What a reader calls the variant with the other factor.
-    factor
-        Of the wrong variant: a solution of its assumptions and its negated conclusion must exist.
-
-    Raises
-    ------
-    UnsoundProof
-        If the assumptions contradict each other or contain the conclusions, or if the wrong variant is not refuted.
+        Another conclusion, which does not follow, or a pair of other assumptions and their conclusion.
+    said, rejects
+        See ``Step``.
     """
+    other = wrong if isinstance(wrong, tuple) else (given, wrong)
+    return Step(partial(_implication, (given, then), other), said, rejects)
+
+
+def reals(names: str) -> Any:
+    """Return variables for real numbers; ``names`` are separated by spaces."""
+    return solver_library().Reals(names)
+
+
+def _implication(right: tuple[Any, Any], other: tuple[Any, Any], statement: str, wrong: str) -> FormalProof:
     z3 = solver_library()
-    solver = _solver(formula, 1)
+    solver = _solver(*right)
     true = {"unsat": True, "sat": False}.get(str(solver.check()))
-    counterexample = _solver(formula, factor).check()
+    counterexample = _solver(*other).check()
     refuse_unless_refuted(counterexample == z3.sat, statement, wrong)
     tool = f"z3 {z3.get_version_string()}"
     if true and _also_unsatisfiable(solver.to_smt2()):
         tool += f", cvc5 {_second().__version__}"
-    return FormalProof(statement, Technique.REALS, tool, true, wrong, given=_written(*_applied(formula, 1)))
-
-
-def _applied(formula: Formula, factor: Any) -> tuple[Sequence[Any], Any]:
-    """Return assumptions and conclusion for variables of z3."""
-    return formula(factor, *map(solver_library().Real, names(formula)))
+    return FormalProof(statement, Technique.REALS, tool, true, wrong, given=_written(*right))
 
 
 def _written(assumptions: Sequence[Any], conclusion: Any) -> str:
@@ -70,10 +67,9 @@ def _listed(conclusion: Any) -> list[Any]:
     return conclusion if isinstance(conclusion, list) else [conclusion]
 
 
-def _solver(formula: Formula, factor: Any) -> Any:
+def _solver(assumptions: Sequence[Any], conclusion: Any) -> Any:
     """Return a solver that looks for a counterexample; UnsoundProof if the assumptions are contradictory or trivial."""
     z3 = solver_library()
-    assumptions, conclusion = _applied(formula, factor)
     if _limited(assumptions).check() == z3.unsat:
         raise UnsoundProof(f"{assumptions}: the assumptions contradict each other, so anything would follow")
     if all(any(map(each.eq, assumptions)) for each in _listed(conclusion)):

@@ -8,11 +8,13 @@ from concurrent.futures import Executor, Future
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
+from pkgutil import resolve_name
 from typing import Any, TypeVar
 
 import pandas as pd
 
 from dincl.study import Study, digest, read_sealed, write
+from verification.claims import Table
 from verification.page.agreement import TIMES, Agreement, compare_studies
 
 MAKES_NO_NUMBERS = True
@@ -92,6 +94,12 @@ class Context:
         write(rows, self.folder / f"{study.name}.parquet")
         rows.attrs[FILE] = study.name
         return rows
+
+    def table(self, wanted: Table) -> pd.DataFrame:
+        """Return a table that a claim reads; it is made if it is not there."""
+        if wanted not in self.tables:
+            resolve_name(wanted.made_by)(self)
+        return self.tables[wanted]
 
     def files_of(self, names: Iterable[str]) -> list[str]:
         """Return the names of the files of some tables; without tables that were only read."""

@@ -118,6 +118,7 @@ class Statements:
                 "look": VERDICTS[row["verdict"]],
                 "code": link(row["check"]),
                 "runs": _names(row["runs"]),
+                "also": _names(row["also"]),
                 "below": _names(row["rests_on"]),
                 "wrong": self.wrong[row["id"]],
                 # A sentence made of the comparisons says them all.

@@ -11,7 +11,7 @@ import pandas as pd
 from verification.claims import Effect, Verdict
 from verification.claims.decide import READING, decide_all, differing, readings
 from verification.claims.graph import corrected_below
-from verification.page import cards, kept
+from verification.page import cards
 from verification.page.columns import headed, read_columns
 from verification.page.context import Context
 from verification.page.parts import Grid, SearchField, Section, Statements, Text
@@ -36,6 +36,7 @@ COLUMNS = read_columns(Path(__file__).parent / "columns.toml")
 COUNTS = "How many claims hold"
 BEFORE = "corrected"  # the reading that decided until now
 WRONG = (Verdict.CORRECTED.value, Verdict.REFUTED.value)  # as printed
+PROVED = (Verdict.PROVED.value, Verdict.PROVED_INSTANCE.value)
 # The most serious first; what only concerns notation changes no result.
 SERIOUS = [effect.value for effect in Effect if effect is not Effect.NOTATION]
 
@@ -43,21 +44,22 @@ SERIOUS = [effect.value for effect in Effect if effect is not Effect.NOTATION]
 def run(context: Context) -> None:
     """Decide every claim, those about studies from the tables of the other chapters; write the source of the checks."""
     claims = register()
-    table = decide_all(claims, context.tables, context.folder, context.executor, kept.files())
+    table = decide_all(claims, context.tables, context.executor)
     table.insert(1, "chapter", [chapter_of(claim) for claim in claims])
     table["runs"] = [", ".join(context.files_of(claim.needs)) for claim in claims]
     context.keep("claims", table)
     context.keep("claims_errata", errata())
-    for module in dict.fromkeys(claim.check.__module__ for claim in claims):
+    for module in dict.fromkeys(claim.module for claim in claims):
         write_source(module, context.out)
 
 
 def sections(context: Context) -> Sequence[Section]:
-    """Return counts, the corrections that change results, and all claims in the order of the thesis, to be searched."""
+    """Return the corrections that change results, counts, and all claims in the order of the thesis, to be searched."""
     table = context.tables["claims"]
-    slips = context.tables["claims_errata"]
-    said = fill(PROSE / "statements.html", **_values(table), errata=len(slips))
-    found = [_counts(table, said), _corrections(table, said), *_readings(table), _errata(slips, said)]
+    others = context.tables["claims_errata"]
+    slips = others[others["effect"] == Effect.NOTATION.value]
+    said = fill(PROSE / "statements.html", **_values(table, others), errata=len(slips))
+    found = [_corrections(table, others, said), _counts(table, said), *_readings(table), _errata(slips, said)]
     found.append(Section("All claims", [SearchField()]))
     wrong = corrected_below(register())
     for number, title in TITLES.items():
@@ -67,15 +69,18 @@ def sections(context: Context) -> Sequence[Section]:
     return found
 
 
-def _values(table: pd.DataFrame) -> dict[str, Any]:
-    total, wrong = table["verdict"].value_counts(), corrections(table)
+def _values(table: pd.DataFrame, others: pd.DataFrame) -> dict[str, Any]:
+    total, wrong = table["verdict"].value_counts(), corrections(table, others)
     return {
         "count": len(table),
         **{verdict.name.lower(): int(total.get(verdict.value, 0)) for verdict in Verdict},
         "other": list(differing(table)["id"]),
         "wrong": len(wrong),
-        "arithmetic": int(table["arithmetic"].sum()),
-        "effects": [f"{count} {effect}" for effect, count in wrong["effect"].value_counts(sort=False).items()],
+        "conclusions": [
+            f"{row['id']} ({row['source'].split(';')[0]})" for _, row in of_effect(wrong, Effect.CONCLUSION).iterrows()
+        ],
+        **{effect.name.lower(): len(of_effect(wrong, effect)) for effect in Effect},
+        "proofs": int(table["verdict"].isin(PROVED).sum()),
     }
 
 
@@ -86,8 +91,8 @@ def _counts(table: pd.DataFrame, said: Mapping[str, str]) -> Section:
     return Section(COUNTS, [Text(said["counts"]), Grid(counts, said["by_chapter"], "claims")])
 
 
-def _corrections(table: pd.DataFrame, said: Mapping[str, str]) -> Section:
-    wrong = corrections(table)
+def _corrections(table: pd.DataFrame, others: pd.DataFrame, said: Mapping[str, str]) -> Section:
+    wrong = corrections(table, others)
     steps = wrong["effect"] == Effect.PROOF.value
     shown = headed(wrong, COLUMNS["corrections"])
     return Section(
@@ -122,19 +127,26 @@ def _errata(table: pd.DataFrame, said: Mapping[str, str]) -> Section:
     return Section("Errata of notation", [Text(said["errata"]), Grid(shown, said["slips"], "claims_errata")])
 
 
-def corrections(table: pd.DataFrame) -> pd.DataFrame:
-    """Return the claims that are wrong as printed and whose correction changes a result, the most serious first."""
-    wrong = table[table["verdict"].isin(WRONG) & table["effect"].isin(SERIOUS)]
+def corrections(table: pd.DataFrame, others: pd.DataFrame) -> pd.DataFrame:
+    """Return what is wrong as printed and whose correction changes a result, claims and errata, most serious first."""
+    slips = others.rename(columns={"printed": "quote", "corrected": "correction"})
+    slips["id"] += slips["claim"].map(lambda name: f" (by {name})" if name else "")
+    wrong = pd.concat([table[table["verdict"].isin(WRONG)], slips], ignore_index=True)
+    wrong = wrong[wrong["effect"].isin(SERIOUS)]
     return wrong.sort_values("effect", key=lambda column: column.map(SERIOUS.index), kind="stable")
+
+
+def of_effect(table: pd.DataFrame, effect: Effect) -> pd.DataFrame:
+    """Return the corrections that change such a thing."""
+    return table[table["effect"] == effect.value]
 
 
 # It reads the tables of all other chapters.
 def findings(context: Context) -> Sequence[Finding]:
-    """Count the claims that hold and those that are wrong as printed."""
+    """Say what corrections change, and count the claims that hold."""
     table = context.tables["claims"]
-    values, wrong = _values(table), table[table["verdict"].isin(WRONG)]
-    serious = wrong["effect"].isin([effect for effect in SERIOUS if effect != Effect.PROOF.value])
-    said = fill(PROSE / "learned.html", **values | {"wrong": len(wrong), "serious": int(serious.sum())})
+    values = _values(table, context.tables["claims_errata"])
+    said = fill(PROSE / "learned.html", **values)
     counts = {verdict: values[verdict.name.lower()] for verdict in Verdict}
     card = Card(context.draw("card_claims", cards.verdicts, counts), said["card"], 4)
     return [Finding(said["counts"], COUNTS, card)]

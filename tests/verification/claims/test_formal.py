@@ -3,100 +3,86 @@
 
 import re
 import sys
+from typing import Any
 
 import pytest
 
-from verification.claims import Evidence, FormalProof, Technique, Verdict, at_most, claim, proved, put_right
-from verification.formal import UnsoundProof, enclosures
-from verification.formal.algebra import identity, library, matrices, sum_of_squares
-from verification.formal.cases import all_cases
-from verification.formal.enclosures import least_upper_bound, not_negative
-from verification.formal.reals import implication
+from verification.claims import (
+    Correction,
+    Effect,
+    Evidence,
+    FormalProof,
+    Technique,
+    Verdict,
+    at_most,
+    claim,
+    proved,
+    put_right,
+)
+from verification.formal import Step, UnsoundProof, enclosures
+from verification.formal.algebra import library, matrices, squares, vanishes
+from verification.formal.enclosures import least_upper_bound
+from verification.formal.reals import follows, reals
+from verification.formal.stated import argument, identity, implication
+
+a, b, x, y = library().symbols("a b x y", real=True)
+r, s = reals("r s")
+A, B = matrices("A B")
+f, g = (library().Function(name)(x) for name in "fg")
 
 
 def binomial() -> FormalProof:
-    return identity("(a + b)² = a² + 2ab + b²", lambda s, a, b: (a + b) ** 2 - a**2 - s * 2 * a * b - b**2, "−2ab")
+    return vanishes((a + b) ** 2 - a**2 - 2 * a * b - b**2, (a + b) ** 2 - a**2 + 2 * a * b - b**2)(
+        "(a + b)² = …", "−2ab"
+    )
 
 
-@pytest.mark.slow
-def test_an_identity_is_proved_for_all_values() -> None:
-    found = binomial()
-    assert found.true is True
-    assert found.technique is Technique.IDENTITY
-    assert "sympy" in found.tool
-    assert str(found).endswith("−2ab: refuted")
+@pytest.mark.parametrize(
+    ("step", "true"),
+    [
+        (vanishes((a + b) ** 2 - a**2 - 2 * a * b - b**2, a), True),
+        (vanishes((a + b) ** 2 - a**2 - b**2, a), False),
+        (vanishes([a - a, a], b), False),
+        (vanishes((A * B) * B**-1 * A**-1 - 1, A * B - 1), True),
+        (vanishes(A * B - B * A, A), False),
+        (vanishes((f * g).diff(x) - f.diff(x) * g - f * g.diff(x), f), True),
+        (vanishes((f * g).diff(x) - f.diff(x) * g.diff(x), f), False),
+        (squares(x**2 - 2 * x * y + y**2, x**2 - 4 * x * y + y**2, [(1, x - y)]), True),
+        (squares(x**2 - 2 * x * y + y**2, x**2 - 4 * x * y + y**2, [(1, x + y)]), False),
+        (squares(-(x**2), -(x**2), [(-1, x)]), False),
+        (follows([r >= 1], r * r >= r, r * r >= 2 * r), True),
+        (follows([r >= 0], r * r >= r, r * r >= 2 * r), False),
+        (follows([r >= 1], [r * r >= r, r >= 0], ([r >= 0], r * r >= r)), True),
+    ],
+)
+def test_what_is_true_is_proved_and_what_is_false_is_refuted(step: Step, true: bool) -> None:
+    found = step("said", "a wrong variant")
+    assert found.true is true
+    assert proved(found).verdict is (Verdict.PROVED if true else Verdict.REFUTED)
+    assert str(found).startswith(f"said: {'proved' if true else 'refuted'} by ")
+    assert str(found).endswith("a wrong variant: refuted")
 
 
-def test_an_identity_that_does_not_hold_is_refuted() -> None:
-    found = identity("(a + b)² = a² + b²", lambda s, a, b: (a + b) ** 2 - a**2 - s * b**2, "−b²")
-    assert found.true is False
-    assert proved(found).verdict is Verdict.REFUTED
-    assert proved(found).measured.startswith("Not proved: ")
+@pytest.mark.parametrize(
+    ("step", "message"),
+    [
+        (vanishes(a - a, b - b), "is not refuted"),
+        (squares(x**2, x**2, [(1, x)]), "is not refuted"),
+        (follows([], r * r >= 0, s * s >= 0), "is not refuted"),
+        (follows([r > 0, r < 0], r == 1, r == 2), "contradict"),
+        (follows([r >= 1], r >= 1, r >= 2), "nothing follows"),
+    ],
+)
+def test_a_proof_that_says_nothing_is_refused(step: Step, message: str) -> None:
+    with pytest.raises(UnsoundProof, match=message):
+        step("said", "the same")
 
 
-def test_a_wrong_variant_that_holds_is_refused() -> None:
-    with pytest.raises(UnsoundProof, match="the same both ways"):
-        identity("a² = a²", lambda s, a: (s * a) ** 2 - a**2, "the same both ways")
-    with pytest.raises(UnsoundProof, match="is not refuted"):
-        implication("x² ≥ 0", lambda s, x: ([], s * s * x * x >= 0), "the same")
-    with pytest.raises(UnsoundProof, match="is not refuted"):
-        not_negative("x² ≥ 0", lambda s, x: s * s * x * x + 1, [(-1.0, 1.0)], "the same")
-    with pytest.raises(UnsoundProof, match="is not refuted"):
-        all_cases("0 ≤ n", lambda s, n: s * s * n >= 0, range(3), "the same")
-
-
-def test_assumptions_that_contradict_each_other_prove_nothing() -> None:
-    with pytest.raises(UnsoundProof, match="contradict"):
-        implication("anything", lambda s, x: ([x > 0, x < 0], x == s), "anything else")
-
-
-def test_what_is_assumed_is_not_proved() -> None:
-    with pytest.raises(UnsoundProof, match="nothing follows"):
-        implication("x ≥ 1 gives x ≥ 1", lambda s, x: ([x >= 1], x >= s), "x ≥ 2", 2)
-
-
-def test_matrices_do_not_commute() -> None:
-    A, B = matrices("A B")
-    assert identity("(AB)⁻¹ = B⁻¹A⁻¹", lambda s: (A * B) * B**-s * A**-1 - 1, "BA⁻¹").true
-    assert identity("AB = BA", lambda s: A * B - s * B * A, "−BA").true is False
-
-
-def test_functions_are_arbitrary() -> None:
-    sp = library()
-    x = sp.Symbol("x")
-    f, g = (sp.Function(name)(x) for name in "fg")
-    assert identity("(fg)′ = f′g + fg′", lambda s: (f * g).diff(x) - f.diff(x) * g - s * f * g.diff(x), "−fg′").true
-    assert identity("(fg)′ = f′g′", lambda s: (f * g).diff(x) - s * f.diff(x) * g.diff(x), "−f′g′").true is False
-
-
-def test_squares_are_checked_exactly() -> None:
-    x, y = library().symbols("x y", real=True)
-    right = sum_of_squares("x² − 2xy + y² ≥ 0", lambda s: x**2 - s * 2 * x * y + y**2, [(1, x - y)], "−4xy", 2)
-    assert right.true is True
-    assert "(x - y)**2" in right.certificate
-    assert sum_of_squares("wrong squares", lambda s: x**2 - s * 2 * x * y + y**2, [(1, x + y)], "−4xy", 2).true is False
-    assert sum_of_squares("a minus", lambda s: -s * x**2, [(-1, x)], "−2x²", 2).true is False
-
-
-@pytest.mark.slow
 def test_two_programs_decide_implications_of_real_numbers() -> None:
-    found = implication("x ≥ 1 gives x² ≥ x", lambda s, x: ([x >= 1], x * x >= s * x), "x² ≥ 2x", 2)
-    assert found.true is True
-    assert "z3" in found.tool
-    assert "cvc5" in found.tool
-    assert found.given == "x >= 1 ⊢ x*x >= x"
-    false = implication("x ≥ 0 gives x² ≥ x", lambda s, x: ([x >= 0], x * x >= s * x), "x² ≥ 2x", 2)
-    assert false.true is False
-
-
-def test_a_function_is_enclosed_on_a_box() -> None:
-    def slack(s: float, x: float, y: float) -> float:
-        return (1 + x * x) * (1 + y * y) - s * (x + y) * (x + y) / 2
-
-    box = [(-2.0, 2.0), (-2.0, 2.0)]
-    assert not_negative("(x + y)²/2 ≤ (1 + x²)(1 + y²)", slack, box, "(x + y)²", 2.5).true is True
-    below = not_negative("x ≥ 0.1", lambda s, x: x - 0.1 * s, [(0.0, 1.0)], "x ≥ 0.2", 2.0)
-    assert below.true is False
+    found = follows([r >= 1], r * r >= r, r * r >= 2 * r)()
+    assert found.technique is Technique.REALS
+    assert re.fullmatch(r"z3 [\d.]+, cvc5 [\d.]+", found.tool)
+    assert found.given == "r >= 1 ⊢ r*r >= r"
 
 
 def test_a_bound_is_above_all_values_and_near_one() -> None:
@@ -115,13 +101,6 @@ def test_a_ball_that_is_not_finite_bounds_nothing(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(enclosures, "LARGEST", 500)
     with pytest.raises(ArithmeticError, match="no bound within"):
         least_upper_bound(lambda x: 1 / x, [(-1.0, 1.0)])
-    assert not_negative("1/x² ≥ 0", lambda s, x: 1 / (x * x) - 2 * (1 - s), [(-1.0, 2.0)], "1/x² ≥ 2", 0).true is None
-
-
-def test_no_cases_prove_nothing() -> None:
-    assert all_cases("n < 5", lambda s, n: n < 5 * s, range(5), "n < −5").true is True
-    with pytest.raises(UnsoundProof):
-        all_cases("of none", lambda s, n: s > 0, [], "of none")
 
 
 @pytest.mark.parametrize(("tried_on", "verdict"), [("", Verdict.PROVED), ("two numbers", Verdict.PROVED_INSTANCE)])
@@ -136,11 +115,26 @@ def test_a_correction_is_proved_and_its_printed_form_refuted() -> None:
     assert found.measured.startswith("Refuted as printed, −2ab. Proved: (a + b)²")
     assert [each.true for each in found.printed] == [False]
     assert re.fullmatch(r"−2ab: refuted by computer algebra \(sympy [^)]*\)", str(found.printed[0]))
-    assert put_right(identity("a = b", lambda s, a, b: a - s * b, "a = −b")).verdict is Verdict.REFUTED
 
 
 def test_measured_numbers_beside_a_proof_are_no_proof() -> None:
     assert Evidence("both", (binomial(), at_most("one", 1, 2))).verdict is Verdict.HOLDS
+
+
+def test_an_entry_is_a_claim_with_its_wrong_variant() -> None:
+    about: dict[str, Any] = {"right": (x + y) ** 2 - x**2 - 2 * x * y - y**2, "wrong": (x + y) ** 2 - x**2 - y**2}
+    read = Correction("2xy is missing", Effect.NUMBER, "nothing")
+    square = identity("my.square", "(1)", "(x + y)² = x² + y²", "A square", correction=read, **about)
+    assert square.recorded is square.verdict(square.decide({})) is Verdict.CORRECTED
+    assert square.decide({}).measured == "Refuted as printed, (x + y)² = x² + y². Proved: 2xy is missing."
+    assert square.module == __name__
+    grows = {"given": [r >= 0, r < s], "then": r * r < s * s, "wrong": ([r < s], r * r < s * s)}
+    larger = implication("my.grows", "(2)", "r < s gives r² < s²", "Squares grow", **grows)
+    assert larger.recorded is larger.verdict(larger.decide({})) is Verdict.PROVED
+    both = argument("my.both", "(3)", "", "Both", vanishes(x - x, x), squares(x**2, -(x**2), [(1, x)]), tried_on="two")
+    assert both.recorded is both.verdict(both.decide({})) is Verdict.PROVED_INSTANCE
+    with pytest.raises(UnsoundProof, match="its wrong variant"):
+        identity("my.same", "(4)", "", "The same", right=x - x, wrong=y - y).decide({})
 
 
 def test_a_missing_library_leaves_a_claim_open(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -61,6 +61,20 @@ def test_claims_are_tests(pytester: pytest.Pytester, name: str) -> None:
     result.stdout.fnmatch_lines(["*the table orders is not there: --claim-tables names the folder*"])
 
 
+@pytest.mark.parametrize(("wrong", "outcome"), [("x - x**2", "passed"), ("x * x - x**2", "failed")])
+def test_an_entry_without_a_check_is_a_test(pytester: pytest.Pytester, wrong: str, outcome: str) -> None:
+    pytester.makepyfile(
+        my_claims=f"""
+from verification.formal.algebra import library
+from verification.formal.stated import identity
+
+x = library().Symbol("x")
+square = identity("my.square", "", "", "x times x is its square", right=x * x - x**2, wrong={wrong})
+"""
+    )
+    run(pytester).assert_outcomes(**{outcome: 1})
+
+
 def test_another_verdict_fails_with_the_evidence(pytester: pytest.Pytester) -> None:
     pytester.makepyfile(my_claims=CLAIMS.format(wanted=1))
     result = run(pytester)

@@ -2,19 +2,16 @@
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
-import numpy as np
 import pandas as pd
 import pytest
 from typer.testing import CliRunner
 
 from dincl import study
-from tests.executors import Here, Nowhere
+from tests.executors import Here
 from verification import cli
-from verification.claims import Claim, Correction, Effect, Evidence, Tables, Verdict, decide, equal
+from verification.claims import Claim, Correction, Effect, Evidence, Table, Tables, Verdict, decide, equal
 from verification.page import parts
-from verification.page.chapters import CHAPTERS
 from verification.page.context import Context
 from verification.thesis import register, selection
 
@@ -37,7 +34,7 @@ def unsolved() -> Evidence:
 
 ONE = Correction("one", Effect.NUMBER, "all that follows")
 CLAIMS = (
-    Claim("c1.right", "Unity.", right, source="(1.1)", quote="1 = 1"),
+    Claim("c1.right", "Unity.", right, source="(1.1)", quote="1 = 1", also=("c1.same",)),
     Claim("c1.wrong", "Duality.", wrong, source="(1.2)", quote="1 = 2", recorded=Verdict.CORRECTED, correction=ONE),
     Claim("c2.table", "The order.", from_table, source="(2.1)", needs=("orders",)),
 )
@@ -56,6 +53,7 @@ def few(monkeypatch: pytest.MonkeyPatch) -> None:
         ((1,), (), ["c1.right", "c1.wrong"]),
         ((), ("c1.w*", "c2.table"), ["c1.wrong", "c2.table"]),
         ((2,), ("c1.*",), []),
+        ((), ("c1.same",), ["c1.right"]),
     ],
 )
 def test_selection(chapters: tuple[int, ...], names: tuple[str, ...], ids: list[str]) -> None:
@@ -70,11 +68,9 @@ def test_a_name_or_chapter_without_claims_is_refused() -> None:
 
 
 @pytest.mark.usefixtures("few")
-def test_rows_say_what_was_found_and_are_not_computed_twice(tmp_path: Path) -> None:
-    tables = {"orders": pd.DataFrame({"order": [1.0]})}
-    with Here() as here:
-        table = decide.decide_all(CLAIMS, tables, tmp_path, here)
-    again = decide.decide_all(CLAIMS, {"orders": pd.DataFrame({"order": [2.0]})}, tmp_path, Nowhere())
+def test_rows_say_what_was_found() -> None:
+    table = decide.decide_all(CLAIMS, {"orders": pd.DataFrame({"order": [1.0]})}, Here())
+    again = decide.decide_all(CLAIMS, {"orders": pd.DataFrame({"order": [2.0]})}, Here())
     assert table["id"].tolist() == ["c1.right", "c1.wrong", "c2.table"]
     assert table["verdict"].tolist() == ["holds", "refuted, holds when corrected", "holds"]
     assert table["printed"].tolist() == ["one 1 (required 1)", "one 1 (required 2)", "value 1 (required 1)"]
@@ -99,16 +95,6 @@ def test_each_reading_has_a_column_and_is_shown() -> None:
         ("one way", "holds", "one is one"),
         ("other way", "refuted, holds when corrected", "one is not two"),
     ]
-
-
-@pytest.mark.usefixtures("few")
-def test_a_call_about_some_claims_leaves_the_rows_of_the_others(tmp_path: Path) -> None:
-    with Here() as here:
-        decide.decide_all(CLAIMS[:2], {}, tmp_path, here)
-        decide.decide_all(CLAIMS[:1], {}, tmp_path, here)
-    again = decide.decide_all(CLAIMS[:2], {}, tmp_path, Nowhere())
-    assert again["id"].tolist() == ["c1.right", "c1.wrong"]
-    assert [path.name for path in tmp_path.glob("claims_decided*.parquet")] == ["claims_decided.parquet"]
 
 
 def test_a_solver_that_fails_decides_nothing() -> None:
@@ -142,16 +128,16 @@ def test_command_names_what_it_does_not_know() -> None:
     assert "c9.none" in done.output
 
 
-def test_only_the_chapters_that_make_the_tables_are_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    made = []
+def make_orders(context: Context) -> None:
+    context.tables["orders"] = pd.DataFrame({"order": [float(len(context.tables))]})
 
-    def runner(name: str) -> Any:
-        return lambda context: made.append(name) or context.tables.update(orders=pd.DataFrame({"order": [1.0]}))
 
-    for chapter in CHAPTERS:
-        monkeypatch.setitem(vars(chapter), "run", runner(chapter.title))
-    with Here() as here:
-        tables = selection.tables_for(CLAIMS, Context(tmp_path, False, here))
-    assert made == ["Numerical experiments with first-order PBD"]
-    assert tables["orders"]["order"].tolist() == [1.0]
-    assert np.isin(["emt_complete_ratios", "emt_complete_orders"], list(tables)).all()
+def test_only_what_the_claims_read_is_made_and_only_once(tmp_path: Path) -> None:
+    orders, other = Table("orders", f"{__name__}:make_orders"), Table("other", "no.module:at_all")
+    claims = [replace(CLAIMS[2], needs=(orders,)), replace(CLAIMS[2], id="c2.again", needs=(orders,))]
+    unread = replace(CLAIMS[2], id="c2.unread", needs=(other,))
+    context = Context(tmp_path, False, Here())
+    for chosen in (claims, claims[:1]):
+        assert selection.tables_for(chosen, context)["orders"]["order"].tolist() == [0.0]
+    with pytest.raises(ModuleNotFoundError, match="no"):
+        selection.tables_for([unread], context)

@@ -14,6 +14,7 @@ def test_every_remark_is_complete_and_none_is_a_claim() -> None:
     assert set(table["id"]).isdisjoint(claim.id for claim in register())
     assert [int(name[1]) for name in table["id"]] == table["chapter"].tolist() == sorted(table["chapter"])
     assert (table["printed"] != table["corrected"]).all()
+    assert set(table["claim"]) - {""} <= {claim.id for claim in register()}
     assert (table.map(str) == table.map(lambda cell: str(cell).strip())).all(axis=None)
 
 
@@ -22,7 +23,8 @@ def test_every_remark_is_complete_and_none_is_a_claim() -> None:
     [
         (lambda text: text.replace("printed", "quote", 1), "has the columns id, chapter, source, quote"),
         (lambda text: text + text.splitlines()[1], "each id must be unique"),
-        (lambda text: text + "c1.new,1,(1.1),,x,nothing,as is,3", "must fill all columns"),
+        (lambda text: text + "c1.new,1,(1.1),,x,notation only,nothing,as is,3,", "must fill all columns"),
+        (lambda text: text + "c1.new,1,(1.1),y,x,nothing,nothing,as is,3,", "effect 'nothing' must be one of"),
     ],
 )
 def test_a_table_with_a_mistake_is_refused(

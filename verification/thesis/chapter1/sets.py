@@ -6,7 +6,6 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import nnls
 
 Floats = NDArray[np.float64]
 
@@ -43,14 +42,6 @@ def catch_up(start: Floats, drift: Callable[[Floats], Floats], h: float, steps: 
 def falling(x: Floats) -> Floats:
     """Return the drift of points that fall onto the disc from above."""
     return np.broadcast_to(DOWN, x.shape)
-
-
-def support_of_cone(generators: Floats, w: Floats) -> float:
-    """Return sup of v . w over |v| <= 1 in the cone of the rows of ``generators``: the length of w's projection."""
-    if not len(generators):
-        return 0.0
-    distance = nnls(generators.T, w)[1]
-    return float(np.sqrt(max(w @ w - distance**2, 0.0)))
 
 
 def contact_gradients(x: Floats, pairs: list[tuple[int, int]]) -> Floats:

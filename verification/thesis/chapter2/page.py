@@ -19,6 +19,7 @@ from verification.thesis.chapter2 import convergence, exactness, extrapolation, 
 from verification.thesis.chapter2 import figures as plots
 from verification.thesis.chapter2.methods import CATCH_UP, LINEARISED_DAQP, METHODS, PBD
 from verification.thesis.chapter2.runs import scene
+from verification.thesis.chapter2.tables import POSITIONS
 
 # Of each scene [time]; all of them are among the output times of the reference.
 SHOWN = {"four_disks": (0.0, 0.5, 1.0, 1.5, 2.0), "ten_disks_corner": (0.0, 1.0, 1.5, 2.0, 3.0)}
@@ -34,27 +35,57 @@ TITLES = COLUMNS["sections"]
 
 def run(context: Context) -> None:
     """Complete all studies of this chapter."""
-    tables = context.tables
-    solved, exact = reference.study(convergence.SCENES), exactness.study()
-    tables["positions"] = context.rows_of(solved, solved.only(lambda key: key["scene"] == QUICK))
-    tables["exactness"] = context.rows_of(exact, exact.only(lambda key: key["scene"] != SLOW))
+    for study in (solve, prove, extrapolate, converge, overlap, stride):
+        study(context)
+
+
+def solve(context: Context) -> None:
+    """Compute the reference solutions."""
+    solved = reference.study(convergence.SCENES)
+    context.tables["positions"] = context.rows_of(solved, solved.only(lambda key: key["scene"] == QUICK))
+
+
+def prove(context: Context) -> None:
+    """Compare stated and true errors of references where solutions are known."""
+    exact = exactness.study()
+    context.tables["exactness"] = context.rows_of(exact, exact.only(lambda key: key["scene"] != SLOW))
+
+
+def extrapolate(context: Context) -> None:
+    """Compare the references with the limits of both convergent methods."""
     linearised = {"method": LINEARISED_DAQP.name, "scene": QUICK}
     catch_up = extrapolation.study(convergence.SCENES, context.form(extrapolation.FULL))
-    tables["catch_up"] = context.rows_of(catch_up, catch_up.only(lambda key: linearised.items() <= key.items()))
-    references = {name: reference.reference(tables["positions"], name) for name in convergence.SCENES}
-    times = {one.name: one.times for one in _both()}
-    context.keep("references", extrapolation.summary(references, tables["catch_up"], times))
-    compared = convergence.study(references, context.form(COMPARED))
-    tables["convergence"] = context.rows_of(compared, compared.only(lambda key: key["dt"] >= COARSE))
-    context.keep("orders", convergence.orders(tables["convergence"]))
+    rows = context.rows_of(catch_up, catch_up.only(lambda key: linearised.items() <= key.items()))
+    context.tables["catch_up"], times = rows, {one.name: one.times for one in _both()}
+    context.keep("references", extrapolation.summary(_references(context), rows, times))
+
+
+def converge(context: Context) -> None:
+    """Compare the methods with the references, and estimate their orders."""
+    compared = convergence.study(_references(context), context.form(COMPARED))
+    context.tables["convergence"] = context.rows_of(compared, compared.only(lambda key: key["dt"] >= COARSE))
+    context.keep("orders", convergence.orders(context.tables["convergence"]))
+
+
+def overlap(context: Context) -> None:
+    """Look for the best strengths of penalty methods."""
     form = context.form(infeasibility.FULL)
-    scan = infeasibility.scan(references, form)
-    tables["penalty_scan"] = context.rows_of(scan, scan.only(lambda key: key["dt"] == max(form.steps)))
-    context.keep("penalty_best", infeasibility.best_strengths(tables["penalty_scan"]))
-    curves = infeasibility.curves(tables["penalty_scan"], form)
-    tables["infeasibility"] = context.rows_of(curves, curves.only(lambda key: key["dt"] == max(form.steps)))
+    scan = infeasibility.scan(_references(context), form)
+    context.tables["penalty_scan"] = context.rows_of(scan, scan.only(lambda key: key["dt"] == max(form.steps)))
+    context.keep("penalty_best", infeasibility.best_strengths(context.tables["penalty_scan"]))
+    curves = infeasibility.curves(context.tables["penalty_scan"], form)
+    context.tables["infeasibility"] = context.rows_of(curves, curves.only(lambda key: key["dt"] == max(form.steps)))
+
+
+def stride(context: Context) -> None:
+    """Try large steps."""
     large = large_steps.study(context.form(large_steps.FORM))
-    tables["large_steps"] = context.rows_of(large, large.some(MOST))
+    context.tables["large_steps"] = context.rows_of(large, large.some(MOST))
+
+
+def _references(context: Context) -> dict[str, reference.EventReference]:
+    positions = context.table(POSITIONS)
+    return {name: reference.reference(positions, name) for name in convergence.SCENES}
 
 
 def sections(context: Context) -> Sequence[Section]:

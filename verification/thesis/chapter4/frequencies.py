@@ -18,7 +18,7 @@ import pandas as pd
 from tissue.statistics.comparisons import Difference, runs_needed
 from tissue.statistics.proportions import POWER, quantile, sample_size
 from tissue.statistics.ratios import Ratio, as_ratio
-from verification.claims import Comparison, Evidence, Interval, Tables
+from verification.claims import Comparison, Evidence, Interval, Table, Tables
 from verification.thesis.chapter4.studies import PRESETS
 
 # By preset.
@@ -29,7 +29,10 @@ RULE = (
     "The published program decides where the thesis reports outcomes of its simulations, "
     "the printed energies where it describes the model."
 )
-RATIOS, CATEGORIES, CONDITIONAL = (f"emt_complete_{name}" for name in ("ratios", "categories", "conditional"))
+RATIOS, CATEGORIES, CONDITIONAL, ORDERS, RANKING, PRINTED, SINCE = (
+    Table(f"emt_complete_{name}", "verification.thesis.chapter4.kept:take_over")
+    for name in ("ratios", "categories", "conditional", "orders", "ranking", "printed", "since")
+)
 CLAIM_LEVEL = 0.99  # at which a claim is judged: so narrow a chance of error is for several comparisons of a claim
 ALIKE = 0.1  # ratios that differ by less are alike: the thesis prints tenths and calls its results qualitative
 PERCENT = 100.0

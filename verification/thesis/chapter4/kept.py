@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Mapping
+from importlib import import_module
 from pathlib import Path
 
 import pandas as pd
@@ -17,6 +18,7 @@ from dincl.checks import describe
 from dincl.errors import InvalidProblem
 from dincl.study import read_sealed, workers
 from tissue.study.read import Results
+from verification.page.context import Context
 from verification.page.kept import DATA, keep
 from verification.thesis.chapter4 import differences, effects, printed, sensitivity, studies, summaries
 from verification.thesis.chapter4.studies import PRESETS, preset_of
@@ -51,6 +53,14 @@ def read(name: str) -> pd.DataFrame:
 def tables() -> dict[str, pd.DataFrame]:
     """All kept tables, by the names that they have in the report."""
     return {f"{COMPLETE_PREFIX}{name}": read(name) for name in COMPLETE}
+
+
+def take_over(context: Context) -> None:
+    """Put the kept tables into a report, or those made anew."""
+    if context.full:
+        import_module("verification.thesis.chapter4.page").run(context)
+    else:
+        context.tables |= tables()
 
 
 def main(folder: Path, preset: str | None = None) -> None:

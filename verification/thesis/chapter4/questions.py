@@ -23,6 +23,8 @@ from verification.thesis.chapter4.frequencies import (
     ALIKE,
     CLAIM_LEVEL,
     KINDS,
+    ORDERS,
+    RANKING,
     RATIOS,
     READINGS,
     Sized,
@@ -44,7 +46,7 @@ from verification.thesis.chapter4.frequencies import (
 )
 from verification.thesis.chapter4.studies import PRESETS
 
-RANKING, ORDERS, ANSWERS = (f"emt_complete_{name}" for name in ("ranking", "orders", "answers"))
+ANSWERS = "emt_complete_answers"
 POPULATIONS = {"table5_63": "63 % [P]", "table5_35": "35 % [P]", "table5_7": "7 % [P]"}
 MIXTURES = ("[A]", "[B]", "[A] and [B]")
 INM = ("", NO_INM)

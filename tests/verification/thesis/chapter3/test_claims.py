@@ -1,22 +1,17 @@
-"""Chapter 3 and appendix 1: tables that checks read, and wrong ingredients."""
+"""Chapter 3 and appendix 1: tables that checks read, and others."""
 
 import math
-from collections.abc import Callable, Mapping
-from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
 
-import dincl
-from tests.verification.thesis.claim_changes import CLAIMS, Change, Wrong, replaced, times
+from tests.verification.thesis.claims import CLAIMS, Otherwise
 from verification.claims import Verdict
 from verification.thesis.chapter3 import sampled
 from verification.thesis.chapter3.daha import DOUBLED_CASE, PRINTED, TERMINATING, THEORY
 
 FALSE, TRUE = Verdict.REFUTED, Verdict.HOLDS
-DISTANCES = ("1/3 R_soft", "1/2 R_soft", "2/3 R_soft", "1 R_soft")
-REVERSED = dict(zip(DISTANCES, reversed(DISTANCES), strict=True))
 
 
 def iterations(median: float) -> pd.DataFrame:
@@ -111,86 +106,23 @@ FOUND = {
 }
 
 
-def of(part: str, attributes: str | tuple[str, ...], change: Change, verdict: Verdict = FALSE) -> Wrong:
-    """Change a file of claims."""
-    return Wrong(f"chapter3.{part}", attributes, change, verdict, FOUND)
+def of_tables(verdict: Verdict = FALSE, **tables: pd.DataFrame) -> Otherwise:
+    return Otherwise(FOUND | tables, verdict)
 
 
-def of_tables(verdict: Verdict = FALSE, **tables: pd.DataFrame) -> Wrong:
-    """Change nothing but what the check reads."""
-    return Wrong("chapter3.s3_4_comparison", (), replaced(None), verdict, FOUND | tables)
-
-
-def called_with(**named: Any) -> Callable[..., Any]:
-    """Give a function other values for some of its parameters."""
-    return lambda f: lambda *given, **others: f(*given, **{**others, **named})
-
-
-def free_discs() -> dincl.Problem:
-    return dincl.Problem([[-0.6, 0.1], [0.7, 0.0]], lambda _t, x: -x)
-
-
-CHANGES: Mapping[str, Wrong] = {
-    "c3.inm": of("s1_3_model", "speed", times(-1.0)),
-    "c3.apical-mitosis": of("s1_3_model", "nuclei", called_with(g2="0 h", mitosis="0 h")),
-    "c3.last-hour": of("s1_3_model", "nuclei", called_with(g2="150 min")),
-    "c3.pushing": of("s1_3_model", "NO_PUSHING", replaced(())),
-    "c3.phases": of("s2_2_1_cycle", "grown", called_with(mitosis="60 min")),
-    "c3.passive-springs": of("s2_2_1_cycle", "off_length", replaced(lambda table: table["time_h"])),
-    "c3.slice": of("s2_2_1_cycle", "cells_after", lambda f: lambda _, seed: f(0.2, seed)),
-    "c3.daughters": of(
-        "s2_2_1_cycle",
-        "printed_edges",
-        replaced(lambda edges, mother, new: edges | {(new, mother)} if mother else edges),
-    ),
-    "c3.dimensions": of("s2_2_6_energies", "R_SOFT", replaced(1.0), TRUE),
-    "c3.forces": of("s2_2_6_energies", "repulsion", times(-1.0)),
-    "c3.at-all-times": of("s2_2_7_states", ("HARD", "ENLARGED"), replaced(0.0), TRUE),
-    "c3.equal-radii": of("s2_2_7_states", "ENLARGED", replaced(1.66 / 5.0), TRUE),
-    "c3.state": of("s2_2_7_states", "OFF", replaced(0.0), TRUE),
-    "c3.not-unique": of("s2_2_7_states", "moving", replaced(lambda: ("x",))),
-    "c3.regularised": of("s2_2_7_states", ("regularised", "minima"), lambda f: lambda *given: f(*given[:-1], 2), TRUE),
-    "c3.layers": of("s2_2_9_parameters", "layers", lambda f: lambda distance: f(REVERSED[distance])),
-    "c3.box": of("s2_2_9_parameters", "FIRST_HEIGHT", replaced(10.0), TRUE),
-    "c3.row": of("s2_2_9_parameters", "CELLS", replaced(24), TRUE),
-    "c3.basal": of("s2_2_9_parameters", "basal_width", replaced(lambda _: 18.0), TRUE),
-    "c3.offspring": of("s2_2_9_parameters", "singles", lambda f: lambda _: f(0.8), TRUE),
-    "c3.enlarged": of("s2_2_9_parameters", "text_rule", replaced(lambda age, cycle: age >= cycle - 1.0), TRUE),
-    "c3.feasible-set": of("s2_3_lagrangian", "lined_up", replaced(lambda basal: not basal[:, 1].any())),
-    "c3.squared": of("s2_3_lagrangian", "basal_pairs", lambda f: lambda: np.sort(f(), axis=1), TRUE),
-    "c3.arrow-hurwicz": of("s2_3_minimisers", "slope", times(-1.0)),
-    "c3.equilibria": of("s2_3_minimisers", "slope", times(-1.0)),
-    "c3.not-always": of("s2_3_minimisers", "two_discs", replaced(free_discs)),
-    "c3.daha-multiplier": of("s2_3_minimisers", "slope", times(-1.0)),
-    "c3.stable-choice": of("s2_3_1_daha", ("limit", "iterations"), replaced(lambda c, dtau: c * dtau), TRUE),
-    "c3.endless": of("s2_3_1_daha", "last_move", times(0.0)),
-    "c3.update": of("s2_3_1_daha", "C", replaced(1e-9), TRUE),
-    "c3.overdamped": of("s2_3_1_daha", "C", replaced(0.001)),
-    "c3.stopping": of("s2_3_1_daha", "EPS", replaced(1e-7)),
-    "c3.time-scale": of("s3_1_first_order", "daha_step", replaced(lambda: 1 - 2e-4), TRUE),
-    "c3.prediction": of("s3_1_first_order", "USUAL", replaced(5000)),
-    "c3.speedup": of("s3_1_first_order", "PBD_SECONDS", replaced(0.8)),
-    "c3.well-posed": of("s3_1_first_order", "curvature", replaced(lambda x, _: np.full(len(x), 30.0)), TRUE),
+CHANGES = {
+    "c3.speedup": of_tables(tissue_daha=worked(400_000)),
     "c3.part-way": of_tables(tissue_judged_steps=judged(0.97)),
     "c3.every-fourth": of_tables(TRUE, tissue_daha_shares=shares(1.0, 0.25)),
     "c3.iterations": of_tables(tissue_daha_iterations=iterations(14_000.0)),
     "c3.optimal": of_tables(tissue_daha_fits=fits(0.6, 0.3)),
-    "c3.gradients": of_tables(tissue_daha=worked(400_000)),
     "c3.only-condition": of_tables(tissue_ratios=growth(1, 1.8, 1.6, 1.3)),
     "c3.six-per-cent": of_tables(tissue_daha_distances=distances(0.4, 0.06)),
     "c3.macroscopic": of_tables(tissue_daha_distances=distances(0.11, 0.25)),
-    "c3.accumulation": of(
-        "s4_growth",
-        "mean_position",
-        lambda f: lambda rules, seed, **_: f(rules, seed, g2="0 h", mitosis="0 h"),
-    ),
     "c3.less-than-half": of_tables(tissue_ratios=growth(0, 2.0, 1.9, 1.7)),
     "c3.similar": of_tables(tissue_daha_distances=distances(0.11, 0.3)),
     "c3.doubling": of_tables(tissue_doubling=doubling(0.1)),
-    "c3.noise": of("s3_1_first_order", "MU", replaced(1.0), TRUE),
-    "c3.mu-unit": of("s3_1_first_order", "decayed", lambda f: lambda dt, mu: f(dt, 1 / mu), TRUE),
     "c3.larger-damping": of_tables(TRUE, tissue_ratios=growth(0, 1.3, 1.6, 1.8)),
-    "c3.independent-rules": of("s4_growth", "overtaken", replaced(lambda *_: 0), TRUE),
     "c3.height-in-space": of_tables(space_heights=heights(0.5)),
 }
 

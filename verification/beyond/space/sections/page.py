@@ -31,8 +31,7 @@ STRIPPED_AGAIN = strip.StripForm(2, ("[A]",))
 
 def run(context: Context) -> None:
     """Take over the studies, and the kept ratios."""
-    grown = context.rows_of(growth.study(context.form(growth.FULL)), growth.study(GROWN_AGAIN), ("t",))
-    context.keep("space_heights", heights.means(grown))
+    grow(context)
     chosen = context.rows_of(choices.study(context.form(choices.FULL)), choices.study(CHOSEN_AGAIN), ("cell",))
     context.keep("space_choices_ratios", choices.ratios(chosen))
     context.keep("space_choices_means", choices.means(chosen))
@@ -43,6 +42,12 @@ def run(context: Context) -> None:
     ratios = isolated.table()
     context.keep("space_isolated", ratios)
     context.keep("space_compared", isolated.compared(ratios))
+
+
+def grow(context: Context) -> None:
+    """Take over the study of growing sheets."""
+    grown = context.rows_of(growth.study(context.form(growth.FULL)), growth.study(GROWN_AGAIN), ("t",))
+    context.keep("space_heights", heights.means(grown))
 
 
 def sections(context: Context) -> Sequence[Section]:

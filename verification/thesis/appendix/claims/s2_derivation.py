@@ -1,142 +1,120 @@
 """Appendix, section 2: the constrained equations (A.4) and the reduced ones (A.5) of chapter 5."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
-from typing import Any
+from verification.claims import Correction, Effect
+from verification.formal.algebra import library, matrices, vanishes
+from verification.formal.stated import argument, identity
+from verification.thesis.chapter5.general import (
+    BT,
+    GT,
+    B,
+    G,
+    a,
+    acceleration,
+    curved,
+    even,
+    f,
+    m,
+    multiplier,
+    phi,
+    phiT,
+    v,
+)
+from verification.thesis.chapter5.lemmas import REDUCED
 
-from verification.claims import Evidence, FormalProof, Verdict, proved, put_right
-from verification.formal.algebra import identity, matrices
-from verification.thesis.chapter5.general import eliminated, multiplier, pair_force, particle
-from verification.thesis.text.quoted import claim
+# A velocity, the force of a particle alone and that of the others, the sum of K(X_k, X_i), and Omega[y', y''].
+U, own, pull, other = matrices("U F1 K W")
+x, z, p, n = library().symbols("x z p N")
+V = even("w")
 
+# One pair and one coordinate of (5.8), the other coordinates being p.
+FORCE = -n * ((V(z - x, p) + V(x - z, -p)) / (2 * n**2)).diff(x)
 
-@claim(
+_order = identity(
     "c5.derivation-order",
-    "The others act on particle i with the force 1/N Σ_k K(X_i, X_k).",
     "appendix 2, (A.4a)",
-    Verdict.CORRECTED,
-    rests_on=("c5.pair-force",),
-)
-def _order() -> Evidence:
-    """Take one pair and one coordinate, as for c5.pair-force."""
-    return put_right(pair_force("the force on X_i by X_k is K(X_k, X_i)/N", "it is K(X_i, X_k)/N"))
-
-
-@claim(
-    "c5.derivation-constraint",
-    "The constraints hold if and only if the particles have the velocities Φ_i[ẏ].",
-    "appendix 2, (A.6), (A.7)",
-    Verdict.PROVED,
-)
-def _constraint() -> Evidence:
-    """Prove (A.7) in both directions: U - Phi[v] is G^-1 times the rate of g."""
-    p, (U,) = particle(), matrices("U,")
-    return proved(
-        identity(
-            "U − Φ[ẏ] = (∂_X g)⁻¹ (∂_X g U + ∂_y g ẏ) for every U, so dg/dt = 0 if and only if U = Φ[ẏ], for any "
-            "nx, ny",
-            lambda s: U - s * p.phi * p.v - p.G**-1 * (p.G * U + p.B * p.v),
-            "−Φ for Φ",
-        )
-    )
-
-
-@claim(
-    "c5.derivation-rate",
-    "The acceleration of a particle follows from ÿ: Ẍ_i = Φ_i[ÿ] + Ω_i[ẏ, ẏ] for each i.",
-    "appendix 2, (A.8) to (A.10)",
-    Verdict.PROVED,
-    rests_on=("c5.derivation-constraint",),
-)
-def _rate() -> Evidence:
-    """Derive d^2 g/dt^2 for U = Phi[v], Omega being the rate of Phi[v] with v held."""
-    p = particle()
-    return proved(
-        identity(
-            "d²g/dt² = ∂_X g Ẍ_i + ∂_y g ÿ + (d/dt ∂_X g) Φ[ẏ] + (d/dt ∂_y g) ẏ = 0 for Ẍ_i = Φ[ÿ] + Ω[ẏ, ẏ], any "
-            "nx, ny",
-            lambda s: p.G * (p.phi * p.a + s * p.curved) + p.B * p.a + (p.dG * p.phi + p.dB) * p.v,
-            "−Ω for Ω",
-        )
-    )
-
-
-def others(statement: str, printed: str, inserted: bool) -> FormalProof:
-    """Prove (A.12), or (A.13), which follows from it: K is the sum of K(X_k, X_i), the printed order its negative."""
-    p, (own, pull) = particle(), matrices("F1 K")
-
-    def residual(s: Any) -> Any:
-        level = p.GT**-1 * (own + s * pull - p.m * (p.phi * p.a + p.curved))
-        if inserted:
-            return p.BT * level + p.phiT * (own + pull - p.m * (p.phi * p.a + p.curved))
-        return p.m * (p.phi * p.a + p.curved) - own - pull + p.GT * level
-
-    return identity(statement, residual, printed)
-
-
-@claim(
-    "c5.derivation-multipliers",
-    "(A.12) gives the multipliers as functions of positions, velocities and ÿ.",
-    "appendix 2, (A.11), (A.12)",
-    Verdict.CORRECTED,
-    rests_on=("c5.derivation-order", "c5.derivation-rate"),
-)
-def _multipliers() -> Evidence:
-    return put_right(others("λ_i of (A.12) with K(X_k, X_i) solves (5.6a), any nx, ny, N", "with K(X_i, X_k)", False))
-
-
-@claim(
-    "c5.derivation-insert",
-    "Inserting the multipliers gives the equation (A.13) for ÿ.",
-    "appendix 2, (A.13)",
-    Verdict.CORRECTED,
-    rests_on=("c5.derivation-multipliers",),
-)
-def _insert() -> Evidence:
-    return put_right(others("inserted into (5.6b) it gives (A.13) with K(X_k, X_j)", "with K(X_j, X_k)", True))
-
-
-@claim(
-    "c5.derivation-back",
-    "The multipliers (A.14) turn a solution of the reduced equations into one of the constrained equations.",
-    "appendix 2, (A.14)",
-    Verdict.CORRECTED,
-    rests_on=("c5.derivation-multipliers",),
-)
-def _back() -> Evidence:
-    """Treat Omega[y', y''], as printed, as another word than Omega[y', y']."""
-    p, (other,) = particle(), matrices("W,")
-    return put_right(
-        others("λ_i with K(X_k, X_i) solves (5.6a)", "with K(X_i, X_k)", False),
-        identity(
-            "and with Ω_i[ẏ, ẏ]",
-            lambda s: (
-                p.m * (p.phi * p.a + p.curved)
-                - p.f
-                + p.GT * p.GT**-1 * (p.f - p.m * (p.phi * p.a + (p.curved if s == 1 else other)))
-            ),
-            "with Ω_i[ẏ, ÿ]",
+    "mẌ_i = F₁(X_i) + 1/N Σ_k K(X_i, X_k) − (∂_X g(X_i, y))ᵀλ_i",
+    "The others act on particle i with the force 1/N Σ_k K(X_i, X_k).",
+    right=FORCE + V(z - x, p).diff(x) / n,
+    wrong=FORCE - V(z - x, p).diff(x) / n,
+    correction=Correction(
+        "mẌ_i = F₁(X_i) + 1/N Σ_k K(X_k, X_i) − (∂_X g(X_i, y))ᵀλ_i, as in (5.6a)",
+        Effect.MODEL,
+        (
+            "(A.11) to (A.14), which have the same order; with it “which is equivalent to (A.5a)”, after (A.13), is "
+            "false"
         ),
-    )
+        why="(5.6a), which (A.4a) recalls, has K(X_k, X_i), and K is antisymmetric, so the sign of the force changes",
+        place=4111,
+    ),
+)
 
+_constraint = argument(
+    "c5.derivation-constraint",
+    "appendix 2, (A.6), (A.7); (5.9)",
+    "(A.4c) ⇔ dg(X_i, y)/dt = 0 ⇔ Ẋ_i = −(∂_X g)⁻¹∂_y g[ẏ] ⇔ (A.5b)",
+    "The constraints hold if and only if the particles have the velocities Φ_i[ẏ].",
+    vanishes(
+        U - phi * v - G**-1 * (G * U + B * v),
+        U + phi * v - G**-1 * (G * U + B * v),
+        "U − Φ[ẏ] = (∂_X g)⁻¹ (∂_X g U + ∂_y g ẏ) for every U, so dg/dt = 0 if and only if U = Φ[ẏ], for any nx, ny",
+        "−Φ for Φ",
+    ),
+    also=("c5.velocity",),
+)
 
-@claim(
+# The multipliers with K in the order of (5.6a), and with the printed one, its negative; (5.6a) and (5.6b) with them.
+RIGHT, PRINTED = (GT**-1 * (own + each - m * acceleration) for each in (pull, -pull))
+FIRST, SECOND = m * acceleration - own - pull, phiT * (own + pull - m * acceleration)
+
+_multipliers = argument(
+    "c5.derivation-multipliers",
+    "appendix 2, (A.11), (A.12); appendix 2, (A.13); appendix 2, (A.14)",
+    "λ_i = (∂_X g)⁻ᵀ(F₁(X_i) + 1/N Σ_k K(X_i, X_k) − mΦ_i[ÿ] − mΩ_i[ẏ, ẏ])",
+    "(A.12) gives the multipliers as functions of positions, velocities and ÿ.",
+    vanishes(
+        FIRST + GT * RIGHT,
+        FIRST + GT * PRINTED,
+        "λ_i of (A.12) with K(X_k, X_i) solves (5.6a), any nx, ny, N",
+        "with K(X_i, X_k)",
+    ),
+    vanishes(
+        BT * RIGHT + SECOND,
+        BT * PRINTED + SECOND,
+        "inserted into (5.6b) it gives (A.13) with K(X_k, X_j)",
+        "with K(X_j, X_k)",
+    ),
+    vanishes(
+        m * acceleration - f + GT * multiplier,
+        m * acceleration - f + f - m * (phi * a + other),
+        "in (A.14) with Ω_i[ẏ, ẏ]",
+        "with Ω_i[ẏ, ÿ]",
+    ),
+    also=("c5.derivation-insert", "c5.derivation-back"),
+    correction=Correction(
+        "λ_i = (∂_X g)⁻ᵀ(F₁(X_i) + 1/N Σ_k K(X_k, X_i) − mΦ_i[ÿ] − mΩ_i[ẏ, ẏ])",
+        Effect.MODEL,
+        "(A.14), and with it the multipliers of Proposition 5.1",
+        why="it is (A.4a) solved for λ_i, with the order of K that c5.derivation-order corrects to that of (5.6a)",
+        place=4162,
+    ),
+    rests_on=("c5.derivation-order", "c5.acceleration"),
+)
+
+_equivalent = argument(
     "c5.equivalence",
-    "Reduced and constrained equations have the same solutions.",
     "before Proposition 5.1",
-    Verdict.PROVED,
+    "with solutions of the ODE model we can recover the Lagrangian multipliers to construct a solution of the DAE",
+    "Reduced and constrained equations have the same solutions.",
+    REDUCED,
+    vanishes(
+        m * acceleration - f + GT * multiplier,
+        m * (phi * a - curved) - f + GT * multiplier,
+        "with λ_i of (A.12) m Ẍ_i = f_i − (∂_X g)ᵀλ_i for Ẍ_i = Φ_i[ÿ] + Ω_i[ẏ, ẏ]",
+        "−Ω in Ẍ_i",
+    ),
+    also=("c5.same-motion",),
     rests_on=("c5.derivation-constraint", "c5.derivation-multipliers"),
     chosen="λ_i of (A.12) with K(X_k, X_i); those of (A.14), which Proposition 5.1 names, see c5.derivation-back",
 )
-def _equivalent() -> Evidence:
-    """Insert the multipliers of (A.12) into (5.6a) and (5.6b)."""
-    p = particle()
-    return proved(
-        identity(
-            "with λ_i of (A.12) m Ẍ_i = f_i − (∂_X g)ᵀλ_i for Ẍ_i = Φ_i[ÿ] + Ω_i[ẏ, ẏ]",
-            lambda s: p.m * (p.phi * p.a + s * p.curved) - p.f + p.GT * multiplier(p),
-            "−Ω in Ẍ_i",
-        ),
-        identity("for these λ_i (5.6b) is (5.11a), any nx, ny, N", eliminated, "−Ω in F_eff"),
-    )

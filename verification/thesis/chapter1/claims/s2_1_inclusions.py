@@ -1,29 +1,18 @@
 """Chapter 1, section 2.1: one-sided Lipschitz continuity, and when solutions are unique."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
 import numpy as np
 
-from verification.claims import Evidence, Verdict, at_least, equal, proved, put_right
-from verification.formal.algebra import identity, library
-from verification.formal.reals import implication
-from verification.thesis.chapter1.lemmas import growth_of_distance, sign_values
-from verification.thesis.text.quoted import claim
+from verification.claims import Correction, Effect, Evidence, at_least, claim, equal
+from verification.formal.algebra import library, vanishes
+from verification.formal.reals import follows, reals
+from verification.formal.stated import argument
+from verification.thesis.chapter1.lemmas import sign_values
 
-# Places on both sides of 0, the nearest as near as numbers that are squared allow.
-LINE = np.concatenate([sign * np.logspace(-8, 1, 40) for sign in (-1.0, 1.0)])
-
-
-@claim(
-    "c1.one-sided",
-    "Two solutions of a one-sided Lipschitz inclusion stay within e^{Lt} times their first distance.",
-    "Theorem 1.13",
-    Verdict.PROVED,
-)
-def _one_sided() -> Evidence:
-    """E' = 2 (x' - y') (x - y) <= 2 L E for E = |x - y|^2; K = L t."""
-    return proved(*growth_of_distance())
+# h and k are values of sign at x and y, any of [-1, 1] at 0; (1.13) has the right side -h.
+x, y, h, k, L, e = reals("x y h k L e")
+VALUES = [*sign_values(x, h), *sign_values(y, k)]
 
 
 def step_values(x: float) -> tuple[float, float]:
@@ -31,80 +20,98 @@ def step_values(x: float) -> tuple[float, float]:
     return (-1.0, 1.0) if x == 0 else (-np.sign(x), -np.sign(x))
 
 
-@claim("c1.step-continuity", "(1.13) is upper semicontinuous and one-sided Lipschitz.", "Remark 1.14", Verdict.PROVED)
-def _remark() -> Evidence:
-    """h and k are values of sign at x and y, any of [-1, 1] at 0; (1.13) has the right side -h."""
-    return proved(
-        implication(
-            "(v − w)(x − y) ≤ 0 ≤ 2(x − y)² for all values v, w of (1.13) at any x, y",
-            lambda s, x, y, h, k: ([*sign_values(x, h), *sign_values(y, k)], s * (k - h) * (x - y) <= 0),
-            "with +sign",
-        ),
-        implication(
-            "all values near 0 lie in [−1, 1], the value at 0",
-            lambda s, x, h: (sign_values(x, h), [-h <= s, -h >= -s]),
-            "in [−½, ½]",
-            0.5,
-        ),
-        implication(
-            "and those at y with |y − x| < |x| are the value at x",
-            lambda s, x, y, h, k: ([*sign_values(x, h), *sign_values(y, k), (y - x) * (y - x) < s * x * x], h == k),
-            "with |y − x| < 2|x|",
-            4,
-        ),
-    )
+_remark = argument(
+    "c1.step-continuity",
+    "Remark 1.14",
+    "(v - w)(x - y) = (v + 1)(0 - y) ≤ 0 ≤ 2(x - y)²",
+    "(1.13) is upper semicontinuous and one-sided Lipschitz.",
+    follows(
+        VALUES,
+        (k - h) * (x - y) <= 0,
+        (h - k) * (x - y) <= 0,
+        "(v − w)(x − y) ≤ 0 ≤ 2(x − y)² for all values v, w of (1.13) at any x, y",
+        "with +sign",
+    ),
+    follows(
+        sign_values(x, h),
+        [-h <= 1, -h >= -1],
+        [-h <= 0.5, -h >= -0.5],
+        "all values near 0 lie in [−1, 1], the value at 0",
+        "in [−½, ½]",
+    ),
+    follows(
+        [*VALUES, (y - x) * (y - x) < x * x],
+        h == k,
+        ([*VALUES, (y - x) * (y - x) < 4 * x * x], h == k),
+        "and those at y with |y − x| < |x| are the value at x",
+        "with |y − x| < 2|x|",
+    ),
+)
 
+STEEP = [L >= 0, e * (L + 1) == 1]
 
-@claim(
+_monotone_maps = argument(
     "c1.monotone-maps",
-    "The set-valued sign function is a monotone map, that is one-sided Lipschitz continuous with L = 0.",
     "Remark 1.15",
-    Verdict.CORRECTED,
+    "we actually showed a stronger property for the sign function, namely that it is a monotone map … with L = 0.",
+    "The set-valued sign function is a monotone map, that is one-sided Lipschitz continuous with L = 0.",
+    follows(
+        VALUES,
+        (k - h) * (x - y) <= 0,
+        (h - k) * (x - y) <= 0,
+        "(v − w)(x − y) ≤ 0 for all values v, w of −sign at any x, y",
+        "(v − w)(x − y) ≤ 0 for all values of sign",
+    ),
+    follows(
+        STEEP,
+        2 * 2 * e > L * (2 * e) * (2 * e),
+        -2 * 2 * e > L * (2 * e) * (2 * e),
+        "for every L ≥ 0 the values 1 and −1 of sign at ±e, e = 1/(L + 1), have 2 · 2e > L(2e)²",
+        "the same for −sign",
+    ),
+    correction=Correction(
+        "-sign is one-sided Lipschitz with L = 0; sign is not for any L, as the remark says in its next sentence",
+        Effect.PROOF,
+        "the remark itself; Theorem 1.13 is applied to -sign",
+        why=(
+            "Remark 1.14 is about −sign, and the next sentence says that sign is neither monotone nor one-sided "
+            "Lipschitz: for y → 0 the quotient of sign grows like 1/|y|"
+        ),
+        place=498,
+    ),
     rests_on=("c1.step-continuity",),
 )
-def _monotone_maps() -> Evidence:
-    """h and k are values of sign at x and y, any of [-1, 1] at 0."""
-    monotone = implication(
-        "(v − w)(x − y) ≤ 0 for all values v, w of −sign at any x, y",
-        lambda s, x, y, h, k: ([*sign_values(x, h), *sign_values(y, k)], s * (k - h) * (x - y) <= 0),
-        "(v − w)(x − y) ≤ 0 for all values of sign",
-    )
-    steep = implication(
-        "for every L ≥ 0 the values 1 and −1 of sign at ±e, e = 1/(L + 1), have 2 · 2e > L(2e)²",
-        lambda s, L, e: ([L >= 0, e * (L + 1) == 1], s * 2 * 2 * e > L * (2 * e) * (2 * e)),
-        "the same for −sign",
-    )
-    return Evidence(printed=put_right(monotone).printed, corrected=(monotone, steep))
 
+# Discs at -u, u and -w, w with unit vectors u, w at any angle: a normal of length s at the first pair, m at the other.
+sp = library()
+a, b, size, other = sp.symbols("a b s m", real=True)
+u, w = (sp.Matrix([sp.cos(at), sp.sin(at)]) for at in (a, b))
+first, second, normal = sp.Matrix([-u, u]), sp.Matrix([-w, w]), size * sp.Matrix([u, -u])
+gap = normal - other * sp.Matrix([w, -w])
+SLOPE, SQUARE = -normal.dot(first - second), size / 2 * (first - second).dot(first - second)
+ALONG, ACROSS = 2 * (other - size * sp.cos(a - b)) ** 2, 2 * (size * sp.sin(a - b)) ** 2
 
-@claim(
+_neither = argument(
     "c1.neither",
-    "The right-hand side of the model of discs is neither upper semicontinuous nor one-sided Lipschitz continuous.",
     "after Remark 1.15",
-    Verdict.PROVED,
-    rests_on=("c1.cones",),
+    "the multi-functions F considered will neither be upper semicontinuous nor one-sided Lipschitz continuous.",
+    "The right-hand side of the model of discs is neither upper semicontinuous nor one-sided Lipschitz continuous.",
+    vanishes(
+        SLOPE - SQUARE,
+        SLOPE + SQUARE,
+        "two touching discs turned by any angle have the one-sided slope s/2, −n·(x − y) = (s/2)‖x − y‖², with a "
+        "normal n ~ s, for every s: no constant bounds it",
+        "slope −s/2",
+    ),
+    vanishes(
+        gap.dot(gap) - ALONG - ACROSS,
+        gap.dot(gap) - ALONG + ACROSS,
+        "n is √2 s sin θ or more away from the other cone, |n − m|² = 2s² sin²θ + 2(m − s cos θ)²: unbounded",
+        "−2s² sin²θ",
+    ),
+    rests_on=("c1.equivalent",),
     chosen="F = 0 and two discs",
 )
-def _neither() -> Evidence:
-    """Discs at -e, e and -f, f with unit vectors e, f at any angle: a normal of length s at the first pair."""
-    sp = library()
-    a, b, size, other = sp.symbols("a b s m", real=True)
-    e, f = (sp.Matrix([sp.cos(at), sp.sin(at)]) for at in (a, b))
-    x, y, normal = sp.Matrix([-e, e]), sp.Matrix([-f, f]), size * sp.Matrix([e, -e])
-    gap = normal - other * sp.Matrix([f, -f])
-    return proved(
-        identity(
-            "two touching discs turned by any angle have the one-sided slope s/2, −n·(x − y) = (s/2)‖x − y‖², "
-            "with a normal n ~ s, for every s: no constant bounds it",
-            lambda s: -normal.dot(x - y) - s * size / 2 * (x - y).dot(x - y),
-            "slope −s/2",
-        ),
-        identity(
-            "n is √2 s sin θ or more away from the other cone, |n − m|² = 2s² sin²θ + 2(m − s cos θ)²: unbounded",
-            lambda s: gap.dot(gap) - s * 2 * (size * sp.sin(a - b)) ** 2 - 2 * (other - size * sp.cos(a - b)) ** 2,
-            "−2s² sin²θ",
-        ),
-    )
 
 
 def cones_from(least: float, most: float) -> int:
@@ -117,8 +124,21 @@ def cones_from(least: float, most: float) -> int:
 @claim(
     "c1.generalise",
     "Theorem 1.31 and Lemma 1.32 generalise Theorems 1.11 and 1.13.",
-    "after Remark 1.15",
-    Verdict.CORRECTED,
+    source="after Remark 1.15",
+    quote="The main theorems of this chapter (Theorem 1.31 and Lemma 1.32) generalise Theorem 1.11 and Theorem 1.13.",
+    correction=Correction(
+        (
+            "they carry existence and uniqueness over to F - N(S, ·) with a single-valued, Lipschitz continuous F; "
+            "neither pair contains the other"
+        ),
+        Effect.PROOF,
+        "a force with several values, as dry friction has, beside constraints: Theorem 1.31 does not cover it",
+        why=(
+            "Theorems 1.11 and 1.13 cover (1.13), whose value at 0 is [-1, 1]; F(x) - N(S, x) is a point plus a cone, "
+            "in ℝ one point, a half-line or all of ℝ, so that Theorem 1.31 does not cover it"
+        ),
+        place=502,
+    ),
     rests_on=("c1.step-continuity",),
 )
 def _generalise() -> Evidence:

@@ -1,129 +1,95 @@
 """Chapter 1, section 3: normal cones of convex sets, and convex sets that move."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
-import numpy as np
+from verification.claims import Correction, Effect
+from verification.formal.reals import reals, solver_library
+from verification.formal.stated import implication
 
-from verification.claims import Evidence, Verdict, at_most, proved, put_right
-from verification.formal.reals import implication, solver_library
-from verification.thesis.chapter1.sets import ROUNDING
-from verification.thesis.text.quoted import claim
+z3 = solver_library()
+# p = v.(y - x) <= 0 and q = w.(x - y) <= 0 for v in N_C(x), w in N_C(y).
+x, v, p, q, b, L = reals("x v p q b L")
 
+# C = [0, 1] and x > 1: v.(y - x) <= 0 for all y of C if it is so at both ends.
+ENDS = z3.And(v * (0 - x) <= 0, v * (1 - x) <= 0)
 
-@claim(
-    "c1.convex-cone", "Normal cones are convex cones, and {0} at inner points.", "after Definition 1.16", Verdict.PROVED
+_outside = implication(
+    "c1.outside",
+    "after Definition 1.16",
+    "If x ∉ C then N_C(x) = ∅.",
+    "Outside a convex set its normal cone is empty.",
+    given=[x > 1],
+    then=z3.Not(z3.And(x <= 1, ENDS)),
+    wrong=z3.Not(ENDS),
+    correction=Correction(
+        "it is empty if Definition 1.16 asks for x ∈ C besides; as printed N_C(x) contains at least 0",
+        Effect.MODEL,
+        "(1.15) and (1.16): as printed they do not keep a point in C, and 0 is a solution from every start",
+        why="v = 0 fulfils v·(y − x) ≤ 0 for every x, also outside of C, and the definition does not ask for x ∈ C",
+        place=536,
+    ),
 )
-def _convex_cone() -> Evidence:
-    """p = v.(y - x) and q = w.(y - x) for a point y of C; at an inner point y = x + t v is in C for a t > 0."""
-    return proved(
-        implication(
-            "v·(y − x) ≤ 0 and w·(y − x) ≤ 0 give (αv + w)·(y − x) ≤ 0 for α > 0",
-            lambda s, a, p, q: ([a > 0, p <= 0, q <= 0], s * a * p + q <= 0),
-            "−αv + w",
-        ),
-        implication(
-            "v·(tv) ≤ 0 with t > 0 gives v = 0",
-            lambda s, t, square: ([t * s > 0, square >= 0, t * square <= 0], square == 0),
-            "with t < 0",
-        ),
-    )
 
-
-@claim("c1.outside", "Outside a convex set its normal cone is empty.", "after Definition 1.16", Verdict.CORRECTED)
-def _outside() -> Evidence:
-    """C = [0, 1] and x > 1: v.(y - x) <= 0 for all y of C if it is so at both ends."""
-    return put_right(
-        implication(
-            "no v has v(y − x) ≤ 0 for all y ∈ [0, 1] and x ∈ [0, 1], where x > 1",
-            lambda s, v, x: (
-                [x > 1],
-                solver_library().Not(solver_library().And(s * x <= 1, v * (0 - x) <= 0, v * (1 - x) <= 0)),
-            ),
-            "N_C(x) = ∅ without x ∈ C in Definition 1.16, which v = 0 fulfils everywhere",
-            0,
-        )
-    )
-
-
-@claim(
-    "c1.monotone", "Normals v at x, w at y of a convex set have (v - w)·(x - y) ≤ 0.", "after (1.15)", Verdict.CORRECTED
-)
-def _monotone() -> Evidence:
-    """p = v.(y - x) <= 0 and q = w.(x - y) <= 0 for v in N_C(x), w in N_C(y)."""
-    return put_right(
-        implication(
-            "(v − w)·(x − y) = −v·(y − x) − w·(x − y) ≥ 0",
-            lambda s, p, q: ([p <= 0, q <= 0], s * (-p - q) >= 0),
-            "(v − w)·(x − y) ≤ 0",
-        )
-    )
-
-
-@claim(
-    "c1.convex-unique",
-    "Without a force the solution of the inclusion with the normal cone of a convex set is unique.",
+_monotone = implication(
+    "c1.monotone",
     "after (1.15)",
-    Verdict.PROVED,
-    rests_on=("c1.one-sided", "c1.monotone"),
+    "(v - w)·(x - y) ≤ 0 for all v ∈ N_C(x), w ∈ N_C(y)",
+    "Normals v at x, w at y of a convex set have (v - w)·(x - y) ≤ 0.",
+    given=[p <= 0, q <= 0],
+    then=-p - q >= 0,
+    wrong=-p - q <= 0,
+    correction=Correction(
+        "(v - w)·(x - y) ≥ 0",
+        Effect.PROOF,
+        "the uniqueness of solutions of (1.15), which stands: the right-hand side has -N_C",
+        why="v·(y − x) ≤ 0 and w·(x − y) ≤ 0 by Definition 1.16; their sum is −(v − w)·(x − y) ≤ 0",
+        place=559,
+    ),
+)
+
+_convex_unique = implication(
+    "c1.convex-unique",
+    "after (1.15)",
+    "in the case F = 0, Theorem 1.13 implies uniqueness of solutions of (1.15).",
+    "Without a force the solution in a convex set is unique: ½ d/dt ‖x − y‖² = v·(y − x) + w·(x − y) ≤ 0 for ẋ = −v, ẏ"
+    " = −w.",
+    given=[p <= 0, q <= 0],
+    then=p + q <= 0,
+    wrong=-p - q <= 0,
+    rests_on=("c1.dependence", "c1.monotone"),
     chosen="a set that moves, as in (1.16): in one that stands still nothing moves without F",
 )
-def _convex_unique() -> Evidence:
-    """v in N_C(x), w in N_C(y), x' = -v, y' = -w: p = v.(y - x), q = w.(x - y); C may move."""
-    return proved(
-        implication(
-            "½ d/dt ‖x − y‖² = −(v − w)·(x − y) = v·(y − x) + w·(x − y) ≤ 0 for ẋ = −v, ẏ = −w and any convex C(t)",
-            lambda s, p, q: ([p <= 0, q <= 0], s * (p + q) <= 0),
-            "ẋ = v, ẏ = w",
-        )
-    )
 
-
-@claim(
+# n = -x'/|x'| is normal to C(t). A point of C(t) is within L h of x(t - h) = x - h x' + o(h): n.(z - x) <= 0. So h |x'|
+# - L h b <= o(h), b <= 1 being n times the direction to z; v = |x'| in the limit h -> 0.
+_sweeping = implication(
     "c1.sweeping",
-    "The speed of the sweeping process is at most the Lipschitz constant L of the moving set.",
     "Theorem 1.18",
-    Verdict.PROVED,
+    "For almost every t ∈ [0, T] we have ‖ẋ(t)‖ ≤ L.",
+    "The speed of the sweeping process is at most the Lipschitz constant L of the moving set.",
+    given=[L > 0, b <= 1, b >= -1, v <= L * b],
+    then=v <= L,
+    wrong=v <= L / 2,
     rests_on=("c1.sweeping-unique",),
     chosen="a given start, see c1.sweeping-unique",
 )
-def _sweeping() -> Evidence:
-    """n = -x'/|x'| is normal to C(t). A point of C(t) is within L h of x(t - h) = x - h x' + o(h): n.(z - x) <= 0.
 
-    So h |x'| - L h b <= o(h), b <= 1 being n times the direction to z; v = |x'| in the limit h -> 0.
-    """
-    return proved(
-        implication(
-            "‖ẋ‖ ≤ L n·b and ‖b‖ ≤ 1 give ‖ẋ‖ ≤ L, for any convex sets that move with the constant L",
-            lambda s, v, b, L: ([L > 0, b <= 1, b >= -1, v <= L * b], v <= s * L),
-            "‖ẋ‖ ≤ L/2",
-            0.5,
-        )
-    )
+# The distance d of two solutions does not grow, so one start has one solution.
+d, start = reals("d start")
 
-
-def swept_from(start: float, h: float, end: float) -> float:
-    """Sweep a point from ``start`` by catch-up with exact projections; C(t) = [sin t, sin t + 1/2]."""
-    x = start
-    for t in h * np.arange(1, round(end / h) + 1):
-        x = min(max(x, np.sin(t)), np.sin(t) + 0.5)
-    return float(x)
-
-
-@claim(
+_sweeping_unique = implication(
     "c1.sweeping-unique",
-    "The sweeping process with x(0) ∈ C(0) has a unique solution.",
     "Theorem 1.18, (1.16), (1.17)",
-    Verdict.CORRECTED,
-    tried_on="C(t) = [sin t, sin t + 1/2]",
+    "(1.17) x(0) ∈ C(0) … Then there is an unique solution x ∈ AC([0, T], ℝ^d) solving (1.16) and (1.17).",
+    "The sweeping process with x(0) ∈ C(0) has a unique solution.",
+    given=[start == 0, d >= 0, d <= start],
+    then=d == 0,
+    wrong=([start >= 0, d >= 0, d <= start], d == 0),
+    correction=Correction(
+        "for each xⁱⁿⁱᵗ ∈ C(0) there is a unique solution with x(0) = xⁱⁿⁱᵗ",
+        Effect.MODEL,
+        "(1.17), which should fix the start; Theorem 1.31 has x(0) = xⁱⁿⁱᵗ",
+        why="(1.17) only asks for a start in C(0), and different starts in it have different solutions",
+        place=573,
+    ),
 )
-def _sweeping_unique() -> Evidence:
-    """Two starts in C(0), and one start with two steps."""
-    low, high = (swept_from(start, 1e-3, 0.2) for start in (0.0, 0.5))
-    same = abs(swept_from(0.0, 5e-4, 0.2) - low)
-    return Evidence(
-        printed=(
-            at_most("distance at t = 0.2 of the solutions from 0 and 1/2, both in C(0)", high - low, 0.0, ROUNDING),
-        ),
-        corrected=(at_most("change of the solution from 0 when the step is halved, t = 0.2,", same, 0.0, ROUNDING),),
-    )

@@ -1,93 +1,50 @@
 """Chapter 1, sections 4 and 4.1: sets that are not convex, prox-regularity, proximal normals."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
-from verification.claims import Evidence, Verdict, at_least, at_most, equal, proved
-from verification.formal.algebra import identity, library
-from verification.formal.reals import implication
-from verification.thesis.chapter1.lemmas import nearest
+from verification.claims import Correction, Effect, Evidence, at_least, at_most, claim, equal
+from verification.formal.algebra import library
+from verification.formal.reals import follows, reals
+from verification.formal.stated import argument, identity
+from verification.thesis.chapter1.lemmas import NEAREST
 from verification.thesis.chapter1.sets import ROUNDING, contact_gradients
-from verification.thesis.text.quoted import claim
+
+sp = library()
+R, w, a, r = sp.symbols("R w a r", positive=True)
+p, k, D, t, u, v = reals("p k D t u v")
 
 SEED = 11
 RADIUS = 0.5
 
+# Centres at -e and e, exchanged, and half-way between: any radius and direction.
+e = R * sp.Matrix([sp.cos(w), sp.sin(w)])
+# Squares of the distances of the centres of both, and of half the sum of both states.
+TOUCHING, MIDDLE = (2 * e).dot(2 * e), (e - e).dot(e - e)
 
-@claim("c1.not-convex", "The set of discs that do not overlap is not convex.", "section 4", Verdict.PROVED)
-def _not_convex() -> Evidence:
-    """Centres at -R e and R e, exchanged, and half-way between: any radius and direction."""
-    sp = library()
-    R, w = sp.symbols("R w", positive=True)
-    e = R * sp.Matrix([sp.cos(w), sp.sin(w)])
-    first, other = (-e, e), (e, -e)
-    between = [(a + b) / 2 for a, b in zip(first, other, strict=True)]
-
-    def square(pair: Any) -> Any:
-        return (pair[0] - pair[1]).dot(pair[0] - pair[1])
-
-    return proved(
-        identity(
-            "two touching discs and the same with places exchanged have the distance 2R, half-way the centres coincide",
-            lambda s: [square(first) - s * 4 * R**2, square(other) - 4 * R**2, square(between)],
-            "no distance",
-            0,
-        )
-    )
-
-
-@claim(
-    "c1.convex-projection",
-    "The projection onto a closed convex set is single-valued.",
-    "after Definition 1.20",
-    Verdict.PROVED,
+_not_convex = identity(
+    "c1.not-convex",
+    "section 4",
+    "the set of non-overlapping disks … is not convex.",
+    "Two touching discs and the same exchanged have the distance 2R, half-way the centres coincide: S is not convex.",
+    right=[TOUCHING - 4 * R**2, MIDDLE],
+    wrong=TOUCHING,
 )
-def _convex_projection() -> Evidence:
-    """The parallelogram law in each coordinate; a, b, c: squared distances of p, q, m from z; d = |p - q|^2.
 
-    Points of C that come to the infimum r2 are a Cauchy sequence; its limit is in C, which is closed.
-    """
-    return proved(
-        identity(
-            "|z − m|² = |z − p|²/2 + |z − q|²/2 − |p − q|²/4 for the middle m of p, q",
-            lambda s, z, p, q: (z - (p + q) / 2) ** 2 - (z - p) ** 2 / 2 - (z - q) ** 2 / 2 + s * (p - q) ** 2 / 4,
-            "+|p − q|²/4",
-        ),
-        implication(
-            "as m ∈ C, points of C with |z − p|², |z − q|² ≤ inf² + e have |p − q|² ≤ 4e: a nearest point exists",
-            lambda s, a, b, c, d, r2, e: (
-                [d >= 0, a <= r2 + e, b <= r2 + e, c == (a + b) / 2 - s * d / 4, c >= r2],
-                d <= 4 * e,
-            ),
-            "+|p − q|²/4",
-        ),
-        implication(
-            "m ∈ C is no nearer than two nearest points p and q, so p = q",
-            lambda s, r2, e, m2: ([e >= 0, r2 >= 0, m2 == r2 - s * e / 4, m2 >= r2], e == 0),
-            "+|p − q|²/4",
-        ),
-    )
+# (a, 0) in a mouth of half the angle w < pi/2, and the point of a lip at r from the corner.
+LIP = (a - r * sp.cos(w)) ** 2 + (r * sp.sin(w)) ** 2 - (r - a * sp.cos(w)) ** 2
 
-
-@claim("c1.pacman", "The Pacman set is not uniformly prox-regular.", "Figure 7", Verdict.PROVED)
-def _pacman() -> Evidence:
-    """(s, 0) in a mouth of half the angle w < pi/2, and the point of a lip at r from the corner."""
-    sp = library()
-    a, r, w = sp.symbols("a r w", positive=True)
-    square = (a - r * sp.cos(w)) ** 2 + (r * sp.sin(w)) ** 2
-    return proved(
-        identity(
-            "|(a, 0) − r(cos w, ± sin w)|² = (r − a cos w)² + a² sin²w: on both lips the point at r = a cos w is "
-            "nearest, at the distance a sin w, as small as one likes",
-            lambda s: square - (r - a * sp.cos(w)) ** 2 - s * (a * sp.sin(w)) ** 2,
-            "−a² sin²w",
-        )
-    )
+_pacman = identity(
+    "c1.pacman",
+    "Figure 7",
+    "The Pacman-like set is not uniformly prox-regular since for points in the middle of the mouth … not unique.",
+    "On both lips of the Pacman set the point at a cos w is nearest to (a, 0) in its mouth, as near as one likes.",
+    right=LIP - (a * sp.sin(w)) ** 2,
+    wrong=LIP + (a * sp.sin(w)) ** 2,
+)
 
 
 def printed_constant(n: int, d: int) -> float:
@@ -117,8 +74,18 @@ def bent_rows(n: int) -> float:
 @claim(
     "c1.prox-constant",
     "The set of N discs is η-prox-regular with η = R/(6N) (sin(2π/N)/3)^d for all N.",
-    "Proposition 1.22",
-    Verdict.CORRECTED,
+    source="Proposition 1.22",
+    quote="S is η-prox-regular with η = R/(6N) (1/3 sin(2π/N))^d for N ∈ ℕ",
+    correction=Correction(
+        "the formula is for N ≥ 3; η = R √(2/(2N - 3)) holds for all N ≥ 2",
+        Effect.NUMBER,
+        "Theorem 1.31 and Corollary 1.33 for two discs, which need some η > 0",
+        why=(
+            "sin(2π/N) is 0 for N = 1 and N = 2, and Definition 1.21 asks for η > 0; two discs are √2 R-prox-regular, "
+            "as their projection is unique until the centres meet"
+        ),
+        place=646,
+    ),
     tried_on="N = 2 to 199, d = 1, 2, 3; bent rows of 2 to 9 discs",
 )
 def _prox_constant() -> Evidence:
@@ -138,58 +105,62 @@ def _prox_constant() -> Evidence:
     )
 
 
-@claim(
+# p = n.(y - x), D = |y - x|^2 for y in C; n is proximal if p <= k D for a k >= 0; x + t(y - x) is in C.
+SHORT = [k > 0, D > 0, t * p <= k * t * t * D, t * t <= 1]
+
+_same_cones = argument(
     "c1.same-cones",
-    "The proximal normals of a convex set are its normals of convex analysis.",
     "after Definition 1.23",
-    Verdict.PROVED,
+    "N_C(x) = N(C, x) for all x ∈ ℝ^d",
+    "The proximal normals of a convex set are its normals of convex analysis.",
+    follows(
+        [*SHORT, t * (p + k * D) == p],
+        p <= 0,
+        ([*SHORT, t * (-p + k * D) == p], p <= 0),
+        "t n·(y − x) ≤ k t²|y − x|² for t = p/(p + kD) ∈ (0, 1] gives n·(y − x) ≤ 0: proximal normals are normals",
+        "t of the wrong sign",
+    ),
+    follows(
+        [D >= 0, p <= 0],
+        D - 2 * p >= 0,
+        D + 2 * p >= 0,
+        "n·(y − x) ≤ 0 gives |x + n − y|² ≥ |n|²: x is the nearest point of C to x + n",
+        "to x − n",
+    ),
     rests_on=("c1.outside",),
     chosen="x ∈ C, or N_C(x) = ∅ outside C, as is said after Definition 1.16",
 )
-def _same_cones() -> Evidence:
-    """p = n.(y - x), D = |y - x|^2 for y in C; n is proximal if p <= k D for a k >= 0; x + t(y - x) is in C."""
-    return proved(
-        implication(
-            "t n·(y − x) ≤ k t²|y − x|² for t = p/(p + kD) ∈ (0, 1] gives n·(y − x) ≤ 0: proximal normals are normals",
-            lambda s, p, k, D, t: (
-                [k > 0, D > 0, t * (s * p + k * D) == p, t * p <= k * t * t * D, t * t <= 1],
-                p <= 0,
-            ),
-            "t of the wrong sign",
-        ),
-        implication(
-            "n·(y − x) ≤ 0 gives |x + n − y|² ≥ |n|²: x is the nearest point of C to x + n",
-            lambda s, p, D: ([D >= 0, p <= 0], D - s * 2 * p >= 0),
-            "to x − n",
-        ),
-    )
 
+# A is the outside of the unit disc, x = (0, 1), n = -x; (u, v) is a point of A.
+NOT_NEARER = u * u + (v - 0.5) * (v - 0.5) >= 0.25
 
-@claim(
+_not_a_convex_normal = argument(
     "c1.nonconvex-normal",
-    "A proximal normal of a set that is not convex need not be a normal of Definition 1.16.",
     "Figure 8",
-    Verdict.PROVED,
+    "n would not be a normal vector according to Definition 1.16 since n·(y - x) > 0.",
+    "A proximal normal of a set that is not convex need not be a normal of Definition 1.16.",
+    follows(
+        [u * u + v * v >= 1],
+        NOT_NEARER,
+        ([u * u + v * v >= 0.25], NOT_NEARER),
+        "x is nearest in A to x + n/2 = (0, ½), so n is a proximal normal",
+        "A the outside of a disc with the radius ½",
+    ),
+    follows(
+        [v == -1.5, p == -(v - 1)],
+        p > 0,
+        ([v == -1.5, p == v - 1], p > 0),
+        "but n·(y − x) = 5/2 > 0 for y = (0, −3/2) ∈ A",
+        "n = x",
+    ),
     chosen="the outside of the unit disc",
 )
-def _not_a_convex_normal() -> Evidence:
-    """A is the outside of the unit disc, x = (0, 1), n = -x; (u, v) is a point of A."""
-    return proved(
-        implication(
-            "x is nearest in A to x + n/2 = (0, ½), so n is a proximal normal",
-            lambda s, u, v: ([u * u + v * v >= s], u * u + (v - 0.5) * (v - 0.5) >= 0.25),
-            "A the outside of a disc with the radius ½",
-            0.25,
-        ),
-        implication(
-            "but n·(y − x) = 5/2 > 0 for y = (0, −3/2) ∈ A",
-            lambda s, v, p: ([v == -1.5, p == -s * (v - 1)], p > 0),
-            "n = x",
-        ),
-    )
 
-
-@claim("c1.projection-normal", "The difference of y and its projection is a proximal normal.", "(1.23)", Verdict.PROVED)
-def _projection_normal() -> Evidence:
-    """|y - z|^2 = |y - x|^2 - 2 (y - x).(z - x) + |z - x|^2."""
-    return proved(nearest())
+_projection_normal = argument(
+    "c1.projection-normal",
+    "(1.23); after (1.39); (1.66)",
+    "x = P_S(y) ⟺ P_S(x + (y - x)) = x ⟹ y - x ∈ N(S, x)",
+    "The difference of y and its projection is a proximal normal; so is x_k + hF(x_k) − x_{k+1} in a step of catch-up.",
+    NEAREST,
+    also=("c1.catch-up-normal", "c1.step-inclusion"),
+)

@@ -1,109 +1,44 @@
 """Chapter 1, sections 4.2 and 4.3: cones of discs, hypomonotonicity."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
-from verification.claims import Evidence, Verdict, at_most, equal, proved
-from verification.formal.reals import implication
-from verification.thesis.chapter1.claims.s2_1_inclusions import LINE, step_values
-from verification.thesis.chapter1.lemmas import cones
-from verification.thesis.text.quoted import claim
+from verification.formal.reals import follows, reals
+from verification.formal.stated import argument, implication
 
+# p = v.(y - x), q = w.(x - y), D = |x - y|^2, k = 1/(2 eta); c = p/|v|, square is |x + eta v/|v| - y|^2.
+p, q, v, w, D, k, eta, c, square = reals("p q v w D k eta c square")
 
-@claim(
-    "c1.cones",
-    "The proximal normals of the set of discs are Σ -λ_k ∇g_k over the contacts, with λ_k ≥ 0.",
-    "Theorem 1.25",
-    Verdict.PROVED_INSTANCE,
-    tried_on="states whose contacts have independent gradients",
+BALL = [eta > 0, v > 0, D >= 0, p == v * c, square >= eta * eta]
+
+_hypomonotone = argument(
+    "c1.hypomonotone",
+    "(1.28)",
+    "-(v - w)·(x - y) ≤ (‖v‖ + ‖w‖)/(2η) ‖x - y‖²",
+    "Normals of prox-regular sets are monotone up to a quadratic term.",
+    follows(
+        [*BALL, square == D - 2 * eta * c + eta * eta],
+        2 * eta * p <= v * D,
+        ([*BALL, square == D + 2 * eta * c + eta * eta], 2 * eta * p <= v * D),
+        "no point y of S is nearer to x + ηv/‖v‖ than x, so v·(y − x) ≤ ‖v‖‖x − y‖²/(2η)",
+        "x − ηv/‖v‖",
+    ),
+    follows(
+        [k > 0, v >= 0, w >= 0, D >= 0, p <= v * k * D, q <= w * k * D],
+        p + q <= (v + w) * k * D,
+        p + q <= (v - w) * k * D,
+        "v·(y − x) ≤ ‖v‖‖x − y‖²/(2η) and w·(x − y) ≤ ‖w‖‖x − y‖²/(2η) sum to (1.28)",
+        "‖v‖ − ‖w‖",
+    ),
 )
-def _cones() -> Evidence:
-    return proved(*cones())
 
-
-@claim(
-    "c1.sum-of-all",
-    "The normal cone of the set of discs is the sum of the normal cones of its pairs.",
-    "Theorem 1.25",
-    Verdict.PROVED_INSTANCE,
-    rests_on=("c1.cones",),
-    tried_on="states whose contacts have independent gradients",
-)
-def _sum_of_all() -> Evidence:
-    """N(S_j, x) is the ray of one gradient, by the same proof with one row, and N^g the sum of these rays."""
-    return proved(*cones())
-
-
-def spread(sign: float) -> float:
-    """Measure how far apart solutions s t of sign times (1.13) are at t = 1 that all start at 0."""
-    ends = []
-    for s in (-1.0, -0.5, 0.0, 0.5, 1.0):
-        allowed = (sorted(sign * end for end in step_values(s * t)) for t in (0.25, 0.5, 1.0))
-        if all(low <= s <= high for low, high in allowed):
-            ends.append(s)
-    return max(ends) - min(ends)
-
-
-@claim(
-    "c1.one-sided-word",
-    "Solutions of ẋ ∈ F(x) are unique if F is one-sided semicontinuous.",
-    "section 4.3",
-    Verdict.CORRECTED,
-    rests_on=("c1.one-sided",),
-    chosen="semicontinuous is read as in Definition 1.10",
-)
-def _one_sided_word() -> Evidence:
-    low, high = step_values(0.0)
-    beyond = sum(not low <= -end <= high for y in LINE for end in step_values(y))
-    return Evidence(
-        printed=(at_most("spread at t = 1 of solutions of ẋ ∈ sign(x) from 0, semicontinuous", spread(-1.0), 0.0),),
-        corrected=(
-            at_most("spread at t = 1 of solutions of ẋ ∈ -sign(x) from 0, one-sided Lipschitz", spread(1.0), 0.0),
-            equal("values of sign near 0 outside its value at 0, which is [-1, 1],", beyond, 0),
-        ),
-    )
-
-
-@claim("c1.hypomonotone", "Normals of prox-regular sets are monotone up to a quadratic term.", "(1.28)", Verdict.PROVED)
-def _hypomonotone() -> Evidence:
-    """p = v.(y - x), q = w.(x - y), D = |x - y|^2, k = 1/(2 eta); c = p/|v|, ``square`` is |x + eta v/|v| - y|^2."""
-    return proved(
-        implication(
-            "no point y of S is nearer to x + ηv/‖v‖ than x, so v·(y − x) ≤ ‖v‖‖x − y‖²/(2η)",
-            lambda s, p, v, D, eta, c, square: (
-                [eta > 0, v > 0, D >= 0, p == v * c, square == D - s * 2 * eta * c + eta * eta, square >= eta * eta],
-                2 * eta * p <= v * D,
-            ),
-            "x − ηv/‖v‖",
-        ),
-        implication(
-            "v·(y − x) ≤ ‖v‖‖x − y‖²/(2η) and w·(x − y) ≤ ‖w‖‖x − y‖²/(2η) sum to (1.28)",
-            lambda s, p, q, v, w, D, k: (
-                [k > 0, v >= 0, w >= 0, D >= 0, p <= v * k * D, q <= w * k * D],
-                p + q <= (v + s * w) * k * D,
-            ),
-            "‖v‖ − ‖w‖",
-        ),
-    )
-
-
-@claim(
+# (1.28) for |v|, |w| <= 1: p = -(v - w).(x - y).
+_one_over_eta = implication(
     "c1.one-over-eta",
-    "The map x ↦ -N(S, x) ∩ B₁(0) is one-sided Lipschitz continuous with the constant 1/η.",
     "section 4.3",
-    Verdict.PROVED,
+    "x ↦ -N(S, x) ∩ B₁(0) is one-sided Lipschitz with constant 1/η.",
+    "The map x ↦ -N(S, x) ∩ B₁(0) is one-sided Lipschitz continuous with the constant 1/η.",
+    given=[eta > 0, v >= 0, v <= 1, w >= 0, w <= 1, D >= 0, 2 * eta * p <= (v + w) * D],
+    then=eta * p <= D,
+    wrong=eta * p <= 0.5 * D,
     rests_on=("c1.hypomonotone",),
 )
-def _one_over_eta() -> Evidence:
-    """(1.28) for |v|, |w| <= 1: p = -(v - w).(x - y), D = |x - y|^2."""
-    return proved(
-        implication(
-            "(1.28) with ‖v‖, ‖w‖ ≤ 1 gives −(v − w)·(x − y) ≤ ‖x − y‖²/η",
-            lambda s, p, v, w, D, eta: (
-                [eta > 0, v >= 0, v <= 1, w >= 0, w <= 1, D >= 0, 2 * eta * p <= (v + w) * D],
-                eta * p <= s * D,
-            ),
-            "‖x − y‖²/(2η)",
-            0.5,
-        )
-    )

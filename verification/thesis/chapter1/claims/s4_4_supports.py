@@ -1,289 +1,159 @@
 """Chapter 1, section 4.4: support functions, scalar semicontinuity of normals, and cones of discs."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
+from verification.claims import Correction, Effect
+from verification.formal.reals import follows, reals, solver_library
+from verification.formal.stated import argument, implication
 
-import numpy as np
+z3 = solver_library()
+a, b, c, p, q, bound = reals("a b c p q bound")
 
-from verification.claims import Evidence, FormalProof, Verdict, at_least, at_most, equal, proved
-from verification.formal.reals import implication, solver_library
-from verification.thesis.chapter1.claims.s1_2_constraints import SIDES
-from verification.thesis.chapter1.lemmas import cones
-from verification.thesis.chapter1.sets import ROUNDING, SAMPLES, SEED, Floats, contact_gradients, support_of_cone
-from verification.thesis.text.quoted import claim
-
-DIRECTIONS = np.stack([f(np.linspace(0, 2 * np.pi, 720, endpoint=False)) for f in (np.cos, np.sin)], axis=1)
-SHAPE, CENTRE = np.array([[1.0, 0.4], [-0.3, 0.6]]), np.array([0.5, -0.2])
-# Places that come to 0 from both sides.
-NEAR = np.array([-1e-9, -1e-10, 1e-10, 1e-9])
-FUNCTIONS: tuple[Callable[[Floats], Floats], ...] = (
-    np.abs,
-    lambda x: np.where(x == 0, 1.0, 0.0),
-    lambda x: np.where(x == 0, -1.0, 0.0),
-    lambda x: np.where(x >= 0, 1.0, 0.0),
-    lambda x: np.where(x > 0, 1.0, 0.0),
-)
-# Wider than what continuous functions change between the places of NEAR, narrower than the jumps.
-EPSILON = 0.1
-
-
-def support(points: Floats, w: Floats) -> Floats:
-    """Return sigma of a finite set or the hull of it, for directions (K, 2)."""
-    return np.asarray((points @ w.T).max(axis=0))
-
-
-def ellipse_support(w: Floats) -> Floats:
-    """Return sigma of an ellipse, the image M B_1 + c of the unit disc: |M^T w| + c . w, for directions (K, 2)."""
-    return np.asarray(np.linalg.norm(w @ SHAPE, axis=1) + w @ CENTRE)
-
-
-@claim(
-    "c1.half-spaces", "A set lies in the half-space v·w ≤ α if and only if σ(A, w) ≤ α.", "after (1.29)", Verdict.PROVED
-)
-def _half_spaces() -> Evidence:
-    """p = v.w of a point v of A; sigma is the least upper bound of these p, so not above alpha if alpha is one."""
-    return proved(
-        implication(
-            "σ(A, w) ≤ α gives v·w ≤ σ(A, w) ≤ α for all v ∈ A",
-            lambda s, p, sigma, alpha: ([p <= sigma, s * sigma <= s * alpha], p <= alpha),
-            "σ(A, w) ≥ α",
-        ),
-        implication(
-            "if σ(A, w) > α there is a v ∈ A with v·w > σ(A, w) − (σ(A, w) − α) = α, σ(A, w) being the least "
-            "upper bound",
-            lambda s, p, sigma, alpha, e: ([sigma > alpha, e == sigma - s * alpha, p > sigma - e], p > alpha),
-            "v·w > −α",
-        ),
-    )
-
-
-@claim(
+_support = implication(
     "c1.support",
-    "A set A lies in B if and only if σ(A, ·) ≤ σ(B, ·).",
     "(1.30)",
-    Verdict.CORRECTED,
-    rests_on=("c1.half-spaces",),
-    tried_on="an ellipse and 300 points",
+    "A ⊆ B ⟺ σ(A, v) ≤ σ(B, v) for all v",
+    "A set A lies in B if and only if σ(A, ·) ≤ σ(B, ·).",
+    given=[a <= b, p <= b, -p <= -a],
+    then=[a <= p, p <= b],
+    wrong=z3.Or(p == a, p == b),
+    correction=Correction(
+        "“⇐” holds if B is closed and convex",
+        Effect.PROOF,
+        "(1.73), where B is closed and convex",
+        why="support functions do not tell a set from its closed convex hull: {0, 1} and [0, 1] have the same one",
+        place=759,
+    ),
+    chosen="sets of the line: σ(B, 1) = b and σ(B, −1) = −a for B = [a, b], and for B = {a, b}, which is not convex",
 )
-def _support() -> Evidence:
-    """A = {1/2} and B = {0, 1} on an axis; then B an ellipse and A a point, in it or not."""
-    ends, middle = np.array([[0.0, 0.0], [1.0, 0.0]]), np.array([[0.5, 0.0]])
-    ordered = bool((support(middle, DIRECTIONS) <= support(ends, DIRECTIONS) + ROUNDING).all())
-    strangers = int(ordered and not (ends == middle).all(axis=1).any())
-    points = 1.5 * np.random.default_rng(SEED).normal(size=(SAMPLES, 2))
-    below = (points @ DIRECTIONS.T <= ellipse_support(DIRECTIONS)).all(axis=1)
-    inside = np.linalg.norm(np.linalg.solve(SHAPE, (points - CENTRE).T), axis=0) <= 1
-    wrong = int((below != inside).sum())
-    return Evidence(
-        printed=(equal("A ⊄ B with σ(A, ·) ≤ σ(B, ·), A = {1/2}, B = {0, 1}", strangers, 0),),
-        corrected=(
-            equal(f"disagreements, B an ellipse, A one of {SAMPLES} points", wrong, 0),
-            at_least("points inside and outside the ellipse, the fewer", min(inside.sum(), (~inside).sum()), 1),
-        ),
-        seed=SEED,
-    )
 
+# Values p of A and q of B in one direction, with least upper bounds a and b; c is any upper bound of the sums.
+_additive = argument(
+    "c1.additive",
+    "(1.31)",
+    "σ(A + B, v) = σ(A, v) + σ(B, v)",
+    "The support function of a sum of sets is the sum of theirs.",
+    follows(
+        [p <= a, q <= b],
+        p + q <= a + b,
+        p + q <= a - b,
+        "σ(A, v) + σ(B, v) is an upper bound of the sums",
+        "σ(A, v) − σ(B, v)",
+    ),
+    follows(
+        [p + q <= c, bound == c - q, a <= c - q],
+        [p <= bound, q <= c - a],
+        ([p + q <= c, bound == c + q, a <= c - q], p <= bound),
+        "of an upper bound c of the sums p ≤ c − q for all p ∈ A, so a ≤ c − q; then q ≤ c − a for all q ∈ B",
+        "p ≤ c + q",
+    ),
+    follows(
+        [b <= c - a],
+        a + b <= c,
+        a + 2 * b <= c,
+        "so b ≤ c − a: σ(A, v) + σ(B, v) ≤ c is the least",
+        "σ(A, v) + 2σ(B, v) ≤ c",
+    ),
+)
 
-@claim("c1.additive", "The support function of a sum of sets is the sum of theirs.", "(1.31)", Verdict.PROVED)
-def _additive() -> Evidence:
-    """Values p of A and q of B in one direction, with least upper bounds a and b; c is any upper bound of the sums."""
-    return proved(
-        implication(
-            "σ(A, v) + σ(B, v) is an upper bound of the sums",
-            lambda s, a, b, p, q: ([p <= a, q <= b], p + q <= a + s * b),
-            "σ(A, v) − σ(B, v)",
-        ),
-        implication(
-            "of an upper bound c of the sums p ≤ c − q for all p ∈ A, so a ≤ c − q; then q ≤ c − a for all q ∈ B",
-            lambda s, a, p, q, c, bound: ([p + q <= c, bound == c - s * q, a <= c - q], [p <= bound, q <= c - a]),
-            "p ≤ c + q",
-        ),
-        implication(
-            "so b ≤ c − a: σ(A, v) + σ(B, v) ≤ c is the least",
-            lambda s, a, b, c: ([b <= c - a], a + s * b <= c),
-            "σ(A, v) + 2σ(B, v) ≤ c",
-            2,
-        ),
-    )
+# f and here are the values at a place near x0 and at x0, z is a point of (-oo, f].
+f, here, e, z = reals("f here e z")
+NEAR = [e > 0, f < here + e]
 
-
-def by_limsup(f: Callable[[Floats], Floats]) -> bool:
-    """Say whether lim sup f(x) <= f(0) as x -> 0, up to EPSILON."""
-    return bool(f(NEAR).max() <= f(np.zeros(1))[0] + EPSILON)
-
-
-def by_singletons(f: Callable[[Floats], Floats]) -> bool:
-    """Say whether x -> {f(x)} fulfils Definition 1.10 at 0."""
-    return bool((np.abs(f(NEAR) - f(np.zeros(1))) < EPSILON).all())
-
-
-def by_half_lines(f: Callable[[Floats], Floats]) -> bool:
-    """Say whether x -> (-inf, f(x)] fulfils Definition 1.10 at 0, by points of the half-lines."""
-    depths = np.linspace(-100.0, 0.0, 1001)
-    return bool((f(NEAR)[:, None] + depths < f(np.zeros(1))[0] + EPSILON).all())
-
-
-@claim(
+_single_valued = implication(
     "c1.single-valued",
-    "For a single-valued function Definition 1.10 is lim sup f(x) ≤ f(x₀).",
     "after Definition 1.27",
-    Verdict.CORRECTED,
-    tried_on="five functions on the line",
+    "f is upper semicontinuous at x₀ if it satisfies Definition 1.10, which simplifies to lim sup f(x) ≤ f(x₀)",
+    "For a single-valued function Definition 1.10 is lim sup f(x) ≤ f(x₀).",
+    given=[*NEAR, z <= f],
+    then=z < here + e,
+    wrong=(NEAR, [f - here < e, here - f < e]),
+    correction=Correction(
+        "for {f(x)} Definition 1.10 is continuity; upper semicontinuity is Definition 1.10 for (-∞, f(x)]",
+        Effect.PROOF,
+        "nothing else: (1.33) is stated explicitly",
+        why="for F(x) = {f(x)} Definition 1.10 asks for |f(y) − f(x)| < ε, which is continuity",
+        place=782,
+    ),
 )
-def _single_valued() -> Evidence:
-    """|x|, +1 and -1 at 0 alone, and two steps, at 0."""
-    plain = sum(by_singletons(f) != by_limsup(f) for f in FUNCTIONS)
-    lines = sum(by_half_lines(f) != by_limsup(f) for f in FUNCTIONS)
-    name = f"functions, of {len(FUNCTIONS)}, on which lim sup f ≤ f(0) and Definition 1.10 for {{}} disagree"
-    return Evidence(
-        printed=(equal(name.format("{f(x)}"), plain, 0),), corrected=(equal(name.format("(-∞, f(x)]"), lines, 0),)
-    )
 
+# v_n in N(S, x_n), |v_n| <= 1, tend to v (a subsequence, the ball being compact) and x_n to x. v_n.(y - x_n) and
+# |v_n||y - x_n|^2/(2 eta) come within any e > 0 of p and K of the limit; e = (p - K)/3 is tried.
+K = reals("K L")[0]
+LIMIT = z3.Implies(e > 0, p <= K + 2 * e)
 
-def bent(opening: float) -> Floats:
-    """Return three discs of which the first touches both others; 0 closes the triangle."""
-    angles = np.array([0.0, math.pi / 3 + opening])
-    return np.concatenate([[[0.0, 0.0]], np.stack([np.cos(angles), np.sin(angles)], axis=1)])
-
-
-def normals_support(x: Floats, w: Floats) -> float:
-    """Return sigma(-N(S, x) ∩ B_1, w) of discs of radius 1/2 at a point of S."""
-    closed = [(i, j) for i, j in SIDES if np.linalg.norm(x[i] - x[j]) < 1 + 1e-12]
-    return support_of_cone(contact_gradients(x, closed), w)
-
-
-def limits(step: float) -> Floats:
-    """Return sigma at three sequences that are ``step`` away from the closed triangle, and at the triangle, (4, K)."""
-    directions = np.random.default_rng(SEED).normal(size=(100, 6))
-    corner = bent(0.0)
-    turned = corner @ np.array([[math.cos(step), math.sin(step)], [-math.sin(step), math.cos(step)]])
-    places = (bent(step), turned, (1 + step) * corner, corner)
-    return np.array([[normals_support(x, w) for w in directions] for x in places])
-
-
-def excess(values: Floats) -> float:
-    """Measure how far sigma at the sequences of ``limits`` is above sigma at their limit."""
-    return float((values[:3] - values[3]).max())
-
-
-def closed_graph() -> FormalProof:
-    """Prove that the inequality of proximal normals of a prox-regular set holds in the limit.
-
-    v_n.(y - x_n) and |v_n||y - x_n|^2/(2 eta) come within any e > 0 of p and K of the limit; e = (p - K)/3 is tried.
-    """
-    z3 = solver_library()
-    return implication(
+_scalarly_upper = argument(
+    "c1.scalarly-upper",
+    "Proposition 1.28",
+    "lim sup σ(-N(S, x_n) ∩ B₁(0), w) ≤ σ(-N(S, x) ∩ B₁(0), w)",
+    "The normals of length at most 1 of the set of discs are scalarly upper semicontinuous.",
+    follows(
+        [3 * e == p - K, LIMIT],
+        p <= K,
+        ([3 * e == K - p, LIMIT], p <= K),
         "v_n·(y − x_n) ≤ ‖v_n‖‖y − x_n‖²/(2η) for all y ∈ S holds in the limit: v ∈ N(S, x), and ‖v‖ ≤ 1, so no "
         "sequence has a larger σ in the limit, for any uniformly prox-regular S",
-        lambda s, p, K, e: ([3 * e == s * (p - K), z3.Implies(e > 0, p <= K + 2 * e)], p <= K),
         "e = (K − p)/3",
-    )
-
-
-@claim(
-    "c1.scalarly-upper",
-    "The normals of length at most 1 of the set of discs are scalarly upper semicontinuous.",
-    "Proposition 1.28",
-    Verdict.PROVED,
+    ),
     rests_on=("c1.hypomonotone",),
 )
-def _scalarly_upper() -> Evidence:
-    """v_n in N(S, x_n), |v_n| <= 1, tend to v (a subsequence, the ball being compact) and x_n to x: p, K of the limit.
 
-    p = v.(y - x) and K = |v||y - x|^2/(2 eta) for a point y of S; both are continuous in v and x.
-    """
-    return proved(closed_graph())
+# v = -a x for a boundary point x: r = |y|, D = |y - x|^2, x.(y - x) = (r^2 - 1 - D)/2; k is any constant.
+r, D, d, k, u, w = reals("r D d k u w")
+OUTER = [r >= 0, D >= 0, a >= 0, d == z3.If(r < 1, 1 - r, 0)]
+FAR = z3.If(a > 1, u - a * u + k * u * u < 0, a * u + k * u * u < 0)
+RAY = [k > 0, u > 0, u < 1, z3.Or(a > 1, a < 0)]
+SIDE = [k > 0, c > 0, a >= 0, w > 0]
 
-
-@claim(
+_distance = argument(
     "c1.distance",
-    "The normals of length at most 1 are the subdifferential of the distance.",
     "Remark 1.29",
-    Verdict.PROVED_INSTANCE,
-    chosen="the outside of the unit disc, x on its boundary; the ball is closed (see the errata)",
+    "N(S, x) ∩ B₁(0) = ∂dist(x, S)",
+    "The normals of length at most 1 are the subdifferential of the distance.",
+    follows(
+        [*OUTER, a <= 1],
+        d >= -a * (r * r - 1 - D) / 2 - D,
+        ([*OUTER, a <= 2], d >= -a * (r * r - 1 - D) / 2 - D),
+        "dist(y) ≥ v·(y − x) − |y − x|² for v = −ax with 0 ≤ a ≤ 1: short normals are proximal subgradients",
+        "0 ≤ a ≤ 2",
+    ),
+    follows(
+        [*RAY, u * k < z3.If(a > 1, a - 1, -a)],
+        FAR,
+        ([*RAY, 0.25 * u * k < z3.If(a > 1, a - 1, -a)], FAR),
+        "for a > 1 and for a < 0 no constant k serves: on the ray of x, at y = (1 − u)x and (1 + u)x",
+        "larger u",
+    ),
+    follows(
+        [*SIDE, 2 * k * w < c],
+        2 * w * (c + a * w) > k * 4 * w * w,
+        ([*SIDE, 0.5 * k * w < c], 2 * w * (c + a * w) > k * 4 * w * w),
+        "nor for a tangential part c: on the circle, at y = ((1 − w²)x + 2w x⊥)/(1 + w²), where v·(y − x) = 2w(c + "
+        "aw)/(1 + w²)",
+        "larger w",
+    ),
     tried_on="the outside of the unit disc, every point of its boundary",
+    chosen="the outside of the unit disc, x on its boundary; the ball is closed (see the errata)",
 )
-def _distance() -> Evidence:
-    """v = -s x for a boundary point x: r = |y|, D = |y - x|^2, x.(y - x) = (r^2 - 1 - D)/2; k is any constant."""
-    z3 = solver_library()
-    return proved(
-        implication(
-            "dist(y) ≥ v·(y − x) − |y − x|² for v = −ax with 0 ≤ a ≤ 1: short normals are proximal subgradients",
-            lambda s, r, D, a, d: (
-                [r >= 0, D >= 0, a >= 0, a <= s, d == z3.If(r < 1, 1 - r, 0)],
-                d >= -a * (r * r - 1 - D) / 2 - D,
-            ),
-            "0 ≤ a ≤ 2",
-            2,
-        ),
-        implication(
-            "for a > 1 and for a < 0 no constant k serves: on the ray of x, at y = (1 − u)x and (1 + u)x",
-            lambda s, a, k, u: (
-                [k > 0, u > 0, u < 1, s * u * k < z3.If(a > 1, a - 1, -a), z3.Or(a > 1, a < 0)],
-                z3.If(a > 1, u - a * u + k * u * u < 0, a * u + k * u * u < 0),
-            ),
-            "larger u",
-            0.25,
-        ),
-        implication(
-            "nor for a tangential part c: on the circle, at y = ((1 − w²)x + 2w x⊥)/(1 + w²), where v·(y − x) = "
-            "2w(c + aw)/(1 + w²)",
-            lambda s, a, c, k, w: (
-                [k > 0, c > 0, a >= 0, w > 0, s * 2 * k * w < c],
-                2 * w * (c + a * w) > k * 4 * w * w,
-            ),
-            "larger w",
-            0.25,
-        ),
-    )
 
-
-@claim(
-    "c1.sum-limit",
-    "Sums of normals at points that tend to x are, in the limit, normals at x.",
-    "Corollary 1.30, (1.35)",
-    Verdict.PROVED_INSTANCE,
-    rests_on=("c1.cones",),
-    chosen="the ball cuts the sum of the cones, not each of them",
-    tried_on="contacts with independent gradients",
-)
-def _sum_limit() -> Evidence:
-    """n = sum l_j grad g_j(p_j), |n| <= 1: the l_j are bounded, so that a subsequence converges, to a normal at x."""
-    return proved(
-        implication(
-            "with |Gᵀλ| ≥ σ|λ| at x and |Gᵀλ − G′ᵀλ| ≤ ½σ|λ| near x, |G′ᵀλ| ≤ 1 gives |λ| ≤ 2/σ",
-            lambda s, lam, near, at, sigma: (
-                [sigma > 0, lam >= 0, at >= sigma * lam, near >= at - 0.5 * sigma * lam, near <= 1],
-                sigma * lam <= s * 2,
-            ),
-            "|λ| ≤ 1/σ",
-            0.5,
-        ),
-        *cones(),
-    )
-
-
-@claim(
+_sum_of_cones = implication(
     "c1.sum-of-cones",
-    "The support function of a sum of cones cut by a ball is the sum of those of the cut cones.",
     "proof of Corollary 1.30",
-    Verdict.CORRECTED,
+    "lim sup σ(-Σ N(S_j, p_j) ∩ B₁, w) = lim sup Σ σ(-N(S_j, p_j) ∩ B₁, w) ≤ … = σ(-Σ N(S_j, x) ∩ B₁, w)",
+    "The support function of a sum of cones cut by a ball is the sum of those of the cut cones.",
+    given=[a >= 0, a <= 1, b >= 0, b <= 1],
+    then=a * a + b * b <= 2,
+    wrong=a * a + b * b <= 1,
+    correction=Correction(
+        "Σ_j (N(S_j, x) ∩ B₁) ⊆ N(S, x) ∩ B_M; the corollary itself holds if the ball cuts the sum of the cones",
+        Effect.PROOF,
+        "Lemma 2.8, which needs only some radius",
+        why=(
+            "(1.31) is about sums of sets: if the ball cuts each cone, the last set is not N(S, x) ∩ B₁, and if it "
+            "cuts the sum, the first equality is none"
+        ),
+        place=816,
+    ),
     rests_on=("c1.additive",),
-    tried_on="two pairs of touching discs",
+    chosen="two pairs of touching discs far apart, with orthogonal normals of length a and b; M² = 2",
 )
-def _sum_of_cones() -> Evidence:
-    """Two touching pairs of discs far apart, with normals orthogonal in R^8; p_j = x, w along -(n_1 + n_2)."""
-    far = np.array([[0.0, 0.0], [1.0, 0.0], [9.0, 0.0], [10.0, 0.0]])
-    rows = contact_gradients(far, [(0, 1), (2, 3)]) / math.sqrt(2)
-    w = rows.sum(axis=0) / math.sqrt(2)
-    ratio = sum(support_of_cone(row[None], w) for row in rows) / support_of_cone(rows, w)
-    directions = np.random.default_rng(SEED).normal(size=(SAMPLES, 8))
-    bound = max(sum(support_of_cone(row[None], u) for row in rows) - 2 * support_of_cone(rows, u) for u in directions)
-    return Evidence(
-        printed=(equal("Σ σ(-N_j ∩ B₁, w) over σ((Σ -N_j) ∩ B₁, w)", ratio, 1.0, 1e-9),),
-        corrected=(at_most(f"largest Σ σ(-N_j ∩ B₁, w) - σ(-N ∩ B_M, w), {SAMPLES} directions w", bound, 0.0, 1e-6),),
-        seed=SEED,
-    )

@@ -1,55 +1,20 @@
 """Chapter 1, section 4.5: existence of solutions, their dependence on the start, and the catch-up scheme."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
 import numpy as np
 
 import dincl
-from verification.claims import Evidence, Verdict, at_least, at_most, equal, proved
-from verification.formal.algebra import identity
-from verification.formal.reals import implication
+from verification.claims import Correction, Effect, Evidence, at_least, at_most, claim, equal
+from verification.formal.reals import follows, reals
+from verification.formal.stated import argument
 from verification.thesis.chapter1.cells import GROWN, HARD, TOL, away, in_mitosis, resting
-from verification.thesis.chapter1.lemmas import growth_of_distance, nearest
+from verification.thesis.chapter1.lemmas import GROWTH_OF_DISTANCE
 from verification.thesis.chapter1.sets import ROUNDING, SAMPLES, SEED, Floats, apart, catch_up, falling
-from verification.thesis.text.quoted import claim
 
 # Half the step of a central difference of numbers that are right to rounding.
 HALF = 1e-5
 OVERLAPPING, APART = np.array([[0.0, 0.0], [0.8, 0.0]]), np.array([[0.0, 0.0], [1.3, 0.0]])
-
-
-@claim(
-    "c1.linear-growth", "Lipschitz continuous forces grow at most linearly.", "section 4.5, (A1), (A2)", Verdict.PROVED
-)
-def _linear_growth() -> Evidence:
-    """n = |F(x)|, n0 = |F(0)|, r = |x|."""
-    return proved(
-        implication(
-            "‖F(x)‖ ≤ ‖F(0)‖ + L_F‖x‖ ≤ M_F(1 + ‖x‖) with M_F = max(L_F, ‖F(0)‖)",
-            lambda s, n, n0, L, r, M: ([r >= 0, L >= 0, n <= n0 + L * r, M >= L, n0 <= M], n <= M * (1 + s * r)),
-            "M_F(1 − ‖x‖)",
-        )
-    )
-
-
-@claim(
-    "c1.catch-up-normal",
-    "A step of the catch-up scheme satisfies a discrete inclusion with a normal at the new point.",
-    "after (1.39)",
-    Verdict.PROVED,
-    rests_on=("c1.projection-normal",),
-)
-def _catch_up_normal() -> Evidence:
-    """x_(k+1) = P_S(y) with y = x_k + h F(x_k); the vector is y - x_(k+1)."""
-    return proved(
-        identity(
-            "x_k − x_{k+1} + hF(x_k) = y − P_S(y) for y = x_k + hF(x_k)",
-            lambda s, x, new, h, F: x - new + h * F - (x + s * h * F - new),
-            "y = x_k − hF(x_k)",
-        ),
-        nearest(),
-    )
 
 
 def slide(t: Floats) -> Floats:
@@ -61,17 +26,9 @@ def slide(t: Floats) -> Floats:
 @claim(
     "c1.existence",
     "The inclusion has a solution, to which the catch-up scheme converges.",
-    "Theorem 1.31",
-    Verdict.NOT_REFUTED,
-    rests_on=(
-        "c1.constant",
-        "c1.speeds",
-        "c1.unique-projections",
-        "c1.compact",
-        "c1.dense",
-        "c1.step-inclusion",
-        "c1.lower",
-    ),
+    source="Theorem 1.31",
+    quote="the system has an absolutely continuous solution x : [0, T] → ℝ^d.",
+    rests_on=("c1.constant", "c1.speeds", "c1.unique-projections", "c1.dense", "c1.projection-normal"),
     tried_on="a point that slides over a disc",
 )
 def _existence() -> Evidence:
@@ -92,33 +49,45 @@ def _existence() -> Evidence:
     )
 
 
-@claim(
+# E = |x - y|^2, F has the constant L, and -N is hypomonotone by (1.28): p = -(v - w).(x - y), v, w forces <= M.
+f, p, L, E, v, w, M, k = reals("f p L E v w M k")
+
+_dependence = argument(
     "c1.dependence",
+    "Lemma 1.32, (1.41); Theorem 1.13",
+    "there exists a constant a > 0 such that for all t ∈ [0, T] ‖x(t) - y(t)‖ ≤ a ‖xⁱⁿⁱᵗ - yⁱⁿⁱᵗ‖",
     "Two solutions stay within a constant times their first distance.",
-    "Lemma 1.32, (1.41)",
-    Verdict.PROVED,
-    rests_on=("c1.one-sided", "c1.hypomonotone", "c1.uniqueness-sign", "c1.gronwall"),
+    follows(
+        [E > 0, L >= 0, k > 0, v >= 0, w >= 0, v <= M, w <= M, f <= L * E, p <= (v + w) * k * E],
+        f + p <= (L + 2 * M * k) * E,
+        f + p <= (L - 2 * M * k) * E,
+        "½Ė ≤ L_F E + (‖v‖ + ‖w‖)E/(2η) ≤ (L_F + M/η)E, v and w being constraint forces of at most M",
+        "(L_F − M/η)E",
+    ),
+    *GROWTH_OF_DISTANCE,
+    also=("c1.one-sided",),
+    rests_on=("c1.hypomonotone", "c1.uniqueness-sign", "c1.gronwall"),
 )
-def _dependence() -> Evidence:
-    """E = |x - y|^2, F has the constant L, and -N is hypomonotone by (1.28): p = -(v - w).(x - y), v, w forces <= M."""
-    return proved(
-        implication(
-            "½Ė ≤ L_F E + (‖v‖ + ‖w‖)E/(2η) ≤ (L_F + M/η)E, v and w being constraint forces of at most M",
-            lambda s, f, p, L, E, v, w, M, k: (
-                [E > 0, L >= 0, k > 0, v >= 0, w >= 0, v <= M, w <= M, f <= L * E, p <= (v + w) * k * E],
-                f + p <= (L + s * 2 * M * k) * E,
-            ),
-            "(L_F − M/η)E",
-        ),
-        *growth_of_distance(),
-    )
 
 
 @claim(
     "c1.start",
     "The model of discs has a unique solution from every start in ℝ^2N.",
-    "Corollary 1.33",
-    Verdict.CORRECTED,
+    source="Corollary 1.33",
+    quote="Then for all xⁱⁿⁱᵗ ∈ ℝ^2N and any T > 0, the system has a unique solution.",
+    correction=Correction(
+        "for all xⁱⁿⁱᵗ ∈ S, as in Theorem 1.31",
+        Effect.CONCLUSION,
+        (
+            "the models of chapters 3 and 4: their start must not overlap, nor their state after a cell event, as it "
+            "does (section 5)"
+        ),
+        why=(
+            "N(S, x) = ∅ for x ∉ S by Definition 1.23, so a solution lies in S at almost all times and, being "
+            "continuous, at t = 0; Theorem 1.31 has xⁱⁿⁱᵗ ∈ S"
+        ),
+        place=876,
+    ),
     rests_on=("c1.prox-constant", "c1.existence", "c1.dependence"),
 )
 def _start() -> Evidence:
@@ -139,8 +108,21 @@ def _start() -> Evidence:
 @claim(
     "c1.time-independent",
     "The feasible sets of the models do not depend on time.",
-    "section 4.6",
-    Verdict.CORRECTED,
+    source="section 4.6",
+    quote="since we only need the result for time-independent sets, the following proof is simpler.",
+    correction=Correction(
+        (
+            "S is constant between cell events, where the proof applies; by (3.4) and (3.8) of chapter 3 it jumps at "
+            "them"
+        ),
+        Effect.PROOF,
+        "the use of Theorem 1.31 in chapters 3 and 4, one interval between events after another",
+        why=(
+            "in chapter 3 the hard radius of a cell jumps when its mitosis begins (3.4), and a division adds a cell "
+            "(3.7), (3.8), so S changes in time"
+        ),
+        place=884,
+    ),
     chosen="a nucleus that two others touch when its mitosis begins",
 )
 def _time_independent() -> Evidence:

@@ -1,18 +1,14 @@
 """Chapter 1, section 4.6.1: the tools of the proof of existence."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
-from verification.claims import Evidence, Verdict, at_most, proved
-from verification.formal.algebra import identity, library
+from verification.claims import Correction, Effect, Evidence, at_most, claim
 from verification.thesis.chapter1.sets import ROUNDING, SAMPLES, SEED, Floats
-from verification.thesis.text.quoted import claim
 
 T, A, B, N = 1.0, 0.01, 0.01, 50
 
@@ -36,10 +32,20 @@ def hlawka(norm: Callable[[Floats], Floats], x: Floats, y: Floats, z: Floats) ->
 @claim(
     "c1.isometry",
     "There is an isometry of L^∞ into L¹.",
-    "section 4.6.1",
-    Verdict.CORRECTED,
-    chosen="linear maps; no other isometry exists either, as L^∞ is not separable",
+    source="section 4.6.1",
+    quote="there exists an isometry L^∞([0, T], ℝ^d) → L¹([0, T], ℝ^d).",
+    correction=Correction(
+        "an isometry onto the dual space of L¹; into L¹ a continuous embedding, ‖x‖₁ ≤ T ‖x‖_∞",
+        Effect.PROOF,
+        "(1.58), which uses the embedding",
+        why=(
+            "L^∞ is not separable and L¹ is, so that no isometry leads into L¹; what is isometric to L^∞ is the dual "
+            "space of L¹, named just before"
+        ),
+        place=912,
+    ),
     tried_on="step functions, random ones in L¹",
+    chosen="linear maps; no other isometry exists either, as L^∞ is not separable",
 )
 def _isometry() -> Evidence:
     """Hlawka's inequality is about norms of sums, so an isometric linear map would carry it over from L^1."""
@@ -54,72 +60,6 @@ def _isometry() -> Evidence:
             at_most(f"largest excess over Hlawka's inequality of {SAMPLES} triples in L¹", mean, 0.0, ROUNDING),
         ),
         seed=SEED,
-    )
-
-
-@claim(
-    "c1.mazur",
-    "Convex combinations of a weakly convergent sequence converge strongly.",
-    "Lemma 1.34",
-    Verdict.PROVED_INSTANCE,
-    chosen="y⁽ℓ⁾ is read as x⁽ℓ⁾ (see the errata)",
-    tried_on="sin(2πnt) in L¹(0, 1)",
-)
-def _mazur() -> Evidence:
-    """The mean of the elements n to 2n - 1 in L2, which bounds its norm in L1: orthogonal elements of norm^2 1/2."""
-    sp = library()
-    k, m = sp.symbols("k m", positive=True, integer=True)
-    t = sp.Symbol("t", real=True)
-
-    def wave(number: Any) -> Any:
-        return sp.sin(2 * sp.pi * number * t)
-
-    return proved(
-        identity(
-            "∫₀¹ sin²(2πkt) dt = ½ and ∫₀¹ sin(2πkt) sin(2π(k + m)t) dt = 0 for m ≥ 1",
-            lambda s: [
-                sp.integrate(wave(k) ** 2, (t, 0, 1)) - s * sp.Rational(1, 2),
-                sp.integrate(sp.expand(wave(k) * wave(k + m)), (t, 0, 1)),
-            ],
-            "−½",
-        ),
-        identity(
-            "so the mean of n of them has the norm² n · ½/n² = 1/(2n), which tends to 0, though each has ½",
-            lambda s, n: n * sp.Rational(1, 2) / n**2 - s / (2 * n),
-            "−1/(2n)",
-        ),
-    )
-
-
-@claim(
-    "c1.compact",
-    "Paths with bounded speeds have a subsequence that converges uniformly, with velocities that do weakly*.",
-    "Lemma 1.35",
-    Verdict.PROVED_INSTANCE,
-    chosen="one sequence whose velocities do not converge in norm",
-    tried_on="sin(2πnt)/(2πn), velocities paired with step functions",
-)
-def _compact() -> Evidence:
-    """The pairing of the velocity with the indicator of [a, b]; step functions are dense in L1."""
-    sp = library()
-    n = sp.Symbol("n", positive=True, integer=True)
-    t, a, b = sp.symbols("t a b", real=True)
-
-    def path(at: Any) -> Any:
-        return sp.sin(2 * sp.pi * n * at) / (2 * sp.pi * n)
-
-    return proved(
-        identity(
-            "∫ₐᵇ ẋ⁽ⁿ⁾ dt = x⁽ⁿ⁾(b) − x⁽ⁿ⁾(a), at most 1/(πn) in size as |x⁽ⁿ⁾| ≤ 1/(2πn): ẋ⁽ⁿ⁾ ⇀* 0, x⁽ⁿ⁾ → 0 "
-            "uniformly",
-            lambda s: sp.integrate(path(t).diff(t), (t, a, b)) - path(b) + s * path(a),
-            "+x⁽ⁿ⁾(a)",
-        ),
-        identity(
-            "while ∫₀¹ |ẋ⁽ⁿ⁾|² dt = ½ for all n",
-            lambda s: sp.integrate(path(t).diff(t) ** 2, (t, 0, 1)) - s * sp.Rational(1, 2),
-            "−½",
-        ),
     )
 
 
@@ -145,8 +85,16 @@ def discrete_bound(first: float) -> float:
 @claim(
     "c1.gronwall-discrete",
     "Sequences with (1.43) are bounded by (1 + BT/n)^n + A/B ((1 + BT/n)^n - 1), whatever their first element.",
-    "Theorem 1.36",
-    Verdict.CORRECTED,
+    source="Theorem 1.36, (1.43)",
+    also=("c1.gronwall-range",),
+    quote="a_k ≤ (1 + BT/n)^n + 1/B ((1 + BT/n)^n - 1) A ≤ exp(BT) + A (exp(BT) - 1)/B",
+    correction=Correction(
+        "‖a_k‖ ≤ (1 + BT/n)^n ‖a₀‖ + 1/B ((1 + BT/n)^n - 1) A ≤ exp(BT) ‖a₀‖ + A (exp(BT) - 1)/B",
+        Effect.CONCLUSION,
+        "(1.52) and the constants C₁, C₂, C₃; the proof of existence stands with the factor",
+        why="‖a_{k+1}‖ ≤ (1 + BT/n)‖a_k‖ + AT/n, so (1 + BT/n)^k multiplies ‖a₀‖; a_k is a vector, its norm is bounded",
+        place=942,
+    ),
     tried_on="300 sequences in the plane, n = 50",
 )
 def _gronwall_discrete() -> Evidence:
@@ -159,27 +107,5 @@ def _gronwall_discrete() -> Evidence:
             at_most("largest ‖a_k‖ over (1.44) with ‖a₀‖", largest / discrete_bound(start), 1.0, ROUNDING),
             at_most("largest ‖a_k‖ over (1.45) with ‖a₀‖", largest / top, 1.0, ROUNDING),
         ),
-        seed=SEED,
-    )
-
-
-@claim(
-    "c1.gronwall-range",
-    "If (1.43) holds for 1 ≤ k ≤ n, the bound holds for 0 ≤ k ≤ n.",
-    "Theorem 1.36, (1.43)",
-    Verdict.CORRECTED,
-    rests_on=("c1.gronwall-discrete",),
-    chosen="the bound begins with ‖a₁‖, the first element that (1.43) speaks of",
-    tried_on="300 sequences in the plane, n = 50",
-)
-def _gronwall_range() -> Evidence:
-    """a_0 = 100 and a_k = 1 from k = 1 on: (1.43) for 1 <= k <= n says nothing of a_0."""
-    steps = np.abs(np.diff(np.array([100.0] + [1.0] * (N + 1))))
-    allowed = bool((steps[1:] <= T / N * (A + B)).all())
-    free = 100.0 / discrete_bound(1.0) if allowed else math.nan
-    right = float((np.linalg.norm(sequences(1.0), axis=2) / discrete_bound(1.0)).max())
-    return Evidence(
-        printed=(at_most("(1.43) for 1 ≤ k ≤ n, ‖a₀‖ = 100: ‖a₀‖ over the bound", free, 1.0),),
-        corrected=(at_most("(1.43) for 0 ≤ k ≤ n - 1: largest ‖a_k‖ over the bound", right, 1.0, ROUNDING),),
         seed=SEED,
     )

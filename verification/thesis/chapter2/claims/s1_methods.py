@@ -1,19 +1,19 @@
 """Chapter 2, section 1: the methods that PBD is compared with."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
 import dincl
-from verification.claims import Evidence, Verdict, at_least, at_most, equal, proved
-from verification.formal.algebra import identity, library
-from verification.formal.reals import implication, solver_library
+from verification.claims import Correction, Effect, Evidence, at_least, at_most, claim, equal
+from verification.formal.algebra import library
+from verification.formal.reals import follows, reals, solver_library
+from verification.formal.stated import argument, identity
 from verification.thesis.chapter2.runs import exact
-from verification.thesis.text.quoted import claim
+
+sp, z3 = library(), solver_library()
 
 # Two discs that slide along each other, of which the exact solution is known; at this time they are in contact.
 SCENE, END = dincl.scenes.two_disks(), 2.0
@@ -51,8 +51,11 @@ def event_driven() -> dincl.Scheme:
 @claim(
     "c2.event-driven",
     "Event-driven methods are the most rigorous, but their cost grows with the contacts.",
-    "section 1",
-    Verdict.NOT_REFUTED,
+    source="section 1",
+    quote=(
+        "The most rigorous methods are typically event-driven methods, however, these methods are … less performant "
+        "for large systems."
+    ),
     tried_on="two discs with a known solution, and piles of 4 and 8 discs",
 )
 def _event_driven() -> Evidence:
@@ -67,32 +70,27 @@ def _event_driven() -> Evidence:
     )
 
 
-@claim(
+# The chain rule; F of (2.1) is a function of x alone, and N is a cone.
+t, tau, mu, f, e, L = sp.symbols("t tau mu f epsilon L", positive=True)
+x = sp.Function("x")
+SLOPE, SCALED = x(tau).diff(tau).subs(tau, t / mu), x(t / mu).diff(t)
+
+_damping = identity(
     "c2.damping",
-    "A damping other than 1 changes only the time scale of a solution.",
     "(2.1)",
-    Verdict.PROVED,
+    "the physically correct equation is μẋ ∈ F(x) − N(S, x) but … we set μ = 1",
+    "A damping other than 1 changes only the time scale: μż = ẋ(t/μ) for z(t) = x(t/μ), so μż ∈ F(z) − N(S, z).",
+    right=mu * SCALED - SLOPE,
+    wrong=SCALED / mu - SLOPE,
     chosen="F: ℝᵈ → ℝᵈ, as in (2.1): no force of the chapter depends on time",
 )
-def _damping() -> Evidence:
-    """The chain rule for z(t) = x(t/mu); F of (2.1) is a function of x alone, and N is a cone."""
-    sp = library()
-    t, tau, mu = sp.symbols("t tau mu", positive=True)
-    x = sp.Function("x")
-    return proved(
-        identity(
-            "μż = ẋ(t/μ) for z(t) = x(t/μ): if ẋ ∈ F(x) − N(S, x) then μż ∈ F(z) − N(S, z), for every μ > 0",
-            lambda s: mu**s * x(t / mu).diff(t) - x(tau).diff(tau).subs(tau, t / mu),
-            "ż/μ",
-        )
-    )
 
 
 @claim(
     "c2.catch-up",
     "Moreau's catch-up scheme converges to the solution of the inclusion.",
-    "section 1.1.1",
-    Verdict.NOT_REFUTED,
+    source="section 1.1.1",
+    quote="x_{k+1} = P_S(x_k + Δt F(x_k)) … a proof of the convergence for this numerical method",
     rests_on=("c1.existence",),
     tried_on="two discs in contact",
 )
@@ -101,24 +99,25 @@ def _catch_up() -> Evidence:
     return Evidence(printed=(equal("error at t = 2, step 0.04 over half of it", coarse / fine, 2.0, HALVED),))
 
 
-@claim("c2.inner", "The inner convex approximation lies inside the feasible set.", "section 1.1.2", Verdict.PROVED)
-def _inner() -> Evidence:
-    """a, b: the distance of two centres at x and at y, p = the product of the differences, at most a b; L = 2R."""
-    return proved(
-        implication(
-            "g(x) + ∇g(x)·(y − x) = a − L + (p − a²)/a ≥ 0 gives b ≥ p/a ≥ L: y is in S",
-            lambda s, a, b, p, L: ([a > 0, b >= 0, L > 0, p <= a * b, s * (a * a - L * a + p - a * a) >= 0], b >= L),
-            "g(x) + ∇g(x)·(y − x) ≤ 0",
-        )
-    )
+# The distances here and there of two centres at x and at y, and the product of the differences; length = 2R.
+here, there, product, length = reals("a b p L")
+PAIR, SLOPE_AT = [here > 0, there >= 0, length > 0, product <= here * there], product - length * here
+INNER = follows(
+    [*PAIR, SLOPE_AT >= 0],
+    there >= length,
+    ([*PAIR, SLOPE_AT <= 0], there >= length),
+    "g(x) + ∇g(x)·(y − x) = a − L + (p − a²)/a ≥ 0 gives b ≥ p/a ≥ L: y is in S",
+    "g(x) + ∇g(x)·(y − x) ≤ 0",
+)
 
 
 @claim(
     "c2.linearised",
     "The catch-up scheme converges as well if it projects onto the inner convex approximation.",
-    "section 1.1.2",
-    Verdict.NOT_REFUTED,
-    rests_on=("c2.inner", "c2.catch-up"),
+    source="section 1.1.2",
+    also=("c2.inner",),
+    quote="one can replace S with S̃(x) in the catch-up scheme without loss of convergence",
+    rests_on=("c2.catch-up",),
     tried_on="two discs in contact",
 )
 def _linearised() -> Evidence:
@@ -128,6 +127,7 @@ def _linearised() -> Evidence:
         printed=(
             equal("error at t = 2, step 0.04 over half of it", coarse / fine, 2.0, HALVED),
             at_most("error over that of the catch-up scheme, t = 2, same step", fine / moreau, 1.0, HALVED),
+            INNER(),
         )
     )
 
@@ -157,8 +157,21 @@ def steepest(push: Callable[[float], float]) -> float:
 @claim(
     "c2.printed-penalty",
     "With a force ∇g at overlap the inclusion becomes an ordinary differential equation.",
-    "section 1.1.3",
-    Verdict.CORRECTED,
+    source="section 1.1.3",
+    quote="smoothening approach … F_ℓ(x) := ∇g_ℓ(x) if g_ℓ(x) < 0 … one might apply any numerical scheme for ODEs",
+    correction=Correction(
+        (
+            "with F_ℓ = −g_ℓ ∇g_ℓ where g_ℓ < 0 it is an ODE whose right-hand side is Lipschitz continuous while no "
+            "centres coincide; as printed (2.2) is a differential inclusion again"
+        ),
+        Effect.MODEL,
+        "“any numerical scheme for ODEs”; the stiffness for large ε of the next paragraph, which is that of −g∇g",
+        why=(
+            "∇g does not grow from 0 with the overlap: it jumps where contact begins, so the right-hand side is not "
+            "continuous"
+        ),
+        place=1223,
+    ),
     chosen="one constraint, g(x) = x",
 )
 def _printed_penalty() -> Evidence:
@@ -180,53 +193,40 @@ def _printed_penalty() -> Evidence:
     )
 
 
-@claim(
+# r, the distance of the centres, has r' = 2 (-f + e (L - r)), L = 2R, from r = L; the inclusion keeps r = L.
+DEPTH = f / e * (1 - sp.exp(-2 * e * t))
+
+_limit = identity(
     "c2.penalty-limit",
-    "As the penalty parameter grows, the penalty method tends to the inclusion.",
     "(2.2)",
-    Verdict.PROVED_INSTANCE,
+    "For ε → ∞ the dynamics converge to the non-smooth behaviour.",
+    "As ε grows, the overlap of the penalty method, (f/ε)(1 − e^{−2εt}), tends to 0.",
+    right=[-DEPTH.diff(t) - 2 * (-f + e * DEPTH), DEPTH.subs(t, 0)],
+    wrong=DEPTH.diff(t) - 2 * (-f - e * DEPTH),
     rests_on=("c2.printed-penalty",),
-    chosen="the force as corrected in c2.printed-penalty",
     tried_on="two discs that a constant force presses together along their line",
-)
-def _limit() -> Evidence:
-    """r, the distance of the centres, has r' = 2 (-f + e (L - r)), L = 2R, from r = L; the inclusion keeps r = L."""
-    sp = library()
-    t, f, e, L = sp.symbols("t f epsilon L", positive=True)
-
-    def residuals(s: Any) -> Any:
-        r = L - s * f / e * (1 - sp.exp(-2 * e * t))
-        return [r.diff(t) - 2 * (-f + e * (L - r)), r.subs(t, 0) - L]
-
-    return proved(
-        identity(
-            "the overlap of the penalty method is (f/ε)(1 − e^{−2εt}), which tends to 0 with 1/ε", residuals, "−f/ε"
-        )
-    )
-
-
-@claim(
-    "c2.stiffness",
-    "The longest stable step of an explicit method falls as the penalty parameter grows.",
-    "section 1.1.3",
-    Verdict.PROVED_INSTANCE,
-    rests_on=("c2.printed-penalty",),
     chosen="the force as corrected in c2.printed-penalty",
-    tried_on="a point between two walls, by explicit Euler",
 )
-def _stiffness() -> Evidence:
-    """Outside of a wall x' = -e x, x the overlap: a step multiplies x by 1 - dt e; k, e: two strengths."""
-    z3 = solver_library()
-    return proved(
-        implication(
-            "|1 − Δt ε| ≤ 1 if and only if 0 ≤ Δt ≤ 2/ε",
-            lambda s, h, e: ([e > 0], ((1 - h * e) * (1 - h * e) <= 1) == z3.And(h >= 0, h * e <= s * 2)),
-            "Δt ≤ 1/ε",
-            0.5,
-        ),
-        implication(
-            "2/ε falls as ε grows",
-            lambda s, h, g, e, k: ([e > 0, s * k > s * e, k > 0, h * e == 2, g * k == 2], g < h),
-            "as ε falls",
-        ),
-    )
+
+# Outside of a wall x' = -e x, x the overlap: a step h multiplies x by 1 - h e; k and g: another strength and step.
+h, g, s, k = reals("h g e k")
+GROWS = (1 - h * s) * (1 - h * s) <= 1
+LONGEST = [s > 0, k > 0, h * s == 2, g * k == 2]
+
+_stiffness = argument(
+    "c2.stiffness",
+    "section 1.1.3",
+    "the stiffness typically also increases dramatically for large penalty parameters which forces small …",
+    "The longest stable step of an explicit method falls as the penalty parameter grows.",
+    follows(
+        [s > 0],
+        z3.And(h >= 0, h * s <= 2) == GROWS,
+        z3.And(h >= 0, h * s <= 1) == GROWS,
+        "|1 − Δt ε| ≤ 1 if and only if 0 ≤ Δt ≤ 2/ε",
+        "Δt ≤ 1/ε",
+    ),
+    follows([*LONGEST, k > s], g < h, ([*LONGEST, k < s], g < h), "2/ε falls as ε grows", "as ε falls"),
+    rests_on=("c2.printed-penalty",),
+    tried_on="a point between two walls, by explicit Euler",
+    chosen="the force as corrected in c2.printed-penalty",
+)

@@ -1,22 +1,24 @@
 """Chapter 2, sections 2.2 and 2.3: second- and first-order PBD, what a sweep leaves, and alternating projections."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
 import dincl
-from verification.claims import Evidence, Tables, Verdict, at_least, at_most, equal, proved, put_right
-from verification.formal.algebra import identity, library
-from verification.formal.reals import implication
+from verification.claims import Correction, Effect, Evidence, Tables, at_least, at_most, claim, equal
+from verification.formal.algebra import library, vanishes
+from verification.formal.reals import follows, reals
+from verification.formal.stated import argument, identity
 from verification.thesis.chapter2.methods import PBD
-from verification.thesis.text.quoted import claim
+from verification.thesis.chapter2.tables import LARGE_STEPS
+
+sp = library()
 
 # A ball that meets an elastic wall at t = 1 with speed 1.
 IMPACT_STEPS = (0.1, 0.01, 0.001)
+QP_TOL = 1e-10
 # Steps of the four discs, and how far from 1 an order may be that is read off two of them.
 STEPS, ORDER_BAND = (1 / 160, 1 / 320), 0.1
 
@@ -27,7 +29,12 @@ def bounced(dt: float) -> float:
     return float(dincl.solve(problem, dincl.SecondOrderPBD(dt=dt, v0=[[-1.0]]), t=2.0).final[0, 0])
 
 
-@claim("c2.elastic", "However small the step, the second-order method misses elastic collisions.", "introduction")
+@claim(
+    "c2.elastic",
+    "However small the step, the second-order method misses elastic collisions.",
+    source="introduction",
+    quote="it does not converge to exact solutions of the underlying second-order contact problems",
+)
 def _elastic() -> Evidence:
     """A ball at 1 with velocity -1 and an elastic wall at 0: it is back at 1 at t = 2."""
     error = min(abs(1.0 - bounced(dt)) for dt in IMPACT_STEPS)
@@ -35,69 +42,66 @@ def _elastic() -> Evidence:
     return Evidence(printed=(at_least(f"least error after an elastic collision, steps {steps} [length]", error, 0.5),))
 
 
-@claim("c2.mass", "In a step the velocity of a body of mass m grows by Δt F.", "(2.3)", Verdict.CORRECTED)
-def _mass() -> Evidence:
-    return put_right(
-        identity(
-            "m(ṽ − v)/Δt = F for ṽ = v + ΔtF/m",
-            lambda s, m, v, F, h: m * ((v + h * F / m**s) - v) / h - F,
-            "ṽ = v + ΔtF for every m",
-            0,
-        )
-    )
+m, v, F, h, u = sp.symbols("m v F h u")
+
+_mass = identity(
+    "c2.mass",
+    "(2.3)",
+    "m ẍ = F(x) … ṽ_{k+1} := v_k + Δt F(x_k, v_k)",
+    "In a step the velocity of a body of mass m grows by Δt F.",
+    right=m * ((v + h * F / m) - v) / h - F,
+    wrong=m * ((v + h * F) - v) / h - F,
+    correction=Correction(
+        "ṽ_{k+1} = v_k + Δt F(x_k, v_k)/m; (2.3) as printed is for m = 1",
+        Effect.MODEL,
+        "Method 2.2; not the first-order Method 2.3, where μ = 1 was agreed",
+        why="m ẍ = F gives the acceleration F/m; Δt F is a momentum",
+        place=1269,
+    ),
+)
+
+# The slope D of (x, v) -> (x + h v', v'), v' = v - h grad U(x), H the Hessian of U, any number of variables.
+H = sp.Symbol("H", commutative=False)
+FORM = sp.Matrix([[0, 1], [-1, 0]])
 
 
-@claim(
+def kept(sign: int) -> object:
+    """Return D^T J D - J for v' = v - sign h grad U."""
+    slope = sp.Matrix([[1 - h**2 * H, h], [-sign * h * H, 1]])
+    transposed = sp.Matrix([[1 - h**2 * H, -sign * h * H], [h, 1]])
+    return transposed * FORM * slope - FORM
+
+
+_symplectic = identity(
     "c2.symplectic",
-    "The prediction of velocities and then positions is a symplectic map.",
     "section 2.2",
-    Verdict.PROVED,
+    "The first part (2.3) and (2.4) is the symplectic Euler method",
+    "DᵀJD = J for one step of (2.3), (2.4) in any potential: it is the symplectic Euler method.",
+    right=kept(1),
+    wrong=kept(-1),
     rests_on=("c2.mass",),
     chosen="forces that depend on the positions only and have a potential",
 )
-def _symplectic() -> Evidence:
-    """The slope of (x, v) -> (x + h v', v'), v' = v - h grad U(x), H the Hessian of U, any number of variables."""
-    sp = library()
-    h, H = sp.Symbol("h"), sp.Symbol("H", commutative=False)
-    form = sp.Matrix([[0, 1], [-1, 0]])
 
-    def residual(s: Any) -> Any:
-        slope, transposed = ([[1 - h**2 * H, h], [-s * h * H, 1]], [[1 - h**2 * H, -s * h * H], [h, 1]])
-        return sp.Matrix(transposed) * form * sp.Matrix(slope) - form
-
-    return proved(
-        identity("DᵀJD = J for one step in any potential, its Hessian being symmetric", residual, "+Δt∇U in (2.3)")
-    )
-
-
-@claim("c2.infeasible", "After a sweep of projections a state may still be infeasible.", "section 2.3", Verdict.PROVED)
-def _infeasible() -> Evidence:
-    """Discs of diameter 1 at -1 + h, 0 and 1 - h; a, b, c after the first pair is moved apart, then d, e the second."""
-    return proved(
-        implication(
-            "three discs in a row, the outer ones pressed inwards by h: after one sweep the first pair overlaps "
-            "by ¾h > 0",
-            lambda s, h, a, b, d, e: (
-                [h > 0, h < 0.5, a == -1 + h - h / 2, b == h / 2, d == b - (1 - (1 - h - b)) / 2, e == 1 - h + (b - d)],
-                [b - a == 1, e - d == 1, 1 - (d - a) == s * 0.75 * h, d - a < 1],
-            ),
-            "by ½h",
-            2 / 3,
-        )
-    )
-
-
-@claim("c2.prediction", "The prediction adds at most Δt ‖F‖ to the distance from S.", "section 2.3", Verdict.PROVED)
-def _prediction() -> Evidence:
-    """p is the point of S nearest to x; d = |x - p|, n = |x~ - p|, q = dist(x~, S) <= n."""
-    return proved(
-        implication(
-            "dist(x̃, S) ≤ |x̃ − p| ≤ |x − p| + Δt‖F‖ for the point p of S nearest to x, in any set S",
-            lambda s, q, n, d, f: ([d >= 0, f > 0, q <= n, n <= d + f], q <= d + s * f),
-            "without Δt‖F‖",
-            0,
-        )
-    )
+# Discs of diameter 1 at -1 + w, 0 and 1 - w; p, q after the first pair is moved apart, then q2, r the second.
+w, p, q, q2, r = reals("w p q q2 r")
+SWEPT = [w > 0, w < 0.5, p == -1 + w - w / 2, q == w / 2, q2 == q - (1 - (1 - w - q)) / 2, r == 1 - w + (q - q2)]
+FIRST_PAIR = follows(
+    SWEPT,
+    [q - p == 1, r - q2 == 1, 1 - (q2 - p) == 0.75 * w, q2 - p < 1],
+    1 - (q2 - p) == 0.5 * w,
+    "three discs in a row, the outer ones pressed inwards by h: after one sweep the first pair overlaps by ¾h > 0",
+    "by ½h",
+)
+# far = |x - p| for the point p of S nearest to x, moved = |x~ - p|, left = dist(x~, S), push = dt |F|.
+far, moved, left, push = reals("far moved left push")
+FAR = follows(
+    [far >= 0, push > 0, left <= moved, moved <= far + push],
+    left <= far + push,
+    left <= far,
+    "dist(x̃, S) ≤ |x̃ − p| ≤ |x − p| + Δt‖F‖ for the point p of S nearest to x, in any set S",
+    "without Δt‖F‖",
+)
 
 
 def largest_overlap(dt: float) -> float:
@@ -109,25 +113,35 @@ def largest_overlap(dt: float) -> float:
 @claim(
     "c2.smaller",
     "With short enough steps the overlaps left by PBD get small.",
-    "Figure 2",
-    Verdict.NOT_REFUTED,
-    chosen="the four discs of Figure 4, the start is not given",
+    source="Figure 2; section 2.3; Ideas for proving convergence of PBD",
+    also=("c2.infeasible", "c2.prediction", "c6.feasible"),
+    quote="by choosing sufficiently small time steps the infeasibility will also decrease",
     tried_on="four discs that are drawn to one point",
+    chosen="the four discs of Figure 4, the start is not given",
 )
 def _smaller() -> Evidence:
     coarse, fine = (largest_overlap(dt) for dt in STEPS)
-    order = math.log2(coarse / fine)
-    return Evidence(printed=(equal("order of the largest overlap, steps 1/160 and half", order, 1.0, ORDER_BAND),))
+    order, times = math.log2(coarse / fine), np.arange(1, 41) / 20
+    moreau = dincl.CatchUp(dt=0.05, projection=dincl.Daqp(tol=QP_TOL))
+    kept = float(dincl.solve(dincl.scenes.four_disks(), moreau, t=times).violation().max())
+    return Evidence(
+        printed=(
+            equal("order of the largest overlap, steps 1/160 and half", order, 1.0, ORDER_BAND),
+            at_most("largest overlap of catch-up, step 0.05, projections to 1e-10", kept, 0.0, 10 * QP_TOL),
+            FIRST_PAIR(),
+            FAR(),
+        )
+    )
 
 
 @claim(
     "c2.large-steps",
     "PBD stays stable at large steps, at which penalty methods are unstable.",
-    "Figure 2",
-    Verdict.NOT_REFUTED,
-    needs=("large_steps",),
-    chosen="steps at which explicit Euler without constraints is stable; the starts",
+    source="Figure 2",
+    quote="Crucially, the use of large time steps does not make the simulations unstable.",
+    needs=(LARGE_STEPS,),
     tried_on="the scenes of Figures 4 and 5",
+    chosen="steps at which explicit Euler without constraints is stable; the starts",
 )
 def _large(tables: Tables) -> Evidence:
     rows = tables["large_steps"]
@@ -143,64 +157,35 @@ def _large(tables: Tables) -> Evidence:
     )
 
 
-@claim(
+# A point (x, y) of the unit disc with y < 1/2 goes to (x, 1/2) and, if that is outside, to (x, 1/2)/|(x, 1/2)|. u =
+# x^2, w is u of the next point, 3/4 that of the common point. Of three discs in a line a and b are the overlaps.
+QUARTER, LEAST = sp.Rational(1, 4), sp.Rational(3, 4)
+NEXT, LEFT = u / (u + QUARTER) - LEAST, (u - LEAST) / (4 * u + 1)
+place, d, new, a, b = reals("u d new a b")
+ROUND = [d > 0, place == 0.75 + d, new * (4 * place + 1) == d]
+LINE = [a == 0, b > 0, new == (a + b / 2) / 2]
+
+_alternating = argument(
     "c2.alternating",
-    "Alternating projections find a common point of two sets, in some cases also if they are not convex.",
     "Remark 2.4",
-    Verdict.PROVED_INSTANCE,
+    "alternating projections finds a point in the intersection A ∩ B by iterating x_{k+1} = P_A(P_B(x_k))",
+    "Alternating projections find a common point of two sets, in some cases also if they are not convex.",
+    vanishes(
+        NEXT - LEFT, NEXT + LEFT, "u = x² becomes w = u/(u + ¼), and w − ¾ = (u − ¾)/(4u + 1)", "−(u − ¾)/(4u + 1)"
+    ),
+    follows(
+        ROUND,
+        new <= d / 4,
+        new <= d / 8,
+        "so each round leaves less than a quarter of the distance to the disc and the half plane",
+        "less than an eighth",
+    ),
+    follows(
+        LINE,
+        new == b / 4,
+        new == b / 8,
+        "and a quarter of the overlap of three discs in a line, whose sets are not convex",
+        "an eighth",
+    ),
     tried_on="the unit disc and y ≥ ½, and three discs in a line",
 )
-def _alternating() -> Evidence:
-    """A point (x, y) of the unit disc with y < 1/2 goes to (x, 1/2) and, if that is outside, to (x, 1/2)/|(x, 1/2)|.
-
-    u = x^2, w is u of the next point, 3/4 that of the common point. Of three discs in a line a and b are the overlaps.
-    """
-    return proved(
-        identity(
-            "u = x² becomes w = u/(u + ¼), and w − ¾ = (u − ¾)/(4u + 1)",
-            lambda s, u: (
-                u / (u + library().Rational(1, 4))
-                - library().Rational(3, 4)
-                - s * (u - library().Rational(3, 4)) / (4 * u + 1)
-            ),
-            "−(u − ¾)/(4u + 1)",
-        ),
-        implication(
-            "so each round leaves less than a quarter of the distance to the disc and the half plane",
-            lambda s, u, d, new: ([d > 0, u == 0.75 + d, new * (4 * u + 1) == d], new <= s * d / 4),
-            "less than an eighth",
-            0.5,
-        ),
-        implication(
-            "and a quarter of the overlap of three discs in a line, whose sets are not convex",
-            lambda s, a, b, new: ([a == 0, b > 0, new == (a + b / 2) / 2], new == s * b / 4),
-            "an eighth",
-            0.5,
-        ),
-    )
-
-
-@claim(
-    "c2.subspaces",
-    "For subspaces alternating projections converge to the projection onto the intersection.",
-    "Remark 2.4",
-    Verdict.PROVED_INSTANCE,
-    tried_on="subspaces of finite dimension, in the planes of their principal angles",
-)
-def _subspaces() -> Evidence:
-    """In each such plane both subspaces are lines, at an angle w: for w = 0 a common one, else they share 0 only."""
-    sp = library()
-    w = sp.Symbol("w", real=True)
-
-    def onto(angle: Any) -> Any:
-        unit = sp.Matrix([sp.cos(angle), sp.sin(angle)])
-        return unit * unit.T
-
-    A, B = onto(0), onto(w)
-    return proved(
-        identity(
-            "(P_A P_B)² = cos²w P_A P_B, so (P_A P_B)ⁿ → 0 for w ≠ 0 and is P_A for w = 0: the projection onto A ∩ B",
-            lambda s: [A * B * A * B - s * sp.cos(w) ** 2 * A * B, (A * B - A).subs(w, 0)],
-            "−cos²w",
-        )
-    )

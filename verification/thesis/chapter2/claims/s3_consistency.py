@@ -1,19 +1,19 @@
 """Chapter 2, section 3: consistency, and the proof that PBD has it."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
-
-import math
 
 import numpy as np
 
 import dincl
-from verification.claims import Evidence, Verdict, at_least, at_most, equal, proved, put_right
-from verification.formal.algebra import identity
-from verification.formal.reals import implication, solver_library
+from verification.claims import Correction, Effect, Evidence, at_least, at_most, claim, equal
+from verification.formal.algebra import library
+from verification.formal.reals import follows, reals, solver_library
+from verification.formal.stated import argument, identity, implication
 from verification.thesis.chapter1.sets import Floats
-from verification.thesis.chapter2.discs import RADIUS, ROUNDING, points_of_step, row, separated
-from verification.thesis.text.quoted import claim
+from verification.thesis.chapter2.discs import RADIUS, ROUNDING, points_of_step, row
+
+z3 = solver_library()
+x, y, h, r, p, D, a, n, d, q, power, f, way, last, first = reals("x y h r p D a n d q P f way last first")
 
 SEED = 23
 # The wall x >= 0, a point on it that is pulled away by F = 1, and the ball and direction of the support functions.
@@ -23,7 +23,6 @@ STEPS = (1e-2, 1e-3, 1e-4)
 DISCS = 5
 # For states that move with the step, whose cones turn by √Δt; and how far from contact rounding leaves discs of a row.
 FINER, TOUCH = (1e-2, 1e-4, 1e-6), 1e-12
-PAIRS_SEED, SAMPLES = 21, 100
 # Discs that a single one is kicked along by, see ``kicked``.
 KICKS = 12
 # Two touching discs that are pulled apart with |F| = sqrt(2).
@@ -71,11 +70,30 @@ def beside_normals() -> list[float]:
 @claim(
     "c2.limits",
     "Each limit of a consistent method is a solution.",
-    "sections 3 and 5",
-    Verdict.CORRECTED,
+    source="sections 3 and 5",
+    quote=(
+        "the PBD method is a numerically consistent method. This … shows that each limit of the PBD method would be a "
+        "solution."
+    ),
+    correction=Correction(
+        (
+            "consistency as in Definition 2.7, at a fixed x, does not show it; the bound is needed along x_n → x, with"
+            " Δt → 0, as in (1.71), which PBD has while its overlaps are of the size of Δt"
+        ),
+        Effect.PROOF,
+        (
+            "“uses exactly this concept” after Definition 2.7, and “all convergent limits … will solve” in section 5; "
+            "that overlaps stay small is left open in the conclusions of the thesis"
+        ),
+        why=(
+            "a flow can be consistent at every fixed x, and fail on sets that move to x as Δt → 0; limits of its steps"
+            " are then no solutions"
+        ),
+        place=1381,
+    ),
     rests_on=("c2.definition", "c2.lemma"),
-    chosen="the flow that stands still on [1 − Δt, 1), S = ℝ; Definition 2.7 as corrected",
     tried_on="PBD with a row of five discs",
+    chosen="the flow that stands still on [1 − Δt, 1), S = ℝ; Definition 2.7 as corrected",
 )
 def _limits() -> Evidence:
     """S = R for the counterexample: -N = {0}; and PBD for a row of discs."""
@@ -98,27 +116,30 @@ def _limits() -> Evidence:
     )
 
 
-@claim("c2.not-sufficient", "A consistent method need not converge.", "(2.10)", Verdict.PROVED)
-def _not_sufficient() -> Evidence:
-    """F = 1, y = Phi(x) = x + h, but Phi(x) = x on [1 - h, 1)."""
-    z3 = solver_library()
-    return proved(
-        implication(
-            "at each x ≠ 1 the quotient (Φ(x) − x)/h is 1 for all h < |1 − x|, and at x = 1 for all h: consistent",
-            lambda s, x, y, h: (
-                [h > 0, z3.Or(x >= 1, h < s * (1 - x)), y == z3.If(z3.And(x >= 1 - h, x < 1), x, x + h)],
-                y - x == h,
-            ),
-            "for all h < 2|1 − x|",
-            2,
-        ),
-        implication(
-            "but from x < 1 no step leads to 1 or beyond, while the solution is at t = 2 at 2",
-            lambda s, x, y, h: ([h > 0, x < 1, y == z3.If(z3.And(x >= 1 - h, x < 1), x, x + s * h)], y < 1),
-            "with steps of 2h",
-            2,
-        ),
-    )
+# F = 1, y = Phi(x) = x + h, but Phi(x) = x on [1 - h, 1).
+STUCK = z3.And(x >= 1 - h, x < 1)
+STEP = y == z3.If(STUCK, x, x + h)
+
+_not_sufficient = argument(
+    "c2.not-sufficient",
+    "(2.10)",
+    "We note, that this property alone does not imply convergence of the numerical method.",
+    "A consistent method need not converge.",
+    follows(
+        [h > 0, z3.Or(x >= 1, h < 1 - x), STEP],
+        y - x == h,
+        ([h > 0, z3.Or(x >= 1, h < 2 * (1 - x)), STEP], y - x == h),
+        "at each x ≠ 1 the quotient (Φ(x) − x)/h is 1 for all h < |1 − x|, and at x = 1 for all h: consistent",
+        "for all h < 2|1 − x|",
+    ),
+    follows(
+        [h > 0, x < 1, STEP],
+        y < 1,
+        ([h > 0, x < 1, y == z3.If(STUCK, x, x + 2 * h)], y < 1),
+        "but from x < 1 no step leads to 1 or beyond, while the solution is at t = 2 at 2",
+        "with steps of 2h",
+    ),
+)
 
 
 def leaving() -> tuple[float, float]:
@@ -131,8 +152,18 @@ def leaving() -> tuple[float, float]:
 @claim(
     "c2.definition",
     "A method is consistent if its support functions tend to those of the normal cone.",
-    "Definition 2.7",
-    Verdict.CORRECTED,
+    source="Definition 2.7",
+    quote="lim sup σ((Φ(x) − x)/Δt − F(x), w) → σ(−N(S, x) ∩ B_R(0), w)",
+    correction=Correction(
+        "lim sup σ(…, w) ≤ σ(−N(S, x) ∩ B_R(0), w), as in Definition 1.27",
+        Effect.MODEL,
+        "Lemma 2.8: with the printed arrow PBD is not consistent, where a force leads away from contact",
+        why=(
+            "upper semicontinuity bounds the support functions from above; where F leads away from contact the left "
+            "side is 0 and the right side is R"
+        ),
+        place=1401,
+    ),
 )
 def _definition() -> Evidence:
     left, right = leaving()
@@ -148,9 +179,19 @@ def shares(x: Floats, force: Floats, dt: float) -> Floats:
 @claim(
     "c2.lemma",
     "With bounded forces PBD is consistent in the sense of Definition 2.7.",
-    "Lemma 2.8",
-    Verdict.CORRECTED,
-    rests_on=("c2.definition", "c2.equivalent", "c2.scale", "c2.steps", "c2.induction", "c2.last-line"),
+    source="Lemma 2.8",
+    quote="For F bounded, i.e., ‖F‖_∞ < ∞, the PBD method is consistent in the sense of Definition 2.7.",
+    correction=Correction(
+        "… in the sense of Definition 2.7 with “≤” in place of “→”",
+        Effect.PROOF,
+        "nothing else: the proof shows “≤”, and that is what section 3 uses",
+        why=(
+            "where a force leads away from contact the left side of the definition is 0 and the right side is R; see "
+            "c2.definition"
+        ),
+        place=1409,
+    ),
+    rests_on=("c2.definition", "c2.equivalent", "c2.scale", "c2.induction", "c2.last-line"),
     tried_on="a row of five discs, 20 random forces",
 )
 def _lemma() -> Evidence:
@@ -172,70 +213,48 @@ def _lemma() -> Evidence:
     )
 
 
-def other_side(x: Floats) -> Floats:
-    """Return two overlapping discs moved through each other until they touch on the other side."""
-    along = (x[1] - x[0]) / np.linalg.norm(x[1] - x[0])
-    middle = (x[0] + x[1]) / 2
-    return np.array([middle + RADIUS * along, middle - RADIUS * along])
-
-
-def not_normal(normal: Floats, p: Floats) -> float:
-    """Measure how far P_S(p + α normal) is from p for a small α: 0 for a proximal normal (Definition 1.23)."""
-    return float(np.linalg.norm(separated(p + 0.01 * normal) - p))
-
-
-@claim(
+# p = (p_{j-1} - p_j).(z - p_j) and D = |z - p_j|^2 for z in S_j, as for c1.projection-normal.
+_equivalent = implication(
     "c2.equivalent",
-    "p_j is the projection of p_{j−1} if and only if p_{j−1} − p_j is normal at p_j.",
     "proof of Lemma 2.8",
-    Verdict.CORRECTED,
-    rests_on=("c1.projection-normal",),
-)
-def _equivalent() -> Evidence:
-    """p - q normal at q: for q the projection of p, and for the q where the discs have changed sides."""
-    rng = np.random.default_rng(PAIRS_SEED)
-    pairs = [np.array([[0.0, 0.0], [r * math.cos(s), r * math.sin(s)]]) for r, s in rng.uniform(0.9, 1.0, (SAMPLES, 2))]
-    forward = max(not_normal(p - separated(p), separated(p)) for p in pairs)
-    others = [other_side(p) for p in pairs]
-    normal = max(not_normal(p - q, q) for p, q in zip(pairs, others, strict=True))
-    apart = max(float(np.linalg.norm(q - separated(p))) for p, q in zip(pairs, others, strict=True))
-    return Evidence(
-        printed=(
-            at_most("p − q misses the normal cone at q, discs that changed sides, by", normal, ROUNDING),
-            at_most("largest distance of this q from the projection of p", apart, ROUNDING),
+    "(2.11) is equivalent to p_{j−1} − p_j ∈ N(S_j, p_j)",
+    "p_j is the projection of p_{j−1} if and only if p_{j−1} − p_j is normal at p_j.",
+    given=[D >= 0, D - 2 * p >= 0, a >= 0, a <= 1],
+    then=D - 2 * a * p >= 0,
+    wrong=([r > 0, r < 1], (r + 1) * (r + 1) <= (r - 1) * (r - 1)),
+    correction=Correction(
+        "(2.11) implies p_{j−1} − p_j ∈ N(S_j, p_j), as in (1.23); the converse is false",
+        Effect.PROOF,
+        "nothing else: only this direction is used",
+        why=(
+            "p − q is normal at every q on the line through both centres where the discs touch, also with the discs "
+            "exchanged, and only one of these is the projection"
         ),
-        corrected=(at_most("p − q misses the normal cone at the projection q of p by", forward, ROUNDING),),
-        seed=PAIRS_SEED,
-    )
-
-
-@claim("c2.scale", "The rate of a step without its drift is p_M − p_0.", "(2.12)", Verdict.CORRECTED)
-def _scale() -> Evidence:
-    """p_0 = x + dt F(x) and Phi(x) = p_M."""
-    return put_right(
-        identity(
-            "(Φ(x) − x)/Δt − F(x) = (p_M − p_0)/Δt",
-            lambda s, x, F, h, last: (last - x) / h - F - (last - (x + h * F)) / h**s,
-            "= p_M − p_0",
-            0,
-        )
-    )
-
-
-@claim(
-    "c2.steps", "Every projection at most doubles the distance from the start of the step.", "(2.13)", Verdict.PROVED
+        place=1421,
+    ),
+    rests_on=("c1.projection-normal",),
+    chosen="two discs on a line at the distance r < 1, S = {y² ≥ 1}: r + 1 is normal at −1, discs exchanged",
 )
-def _steps() -> Evidence:
-    """x is in all S_j: n = |p_j - p_(j-1)| <= |x - p_(j-1)| = d, q = |p_j - x|, P = 2^(j-1) dt |F|."""
-    return proved(
-        implication(
-            "‖p_j − x‖ ≤ ‖p_j − p_{j−1}‖ + ‖p_{j−1} − x‖ ≤ 2‖p_{j−1} − x‖, so 2^j Δt‖F‖ by induction, for any "
-            "sets S_j ∋ x",
-            lambda s, n, d, q, P: ([d >= 0, n <= d, q <= n + d, d <= P], q <= s * 2 * P),
-            "no factor 2",
-            0.5,
-        )
-    )
+
+# p_0 = x + h F(x) and Phi(x) = p_M = end.
+start, F, step, end = library().symbols("x F h end")
+RATE = (end - start) / step - F
+
+_scale = identity(
+    "c2.scale",
+    "(2.12)",
+    "(Φ(x) − x)/Δt − F(x) = p_M − p_0",
+    "The rate of a step without its drift is p_M − p_0.",
+    right=RATE - (end - (start + step * F)) / step,
+    wrong=RATE - (end - (start + step * F)),
+    correction=Correction(
+        "(Φ(x) − x)/Δt − F(x) = (p_M − p_0)/Δt",
+        Effect.PROOF,
+        "the inclusion after it stands, for cones do not change with a factor",
+        why="(Φ(x) − x)/Δt − F(x) = (p_M − x)/Δt − (p_0 − x)/Δt",
+        place=1427,
+    ),
+)
 
 
 def kicked(count: int) -> tuple[Floats, Floats]:
@@ -250,12 +269,38 @@ def kicked(count: int) -> tuple[Floats, Floats]:
     return x, predicted
 
 
+# x is in all S_j: n = |p_j - p_(j-1)| <= |x - p_(j-1)| = d, q = |p_j - x|, P = 2^(j-1) dt |F|; then P = 2^M, f = dt
+# |F|.
+DOUBLED = follows(
+    [d >= 0, n <= d, q <= n + d, d <= power],
+    q <= 2 * power,
+    q <= power,
+    "‖p_j − x‖ ≤ ‖p_j − p_{j−1}‖ + ‖p_{j−1} − x‖ ≤ 2‖p_{j−1} − x‖, so 2^j Δt‖F‖ by induction, for any sets S_j ∋ x",
+    "no factor 2",
+)
+BOUND = follows(
+    [power >= 1, f >= 0, last <= power * f, first == f, way <= last + first],
+    way <= (power + 1) * f,
+    way <= power * f,
+    "‖p_M − x‖ ≤ 2^M Δt‖F‖ and ‖x − p_0‖ = Δt‖F‖ give ‖p_M − p_0‖ ≤ (2^M + 1) Δt‖F‖",
+    "≤ 2^M Δt‖F‖",
+)
+
+
 @claim(
     "c2.induction",
     "The rate of a step without its drift is at most (2^j + 1) ‖F‖_∞.",
-    "after (2.13)",
-    Verdict.CORRECTED,
-    rests_on=("c2.steps", "c2.scale"),
+    source="after (2.13)",
+    also=("c2.steps",),
+    quote="‖(Φ(x) − x)/Δt − F(x)‖ ≤ (2^j + 1) ‖F‖_∞",
+    correction=Correction(
+        "≤ (2^M + 1) ‖F‖_∞ and R = (2^M + 1) ‖F‖_∞ + 1: the bound is (2.13) at j = M",
+        Effect.PROOF,
+        "the constant R of the proof, which needs only to exist",
+        why="j is the index of the points; the step ends at p_M",
+        place=1458,
+    ),
+    rests_on=("c2.scale",),
     chosen="j = 1 for the free index",
 )
 def _induction() -> Evidence:
@@ -263,30 +308,28 @@ def _induction() -> Evidence:
     moved = predicted - x
     gap = min(float(np.linalg.norm(x[i] - x[j])) for i in range(len(x)) for j in range(i)) - 2 * RADIUS
     ratio = float(np.linalg.norm(points_of_step(x, moved, 1.0)[-1] - predicted) / np.linalg.norm(moved))
-    bound = implication(
-        "‖p_M − x‖ ≤ 2^M Δt‖F‖ and ‖x − p_0‖ = Δt‖F‖ give ‖p_M − p_0‖ ≤ (2^M + 1) Δt‖F‖",
-        lambda s, last, first, way, f, power: (
-            [power >= 1, f >= 0, last <= power * f, first == f, way <= last + first],
-            way <= (power + s) * f,
-        ),
-        "≤ 2^M Δt‖F‖",
-        0,
-    )
     return Evidence(
         printed=(
             at_least(f"least gap of the {len(x)} discs at the start", gap, 0, ROUNDING),
             at_most("rate of a step without its drift over ‖F‖, a disc passed on by the others", ratio, 3.0),
         ),
-        corrected=(bound,),
+        corrected=(DOUBLED(), BOUND()),
     )
 
 
 @claim(
     "c2.last-line",
     "As Δt → 0 the support functions of the cones at the p_j tend to that of the cone at x.",
-    "proof of Lemma 2.8, last line",
-    Verdict.CORRECTED,
-    rests_on=("c1.sum-limit",),
+    source="proof of Lemma 2.8, last line",
+    quote="lim sup σ(−Σ N(S_j, p_j) ∩ B_R(0), w) = σ(−N(S, x) ∩ B_R(0), w)",
+    correction=Correction(
+        "lim sup … ≤ σ(−N(S, x) ∩ B_R(0), w), which is what Corollary 1.30 gives",
+        Effect.PROOF,
+        "Lemma 2.8 needs only this; “converges” in the caption of Figure 3 is to be read in the same way",
+        why="where a projection leaves contact the cones at p_j are smaller than the cone at x, and stay so as Δt → 0",
+        place=1470,
+    ),
+    rests_on=("c1.equivalent",),
 )
 def _last() -> Evidence:
     """Both sides for two touching discs, w pointing apart: p_1 has no contact left."""

@@ -12,10 +12,9 @@ from tissue.files.parameters import preset
 from tissue.frames.observables import ab_positions
 from tissue.runs.simulate import simulate
 from tissue.statistics.ratios import Ratio
-from verification.claims import Evidence, at_least, at_most, equal
+from verification.claims import Evidence, at_least, at_most, claim, equal
 from verification.thesis.chapter3.growing import PRESETS
 from verification.thesis.chapter3.sampled import MODEL, MOST_RUNS, SEEDS, of_mean, runs_for
-from verification.thesis.text.quoted import claim
 
 # Hours before division: the passive part that is looked at, and the rise (T^G2 + T^mitosis = 1 h).
 PASSIVE, RISE = (-9.0, -1.1), (-1.0, -0.1)
@@ -54,17 +53,24 @@ def speed(table: pd.DataFrame, part: tuple[float, float]) -> float:
 @claim(
     "c3.inm",
     "Nuclei move slowly towards the basal side for most of the cycle and fast to the apical side at the end of it.",
-    "section 1.3",
+    source="section 1.3; Figure 7",
+    also=("c3.last-hour",),
+    quote=(
+        "an apical to basal movement during the G1 phase, the S phase and a passive part of the G2 phase. Followed by "
+        "a fast basal to apical displacement during the active part of the G2 phase and mitosis"
+    ),
     rests_on=MODEL,
     chosen="4 runs of 16 h; ages at the start uniform on the cycle; nuclei anywhere in the box",
 )
 def _movement() -> Evidence:
     down, up = ([speed(nuclei(seed), part) for seed in SEEDS] for part in (PASSIVE, RISE))
+    turns = [turn(nuclei(seed)) for seed in SEEDS]
     return Evidence(
         printed=(
             of_mean("dy_AB/dt from 9 h to 1.1 h before division [1/h]", down, at_most, 0.0),
             of_mean("dy_AB/dt in the last hour [1/h]", up, at_least, 0.0),
             at_least("speed in the last hour over the speed before", abs(float(np.mean(up) / np.mean(down))), 1.0),
+            of_mean("time before division at which y_AB turns upwards [h]", turns, equal, 1.0, GRAIN),
         ),
         seed=SEEDS[0],
         runs_needed=max(runs_for(values, abs(float(np.mean(values)))) for values in (down, up)),
@@ -80,7 +86,8 @@ def divided_apically(**phases: str) -> tuple[int, int]:
 @claim(
     "c3.apical-mitosis",
     "With interkinetic nuclear movement practically every cell divides on the apical side.",
-    "section 1.3",
+    source="section 1.3",
+    quote="One consequence of INM is that effectively all cell division occurs on the apical side of the tissue",
     rests_on=("c3.inm",),
     chosen="the apical side is y_AB > 1/2; 95 % count as effectively all; INM is switched off by T^G2 = T^mitosis = 0",
 )
@@ -105,22 +112,6 @@ def turn(table: pd.DataFrame) -> float:
     return -float(mean.index[1 + int(np.diff(mean, 2).argmax())])
 
 
-@claim(
-    "c3.last-hour",
-    "Nuclei turn round one hour before division.",
-    "Figure 7",
-    rests_on=("c3.inm",),
-    chosen="as for c3.inm",
-)
-def _last_hour() -> Evidence:
-    turns = [turn(nuclei(seed)) for seed in SEEDS]
-    return Evidence(
-        printed=(of_mean("time before division at which y_AB turns upwards [h]", turns, equal, 1.0, GRAIN),),
-        seed=SEEDS[0],
-        runs_needed=runs_for(turns, GRAIN - abs(float(np.mean(turns)) - 1.0)),
-    )
-
-
 def spread(name: str, changes: tuple[tuple[str, object], ...]) -> list[float]:
     """Return the standard deviation of y_AB over the nuclei after 24 h, for each seed."""
     parameters = preset(name).changed({"numerics.t_end": "24 h"} | dict(changes))
@@ -130,7 +121,8 @@ def spread(name: str, changes: tuple[tuple[str, object], ...]) -> list[float]:
 @claim(
     "c3.pushing",
     "Nuclei lie at different heights because they push each other.",
-    "section 2.1",
+    source="section 2.1",
+    quote="The mechanical pushing between nuclei leads to the pseudostratified nature of the tissue",
     rests_on=MODEL,
     chosen="a standard deviation of y_AB above 0.1 counts as stratified",
 )

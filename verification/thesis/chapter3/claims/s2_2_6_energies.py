@@ -1,26 +1,21 @@
 """Chapter 3, section 2.2.6: the energy terms as printed, their forces and their units."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
-
-import math
-from itertools import combinations, pairwise
 
 import numpy as np
 
 from tissue.files.parameters import preset
-from tissue.frames.frame import Frame
 from tissue.frames.observables import height
-from tissue.model.energy import forces
 from tissue.runs.simulate import simulate
-from tissue.state.cells import COORDINATES, Cells
-from verification.claims import Evidence, Verdict, at_most, equal, proved, put_right
-from verification.formal.algebra import identity, library
-from verification.formal.reals import implication, solver_library
-from verification.thesis.chapter3.printed import AA, AX, AXB, BX, R_SOFT, XX
+from verification.claims import Correction, Effect, Evidence, at_most, claim, equal
+from verification.formal.algebra import library, vanishes
+from verification.formal.reals import follows, reals, solver_library
+from verification.formal.stated import argument, identity, implication
+from verification.thesis.chapter3.printed import AA, AX, AXB, R_SOFT, XX
 from verification.thesis.chapter3.sampled import of_mean
-from verification.thesis.chapter3.terms import STEP, Point, bending, junction, repulsion, slope, spring
-from verification.thesis.text.quoted import claim
+from verification.thesis.chapter3.terms import Point, bending, junction, repulsion, slope, spring
+
+sp = library()
 
 SEEDS = tuple(range(3))
 # Force over overlap: (α_i + α_j)/R² with R = 2 R_soft and α = 1, in src/core/compute_forces.jl of SteffenPL/sEMTor.jl.
@@ -58,8 +53,22 @@ def push(d: float) -> float:
 @claim(
     "c3.dimensions",
     "The energies (3.9) to (3.13) are numbers without unit.",
-    "section 2.2.6",
-    Verdict.CORRECTED,
+    source="section 2.2.6",
+    quote="We define the energy terms in their non-dimensional form as in [Fer+19]",
+    correction=Correction(
+        "the denominators are squares: (R^soft + η)² in (3.9), (3.10), (2R^soft)² in (3.11), (3.13)",
+        Effect.MODEL,
+        (
+            "F^basal-cytos in section 2.2.4 of chapter 4, which needs the square, too; the weight of (3.12) against "
+            "the other terms; the unit of μ (Table 5); the heights of Figures 14 and 16, which the squares give"
+        ),
+        why=(
+            "each of them is a length squared over a length, and (3.12) is a number: they cannot be added without "
+            "units, and other units give other weights; the published program divides by squares (compute_forces.jl of"
+            " sEMTor.jl)"
+        ),
+        place=1793,
+    ),
     rests_on=("c3.repulsion", "c3.similar"),
     chosen="PBD with μ = 0.2 h, which is said to be similar, stands for DAHA; lengths in R^soft",
 )
@@ -88,124 +97,80 @@ def _dimensions() -> Evidence:
     )
 
 
-@claim(
+d, alpha, R, eta, angle = sp.symbols("d alpha R eta gamma", positive=True)
+FORCE, LINEAR = -(alpha / (R + eta) * (d - R - eta) ** 2).diff(d), 2 * alpha * (d - R - eta) / (R + eta)
+
+_spring = identity(
     "c3.springs",
-    "The cytoskeleton springs are linear with the rest length R^soft + η, with the force of chapter 4.",
     "(3.9), (3.10)",
-    Verdict.PROVED,
+    "W_i^ax = α^ax/(R^soft + η_i^ax) (‖X_i − A_i‖ − R^soft − η_i^ax)²",
+    "The cytoskeleton springs are linear with the rest length R^soft + η, with the force of chapter 4.",
+    right=FORCE + LINEAR,
+    wrong=FORCE - LINEAR,
     chosen="the denominators as printed, in both chapters: see c3.dimensions",
 )
-def _spring() -> Evidence:
-    d, alpha, R, eta = library().symbols("d alpha R eta", positive=True)
-    energy = alpha / (R + eta) * (d - R - eta) ** 2
-    return proved(
-        identity(
-            "−dW/dd = −2α (d − R^soft − η)/(R^soft + η), linear with the rest length R^soft + η",
-            lambda s: -energy.diff(d) + s * 2 * alpha * (d - R - eta) / (R + eta),
-            "+2α",
-        )
-    )
 
+# c = u.v, k = u x v, n = |u||v| for u = A - X, v = B - X: n^2 = c^2 + k^2, W = alpha (c/n + 1).
+a, b, x, y = sp.symbols("a b x y")
+LENGTHS, CROSS = (a**2 + b**2) * (x**2 + y**2) - (a * x + b * y) ** 2, (a * y - b * x) ** 2
+c, k, n, W, weight = reals("c k n W alpha")
+BENT = [n > 0, weight > 0, n * n == c * c + k * k, W * n == weight * (c + n)]
+z3 = solver_library()
 
-@claim(
+_straight = argument(
     "c3.straight-minimum",
+    "(3.12)",
+    "The equilibrium of W_i^axb corresponds to the case when the angle … is 180°, i.e. if X_i lies on the straight "
+    "line joining the apical and the basal points",
     "The bending energy is least where the nucleus lies between its two points on a straight line.",
-    "(3.12)",
-    Verdict.PROVED,
+    vanishes(LENGTHS - CROSS, LENGTHS + CROSS, "|u|²|v|² = (u·v)² + (u × v)²", "−(u × v)²"),
+    follows(
+        BENT,
+        [W >= 0, (W == 0) == z3.And(k == 0, c < 0)],
+        (W == 0) == z3.And(k == 0, c > 0),
+        "W ≥ 0, and W = 0 if and only if u × v = 0 and u·v < 0, X between A and B on their line",
+        "u·v > 0",
+    ),
 )
-def _straight() -> Evidence:
-    """Write c = u.v, k = u x v, n = |u||v| for u = A - X, v = B - X: n^2 = c^2 + k^2, W = alpha (c/n + 1)."""
-    z3 = solver_library()
-    return proved(
-        identity(
-            "|u|²|v|² = (u·v)² + (u × v)²",
-            lambda s, a, b, x, y: (a**2 + b**2) * (x**2 + y**2) - (a * x + b * y) ** 2 - s * (a * y - b * x) ** 2,
-            "−(u × v)²",
-        ),
-        implication(
-            "W ≥ 0, and W = 0 if and only if u × v = 0 and u·v < 0, X between A and B on their line",
-            lambda s, c, k, n, W, alpha: (
-                [n > 0, alpha > 0, n * n == c * c + k * k, W * n == alpha * (c + n)],
-                [W >= 0, (W == 0) == z3.And(k == 0, s * c < 0)],
-            ),
-            "u·v > 0",
-        ),
-    )
 
+BENDING = sp.cos(angle) + 1 + sp.cos(angle - sp.pi)
 
-@claim(
+_straightness = identity(
     "c3.straightness",
-    "The bending energy is α^axb (cos π − cos(γ − π)) for the angle γ at the nucleus.",
     "(3.12)",
-    Verdict.CORRECTED,
+    "α^axb (cos(γ) + 1) = α^axb (cos(π) − cos(γ − π))",
+    "The bending energy is α^axb (cos π − cos(γ − π)) for the angle γ at the nucleus.",
+    right=BENDING - sp.cos(0),
+    wrong=BENDING - sp.cos(sp.pi),
+    correction=Correction(
+        "α^axb (cos(γ) + 1) = α^axb (cos(0) − cos(γ − π))",
+        Effect.PROOF,
+        "the energy of a cell, which the second form shifts by −2α^axb; forces and the equilibrium γ = π stand",
+        why="cos(π) − cos(γ − π) = −1 + cos(γ)",
+        place=1815,
+    ),
 )
-def _straightness() -> Evidence:
-    sp = library()
-    angle = sp.Symbol("gamma")
-    return put_right(
-        identity(
-            "cos γ + 1 = cos 0 − cos(γ − π) for all γ",
-            lambda s: sp.cos(angle) + 1 - (sp.cos((1 - s) * sp.pi) - sp.cos(angle - sp.pi)),
-            "cos γ + 1 = cos π − cos(γ − π)",
-            0,
-        )
-    )
 
+# The force f = -dW/dd of two nuclei at the distance d < 2R; W = alpha (d - 2R)^2/(2R), or its negative.
+apart, size, stiff, push_away = reals("d R alpha f")
+OVERLAP = [size > 0, stiff > 0, apart > 0, apart < 2 * size]
 
-@claim(
+_repulsion = implication(
     "c3.repulsion",
-    "By the energy W^xx nuclei with overlapping soft discs push each other apart.",
     "(3.13)",
-    Verdict.CORRECTED,
+    "the repulsive energy W_ij^xx = −α^xx/(2R^soft) (‖X_i − X_j‖ − 2R^soft)² if ‖X_i − X_j‖ ≤ 2R^soft",
+    "By the energy W^xx nuclei with overlapping soft discs push each other apart.",
+    given=[*OVERLAP, push_away * size == stiff * (2 * size - apart)],
+    then=push_away > 0,
+    wrong=([*OVERLAP, push_away * size == -stiff * (2 * size - apart)], push_away > 0),
+    correction=Correction(
+        "W_ij^xx = +α^xx/(2R^soft) (‖X_i − X_j‖ − 2R^soft)²",
+        Effect.MODEL,
+        (
+            "(3.14), the forces of all models of chapters 3 and 4: as printed nuclei attract each other until their "
+            "hard discs touch"
+        ),
+        why="−∇ of the printed energy points from each nucleus to the other; the text calls it repulsive",
+        place=1821,
+    ),
 )
-def _repulsion() -> Evidence:
-    """Take the force f = -dW/dd of two nuclei at the distance d < 2R; W = alpha (d - 2R)^2/(2R)."""
-    return put_right(
-        implication(
-            "−dW/dd = α(2R − d)/R > 0 for d < 2R with +α: nuclei are pushed apart",
-            lambda s, d, R, alpha, f: ([R > 0, alpha > 0, d > 0, d < 2 * R, f * R == s * alpha * (2 * R - d)], f > 0),
-            "pushed apart with −α",
-        )
-    )
-
-
-def potential(frame: Frame, cells: Cells) -> float:
-    """Return (3.14), term by term: single cells, junctions from left to right, pairs j < i."""
-    points = (cells.ax, cells.ay), (cells.bx, cells.by), (cells.x, cells.y)
-    a, b, x = (list(zip(*(part.tolist() for part in pair), strict=True)) for pair in points)
-    chain, total = frame.layers.apical.tolist(), 0.0
-    for i in range(len(x)):
-        total += spring(math.dist(x[i], a[i]), cells.rest_ax[i], AX)
-        total += spring(math.dist(x[i], b[i]), cells.rest_bx[i], BX)
-        total += bending(a[i], x[i], b[i], AXB)
-    total += sum(junction(math.dist(a[i], a[j]), cells.rest_aa[i], AA) for i, j in pairwise(chain))
-    return total + sum(repulsion(math.dist(x[i], x[j]), XX) for i, j in combinations(range(len(x)), 2))
-
-
-def moved(cells: Cells, name: str, i: int, by: float) -> Cells:
-    """Return a copy with one coordinate changed."""
-    values = getattr(cells, name).copy()
-    values[i] += by
-    return cells._replace(**{name: values})
-
-
-@claim(
-    "c3.forces",
-    "The forces of the tissue are the negative slope of the sum of all energies, each pair counted once.",
-    "(3.14) and section 2.2",
-    Verdict.NOT_REFUTED,
-    rests_on=("c3.repulsion",),
-    chosen="(3.13) as corrected in c3.repulsion; denominators as printed, lengths in R^soft",
-    tried_on="12 cells, by central differences",
-)
-def _forces() -> Evidence:
-    changes = {"tissue.cells": 12, "numerics.t_end": "1 h"}
-    parameters = preset("thesis").changed(changes)
-    frame = simulate(parameters, 0).final
-    pushes, off = forces(frame.cells, frame.layers, parameters.numbers()), 0.0
-    for name, coordinate in zip(pushes._fields, COORDINATES, strict=True):
-        for i in range(len(frame.cells.x)):
-            up, down = (potential(frame, moved(frame.cells, coordinate, i, by)) for by in (STEP, -STEP))
-            off = max(off, abs(-(up - down) / (2 * STEP) - getattr(pushes, name)[i]))
-    what = "largest difference of the simulation's forces from 72 difference quotients of −W, 12 cells [1/R_soft]"
-    return Evidence(printed=(at_most(what, off, 0.0, TOL),), seed=0)

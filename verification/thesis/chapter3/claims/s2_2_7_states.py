@@ -1,47 +1,48 @@
 """Chapter 3, sections 2.2.7 and 2.2.8: feasible states, the state of the quasi-steady model, unique minima."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
-from itertools import combinations, product
+from itertools import combinations
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 
 from tissue.files.parameters import preset
-from tissue.frames.frame import Frame
-from tissue.model.cycle import adapt_rest_lengths
 from tissue.model.energy import energy
 from tissue.quasi_steady.frozen import constraints, particles
-from tissue.rules.slice import in_plane
-from tissue.runs.compiled_rules import rules_pointer
-from tissue.runs.group import Group
 from tissue.runs.simulate import simulate
-from tissue.state.cells import COORDINATES, Cells
-from tissue.state.numbers import numbers_pointer
-from tissue.state.running import contents, new_state
-from verification.claims import Evidence, Verdict, at_least, at_most, equal
-from verification.thesis.chapter3.printed import AX, ENLARGED, HARD, R_SOFT
-from verification.thesis.chapter3.terms import spring
-from verification.thesis.text.quoted import claim
+from verification.claims import Correction, Effect, Evidence, at_least, at_most, claim, equal
+from verification.thesis.chapter3.printed import ENLARGED, HARD, R_SOFT
 
 # Of (3.7) [μm].
 OFFSET = 0.05
 ROUNDING, TOL = 1e-9, 1e-6
-# Rest lengths that are off by this [R_soft], as they are between G2 and the hour after.
-OFF = 0.5
-# Initial rest length of a spring of the cytoskeleton [R_soft].
-REST = 1.5
-STARTS, WEIGHTS, STEPS = (1.8, 2.2, 3.0, 4.0), (0.3, 1.0, 3.0), 400
 
 
 @claim(
     "c3.at-all-times",
     "The state is feasible at all times, also right after a cell event.",
-    "sections 2.2 and 3.2",
-    Verdict.CORRECTED,
-    rests_on=("c2.example",),
-    arithmetic=True,
+    source="sections 2.2 and 3.2",
+    quote=(
+        "The forces of the system are −∇W(Z, P) with the additional constraint that Z ∈ S at all times. … We define "
+        "the FO-PSE model as (3.33) together [with] the discontinuous cell events"
+    ),
+    correction=Correction(
+        (
+            "Z ∈ S but right after a division with two offspring and at the onset of mitosis; from there the state is "
+            "first projected onto S, and then follows (3.33)"
+        ),
+        Effect.MODEL,
+        (
+            "(3.33), whose right side is empty outside of S, so that it cannot go on after such an event; Model 3.1 "
+            "and Method 3.7 need no change, for minimisation and projections begin outside of S as well"
+        ),
+        why=(
+            "(3.7) puts both nuclei 0.1 μm apart, (C1) asks for 3.32 μm; the radius of (3.4) jumps to 3.5 μm while "
+            "nuclei touch"
+        ),
+        place=1680,
+    ),
+    rests_on=("c2.gauss-newton",),
 )
 def _at_all_times() -> Evidence:
     """Project two discs of radius R from the distance d to d + max(2R - d, 0), by Example 2.5."""
@@ -64,11 +65,20 @@ def _at_all_times() -> Evidence:
 @claim(
     "c3.equal-radii",
     "The feasible set is the one of Proposition 1.22, hence prox-regular.",
-    "section 3.2",
-    Verdict.CORRECTED,
+    source="section 3.2",
+    quote="Since the set S is uniformly prox-regular by Proposition 1.22",
+    correction=Correction(
+        (
+            "… by Proposition 1.22 while no cell is in mitosis; with the two radii of (3.4) the proposition is needed "
+            "for hard spheres of different radii"
+        ),
+        Effect.PROOF,
+        "well-posedness while a cell is in mitosis; c3.well-posed has another gap of the same sentence",
+        why="the proposition has one distance 2R for all pairs; (C1) has R_i^hard + R_j^hard with two values of R^hard",
+        place=2145,
+    ),
     rests_on=("c1.prox-constant", "c3.enlarged"),
     chosen="three cells; whether S is prox-regular with two radii is left open",
-    arithmetic=True,
 )
 def _equal_radii() -> Evidence:
     mixed, alike = (
@@ -83,48 +93,6 @@ def _equal_radii() -> Evidence:
     )
 
 
-def next_state(frame: Frame, rest: float) -> Cells:
-    """Return the state after a step without noise, all cytoskeleton springs being lengthened by ``rest`` before."""
-    numbers = preset("thesis").numbers()._replace(variance=0.0)
-    longer = frame.cells._replace(rest_ax=frame.cells.rest_ax + rest, rest_bx=frame.cells.rest_bx + rest)
-    held = new_state(longer, frame.layers, capacity=len(longer.x), space=in_plane())
-    adapt_rest_lengths(held, frame.t, numbers_pointer(numbers), rules_pointer([held]))
-    Group([held], numbers).make_substeps()
-    return contents(held)[0]
-
-
-@claim(
-    "c3.state",
-    "The positions with the hard radii and desired rest lengths are the state, and the energy is a function of them.",
-    "section 2.2 and Model 3.1",
-    Verdict.CORRECTED,
-    rests_on=("c3.adaptation",),
-    chosen="60 cells after 1 h; rest lengths of both springs 0.5 R^soft longer",
-)
-def _state() -> Evidence:
-    """Compare states of equal Z^k and P^k, which are functions of positions and ages."""
-    numbers = preset("thesis").numbers()
-    frame = simulate(preset("thesis").changed({"numerics.t_end": "1 h"}), 0).final
-    cells, one, other = frame.cells, next_state(frame, 0.0), next_state(frame, OFF)
-    apart = max(float(np.abs(getattr(one, name) - getattr(other, name)).max()) for name in COORDINATES)
-    by_radius, by_rest = (
-        abs(energy(changed, frame.layers, numbers) - energy(cells, frame.layers, numbers))
-        for changed in (cells._replace(radius=2 * cells.radius), cells._replace(rest_ax=cells.rest_ax + OFF))
-    )
-    return Evidence(
-        printed=(
-            at_most(
-                "difference of positions one step after equal (Z, P), other rest lengths [R_soft]", apart, 0.0, 1e-9
-            ),
-        ),
-        corrected=(
-            at_most("change of W with all R^hard doubled", by_radius, 0.0, 1e-9),
-            at_least("change of W with η^ax longer by 0.5 R_soft", by_rest, 1.0),
-        ),
-        seed=0,
-    )
-
-
 def moving() -> tuple[str, ...]:
     """Return the coordinates that a shift along the basal layer moves."""
     return "x", "ax", "bx"
@@ -133,8 +101,8 @@ def moving() -> tuple[str, ...]:
 @claim(
     "c3.not-unique",
     "Minima of the energy over the feasible states need not be unique.",
-    "Remark 3.2",
-    rests_on=("c3.forces", "c3.feasible-set"),
+    source="Remark 3.2",
+    quote="The local minimisation in the QSS model might not be unique in some circumstances",
     chosen="60 cells after 1 h, all moved by 0.7 R^soft along the basal layer",
 )
 def _not_unique() -> Evidence:
@@ -156,56 +124,4 @@ def _not_unique() -> Evidence:
             at_most("growth of the largest violation of (C1) to (C4) by the move [R_soft]", worse, 0.0, TOL),
         ),
         seed=0,
-    )
-
-
-def regularised(d: float, weight: float, power: int) -> float:
-    """Return one step of Remark 3.2 for the length d of a single spring (3.9), with |z − z^k|^power."""
-
-    def total(z: float) -> float:
-        return spring(z, REST, AX) + weight * abs(z - d) ** power
-
-    found = minimize_scalar(total, bounds=(1.0, 6.0), method="bounded", options={"xatol": 1e-10}).x
-    return d if total(d) <= total(found) else float(found)
-
-
-def at_rest(power: int) -> float:
-    """Return the largest distance from the minimum of W at which steps stay, from all starts with all weights."""
-    distance = 0.0
-    for start, weight in product(STARTS, WEIGHTS):
-        d = start
-        for _ in range(STEPS):
-            before, d = d, regularised(d, weight, power)
-            if abs(d - before) < TOL / STEPS:
-                break
-        distance = max(distance, abs(d - 1 - REST))
-    return distance
-
-
-def minima(power: int) -> float:
-    """Return the extent of the minimisers of max(0, 1 − z) + |z|^power, a convex W with z^k = 0 and c = 1."""
-    z = np.linspace(-1.0, 3.0, 4001)
-    total = np.maximum(0.0, 1.0 - z) + np.abs(z) ** power
-    return float(np.ptp(z[total <= total.min() + 1e-12]))
-
-
-@claim(
-    "c3.regularised",
-    "A distance from the last state added to the energy makes the minimiser unique.",
-    "Remark 3.2",
-    Verdict.CORRECTED,
-    chosen="a regularised step should have one minimiser for each convex W and c > 0, and rest at minima of W only; "
-    "one spring (3.9) from 12 starts and weights c, and W = max(0, 1 − z) with z^k = 0, c = 1",
-)
-def _regularised() -> Evidence:
-    what, extent = "largest distance from the spring's rest length where steps stay", "extent of the minimisers"
-    return Evidence(
-        printed=(
-            at_most(f"{what} [R_soft]", at_rest(1), 0.0, 1e-3),
-            at_most(f"{extent} for W = max(0, 1 − z)", minima(1), 0.0, 1e-3),
-        ),
-        corrected=(
-            at_most(f"{what}, with the square [R_soft]", at_rest(2), 0.0, 1e-3),
-            at_most(f"{extent} for W = max(0, 1 − z), with the square", minima(2), 0.0, 1e-3),
-        ),
     )

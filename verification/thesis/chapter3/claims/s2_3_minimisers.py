@@ -1,19 +1,19 @@
 """Chapter 3, section 2.3: the signs of the Arrow-Hurwicz methods as printed, and where the methods converge."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
 import dincl
 from dincl.minimise import ArrowHurwicz, DampedArrowHurwicz, Stationary, minimise
-from verification.claims import Evidence, Verdict, at_least, at_most, equal, proved
-from verification.formal.algebra import identity
-from verification.formal.reals import implication
+from verification.claims import Correction, Effect, Evidence, at_least, at_most, claim, equal
+from verification.formal.algebra import library
+from verification.formal.reals import reals
+from verification.formal.stated import identity, implication
 from verification.thesis.chapter3.claims.s2_3_1_daha import damped
-from verification.thesis.text.quoted import claim
 
 STEPS = 2000
 # Steps of the methods for discs: a few more than the damped one needs.
@@ -57,8 +57,19 @@ def first_method(side: float, turn: float) -> tuple[float, float]:
 @claim(
     "c3.arrow-hurwicz",
     "The two printed steps of the Arrow-Hurwicz method find a minimum of W over g ≥ 0.",
-    "Method 3.3",
-    Verdict.CORRECTED,
+    source="Method 3.3; (3.21), (3.22)",
+    also=("c3.equilibria",),
+    quote="z_{n+1} := z_n - α(∇W(z_n) + Σ λ_ℓ ∇g_ℓ(z_n)), λ_{ℓ,n+1} := min(0, λ_{ℓ,n} - β g_ℓ(z_{n+1}))",
+    correction=Correction(
+        "either λ ≤ 0 with + Σ λ_ℓ ∇g_ℓ and min(0, λ_ℓ + βg_ℓ), or λ ≥ 0 with - Σ λ_ℓ ∇g_ℓ and max(0, λ_ℓ - βg_ℓ)",
+        Effect.MODEL,
+        "(3.21), (3.22), for which the method is the semi-implicit Euler method, and Method 3.4",
+        why=(
+            "where g > 0 the printed update makes λ negative, and −αλ∇g then moves the state along +∇g, deeper into "
+            "the feasible set: g grows further, and so does −λ, without end"
+        ),
+        place=1979,
+    ),
     rests_on=("c3.saddle",),
     chosen="W = (x + 1)²/2 on x ≥ 0, with the minimum 0; α = 0.1, β = 0.5, 2000 steps from x = 1, λ = 0; the first "
     "step is from z_0 to z_1, though “n > 0” is printed",
@@ -67,12 +78,17 @@ def _method() -> Evidence:
     """Run Method 3.3 with the printed signs and with both consistent ones."""
     printed, (negative, below), (positive, above) = first_method(1, -1)[0], first_method(1, 1), first_method(-1, -1)
     return Evidence(
-        printed=(equal("x at the end, signs as printed", printed, 0.0, TOL),),
+        printed=(
+            equal("x at the end, signs as printed", printed, 0.0, TOL),
+            at_most("growth rate of (3.21), (3.22) at the minimum, signs as printed", growth_rate(1, -1), -SLOWEST),
+        ),
         corrected=(
             equal("x at the end, with λ ≤ 0 and λ + βg", negative, 0.0, TOL),
             equal("λ at the end, with λ ≤ 0 and λ + βg", below, -1.0, TOL),
             equal("x at the end, with λ ≥ 0 and −λ∇g", positive, 0.0, TOL),
             equal("λ at the end, with λ ≥ 0 and −λ∇g", above, 1.0, TOL),
+            at_most("growth rate at the minimum, with λ ≤ 0 and λ̇ = +βg", growth_rate(1, 1), -SLOWEST),
+            at_most("growth rate at the minimum, with λ ≥ 0 and −λ∇g", growth_rate(-1, -1), -SLOWEST),
         ),
     )
 
@@ -84,29 +100,13 @@ def growth_rate(side: float, turn: float) -> float:
 
 
 @claim(
-    "c3.equilibria",
-    "The minima are attractive equilibria of the system (3.21), (3.22).",
-    "(3.21), (3.22)",
-    Verdict.CORRECTED,
-    rests_on=("c3.rests",),
-    chosen="W = (x + 1)²/2 on x ≥ 0, linearised at the minimum, where as printed λ = −1 is at rest",
-)
-def _equilibria() -> Evidence:
-    printed, negative, positive = growth_rate(1, -1), growth_rate(1, 1), growth_rate(-1, -1)
-    return Evidence(
-        printed=(at_most("growth rate at the minimum, signs as printed", printed, -SLOWEST),),
-        corrected=(
-            at_most("growth rate at the minimum, with λ ≤ 0 and λ̇ = +βg", negative, -SLOWEST),
-            at_most("growth rate at the minimum, with λ ≥ 0 and −λ∇g", positive, -SLOWEST),
-        ),
-    )
-
-
-@claim(
     "c3.not-always",
     "The undamped method can fail for discs where the damped one converges.",
-    "section 2.3",
-    rests_on=("c3.arrow-hurwicz", "c3.daha-multiplier", "c3.squared"),
+    source="section 2.3",
+    quote=(
+        "the direct application of the Arrow-Hurwicz algorithm does not always converge for … non-overlapping spheres"
+    ),
+    rests_on=("c3.arrow-hurwicz", "c3.daha-multiplier"),
     chosen="the corrected signs, step sizes 0.1, at most 500 steps; two and four discs that are drawn to one point",
 )
 def _not_always() -> Evidence:
@@ -140,9 +140,19 @@ def two_discs() -> dincl.Problem:
 @claim(
     "c3.daha-multiplier",
     "The damped method finds the minimum with min(0, ·) in the update of its multipliers.",
-    "Method 3.4",
-    Verdict.CORRECTED,
-    rests_on=("c3.one-step",),
+    source="Method 3.4",
+    quote="λ_{ℓ,n+1} = min(0, λ_{ℓ,n} - Δτ β g_ℓ(z_n))",
+    correction=Correction(
+        "λ_{ℓ,n+1} = max(0, λ_{ℓ,n} - Δτ β g_ℓ(z_n))",
+        Effect.MODEL,
+        "the method: with min, discs that overlap do not notice each other",
+        why=(
+            "λ begins at 0, grows while g < 0 and must not become negative, as (3.25) has − Σ λ∇g; min(0, ·) keeps it "
+            "at 0 there"
+        ),
+        place=2014,
+    ),
+    rests_on=("c3.discretised",),
     chosen="the wall of c3.arrow-hurwicz, cΔτ = 2; n starts at 1 with z_1 = z_0, and λ_1 = 0: the thesis sets only λ_0",
 )
 def _damped_multiplier() -> Evidence:
@@ -164,48 +174,41 @@ def _damped_multiplier() -> Evidence:
     )
 
 
-@claim(
+# w = grad W - sum lambda grad g, q = sum g lambda grad g.
+z, before, w, q, h, a, c, d = library().symbols("z before w q h a c d")
+NEXT = damped(z, before, a * w + c * q, d, h)
+
+_rescaled = identity(
     "c3.rescaled",
-    "The step Δτ can be absorbed in the other parameters.",
     "Remark 3.5",
-    Verdict.PROVED,
-    rests_on=("c3.solved",),
+    "For example, we can choose without loss of generality Δτ = 1.",
+    "(3.25) with Δτ = 1 and αΔτ², γΔτ², cΔτ for α, γ, c has the same next state for all states and forces.",
+    right=NEXT - damped(z, before, (a * w + c * q) * h**2, d * h, 1),
+    wrong=NEXT - damped(z, before, (a * w + c * q) * h**2, d / h, 1),
+    rests_on=("c3.discretised",),
 )
-def _rescaled() -> Evidence:
-    """Compare (3.25) for dtau and for 1; w = grad W - sum lambda grad g, q = sum g lambda grad g."""
-    return proved(
-        identity(
-            "(3.25) with Δτ = 1 and αΔτ², γΔτ², cΔτ for α, γ, c has the same next state for all states and forces",
-            lambda s, z, before, w, q, h, a, c, d: (
-                damped(z, before, a * w + c * q, d, h) - damped(z, before, (a * w + c * q) * h**2, d * h**s, 1)
-            ),
-            "c/Δτ",
-        )
-    )
+
+# Roots x + iy, x >= 0, of s^3 + C s^2 + GAMMA lambda J s + ALPHA BETA J: contact, J = 8, lambda = 1/4, or 1/200.
+x, y = reals("x y")
 
 
-@claim(
+def root(level: float) -> list[Any]:
+    """State that x + iy is a root."""
+    return [
+        x**3 - 3 * x * y**2 + 2 * (x**2 - y**2) + level * 8 * x / 1000 + 2 / 10000 == 0,
+        3 * x**2 * y - y**3 + 4 * x * y + level * 8 * y / 1000 == 0,
+    ]
+
+
+_attractive = implication(
     "c3.attractive",
-    "For two discs the damped system is attracted by the minimum.",
     "section 2.3",
-    Verdict.PROVED_INSTANCE,
+    "For special cases such as N = 2 … the underlying dynamical system … has an attractive equilibrium",
+    "For two discs the damped system is attracted by the minimum.",
+    given=root(0.25),
+    then=x < 0,
+    wrong=(root(0.005), x < 0),
     rests_on=("c3.daha-multiplier",),
-    chosen="W = ‖z‖²/2; for a W that is much weaker the parameters of Table 4 do not attract",
     tried_on="two discs, W = ‖z‖²/2, linearised",
+    chosen="W = ‖z‖²/2; for a W that is much weaker the parameters of Table 4 do not attract",
 )
-def _attractive() -> Evidence:
-    """Exclude roots x + iy, x >= 0, of s^3 + C s^2 + GAMMA lambda J s + ALPHA BETA J: contact, J = 8, lambda = 1/4."""
-    return proved(
-        implication(
-            "s³ + 2s² + 0.002s + 0.0002 has no root with a real part ≥ 0: the contact of two discs attracts (Table 4)",
-            lambda s, x, y: (
-                [
-                    x**3 - 3 * x * y**2 + 2 * (x**2 - y**2) + s * 2 * x / 1000 + 2 / 10000 == 0,
-                    3 * x**2 * y - y**3 + 4 * x * y + s * 2 * y / 1000 == 0,
-                ],
-                x < 0,
-            ),
-            "λ = 1/200",
-            0.02,
-        )
-    )

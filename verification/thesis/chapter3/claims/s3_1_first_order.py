@@ -1,5 +1,4 @@
 """Chapter 3, sections 3.1 to 3.3: damping, noise and steps of the first-order model, and whether it is well-posed."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
@@ -12,61 +11,35 @@ import dincl
 from dincl.minimise import DampedArrowHurwicz, Stationary, minimise
 from tissue.files.parameters import preset
 from tissue.state.cells import empty
-from verification.claims import Evidence, Verdict, at_least, at_most, equal, proved
-from verification.formal.algebra import identity, library
-from verification.formal.reals import implication
+from verification.claims import Correction, Effect, Evidence, at_most, claim, equal
+from verification.formal.algebra import library
+from verification.formal.stated import identity
 from verification.thesis.chapter3.linear import own_hessians
-from verification.thesis.chapter3.printed import ALPHA, AX, AXB, BETA, DT, GAMMA, MU, SUBSTEPS, USUAL, C
-from verification.thesis.text.quoted import claim
+from verification.thesis.chapter3.printed import ALPHA, AX, AXB, BETA, DT, GAMMA, MU, USUAL, C
+
+sp = library()
+n, k, mu, h, t, tau, delta, D = sp.symbols("n k mu h t tau delta D", positive=True)
 
 Floats = NDArray[np.float64]
 SEED = 36
-# Sections 3 and 3.4: seconds of DAHA and of PBD for the same task; the damping that is said to be predicted [h].
-DAHA_SECONDS, PBD_SECONDS, TOLD = (27.0, 28.0), 0.08, 0.14
 # Of integrations with a tolerance of 1e-10, of numbers that are printed with four digits, and of rounding.
 TOL, DIGITS, ROUNDING = 1e-7, 5e-5, 1e-9
-SAMPLES = 50_000
-# Ten standard errors of a variance from that many samples.
-SPREAD = 10 * math.sqrt(2 / SAMPLES)
-# 2 alpha (1/u^2 + 1/v^2 + 1/(u v)) for straightness with u = v = 1, and 4 alpha max(1, |1 - l/d|)/l for both springs.
+# Ten standard errors of a variance from that many samples. 2 alpha (1/u^2 + 1/v^2 + 1/(u v)) for straightness with u =
+# v = 1, and 4 alpha max(1, |1 - l/d|)/l for both springs.
 LIPSCHITZ = 2 * AXB * 3 + 2 * 4 * AX * 1.5 / 2.5
 
+# The chain rule for z~(t) = z(t/delta).
+z = sp.Function("z")
+RATE, SLOPE = z(t / delta).diff(t), z(tau).diff(tau).subs(tau, t / delta)
 
-@claim(
-    "c3.speedup",
-    "PBD is over 300 times as fast as DAHA, about the ratio of their gradients.",
-    "sections 3 and 3.4",
-    arithmetic=True,
-)
-def _speedup() -> Evidence:
-    least, most = (seconds / PBD_SECONDS for seconds in DAHA_SECONDS)
-    return Evidence(
-        printed=(
-            at_least("27 s over 0.08 s", least, 300.0),
-            at_least("28 s over 0.08 s", most, 300.0),
-            equal("7500 iterations over 20 substeps, over the ratio of times", USUAL / SUBSTEPS / most, 1.0, 0.15),
-        )
-    )
-
-
-@claim(
+_scaled = identity(
     "c3.time-transform",
-    "In the time of the model, t = δτ, the gradient flow of n* iterations is δ dz̃/dt = −α∇W(z̃).",
     "(3.30)",
-    Verdict.PROVED,
+    "t := δτ, z̃(t) := z(τ), … δ dz̃/dt = -α∇W(z̃) for t ∈ [0, Δt]",
+    "In the time of the model, t = δτ, the gradient flow of n* iterations is δ dz̃/dt = −α∇W(z̃).",
+    right=delta * RATE - SLOPE,
+    wrong=RATE / delta - SLOPE,
 )
-def _scaled() -> Evidence:
-    """Apply the chain rule to z~(t) = z(t/delta)."""
-    sp = library()
-    t, tau, delta = sp.symbols("t tau delta", positive=True)
-    z = sp.Function("z")
-    return proved(
-        identity(
-            "δ dz̃/dt = ż(t/δ) for z̃(t) = z(t/δ), so −α∇W(z̃) if ż = −α∇W(z)",
-            lambda s: delta**s * z(t / delta).diff(t) - z(tau).diff(tau).subs(tau, t / delta),
-            "dz̃/dt/δ",
-        )
-    )
 
 
 def daha_step() -> float:
@@ -79,8 +52,16 @@ def daha_step() -> float:
 @claim(
     "c3.time-scale",
     "With μ = Δt/(n* α) = 0.1333 h the first-order model does in Δt what n* = 7500 steps of DAHA do.",
-    "(3.32)",
-    Verdict.CORRECTED,
+    source="(3.32); section 3.4",
+    also=("c3.prediction",),
+    quote="μ = Δt/(n* α) = 0.1/(7500 · 10⁻⁴) = 0.1333",
+    correction=Correction(
+        "μ = 2Δt/(n* α) = 0.2667 h, since a step of (3.25) with Table 4 is α/2: it follows from c3.update",
+        Effect.NUMBER,
+        "Table 5 and the comparisons of section 3.4; 0.1333 belongs to (3.26) as printed",
+        why="by c3.update a step of DAHA moves by α/2, so 7500 of them make half the way that (3.28) gives",
+        place=2135,
+    ),
     rests_on=("c3.time-transform", "c3.update"),
     chosen="DAHA by (3.25) with Table 4, on a spring with W'' = 2",
 )
@@ -90,26 +71,6 @@ def _time_scale() -> Evidence:
     return Evidence(
         printed=(equal("Δt/(n* α) [h]", told, 0.1333, DIGITS), equal(what, mu, 0.1333, 1e-3)),
         corrected=(equal("2Δt/(n* α) [h]", 2 * told, 0.2667, DIGITS), equal(what, mu, 0.2667, 1e-3)),
-    )
-
-
-@claim(
-    "c3.prediction",
-    "The derivation predicts the damping coefficient μ = 0.14.",
-    "section 3.4",
-    Verdict.CORRECTED,
-    rests_on=("c3.time-scale",),
-    chosen="Table 5 has 0.15, Figure 15 “around 0.2”",
-    arithmetic=True,
-)
-def _prediction() -> Evidence:
-    value = round(DT / (USUAL * ALPHA), 2)
-    return Evidence(
-        printed=(
-            equal("(3.32) with n* = 7500, to two digits [h]", value, TOLD),
-            equal("n* with which (3.32) is 0.14 h", round(DT / (TOLD * ALPHA)), USUAL),
-        ),
-        corrected=(equal("(3.32) with n* = 7500, to two digits [h]", value, 0.13),),
     )
 
 
@@ -127,8 +88,21 @@ def curvature(x: Floats, y: Floats) -> Floats:
 @claim(
     "c3.well-posed",
     "By the theorems of chapter 1 the first-order model has one solution from each start, for all times.",
-    "section 3.2",
-    Verdict.CORRECTED,
+    source="section 3.2",
+    quote=(
+        "Since the set S is uniformly prox-regular …, we obtain from Theorem 1.31 and Lemma 1.32 the well-posed of "
+        "this equation."
+    ),
+    correction=Correction(
+        (
+            "the theorems need a Lipschitz ∇W: they apply as long as no nucleus comes near an end of its cell, where "
+            "(3.12) has no bounded second derivative"
+        ),
+        Effect.PROOF,
+        "well-posedness for all times; where nuclei meet an end, DAHA and PBD become unstable",
+        why="(3.12) has second derivatives like 1/‖X − A‖², so ∇W is not Lipschitz near the ends of a cell",
+        place=2145,
+    ),
     rests_on=("c3.equal-radii", "c3.straight-minimum", "c1.existence", "c1.uniqueness-sign"),
     chosen="one cell of 8 R^soft with the stiffnesses of Table 2; its nucleus 10⁻², 10⁻³, 10⁻⁴ R^soft from the apical "
     "point, and at random, more than 1 R^soft from both ends",
@@ -145,23 +119,23 @@ def _well_posed() -> Evidence:
     )
 
 
-@claim(
+# The variance of a step without forces, (factor/mu)^2 dt, less 2 D dt of (3.35) and Table 1.
+_noise = identity(
     "c3.noise",
-    "In the stochastic inclusion μ dZ = … + √(2D) dW nuclei make steps ∼ N₂(0, 2DΔt).",
     "(3.33)",
-    Verdict.CORRECTED,
+    "μ dZ ∈ −∇W(Z) dt − N(S, Z) dt + √(2D) dW_X",
+    "In the stochastic inclusion μ dZ = … + √(2D) dW nuclei make steps ∼ N₂(0, 2DΔt).",
+    right=(mu * sp.sqrt(2 * D) / mu) ** 2 * h - 2 * D * h,
+    wrong=(sp.sqrt(2 * D) / mu) ** 2 * h - 2 * D * h,
+    correction=Correction(
+        "μ dZ ∈ −∇W(Z) dt − N(S, Z) dt + μ √(2D) dW_X",
+        Effect.MODEL,
+        "the first-order model; its method (3.35) and D of Table 1 belong to the corrected equation",
+        why="with √(2D) dW on the right the displacement has the variance 2D Δt/μ²; (3.35) and Table 1 have 2DΔt",
+        place=2149,
+    ),
     rests_on=("c3.diffusion",),
-    chosen="50,000 steps without forces at μ = 0.15 h",
 )
-def _noise() -> Evidence:
-    """Sample the variance of one step of (3.33), factor/mu sqrt(2 D dt) N(0, 1), over the variance 2 D dt of (3.35)."""
-    normal = np.random.default_rng(0).normal(size=SAMPLES)
-    printed, right = (float((factor / MU * normal).var()) for factor in (1.0, MU))
-    return Evidence(
-        printed=(equal("variance of a step over 2DΔt, with √(2D) dW", printed, 1.0, SPREAD),),
-        corrected=(equal("variance of a step over 2DΔt, with μ √(2D) dW", right, 1.0, SPREAD),),
-        seed=0,
-    )
 
 
 def decayed(dt: float, mu: float) -> float:
@@ -172,10 +146,16 @@ def decayed(dt: float, mu: float) -> float:
 @claim(
     "c3.mu-unit",
     "The damping coefficient is a rate, 0.15 h⁻¹.",
-    "Table 5",
-    Verdict.CORRECTED,
+    source="Table 5",
+    quote="μ = 0.15 h⁻¹, damping coefficient",
+    correction=Correction(
+        "μ = 0.15 h",
+        Effect.NUMBER,
+        "whoever changes the unit of time: in minutes μ is 9, not 0.0025; larger μ is slower",
+        why="W is a number and Z a length in R^soft, so μ dZ/dt = −∇W makes μ a time, as (3.32) has it",
+        place=2187,
+    ),
     chosen="energies without unit, lengths in R^soft; a spring W = 2d² in 0.1 h and in 6 min, which must decay alike",
-    arithmetic=True,
 )
 def _mu() -> Evidence:
     minutes, left = 60.0, decayed(DT, MU)
@@ -192,59 +172,15 @@ def _mu() -> Evidence:
     )
 
 
-@claim(
-    "c3.projections",
-    "The nearest point of each single constraint has a closed form.",
-    "section 3.3",
-    Verdict.PROVED,
-    rests_on=("c2.example",),
-    chosen="the formulas, which the thesis leaves to the reader",
-)
-def _projections() -> Evidence:
-    """Write b, a for the distances of a pair before and in any other state, p for their inner product, m = |move|^2."""
-    return proved(
-        identity(
-            "both moves x, y of a pair have |x|² + |y|² = |x − y|²/2 + |x + y|²/2",
-            lambda s, x, y: x**2 + y**2 - (x - y) ** 2 / 2 - s * (x + y) ** 2 / 2,
-            "−|x + y|²/2",
-        ),
-        implication(
-            "(C1) b < D ≤ a, (C2) a ≤ D < b: the way has m ≥ (a − b)²/2 ≥ (D − b)²/2, as moving each by |D − b|/2",
-            lambda s, a, b, p, m, D: (
-                [a >= 0, b >= 0, D >= 0, p <= a * b, 2 * m >= a * a + b * b - 2 * p, (a - D) * (D - b) >= 0],
-                2 * m >= s * (D - b) * (D - b),
-            ),
-            "twice that",
-            2,
-        ),
-        implication(
-            "(C3): y = 0 is nearest at the same x; (C4): both at the mean if they are in the wrong order",
-            lambda s, x, y, z, u, v, w: (
-                [u > v, x <= y],
-                [(x - z) ** 2 + w**2 >= w**2, (x - u) ** 2 + (y - v) ** 2 >= s * (u - v) ** 2 / 2],
-            ),
-            "twice that distance",
-            2,
-        ),
-    )
+DECAY = sp.exp(-h * k / mu)
 
-
-@claim(
+_substeps = identity(
     "c3.substeps",
-    "n substeps of Δt/n each, with Δt/μ as the weight of the gradient, cover one time step.",
     "(3.34)",
-    Verdict.PROVED_INSTANCE,
-    chosen="coordinates that do not act on each other, so that the solution is known",
+    "Φ^PBD(Z) = (Φ^PBD_{Δt/n^sub-step})^{n^sub-step} (Z)",
+    "n substeps of Δt/n with the weight Δt/(nμ) of the gradient cover one time step: (1 − (Δt/n)k/μ)ⁿ → e^{−kΔt/μ}.",
+    right=sp.limit((1 - h / n * k / mu) ** n, n, sp.oo) - DECAY,
+    wrong=sp.limit((1 + h / n * k / mu) ** n, n, sp.oo) - DECAY,
     tried_on="a spring of any stiffness",
+    chosen="coordinates that do not act on each other, so that the solution is known",
 )
-def _substeps() -> Evidence:
-    """Let n substeps of the explicit Euler method for z' = -k z/mu go to infinity."""
-    sp = library()
-    n, k, mu, h = sp.symbols("n k mu h", positive=True)
-    return proved(
-        identity(
-            "(1 − (Δt/n)k/μ)ⁿ → e^{−kΔt/μ}: n substeps of Δt/n with the weight Δt/(nμ) cover Δt",
-            lambda s: sp.limit((1 - s * h / n * k / mu) ** n, n, sp.oo) - sp.exp(-h * k / mu),
-            "with a weight of the other sign",
-        )
-    )

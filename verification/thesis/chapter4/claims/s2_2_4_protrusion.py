@@ -1,226 +1,99 @@
 """Chapter 4, sections 2.1 and 2.2.4: how a basal point runs, and how it pulls its cell."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
-import math
+from typing import Any
 
-import numpy as np
-from scipy.optimize import brentq
+from verification.claims import Correction, Effect
+from verification.formal.algebra import library, vanishes
+from verification.formal.reals import follows, reals, solver_library
+from verification.formal.stated import argument
 
-from tissue.files.parameters import preset as named
-from tissue.runs.simulate import simulate
-from tissue.state.cells import Floats
-from verification.claims import Evidence, Verdict, at_least, at_most, proved
-from verification.formal.algebra import identity, library
-from verification.formal.reals import implication, solver_library
-from verification.thesis.chapter4.frequencies import MODEL, in_readings
-from verification.thesis.text.quoted import claim
+sp, z3 = library(), solver_library()
+t, r, v, turn, d, size, alpha, k = sp.symbols("t r v w d R alpha k", positive=True)
 
-SEED = 224
-# Units of R_soft; v^run has no value in the thesis: 1 R_soft/h, and with (4.1) only the time scale depends on it.
-SPEED, ALPHA, STEP = 1.0, 2.0, 1e-3
-DEPTH = 2.0
-# A basal point this near to the depth has arrived.
-ARRIVED = 0.1
-# Where a nucleus rests; k^bx of Table 2 [1/h]; for how long; a rise in a step of 1e-3 h that is none: 50 steps to full.
-CENTRE, RATE, HOURS, SMOOTH = 3.0, 5.0, 2.0, 0.02
-# The rate of a rest length that is set to zero.
-AT_ONCE = math.inf
-# What rounding leaves.
-TOL = 1e-7
+# B = X + (r + v t) e, e a unit vector, X at rest; down = e.y < 0 for a point that begins below its nucleus.
+e = sp.Matrix([sp.cos(turn), sp.sin(turn)])
+PATH = (r + v * t) * e
+x, down, start, speed, time, R, y = reals("x e1 r v t R y")
+RUNNING = [start > 0, speed > 0, R > 0, x > 0, time >= 0, y == x + (start + speed * time) * down]
+NEVER = z3.Implies(down >= 0, y > -2 * R)
 
 
-def velocity(B: Floats, X: Floats) -> Floats:
-    """(4.1)."""
-    away = B - X
-    return SPEED * away / np.hypot(*away) if B[1] > -DEPTH else np.zeros(2)
+def arrives(when: Any) -> Any:
+    """State that the point is at the depth when - v e_y t is this number."""
+    return z3.Implies(down < 0, z3.Implies(-speed * down * time == when, y == -2 * R))
 
 
-def run(B: Floats, X: Floats, hours: float) -> tuple[Floats, float]:
-    """Where the basal point is after some hours while the nucleus rests, and how long its path was."""
-    length = 0.0
-    for _ in range(round(hours / STEP)):
-        by = STEP * velocity(B, X)
-        B, length = B + by, length + float(np.hypot(*by))
-    return B, length
-
-
-@claim(
+_law = argument(
     "c4.protrusion-law",
-    "A basal point runs away from its nucleus at one speed and stops 2 R_soft below the basal layer; "
-    "one that begins above its nucleus never gets there.",
     "(4.1)",
-    Verdict.PROVED,
+    "Ḃ_i = v^run (B_i − X_i)/‖B_i − X_i‖ if y(B_i) > −2R^soft, 0 else",
+    "A basal point runs away from its nucleus at one speed and stops 2 R_soft below the basal layer; one that begins "
+    "above its nucleus never gets there.",
+    vanishes(
+        [PATH.diff(t) - v * e, PATH.dot(PATH) - (r + v * t) ** 2],
+        PATH.diff(t) + v * e,
+        "B = X + (r + vt)e, |B − X| = r + vt, solves (4.1) above the depth: one speed, one direction",
+        "towards X",
+    ),
+    follows(
+        RUNNING,
+        [arrives(x + 2 * R + start * down), NEVER],
+        [arrives(-(x + 2 * R + start * down)), NEVER],
+        "if e points down, y(B) = −2R^soft at t = (y(X) + 2R^soft + r e_y)/(−v e_y); if not, y(B) ≥ y(X) > −2R^soft "
+        "for all t",
+        "at the negative of that time",
+    ),
     chosen="the nucleus rests; v^run = 1 R_soft/h, for the thesis gives no value",
 )
-def _law() -> Evidence:
-    """B = X + (r + v t) e, e a unit vector, X at rest; e1 = e.y < 0 for a point that begins below its nucleus."""
-    sp, z3 = library(), solver_library()
-    t, r, v, turn = sp.symbols("t r v w", positive=True)
-    e = sp.Matrix([sp.cos(turn), sp.sin(turn)])
-
-    return proved(
-        identity(
-            "B = X + (r + vt)e, |B − X| = r + vt, solves (4.1) above the depth: one speed, one direction",
-            lambda s: [
-                ((r + v * t) * e).diff(t) - s * v * e,
-                ((r + v * t) * e).dot((r + v * t) * e) - (r + v * t) ** 2,
-            ],
-            "towards X",
-        ),
-        implication(
-            "if e points down, y(B) = −2R^soft at t = (y(X) + 2R^soft + r e_y)/(−v e_y); if not, y(B) ≥ y(X) > "
-            "−2R^soft for "
-            "all t",
-            lambda s, x, e1, r, v, t, R, y: (
-                [r > 0, v > 0, R > 0, x > 0, t >= 0, y == x + (r + v * t) * e1],
-                [
-                    z3.Implies(e1 < 0, z3.Implies(-v * e1 * t == s * (x + 2 * R + r * e1), y == -2 * R)),
-                    z3.Implies(e1 >= 0, y > -2 * R),
-                ],
-            ),
-            "at the negative of that time",
-        ),
-    )
 
 
-def on_arrival(preset: str) -> list[float]:
-    """y of the nuclei of ten cells with [BP], each in the first state in which its basal point is at the depth."""
-    emt = {"emt.cells": 10, "emt.b": "6 h", "emt.p": "6 h"}
-    run = simulate(named(preset).changed(emt | {"numerics.t_end": "12 h", "numerics.keep": "0.1 h"}), SEED)
-    found: dict[int, float] = {}
-    for frame in run.frames:
-        cells = frame.cells
-        for i in np.flatnonzero((cells.emt >= 0) & (cells.by <= -DEPTH + ARRIVED)):
-            found.setdefault(int(cells.emt[i]), float(cells.y[i]))
-    return list(found.values())
+def pull(eta: Any) -> Any:
+    """Return the printed force on the nucleus by the basal spring with the rest length eta; d = |X - B|, R = R_soft."""
+    return 2 * alpha / (size + eta) * (d - size - eta)
 
 
-@claim(
-    "c4.outside-depth",
-    "When its basal point has come to this depth a cell lies below the basal layer with its whole soft disc.",
-    "section 2.2.4",
-    Verdict.CORRECTED,
-    rests_on=("c4.grip",),
-)
-def _outside() -> Evidence:
-    """The nucleus straight above the basal point, in units of R_soft."""
-    B = np.array([0.0, -DEPTH])
+apart, stiff, f = reals("d alpha f")
+BELOW = [R > 0, stiff > 0, apart > 0, f * R == 2 * stiff * (apart - R)]
+RELAXING = (d - size) * sp.exp(-k * t)
 
-    def lift(y: float) -> float:
-        X = np.array([0.0, y])
-        return float(pull(X, B, rest_length(X, B))[1])
-
-    rest = brentq(lift, -DEPTH + 0.1, 3.0)
-
-    def compare(preset: str) -> Evidence:
-        tops = [y + 1.0 for y in on_arrival(preset)]
-        above = sum(top > 0 for top in tops)
-        return Evidence(
-            printed=(
-                at_most(f"cells of {len(tops)} whose soft disc is above the basal layer on arrival", above, 0),
-                at_most("highest top of a soft disc on arrival [R_soft]", max(tops), 0.0, TOL),
-            ),
-            corrected=(at_most("top of the soft disc at rest [R_soft]", rest + 1.0, 0.0, TOL),),
-            seed=SEED,
-        )
-
-    return in_readings(compare, MODEL)
-
-
-def energy(X: Floats, B: Floats, eta: float) -> float:
-    """W^bx of (3.10), in R_soft."""
-    return float(ALPHA / (1.0 + eta) * (np.hypot(*(X - B)) - 1.0 - eta) ** 2)
-
-
-def pull(X: Floats, B: Floats, eta: float) -> Floats:
-    """The force on the nucleus, as printed before the rule of η^bx."""
-    d = np.hypot(*(B - X))
-    return np.asarray(2 * ALPHA / (1.0 + eta) * (d - 1.0 - eta) * (B - X) / d)
-
-
-@claim(
-    "c4.basal-force",
-    "The force of the basal spring on the nucleus is the one that its energy (3.10) gives.",
-    "section 2.2.4",
-    Verdict.PROVED,
-)
-def _force() -> Evidence:
-    sp = library()
-    X, B = (sp.Matrix(sp.symbols(f"{name}:2", real=True)) for name in "xb")
-    alpha, R, eta = sp.symbols("alpha R eta", positive=True)
-    d = sp.sqrt((B - X).dot(B - X))
-    energy = alpha / (R + eta) * (d - R - eta) ** 2
-    return proved(
-        identity(
-            "the printed force is −∂W^bx/∂X of (3.10), for all places and rest lengths",
-            lambda s: (
-                s * 2 * alpha / (R + eta) * (d - R - eta) * (B - X) / d + sp.Matrix([energy.diff(each) for each in X])
-            ),
-            "+∂W/∂X",
-        )
-    )
-
-
-def rest_length(X: Floats, B: Floats) -> float:
-    """η^bx(t) of section 2.2.4."""
-    return float(np.hypot(*(X - B)) - 1.0) if B[1] > 0 else 0.0
-
-
-@claim(
+_grip = argument(
     "c4.grip",
-    "With this rest length the spring has no force above the basal layer and pulls once below.",
-    "section 2.2.4",
-    Verdict.CORRECTED,
-    rests_on=("c4.basal-force",),
-)
-def _grip() -> Evidence:
-    """The pull towards B for rest lengths d - R above the layer and 0 below it, for nuclei at the distance d from B."""
-    distance = 0.5
-    near = float(pull(np.array([0.0, distance]), np.zeros(2), rest_length(np.array([0.0, distance]), np.zeros(2)))[1])
-    d, R, alpha = library().symbols("d R alpha", positive=True)
-    above = identity(
-        "with η^bx = ‖X − B‖ − R^soft, above the layer, the force is 0",
-        lambda s: 2 * alpha / (R + d - s * R) * (d - R - (d - s * R)),
-        "‖X − B‖ + R^soft",
-    )
-    below = implication(
-        "with η^bx = 0, below it, the force pulls towards B if ‖X − B‖ > R^soft",
-        lambda s, d, R, alpha, f: ([R > 0, alpha > 0, s * (d - R) > 0, d > 0, f * R == 2 * alpha * (d - R)], f > 0),
-        "if ‖X − B‖ < R^soft",
-    )
-    return Evidence(
-        printed=(above, at_least("pull towards B below the line, ‖X − B‖ = R^soft/2, α^bx = 2", -near, TOL)),
-        corrected=(above, below),
-    )
-
-
-def gripping(rate: float) -> Floats:
-    """The pull over that of a spring with rest length 0, in each step after the basal point came below the line."""
-    X, B = np.array([0.0, CENTRE]), np.zeros(2)
-    eta = CENTRE - 1.0
-    steps = np.arange(1, round(HOURS / STEP) + 1) * STEP
-    full = np.hypot(*pull(X, B, 0.0))
-    return np.array([np.hypot(*pull(X, B, eta * math.exp(-rate * t))) / full for t in steps])
-
-
-@claim(
-    "c4.grip-at-once",
-    "The rule of 2.2.4 is that of 2.1, by which the desired rest length is zero and the pull grows.",
     "sections 2.1, 2.2.4",
-    Verdict.CORRECTED,
-    rests_on=("c4.grip",),
-    chosen="the nucleus and the basal point rest; k^bx of Table 2",
-)
-def _at_once() -> Evidence:
-    shares = [gripping(rate) for rate in (AT_ONCE, RATE)]
-    jumps = [float(np.diff(each, prepend=0.0).max()) for each in shares]
-    what = f"largest rise of the pull within {STEP:g} h below the line, over the full one,"
-    return Evidence(
-        printed=(at_most(f"{what} η := 0", jumps[0], SMOOTH),),
-        corrected=(
-            at_most(f"{what} η* := 0 and (3.3)", jumps[1], SMOOTH),
-            at_least(f"pull {HOURS:g} h after crossing, over the full one", float(shares[1][-1]), 1.0, SMOOTH),
+    "η^bx := ‖X − B‖ − R^soft if y(B) > 0, 0 if y(B) ≤ 0",
+    "With this rest length the spring has no force above the basal layer and pulls once below.",
+    vanishes(
+        pull(d - size),
+        pull(d + size),
+        "with η^bx = ‖X − B‖ − R^soft, above the layer, the force is 0",
+        "with ‖X − B‖ + R^soft",
+    ),
+    follows(
+        [*BELOW, apart > R],
+        f > 0,
+        (BELOW, f > 0),
+        "with η^bx = 0, below it, the force pulls towards B if ‖X − B‖ > R^soft",
+        "it pulls at every distance",
+    ),
+    vanishes(
+        pull(RELAXING).subs(t, 0),
+        pull(0),
+        "with (3.3) and η* = 0 the pull begins with 0 as the point crosses the line",
+        "with η = 0 it begins with 0",
+    ),
+    also=("c4.grip-at-once",),
+    correction=Correction(
+        (
+            "… and pulls once below, as long as ‖X − B‖ > R^soft; a nucleus that is nearer to its basal point is "
+            "pushed away"
         ),
-    )
+        Effect.MODEL,
+        (
+            "where a nucleus rests beside a basal point below the layer: its disc touches the point, it does not reach"
+            " it"
+        ),
+        why="with η^bx = 0 the printed force is 2α^bx/R^soft (‖B − X‖ − R^soft) towards B: below 0 if ‖B − X‖ < R^soft",
+        place=2454,
+    ),
+)

@@ -1,13 +1,11 @@
 """Chapter 4, sections 3.1 and 3.3.3 and footnotes: orders, selections and numbers of runs, counted."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
-from itertools import permutations, product
+from itertools import permutations
 
 from tissue.statistics.categories import EVENTS
-from verification.claims import Comparison, Evidence, Verdict, at_least, at_most, equal
-from verification.thesis.text.quoted import claim
+from verification.claims import Comparison, Correction, Effect, Evidence, claim, equal
 
 # The footnote on possible orders: counts as printed, and the orders that it lists.
 STEPS = {1: 3, 2: 7, 3: 10, 4: 9}
@@ -15,29 +13,6 @@ RIGHT = {1: 3, 2: 7, 3: 12, 4: 12}
 LISTED = """A, B, S, AB, AS, BA, BS, BP, SA, SB, ABS, ABP, ASB, BAS, BAP, BSA, BSP, BPA, BPS, SAB, SBA, SBP,
 ABSP, ABPS, ASPB, BASP, BAPS, BSAP, BSPA, BPAS, BPSA""".replace("\n", " ").split(", ")
 INSTEAD = [*(order for order in LISTED if order != "ASPB"), "ASBP", "SABP", "SBAP", "SBPA"]
-# n^D and n^rep of section 3.3.3, at both ends.
-RUNS_PER_CATEGORIES = ((10**4, 10), (5 * 10**5, 500))
-# Of Figure 10 and section 4.1.2 [%].
-APICAL, BELOW = 30, 60
-# Of footnote 2; the ratio of the runtimes 27 s and 0.08 s of chapter 3.
-MINUTES, FASTER, MEASURED = 45, 300, 27 / 0.08
-
-
-@claim(
-    "c4.selections",
-    "There are twelve sets of events in which [P] comes only with [B].",
-    "(Q2)",
-)
-def _selections() -> Evidence:
-    chosen = [events for events in product((False, True), repeat=4) if events[1] or not events[3]]
-    with_p = sum(events[3] for events in chosen)
-    return Evidence(
-        printed=(
-            equal("selections of A, B, S, P with [P] only beside [B]", len(chosen), 12),
-            equal("selections without [P]", len(chosen) - with_p, 2**3),
-            equal("selections with [P]", with_p, 2**2),
-        ),
-    )
 
 
 def _orders() -> list[str]:
@@ -49,8 +24,19 @@ def _orders() -> list[str]:
 @claim(
     "c4.orders",
     "There are 29 orders of one to four events in which [P] follows [B].",
-    "(Q4), footnote 1",
-    Verdict.CORRECTED,
+    source="(Q4), footnote 1",
+    also=("c4.orders-listed",),
+    quote="There are 29 possible orderings of the EMT events … 10× three-step EMT … 9× four-step EMT",
+    correction=Correction(
+        "34 = 3 + 7 + 12 + 12",
+        Effect.NUMBER,
+        "the number of EMT categories by order, and the list in the footnote",
+        why=(
+            "without [P] there are 3, 6 and 6 orders of one to three of A, B, S; with [P] behind [B] 1, 6 and 12 of "
+            "two to four: 3, 7, 12 and 12; the footnote itself lists 12 of three"
+        ),
+        place=2535,
+    ),
 )
 def _count_orders() -> Evidence:
     found = _orders()
@@ -62,66 +48,15 @@ def _count_orders() -> Evidence:
             *(equal(f"orders of {k} events", counts[k], wanted) for k, wanted in by_length.items()),
         )
 
-    return Evidence(printed=compare(29, STEPS), corrected=compare(34, RIGHT))
-
-
-@claim(
-    "c4.orders-listed",
-    "The footnote lists all possible orders of the events.",
-    "footnote 1",
-    Verdict.CORRECTED,
-    rests_on=("c4.orders",),
-)
-def _listed_orders() -> Evidence:
-    found = set(_orders())
-    wrong, lacking = sorted(set(LISTED) - found), sorted(found - set(LISTED))
+    wrong, lacking = sorted(set(LISTED) - set(found)), sorted(set(found) - set(LISTED))
     return Evidence(
         printed=(
+            *compare(29, STEPS),
             equal(f"listed orders with [P] before [B], {', '.join(wrong)}", len(wrong), 0),
             equal(f"possible orders that are not listed, {', '.join(lacking)}", len(lacking), 0),
         ),
-        corrected=(equal("differences from the corrected list", len(set(INSTEAD) ^ found), 0),),
-    )
-
-
-@claim(
-    "c4.samples",
-    "The numbers of runs and of categories give a thousand runs for each category.",
-    "section 3.3.3",
-    arithmetic=True,
-)
-def _samples() -> Evidence:
-    return Evidence(
-        printed=tuple(
-            equal(f"runs per category, n^rep = {runs} and n^D = {categories}", runs / categories, 1000)
-            for runs, categories in RUNS_PER_CATEGORIES
-        )
-    )
-
-
-@claim(
-    "c4.ten-per-cent",
-    "The shares of Figure 10 and of section 4.1.2 for [A] add up.",
-    "section 4.1.2, Figure 10",
-    arithmetic=True,
-)
-def _ten_per_cent() -> Evidence:
-    what = f"100 − {APICAL} (apically extruded) − {BELOW} (below all control cells) [%]"
-    return Evidence(printed=(equal(what, 100 - APICAL - BELOW, 10),))
-
-
-@claim(
-    "c4.speed-up",
-    "45 min at the new speed are ten days at the former one.",
-    "footnote 2",
-    arithmetic=True,
-)
-def _speed_up() -> Evidence:
-    """300 is rounded down: 'over 300 times' in the introduction, 27 s against 0.08 s in chapter 3."""
-    low, high = (faster * MINUTES / 60 / 24 for faster in (FASTER, MEASURED))
-    return Evidence(
-        printed=(
-            at_most(f"{FASTER} times {MINUTES} min [days]", low, 10),
-            at_least(f"{MEASURED:.0f} times, by the runtimes of chapter 3, {MINUTES} min [days]", high, 10),
+        corrected=(
+            *compare(34, RIGHT),
+            equal("differences from the corrected list", len(set(INSTEAD) ^ set(found)), 0),
         ),
     )

@@ -1,260 +1,60 @@
 """Chapter 4, section 3.3: the apical-basal scale, categories of event times, and the ratios estimated for them."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
-import math
+from verification.claims import Correction, Effect
+from verification.formal.algebra import library, vanishes
+from verification.formal.stated import argument, identity
 
-import numpy as np
-from numpy.typing import NDArray
+sp = library()
+n, p, d, a, b, first, second, e = sp.symbols("n p d a b a1 a2 e", positive=True)
 
-from tissue.state.cells import Floats
-from tissue.statistics.proportions import POWER
-from verification.claims import Evidence, Tables, Verdict, at_most, equal, proved
-from verification.formal.algebra import identity, library
-from verification.formal.reals import implication, solver_library
-from verification.thesis.text.quoted import claim
-
-# Of the intervals D_k.
-PARTS = 10
-POINTS = np.concatenate((np.linspace(0.0, 1.0, 201), [-0.02, 1.03]))
-
-
-@claim(
-    "c4.ab-scale",
-    "The scale is 0 at the basal and 1 at the apical layer; the indicators tell which cells are out.",
-    "section 3.3.1, (4.3)",
-    Verdict.PROVED,
-    chosen="the apical layer is a graph over x",
-)
-def _scale() -> Evidence:
-    """y of a nucleus and h > 0 of the apical layer at the same place: the scale is q = y/h."""
-    z3 = solver_library()
-    return proved(
-        implication(
-            "q = y/h is 0 for y = 0 and 1 for y = h; q < 0 means y < 0 and q > 1 means y > h",
-            lambda s, y, h, q: (
-                [h > 0, q * h == y],
-                [z3.Implies(y == 0, q == 0), z3.Implies(y == h, q == s), (q < 0) == (y < 0), (q > 1) == (y > h)],
-            ),
-            "−1 on the apical layer",
-        )
-    )
-
-
-@claim(
-    "c4.contained",
-    "A basally extruded cell counts as being in basal positioning, too, so the yellow ratio contains it.",
-    "section 3.3.1, Figure 10",
-    Verdict.PROVED,
-    chosen="no control cell has left basally",
-)
-def _contained() -> Evidence:
-    """y of an EMT cell that is out, y < 0; m is the least y of the control cells, m >= 0."""
-    return proved(
-        implication(
-            "y^AB < 0 ≤ min y^AB of the control cells gives y^AB ≤ min: every basally extruded cell is in basal "
-            "positioning",
-            lambda s, y, m: ([y < 0, s * m >= 0], y <= m),
-            "control cells at or below the basal layer",
-        )
-    )
-
-
-def members(points: Floats, closed: bool, unbounded: bool) -> Floats:
-    """In how many of the D_k each point lies; ``closed``: 0 counts to the first; ``unbounded``: with the rest."""
-    edges = np.arange(PARTS + 1) / PARTS
-    inside = (points[:, None] > edges[:-1]) & (points[:, None] <= edges[1:])
-    counts = inside.sum(axis=1) + (closed & (points == 0))
-    return np.asarray(counts + (unbounded & ((points < 0) | (points > 1))))
-
-
-def cells_for_one(share: float) -> int | None:
-    """Cells among which one of such a share is seen with the given probability: one is enough."""
-    return math.ceil(math.log1p(-POWER) / math.log1p(-share)) if 0 < share < 1 else None
-
-
-@claim(
-    "c4.partition",
-    "The intervals are a partition of the positions at the onset of EMT.",
-    "section 3.3.4",
-    Verdict.CORRECTED,
-    needs=("emt_complete_outside",),
-)
-def _partition(tables: Tables) -> Evidence:
-    """Exactly at 0, and by the onsets of the runs, some of which are above the apical layer."""
-    found = tables["emt_complete_outside"][["outside", "of"]].sum()
-    printed, right = members(POINTS, False, False), members(POINTS, True, True)
-    unit = (POINTS >= 0) & (POINTS <= 1)
-    return Evidence(
-        printed=(
-            at_most("points of [0, 1] that are not in one D_k", int((printed[unit] != 1).sum()), 0),
-            at_most(f"onsets outside of all D_k, of {found['of']} in the runs", int(found["outside"]), 0),
-        ),
-        corrected=(
-            at_most("positions not in one set, with 0 in D_1 and two unbounded intervals", int((right != 1).sum()), 0),
-        ),
-        runs_needed=cells_for_one(found["outside"] / found["of"]),
-    )
-
-
-SEED = 333
-RUNS, GROUP = 20_000, 10
-# Chances of a mean of independent numbers to be this many standard errors off: 6e-5.
-ERRORS = 4.0
-SETS = 25
-# Four standard errors of a share of 20,000 draws.
-NEAR = 0.015
-ROUNDING = 1e-12
-# A model of a run: P[T_i in D_k], and P[extruded | T_i in D_k] for the cells of the group.
-CHANCE = np.array([0.5, 0.3, 0.2])
-GIVEN = np.array([0.1, 0.4, 0.8])
-
-
-def share_sum(sets: int) -> float:
-    """Sum over so many sets of chances 1/n^D."""
-    return sum(1 / SETS for _ in range(sets))
-
-
-@claim(
+_count = identity(
     "c4.categories-count",
+    "section 3.3.3",
+    "we will consider a partition … into n^D + 1 many subsets D_1, …, D_{n^D}",
     "The event times are divided into n^D + 1 categories D_1 to D_{n^D}.",
-    "section 3.3.3",
-    Verdict.CORRECTED,
+    right=n * (1 / n) - 1,
+    wrong=(n + 1) * (1 / n) - 1,
+    correction=Correction(
+        "n^D many subsets",
+        Effect.NUMBER,
+        "P[D_k] ≈ 1/n^D and the n^rep/n^D samples for each category",
+        why="the sets are numbered from 1 to n^D, and n^D chances of 1/n^D make up 1",
+        place=2655,
+    ),
 )
-def _count() -> Evidence:
-    what = f"total chance of sets with a chance of 1/n^D each, n^D = {SETS},"
-    return Evidence(
-        printed=(equal(f"{what} n^D + 1 sets", share_sum(SETS + 1), 1.0, ROUNDING),),
-        corrected=(equal(f"{what} n^D sets", share_sum(SETS), 1.0, ROUNDING),),
-    )
 
-
-def accepted(outcomes: Floats, inside: Floats) -> Floats:
-    """Rejection sampling: the outcomes of the draws that fall into the category, one after the other."""
-    return np.array([each for each, wanted in zip(outcomes, inside, strict=True) if wanted])
-
-
-@claim(
-    "c4.sampling",
-    "(4.12) draws from a category by inverse transform sampling.",
-    "section 3.3.3",
-    Verdict.CORRECTED,
-    rests_on=("c4.conditional",),
-)
-def _sampling() -> Evidence:
-    """Inverse transform sampling makes each uniform number a draw from the category, and rejects none."""
-    kinds, hits = runs(np.random.default_rng(SEED))
-    kept, off = [], 0.0
-    for k in range(len(CHANCE)):
-        inside = kinds[:, 0] == k
-        chosen = accepted(hits[:, 0], inside)
-        kept.append(len(chosen) / RUNS)
-        off = max(off, abs(estimate(hits[:, 0], inside) - float(chosen.mean())))
-    return Evidence(
-        printed=(equal("least share of the draws that (4.12) uses for a category", min(kept), 1.0),),
-        corrected=(
-            at_most("(4.12) minus the mean by rejection sampling", off, 0.0, ROUNDING),
-            at_most("share of the draws minus P[D_k]", float(np.abs(kept - CHANCE).max()), NEAR),
-        ),
-        seed=SEED,
-    )
-
-
-def extruded_given(i: int) -> Floats:
-    """P[extruded | T_i in D_k]: cells at the end of the group leave more often."""
-    return np.asarray(GIVEN * (1.0 - 0.05 * i))
-
-
-def estimate(hits: Floats, inside: Floats) -> float:
-    """(4.12)."""
-    return float((hits * inside).sum() / inside.sum())
-
-
-def runs(rng: np.random.Generator) -> tuple[NDArray[np.int64], Floats]:
-    """Categories and outcomes of all cells of all runs, (RUNS, GROUP); those of one run share their luck."""
-    kinds = rng.choice(len(CHANCE), size=(RUNS, GROUP), p=CHANCE)
-    luck = (rng.random((RUNS, 1)) + 0.5 * rng.random((RUNS, GROUP))) % 1.0
-    chance = np.stack([extruded_given(i)[kinds[:, i]] for i in range(GROUP)], axis=1)
-    return kinds, (luck < chance).astype(float)
-
-
-def by_counting() -> tuple[Floats, Floats]:
-    """(4.9) and (4.11) for the first cell, from all equally likely outcomes: ten of a category, twenty of luck."""
-    kinds, luck = np.meshgrid(np.repeat(np.arange(3), (10 * CHANCE).round().astype(int)), np.arange(20))
-    extruded = luck < (20 * extruded_given(0)).round()[kinds]
-    inside = [kinds == k for k in range(3)]
-    joint = [(extruded & here).sum() / kinds.size / (here.sum() / kinds.size) for here in inside]
-    means = [(extruded * here).mean() / here.mean() for here in inside]
-    return np.array(joint), np.array(means)
-
-
-@claim(
+# Chances a of an extruded cell in a category and b of another cell in it; a1, a2 of two cells of a group.
+_conditional = argument(
     "c4.conditional",
+    "(4.9), (4.11), (4.12); (4.10), Remark 4.1",
+    "E[δ_i | T_i ∈ D_k] ≈ Σ_ℓ δ_i(ω_ℓ) 1_{D_k}(T_i(ω_ℓ)) / Σ_ℓ 1_{D_k}(T_i(ω_ℓ))",
     "The ratio of chances is the conditional expectation, and the ratio of sums over runs tends to it.",
-    "(4.9), (4.11), (4.12)",
-    Verdict.NOT_REFUTED,
-    tried_on="a model with three categories and known chances",
+    vanishes(
+        n * a / (n * (a + b)) - a / (a + b),
+        n * a / n - a / (a + b),
+        "(4.9) is E[δ_i 1_k]/P[T_i ∈ D_k], the conditional expectation (4.11), to which (4.12) tends",
+        "without the chance of the category",
+    ),
+    vanishes(
+        (first / p + second / p) / 2 - (first + second) / (2 * p),
+        (first / p + second / (p + d)) / 2 - (first + second) / (2 * p + d),
+        "the mean (4.10) over the cells of a group is A/B, the ratio over all cells of the category",
+        "cells whose times have other chances",
+    ),
+    also=("c4.average",),
+    chosen="sums over runs are near n times the chances: the law of large numbers",
 )
-def _conditional() -> Evidence:
-    exact = extruded_given(0)
-    formula = max(float(np.abs(each - exact).max()) for each in by_counting())
-    kinds, hits = runs(np.random.default_rng(SEED))
-    worst = 0.0
-    for k, wanted in enumerate(exact):
-        inside = kinds[:, 0] == k
-        error = np.sqrt(wanted * (1 - wanted) / inside.sum())
-        worst = max(worst, abs(estimate(hits[:, 0], inside) - wanted) / error)
-    return Evidence(
-        printed=(
-            at_most("(4.9) and (4.11) minus the chance of the model", formula, 0.0, ROUNDING),
-            at_most(f"(4.12) by {RUNS} runs minus the chance [standard errors]", worst, ERRORS),
-        ),
-        seed=SEED,
-    )
 
-
-@claim(
-    "c4.average",
-    "The mean over the cells of a group and the ratio over all cells of a category estimate one number.",
-    "(4.10), Remark 4.1",
-    Verdict.NOT_REFUTED,
-    rests_on=("c4.conditional",),
-    tried_on="a model with three categories and known chances, whose cells differ by place and share their luck",
-)
-def _average() -> Evidence:
-    """The cells of a run depend on each other: errors by the scatter of ten parts of the runs."""
-    kinds, hits = runs(np.random.default_rng(SEED))
-    worst = 0.0
-    for k in range(len(CHANCE)):
-        apart = []
-        for part in np.split(np.arange(RUNS), 40):
-            inside = kinds[part] == k
-            each = [estimate(hits[part, i], inside[:, i]) for i in range(GROUP)]
-            apart.append(np.mean(each) - estimate(hits[part], inside))
-        worst = max(worst, abs(np.mean(apart)) / (np.std(apart, ddof=1) / np.sqrt(len(apart))))
-    return Evidence(
-        printed=(at_most("(4.10) by (4.12) minus A/B [standard errors]", float(worst), ERRORS),),
-        seed=SEED,
-    )
-
-
-@claim(
+# e = E[delta_i 1_{D_k}(T_i)] of a cell with P[T_i in D_k] = p, or p + d, in a category with P[D_k] = p.
+_total = identity(
     "c4.total",
-    "With equally distributed event times the ratios of the categories, weighted by their chances, make up the ratio "
-    "of extruded cells.",
     "(4.7), (4.10)",
-    Verdict.PROVED,
+    "r*(D_k) := 1/N^EMT Σ_i E[δ_i* | T_i ∈ D_k]",
+    "Weighted by the chances of the categories their ratios make up the ratio of extruded cells, Σ_k P[D_k] r(D_k) = "
+    "r.",
+    right=p * e / p - e,
+    wrong=p * e / (p + d) - e,
     rests_on=("c4.conditional",),
 )
-def _total() -> Evidence:
-    """e = E[delta_i 1_{D_k}(T_i)] of a cell with P[T_i in D_k] = p + d in a category with P[D_k] = p, d = 0."""
-    e, p, d = library().symbols("e p d", positive=True)
-    return proved(
-        identity(
-            "P[D_k] E[δ_i 1_k]/P[T_i ∈ D_k] = E[δ_i 1_k] for each cell and category, so "
-            "Σ_k P[D_k] r(D_k) = 1/N Σ_i Σ_k E[δ_i 1_k] = 1/N Σ_i E[δ_i] = r",
-            lambda s: p * e / (p + (1 - s) * d) - e,
-            "cells whose times have other chances",
-        )
-    )

@@ -6,13 +6,14 @@ import math
 
 from tissue.statistics.comparisons import Difference
 from tissue.statistics.ratios import Ratio, as_ratio
-from verification.claims import Comparison, Evidence, Tables, Verdict
+from verification.claims import Comparison, Evidence, Tables, Verdict, claim
 from verification.thesis.chapter4.frequencies import (
     ALIKE,
     CLAIM_LEVEL,
     CONDITIONAL,
     KINDS,
     PERCENT,
+    RANKING,
     RATIOS,
     Sized,
     alike,
@@ -24,9 +25,8 @@ from verification.thesis.chapter4.frequencies import (
     runs_by_width,
     share,
 )
-from verification.thesis.chapter4.questions import RANKING, onset_first
+from verification.thesis.chapter4.questions import onset_first
 from verification.thesis.chapter4.studies import PRESETS
-from verification.thesis.text.quoted import claim
 
 # The middle row of Table 5, whose cells Figure 22 shows.
 MIDDLE = "table5_35"
@@ -56,9 +56,16 @@ def early_minus_late(tables: Tables, preset: str, event: str) -> list[tuple[str,
 
 @claim(
     "c4.timing",
-    "In a mixed group early [A] extrudes more cells than late [A]; early and late [B] are alike, "
-    "and so are early and late [P].",
-    "section 4.5.3, Figure 20",
+    (
+        "In a mixed group early [A] extrudes more cells than late [A]; early and late [B] are alike, and so are early "
+        "and late [P]."
+    ),
+    source="section 4.5.3, Figure 20; introduction, Part II",
+    also=("c0.timing",),
+    quote=(
+        "the basal extrusion ratios are independent of the timing of [B] and [P] … there is some trend concerning [A],"
+        " preferring earlier timings"
+    ),
     needs=(CONDITIONAL,),
     rests_on=("c4.figure-20",),
     chosen=f"the group '35 % [P]', [A] and [B] of cells without [P]; alike: within {ALIKE:.0%} of the cells",
@@ -76,7 +83,8 @@ def _timing(tables: Tables) -> Evidence:
 @claim(
     "c4.onset-over-timing",
     "Basal extrusion of cells without [P] depends more on where than on when EMT begins.",
-    "section 4.6, Figures 20, 21",
+    source="section 4.6, Figures 20, 21",
+    quote="Comparing Figure 21 and Figure 20 … basal positioning has more impact on basal extrusion than the timing",
     needs=(CONDITIONAL,),
     chosen="the group '35 % [P]'",
 )
@@ -102,7 +110,8 @@ def _onset_lead(tables: Tables, preset: str, inm: str, given: str) -> Sized:
 @claim(
     "c4.predictor",
     "Beside protrusions nothing tells more about basal extrusion than the position at the onset.",
-    "section 4.6",
+    source="section 4.6",
+    quote="basal positioning is for cells without protrusive activities the best predictor of basal extrusion",
     needs=(RANKING,),
     chosen="the group '35 % [P]', all cells; what a factor tells: the loss of a classifier without it",
 )
@@ -113,8 +122,9 @@ def _predictor(tables: Tables) -> Evidence:
 @claim(
     "c4.most-basal",
     "Seven or eight of ten cells without [P] and without INM that begin EMT in the lowest fifth leave basally.",
-    "section 4.6, Figure 21",
-    Verdict.OPEN,
+    source="section 4.6, Figure 21",
+    quote="EMT cells which are in the most basal 20% of the tissue do exit basally with rates between 70 % up to 80 %.",
+    recorded=Verdict.OPEN,
     needs=(CONDITIONAL, RATIOS),
     chosen="the group '7 % [P]', in which the rates are highest",
 )
@@ -135,7 +145,8 @@ def _most_basal(tables: Tables) -> Evidence:
 @claim(
     "c4.lower-half",
     "More than half of the basally extruded cells without INM began EMT at a position below 1/2.",
-    "Figure 22",
+    source="Figure 22",
+    quote="Most cells which extrude basally start EMT from the lower half of the tissue.",
     needs=(CONDITIONAL,),
     chosen="cells without [P], as the figure shows",
 )

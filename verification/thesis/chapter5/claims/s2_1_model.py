@@ -1,5 +1,4 @@
 """Chapter 5, section 2.1: the particle model and its Lagrangian."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
@@ -7,12 +6,17 @@ from typing import Any
 
 import numpy as np
 
-from verification.claims import Evidence, Verdict, at_least, at_most, proved, put_right
-from verification.formal.algebra import identity, library, matrices
-from verification.formal.reals import implication
-from verification.thesis.chapter5.general import even, pair_force, particle
-from verification.thesis.chapter5.instant import TOL, WRONG, Floats, System, general_instant, instant, pulls
-from verification.thesis.text.quoted import claim
+from verification.claims import Correction, Effect, Evidence, at_least, at_most, claim
+from verification.formal.algebra import library, matrices, vanishes
+from verification.formal.reals import follows, reals
+from verification.formal.stated import argument, identity
+from verification.thesis.chapter5 import general as of
+from verification.thesis.chapter5.instant import TOL, WRONG, Floats, general_instant, instant, pulls
+
+sp = library()
+t, n, m, level, p, q = sp.symbols("t N m lambda p q")
+x, z, y = (sp.Function(name)(t) for name in "xzy")
+w, even = sp.Function("w"), of.even("w")
 
 
 def odd(r: Floats) -> Floats:
@@ -23,8 +27,15 @@ def odd(r: Floats) -> Floats:
 @claim(
     "c5.non-interacting",
     "The particles exert no forces on each other.",
-    "section 2.1",
-    Verdict.CORRECTED,
+    source="section 2.1",
+    quote="N identical, non-interacting, microscopic particles",
+    correction=Correction(
+        "the particles interact by K of (5.4); only their velocities (5.11b) do not depend on each other",
+        Effect.MODEL,
+        "(5.6a), (5.14), (5.41b), and the conclusion, which lists such forces as a further extension",
+        why="(5.4) and (5.6a), which follow, have a force K between each two particles",
+        place=3155,
+    ),
     rests_on=("c5.equations",),
 )
 def _non_interacting() -> Evidence:
@@ -42,150 +53,96 @@ def _non_interacting() -> Evidence:
     )
 
 
-@claim(
-    "c5.pair-force",
-    "The force of a pair is the negative slope of its potential energy.",
-    "(5.4)",
-    Verdict.PROVED,
-    rests_on=("c5.even-potential",),
-    chosen="the gradient of −V, as section 3.3 recalls it: −∇_{X_i} V(X_j − X_i); for the sign c5.pair-force-sign",
-)
-def _pair_force() -> Evidence:
-    return proved(
-        pair_force(
-            "N times the negative slope in X_i of the energy of a pair in (5.8) is K(X_k, X_i)/N, for every even 𝒱",
-            "−K for K",
-        )
-    )
+def sum_of_pulls(V: Any) -> Any:
+    """Return K(X, X') + K(X', X) of (5.4), one coordinate."""
+    return -V(z - x).diff(x) - V(x - z).diff(z)
 
 
-@claim(
+_even = identity(
     "c5.even-potential",
-    "The potential energy of a pair is odd: V(−X) = −V(X).",
     "after (5.4)",
-    Verdict.CORRECTED,
-    tried_on="one even potential",
-)
-def _even() -> Evidence:
-    """V(r) = sum of r^3 fulfils all that is printed, but K is not antisymmetric, against (A2a)."""
-    at = general_instant()
-
-    def lack(system: System) -> float:
-        found = pulls(system, at.X)
-        return float(np.abs(found + found.transpose(1, 0, 2)).max())
-
-    pairs = at.X[:, None] - at.X[None]
-    even = float(abs(at.system.V(pairs) - at.system.V(-pairs)).max())
-    return Evidence(
-        printed=(at_most("|K(X, X′) + K(X′, X)| for the odd V(r) = Σr³", lack(at.system._replace(V=odd)), 0.0, TOL),),
-        corrected=(
-            at_most("|K(X, X′) + K(X′, X)| for an even V", lack(at.system), 0.0, TOL),
-            at_most("|V(r) − V(−r)| of this V", even, 0.0, TOL),
+    "V(−X) = −V(X), ∇V(0) = 0 and V(0) = 0",
+    "The potential energy of a pair is odd: V(−X) = −V(X).",
+    right=sum_of_pulls(even),
+    wrong=sum_of_pulls(lambda r: w(r) - w(-r)),
+    correction=Correction(
+        "V(−X) = V(X)",
+        Effect.MODEL,
+        "(A2a), (5.52), conservation of energy: with an odd V all pairs cancel",
+        why=(
+            "the gradient of an odd function is even, so K would be symmetric, against (A2a); that of an even one is "
+            "odd"
         ),
-    )
+        place=3163,
+    ),
+)
+
+W0, W1, g = (sp.Function(name) for name in ("W0", "W1", "g"))
+LAGRANGIAN = y.diff(t) ** 2 / 2 - W0(y, q) - (even(z - x, p) + even(x - z, -p)) / (2 * n**2)
+LAGRANGIAN += (m * x.diff(t) ** 2 / 2 - W1(x, p) - level * g(x, p, y, q)) / n
 
 
-@claim("c5.lagrangian", "In the Lagrangian each multiplier is multiplied by g(X_j, y).", "(5.8)", Verdict.CORRECTED)
-def _lagrangian() -> Evidence:
-    """The slope in lambda at the start, where g has some value."""
-    return put_right(
-        identity(
-            "the slope of L in λ_j, −γ(g(X_j, y) − g(X_jⁱⁿⁱᵗ, yⁱⁿⁱᵗ)), vanishes at the start, and keeps g as "
-            "(5.6c) does",
-            lambda s, gamma, start: -gamma * (start - s * start),
-            "−γ g(X_j, y) vanishes at the start",
-            0,
-        )
-    )
+def accelerations(level: Any) -> list[Any]:
+    """Return what (5.6a), (5.6b) and the Euler-Lagrange equations differ by, for one coordinate x of X_i and one of y.
+
+    The other coordinates are p and q; sums over particles and components are linear.
+    """
+    of_x, of_y = (LAGRANGIAN.diff(of.diff(t)).diff(t) - LAGRANGIAN.diff(of) for of in (x, y))
+    first = m * x.diff(t, 2) + W1(x, p).diff(x) + even(z - x, p).diff(x) / n + level * g(x, p, y, q).diff(x)
+    second = y.diff(t, 2) + W0(y, q).diff(y) + level * g(x, p, y, q).diff(y) / n
+    return [n * of_x - first, of_y - second]
 
 
-@claim(
+_equations = identity(
     "c5.equations",
-    "The equations for the accelerations are those of the Lagrangian.",
     "(5.6a), (5.6b)",
-    Verdict.PROVED,
-    rests_on=("c5.lagrangian", "c5.even-potential", "c5.pair-force"),
+    "mẌ_i = F₁(X_i) + 1/N Σ_k K(X_k, X_i) − (∂_X g)ᵀλ_i, ÿ = F₀(y) − 1/N Σ_j (∂_y g)ᵀλ_j … Euler-Lagrange equations "
+    "for the choice α = β = γ = 1/N",
+    "The equations for the accelerations are those of the Lagrangian (5.8) with α = β = γ = 1/N, for every even 𝒱.",
+    right=accelerations(level),
+    wrong=accelerations(-level),
+    rests_on=("c5.even-potential",),
     chosen="an even 𝒱, as (A2a) needs it; for (5.6c) see c5.lagrangian",
 )
-def _equations() -> Evidence:
-    """One coordinate x of X_i and one of y, the others being p and q; sums over particles and components are linear."""
-    sp = library()
-    t, n, m, level, p, q = sp.symbols("t N m lambda p q")
-    x, z, y = (sp.Function(name)(t) for name in "xzy")
-    W0, W1, g, V = sp.Function("W0"), sp.Function("W1"), sp.Function("g"), even("w")
-    pairs = (V(z - x, p) + V(x - z, -p)) / (2 * n**2)
-    lagrangian = y.diff(t) ** 2 / 2 - W0(y, q) - pairs
-    lagrangian += (m * x.diff(t) ** 2 / 2 - W1(x, p) - level * g(x, p, y, q)) / n
 
-    def euler(of: Any) -> Any:
-        return lagrangian.diff(of.diff(t)).diff(t) - lagrangian.diff(of)
+a, b = sp.symbols("a b", real=True)
+# exp(X) in the complex plane: det of the derivative is exp(2 X1) > 0.
+plane = sp.Matrix([sp.exp(a) * sp.cos(b), sp.exp(a) * sp.sin(b)])
 
-    def residuals(s: Any) -> Any:
-        K = -V(z - x, p).diff(x) / n
-        first = m * x.diff(t, 2) + W1(x, p).diff(x) - K + s * level * g(x, p, y, q).diff(x)
-        return [
-            n * euler(x) - first,
-            euler(y) - y.diff(t, 2) - W0(y, q).diff(y) - s * level * g(x, p, y, q).diff(y) / n,
-        ]
-
-    return proved(
-        identity(
-            "the Euler-Lagrange equations of (5.8) with α = β = γ = 1/N are (5.6a) and (5.6b), each coordinate, any 𝒱 "
-            "that is even",
-            residuals,
-            "−λ for λ",
-        )
-    )
-
-
-@claim(
+_locally = identity(
     "c5.locally",
-    "With full rank, y determines each particle locally: along a motion, not among all positions.",
     "after (5.5)",
-    Verdict.PROVED_INSTANCE,
+    "This implies that the state of the macroscopic component determines locally the position of all particles",
+    "With full rank, y determines each particle along a motion, not among all positions: X and X + (0, 2π) have one "
+    "level.",
+    right=[plane.jacobian([a, b]).det() - sp.exp(2 * a), *(plane.subs(b, b + 2 * sp.pi) - plane)],
+    wrong=[*(plane.subs(b, b + 3 * sp.pi) - plane)],
     tried_on="g = exp(X) − y in the complex plane",
 )
-def _locally() -> Evidence:
-    """Full rank everywhere, and two positions of one level."""
-    sp = library()
-    a, b = sp.symbols("a b", real=True)
-    g = sp.Matrix([sp.exp(a) * sp.cos(b), sp.exp(a) * sp.sin(b)])
-    return proved(
-        identity(
-            "g = exp(X₁)(cos X₂, sin X₂) − y has det ∂_X g = exp(2X₁) > 0, so X follows y; X and X + (0, 2π) have "
-            "one level",
-            lambda s: [g.jacobian([a, b]).det() - sp.exp(2 * a), *(g.subs(b, b + (1 + s) * sp.pi) - g)],
-            "X and X + (0, 3π)",
-            2,
-        )
-    )
 
+# A solution of the homogeneous equations for X'', y'' and lambda_i, tested with itself.
+A, AT, aT, push = matrices("A AT aT lambda")
+TESTED = AT * (of.m * A + of.GT * push) - of.m * AT * A - (AT * of.GT + aT * of.BT) * push
+mass, A2, a2 = reals("m A2 a2")
 
-@claim(
+_initial_multipliers = argument(
     "c5.initial-multipliers",
-    "Positions and the velocity of the macroscopic component fix the multipliers at the start.",
     "after (5.7)",
-    Verdict.PROVED,
+    "the Lagrangian multipliers for (5.6c), and their initial value is determined implicitly by the system",
+    "Positions and the velocity of the macroscopic component fix the multipliers at the start.",
+    vanishes(
+        TESTED + aT * (of.a + of.BT * push) - aT * of.a,
+        TESTED + aT * (of.a - of.BT * push) - aT * of.a,
+        "of a solution of the homogeneous equations for Ẍ_i, ÿ, λ_i the sum m|Ẍ_i|² + |ÿ|² is −λ_i·(∂_X g Ẍ_i + ∂_y g "
+        "ÿ)",
+        "−λ_i in the equation of y",
+    ),
+    follows(
+        [mass > 0, A2 >= 0, a2 >= 0, mass * A2 + a2 == 0],
+        [A2 == 0, a2 == 0],
+        ([mass > 0, A2 >= 0, a2 >= 0, mass * A2 - a2 == 0], A2 == 0),
+        "as that is 0, Ẍ_i = 0, ÿ = 0 and, ∂_X g having full rank, λ_i = 0: there is one solution",
+        "m|Ẍ_i|² − |ÿ|² = 0",
+    ),
     rests_on=("c5.equations",),
 )
-def _initial_multipliers() -> Evidence:
-    """The homogeneous equations of accelerations and multipliers, tested with their own solution."""
-    p, (A, AT, aT, level) = particle(), matrices("A AT aT lambda")
-
-    def tested(s: Any) -> Any:
-        first, second = p.m * A + p.GT * level, p.a + s * p.BT * level
-        return AT * first + aT * second - (p.m * AT * A + aT * p.a) - (AT * p.GT + aT * p.BT) * level
-
-    return proved(
-        identity(
-            "of a solution of the homogeneous equations for Ẍ_i, ÿ, λ_i the sum m|Ẍ_i|² + |ÿ|² is −λ_i·(∂_X g Ẍ_i "
-            "+ ∂_y g ÿ)",
-            tested,
-            "−λ_i in the equation of y",
-        ),
-        implication(
-            "as that is 0, Ẍ_i = 0, ÿ = 0 and, ∂_X g having full rank, λ_i = 0: there is one solution",
-            lambda s, m, A2, a2: ([m > 0, A2 >= 0, a2 >= 0, m * A2 + s * a2 == 0], [A2 == 0, a2 == 0]),
-            "m|Ẍ_i|² − |ÿ|² = 0",
-        ),
-    )

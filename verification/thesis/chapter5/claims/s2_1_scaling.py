@@ -1,17 +1,14 @@
 """Chapter 5, section 2.1: the factors of the Lagrangian (5.8)."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
-from verification.claims import Evidence, Verdict, at_least, equal, proved
-from verification.formal.algebra import identity, library
-from verification.thesis.chapter5.general import multiplier, particle
-from verification.thesis.chapter5.instant import TOL, Floats, System, force1, general_instant, instant, kernel
-from verification.thesis.text.quoted import claim
+from verification.claims import Evidence, at_least, claim, equal
+from verification.formal.algebra import library, vanishes
+from verification.formal.stated import argument
+from verification.thesis.chapter5.general import BT, GT, multiplier
+from verification.thesis.chapter5.instant import Floats, force1, general_instant, kernel
 
 # The limit is an integral, which sums of 16 terms find to less than this.
 SUMMED = 0.01
@@ -20,8 +17,8 @@ SUMMED = 0.01
 @claim(
     "c5.interaction-scaling",
     "With β = 1/N the interaction keeps its share in the force on a particle as N grows.",
-    "section 2.1",
-    Verdict.NOT_REFUTED,
+    source="section 2.1",
+    quote="The choice β ~ 1/N … keeps the relative influence of the interaction forces constant",
     rests_on=("c5.equations",),
     tried_on="16 and 1024 particles spread evenly over |X| ≤ 1, 𝒱(r) = √(1 + r²), W₁ = √(1 + X²), the force at X = 2",
 )
@@ -45,76 +42,33 @@ def _beta() -> Evidence:
     )
 
 
-@claim(
+# c particles at each of N places: alpha m A = alpha f - gamma G^T lambda, and y feels gamma sum B^T lambda.
+c, n, share, gamma = library().symbols("c N alpha gamma", positive=True)
+
+_alpha = argument(
     "c5.scaling",
-    "With 1/N before the particles' part of the Lagrangian their influence and multipliers stay bounded.",
     "section 2.1",
-    Verdict.PROVED,
+    "With the choice α ~ 1/N the influence of the particles on the macroscopic component remains of order 1 in the "
+    "limit … to ensure that also λ₁, …, λ_N are of order 1. Therefore, we pick γ ~ 1/N",
+    "With 1/N before the particles' part of the Lagrangian their influence and multipliers stay bounded.",
+    vanishes(
+        (1 / (c * n)) / (1 / (c * n)) * multiplier - (1 / n) / (1 / n) * multiplier,
+        1 / (c * n) * multiplier - 1 / n * multiplier,
+        "with α = γ = 1/N the multipliers λ_i = (α/γ)(∂_X g)⁻ᵀ(f_i − mẌ_i) are the same for cN particles",
+        "γ = 1",
+    ),
+    vanishes(
+        (c * n / (c * n) - n / n) * BT * multiplier,
+        (c * n - n) * BT * multiplier,
+        "and so is what y feels of them, α Σ (∂_y g)ᵀ(∂_X g)⁻ᵀ(f_i − mẌ_i)",
+        "α = 1",
+    ),
+    vanishes(
+        [(gamma * part * share / gamma * multiplier).diff(gamma) for part in (GT, BT)],
+        (gamma * GT * share * gamma * multiplier).diff(gamma),
+        "the constraint forces γ(∂_X g)ᵀλ_i, γ(∂_y g)ᵀλ_i do not depend on γ",
+        "λ_i ~ γ",
+    ),
+    also=("c5.total-mass", "c5.gamma"),
     rests_on=("c5.equations", "c5.acceleration"),
 )
-def _alpha() -> Evidence:
-    """c particles at each of N places: alpha m A = alpha f - gamma G^T lambda, and y feels gamma sum B^T lambda."""
-    sp = library()
-    p, (c, n) = particle(), sp.symbols("c N", positive=True)
-
-    def multipliers(count: Any, power: Any) -> Any:
-        return (1 / count) / count**-power * multiplier(p)
-
-    return proved(
-        identity(
-            "with α = γ = 1/N the multipliers λ_i = (α/γ)(∂_X g)⁻ᵀ(f_i − mẌ_i) are the same for cN particles",
-            lambda s: multipliers(c * n, s) - multipliers(n, s),
-            "γ = 1",
-            0,
-        ),
-        identity(
-            "and so is what y feels of them, α Σ (∂_y g)ᵀ(∂_X g)⁻ᵀ(f_i − mẌ_i)",
-            lambda s: (c * n * (c * n) ** -s - n * n**-s) * p.BT * multiplier(p),
-            "α = 1",
-            0,
-        ),
-    )
-
-
-def inertia(count: int) -> float:
-    """Return the mass that particles on g = X - y add to y: the force 1 on y over its acceleration, less 1."""
-    system = System(0.7, lambda X, y: X - y, lambda y: -y.sum(), lambda X: 0 * X[..., 0], lambda r: 0 * r[..., 0])
-    at = instant(system, np.linspace(-1.0, 2.0, count)[:, None], np.array([0.3]), np.array([0.2]))
-    return 1 / at.a.item() - 1
-
-
-@claim(
-    "c5.total-mass",
-    "With α = 1/N all particles together weigh m, however many they are.",
-    "section 2.1",
-    Verdict.NOT_REFUTED,
-    rests_on=("c5.equations",),
-    tried_on="1, 8 and 64 particles that move as y does, g = X − y",
-)
-def _total_mass() -> Evidence:
-    """The mass is measured: a force on y and the acceleration that follows from the Lagrangian."""
-    return Evidence(
-        printed=tuple(
-            equal(f"mass that {count} particles of m = 0.7 add to y", inertia(count), 0.7, TOL) for count in (1, 8, 64)
-        )
-    )
-
-
-@claim(
-    "c5.gamma",
-    "The factor before the constraints changes only the multipliers.",
-    "section 2.1",
-    Verdict.PROVED,
-    rests_on=("c5.equations",),
-)
-def _gamma() -> Evidence:
-    """The equations of motion contain gamma lambda only."""
-    p, (share, gamma) = particle(), library().symbols("alpha gamma", positive=True)
-    level = share / gamma * multiplier(p)
-    return proved(
-        identity(
-            "λ_i = (α/γ)(∂_X g)⁻ᵀ(f_i − mẌ_i): the constraint forces γ(∂_X g)ᵀλ_i, γ(∂_y g)ᵀλ_i do not depend on γ",
-            lambda s: [(gamma * part * level.subs(gamma, gamma**s)).diff(gamma) for part in (p.GT, p.BT)],
-            "λ_i ~ γ",
-        )
-    )

@@ -1,5 +1,4 @@
 """Chapter 5, section 2.3: the tissue element (Example 5.4), and what the examples model."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
@@ -8,132 +7,125 @@ from typing import Any
 
 import numpy as np
 
-from verification.claims import Evidence, Verdict, at_most, proved, put_right
-from verification.formal.algebra import identity, library, matrices
+from verification.claims import Correction, Effect, Evidence, at_most, claim
+from verification.formal.algebra import library, matrices, vanishes
+from verification.formal.stated import argument, identity
 from verification.thesis.chapter5.instant import TOL, omega, phi, with_springs
-from verification.thesis.text.quoted import claim
+
+sp = library()
+t, p, q, f1, f2 = sp.symbols("t p q f1 f2")
+stretch, thinner, w, turn = sp.symbols("a b w u", positive=True)
+y3, v3, z3 = (sp.Matrix(sp.symbols(f"{name}:3")) for name in "yvz")
+X2, Z2, S2 = (sp.Matrix(sp.symbols(f"{name}:2")) for name in "XZx")
+H, K = sp.Matrix(2, 2, sp.symbols("h:4")), sp.Matrix(2, 3, sp.symbols("k:6"))
 
 # y and its velocity.
 ONE = np.array([1.4]), np.array([0.6])
 SEED = 19
 
+F, place = matrices("F X")
 
-def symbolic_deformation(y: Any) -> Any:
-    """Return F(y) of Example 5.4 for symbols."""
-    return library().Matrix([[y[0], y[2]], [y[2], y[1]]])
-
-
-@claim(
+_level = identity(
     "c5.initial-level",
-    "The constraint is F(y)⁻¹X_i = F(yⁱⁿⁱᵗ)X_iⁱⁿⁱᵗ: cross-bridges keep their place in the undeformed tissue.",
     "(5.19)",
-    Verdict.CORRECTED,
+    "F(y)⁻¹ X_i = F(yⁱⁿⁱᵗ) X_iⁱⁿⁱᵗ",
+    "The constraint is F(y)⁻¹X_i = F(yⁱⁿⁱᵗ)X_iⁱⁿⁱᵗ: cross-bridges keep their place in the undeformed tissue.",
+    right=F**-1 * place - F**-1 * place,
+    wrong=F**-1 * place - F * place,
+    correction=Correction(
+        "F(y)⁻¹ X_i = F(yⁱⁿⁱᵗ)⁻¹ X_iⁱⁿⁱᵗ",
+        Effect.MODEL,
+        "(5.20) and (5.32), which have it right",
+        why="at t = 0 both sides must agree for all X_iⁱⁿⁱᵗ; (5.32) has the inverse",
+        place=3294,
+    ),
 )
-def _level() -> Evidence:
-    """At the start y = y_init and X = X_init."""
-    return put_right(
-        identity(
-            "F(y)⁻¹X = F(yⁱⁿⁱᵗ)⁻¹Xⁱⁿⁱᵗ holds at the start",
-            lambda s, F, X: F**-1 * X - F**-s * X,
-            "F(y)⁻¹X = F(yⁱⁿⁱᵗ)Xⁱⁿⁱᵗ holds at the start",
-            words=True,
-        )
-    )
 
 
-@claim(
+def flow(g: Any) -> Any:
+    """Return Phi[v] of a constraint."""
+    return -g.jacobian(X2).inv() * g.jacobian(y3) * v3
+
+
+def F_of(y: Any) -> Any:
+    """Return F(y) of Example 5.4, which is linear in y."""
+    return sp.Matrix([[y[0], y[2]], [y[2], y[1]]])
+
+
+SHEAR = flow(F_of(y3).inv() * X2)
+CARRIED = F_of(y3) * F_of(z3).inv() * S2
+
+_shear_flow = identity(
     "c5.shear-flow",
-    "In a tissue element a cross-bridge has the velocity F(ẏ)F(y)⁻¹X_i = F(ẏ)F(yⁱⁿⁱᵗ)⁻¹X_iⁱⁿⁱᵗ.",
     "(5.33), (5.34)",
-    Verdict.PROVED,
-    rests_on=("c5.velocity", "c5.tissue-level"),
+    "Ẋ_i = F(ẏ)F(y)⁻¹X_i = F(ẏ)F(yⁱⁿⁱᵗ)⁻¹X_iⁱⁿⁱᵗ",
+    "In a tissue element a cross-bridge has the velocity F(ẏ)F(y)⁻¹X_i = F(ẏ)F(yⁱⁿⁱᵗ)⁻¹X_iⁱⁿⁱᵗ.",
+    right=[
+        SHEAR - F_of(v3) * F_of(y3).inv() * X2,
+        (F_of(v3) * F_of(y3).inv() * X2).subs(dict(zip(X2, CARRIED, strict=True))) - F_of(v3) * F_of(z3).inv() * S2,
+    ],
+    wrong=SHEAR + F_of(v3) * F_of(y3).inv() * X2,
+    rests_on=("c5.derivation-constraint",),
 )
-def _shear_flow() -> Evidence:
-    """F(y) is linear in y; X = F(y) F(y_init)^-1 X_init."""
-    sp = library()
-    y, v, y0, X0 = (sp.Matrix(sp.symbols(f"{name}:3")) for name in ("y", "v", "z", "x"))
-    X0 = X0[:2, :]
-    X = sp.Matrix(sp.symbols("X:2"))
-    g = symbolic_deformation(y).inv() * X
-    U = -g.jacobian(X).inv() * g.jacobian(y) * v
 
-    def residuals(s: Any) -> Any:
-        carried = symbolic_deformation(y) * symbolic_deformation(y0).inv() * X0
-        first = symbolic_deformation(v) * symbolic_deformation(y).inv() * X
-        return [
-            U - s * first,
-            first.subs(dict(zip(X, carried, strict=True)))
-            - symbolic_deformation(v) * symbolic_deformation(y0).inv() * X0,
-        ]
+# A density that is carried along keeps f det F(y); its rate at a fixed point, by the product rule.
+path = sp.Matrix([sp.Function(f"y{k}")(t) for k in range(3)])
+rate, f = F_of(path.diff(t)) * F_of(path).inv(), sp.Function("f")(p, q)
+u = rate * sp.Matrix([p, q])
+DIVERGENCE = (f * u[0]).diff(p) + (f * u[1]).diff(q) - f * rate.trace()
 
-    return proved(
-        identity("Φ[ẏ] = F(ẏ)F(y)⁻¹X = F(ẏ)F(yⁱⁿⁱᵗ)⁻¹Xⁱⁿⁱᵗ for all y, ẏ, X of Example 5.4", residuals, "−F(ẏ)")
-    )
-
-
-@claim(
+_shear_transport = argument(
     "c5.shear-transport",
-    "In a tissue element the density of cross-bridges is carried, and thinned where volume grows.",
     "(5.35), (5.36)",
-    Verdict.PROVED,
+    "∂_t f = −div_x(f F(ẏ)F(y)⁻¹x) = −f tr(F(ẏ)F(y)⁻¹) − ∂_x f F(ẏ)F(y)⁻¹x",
+    "In a tissue element the density of cross-bridges is carried, and thinned where volume grows.",
+    vanishes(
+        F_of(path).det().diff(t) - F_of(path).det() * rate.trace(),
+        F_of(path).det().diff(t) + F_of(path).det() * rate.trace(),
+        "d/dt det F(y) = det F(y) tr(F(ẏ)F(y)⁻¹): volumes grow at the rate tr(F(ẏ)F(y)⁻¹)",
+        "−tr",
+    ),
+    vanishes(
+        DIVERGENCE - f.diff(p) * u[0] - f.diff(q) * u[1],
+        DIVERGENCE + f.diff(p) * u[0] + f.diff(q) * u[1],
+        "div(f F(ẏ)F(y)⁻¹x) = f tr(F(ẏ)F(y)⁻¹) + ∂_x f F(ẏ)F(y)⁻¹x for every f",
+        "−∂_x f",
+    ),
     rests_on=("c5.shear-flow", "c5.transport"),
     chosen="f(x, t) on the right side, too, see c5.density-time",
 )
-def _shear_transport() -> Evidence:
-    """A density that is carried along keeps f det F(y); its rate at a fixed point, by the product rule."""
-    sp = library()
-    t, a, b = sp.symbols("t a b")
-    y = sp.Matrix([sp.Function(f"y{k}")(t) for k in range(3)])
-    F = symbolic_deformation(y)
-    A, f, x = symbolic_deformation(y.diff(t)) * F.inv(), sp.Function("f")(a, b), sp.Matrix([a, b])
-    flow = A * x
 
-    def printed(s: Any) -> Any:
-        return f * A.trace() + s * (f.diff(a) * flow[0] + f.diff(b) * flow[1])
+axes = sp.Matrix([[sp.cos(turn), -sp.sin(turn)], [sp.sin(turn), sp.cos(turn)]])
+bridge = axes * sp.diag(stretch, thinner) * sp.Matrix([sp.cos(w), sp.sin(w)])
+LENGTH, SINE = bridge.dot(bridge) - stretch**2, (stretch**2 - thinner**2) * sp.sin(w) ** 2
 
-    return proved(
-        identity(
-            "d/dt det F(y) = det F(y) tr(F(ẏ)F(y)⁻¹): volumes grow at the rate tr(F(ẏ)F(y)⁻¹)",
-            lambda s: F.det().diff(t) - s * F.det() * A.trace(),
-            "−tr",
-        ),
-        identity(
-            "div(f F(ẏ)F(y)⁻¹x) = f tr(F(ẏ)F(y)⁻¹) + ∂_x f F(ẏ)F(y)⁻¹x for every f",
-            lambda s: (f * flow[0]).diff(a) + (f * flow[1]).diff(b) - printed(s),
-            "−∂_x f",
-        ),
-    )
-
-
-@claim(
+_aligned = identity(
     "c5.aligned",
-    "Under shear, the stretch of a cross-bridge depends on its direction.",
     "Figure 2",
-    Verdict.PROVED,
-    rests_on=("c5.tissue-level",),
+    "cross-bridges which align with the directions of maximal deformation of the muscle are more extended than "
+    "cross-bridges which are orthogonal",
+    "Under stretches a > b |F X|² = a² − (a² − b²) sin²w for a cross-bridge of length 1 at the angle w to the axis of "
+    "a.",
+    right=LENGTH + SINE,
+    wrong=LENGTH - SINE,
 )
-def _aligned() -> Evidence:
-    """F(y) in its axes, with the stretches a > b, and a cross-bridge of length 1 at the angle w to the first axis."""
-    sp = library()
-    a, b, w, turn = sp.symbols("a b w u", positive=True)
-    axes = sp.Matrix([[sp.cos(turn), -sp.sin(turn)], [sp.sin(turn), sp.cos(turn)]])
-    F = axes * sp.diag(a, b) * axes.T
-    X = axes * sp.Matrix([sp.cos(w), sp.sin(w)])
-    return proved(
-        identity(
-            "for every symmetric F(y) with stretches a, b |F X|² = a² − (a² − b²) sin²w at the angle w to the "
-            "axis of a",
-            lambda s: (F * X).dot(F * X) - a**2 + s * (a**2 - b**2) * sp.sin(w) ** 2,
-            "+(a² − b²)",
-        )
-    )
 
 
 @claim(
     "c5.in-class",
     "The straight fibre is an instance of the systems that the theorems are about.",
-    "section 2.3",
-    Verdict.CORRECTED,
+    source="section 2.3",
+    quote="To motivate the class of systems, we give a few examples",
+    correction=Correction(
+        (
+            "Examples 5.2 and 5.4 are of the class only where X and the inverse of F(y) are bounded: in Example 5.2 "
+            "where |X| ≤ R and y ≥ y_min > 0"
+        ),
+        Effect.CONCLUSION,
+        "Theorems 5.9, 5.12 and 5.16 do not apply to Examples 5.2 and 5.4 as they stand",
+        why="(5.5) and (A3) to (A5) are asked for all X and y, but X/y has no value at y = 0, and Φ = X/y has no bound",
+        place=3284,
+    ),
     tried_on="Example 5.2, |X| ≤ 2, y ≥ 0.5",
 )
 def _in_class() -> Evidence:
@@ -161,61 +153,16 @@ def _in_class() -> Evidence:
     )
 
 
-@claim(
-    "c5.position",
-    "The deformed cross-bridge depends on its vector only, not on its place.",
-    "section 2.3",
-    Verdict.PROVED,
-)
-def _position() -> Evidence:
-    F, p, X = matrices("F p X")
-    return proved(
-        identity(
-            "F(p + X) − Fp = FX for every place p", lambda s: F * (p + X) - F * (s * p) - F * X, "F(p + X) + Fp = FX"
-        )
-    )
+SHIFT = flow(H * X2 + K * y3)
+OTHER = dict(zip(X2, Z2, strict=True))
 
-
-@claim(
+_nonlinear = identity(
     "c5.needs-nonlinear",
-    "With linear constraints all directions are shifted alike.",
     "before Example 5.4",
-    Verdict.PROVED,
-    rests_on=("c5.velocity", "c5.aligned"),
+    "the deformation of cross-bridges is larger if they align with the axis … such dynamics require nonlinear "
+    "constraints",
+    "With linear constraints HX + Ky all directions are shifted alike: Φ[ẏ] is the same for all X.",
+    right=SHIFT - SHIFT.subs(OTHER),
+    wrong=SHEAR - SHEAR.subs(OTHER),
+    rests_on=("c5.derivation-constraint", "c5.aligned"),
 )
-def _nonlinear() -> Evidence:
-    """Phi[v] at two positions: for any linear constraint H X + K y, and for Example 5.4."""
-    sp = library()
-    X, Z, y, v = (sp.Matrix(sp.symbols(f"{name}:{size}")) for name, size in (("X", 2), ("Z", 2), ("y", 3), ("v", 3)))
-    H, K = sp.Matrix(2, 2, sp.symbols("h:4")), sp.Matrix(2, 3, sp.symbols("k:6"))
-
-    def apart(s: Any) -> Any:
-        g = H * X + K * y if s == 1 else symbolic_deformation(y).inv() * X
-        U = -g.jacobian(X).inv() * g.jacobian(y) * v
-        return U - U.subs(dict(zip(X, Z, strict=True)))
-
-    return proved(
-        identity(
-            "for every linear constraint HX + Ky Φ[ẏ] is the same for all X, so all directions are shifted alike",
-            apart,
-            "the same for Example 5.4",
-        )
-    )
-
-
-@claim(
-    "c5.tissue-level",
-    "The constraint carries each cross-bridge with the deformation gradient.",
-    "(5.32)",
-    Verdict.PROVED,
-    rests_on=("c5.initial-level",),
-)
-def _deforms_like_tissue() -> Evidence:
-    F, start, X = matrices("F F0 X")
-    return proved(
-        identity(
-            "F(y)⁻¹X keeps its value at X = F(y)F(yⁱⁿⁱᵗ)⁻¹Xⁱⁿⁱᵗ for all y: cross-bridges deform as the tissue",
-            lambda s: F**-1 * (F**s * start**-1 * X) - start**-1 * X,
-            "F(y)⁻¹F(yⁱⁿⁱᵗ)⁻¹Xⁱⁿⁱᵗ",
-        )
-    )

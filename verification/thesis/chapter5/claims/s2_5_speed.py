@@ -1,5 +1,4 @@
 """Chapter 5, sections 2.5 and 3.3: what the energy says about the speed of the macroscopic component."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
@@ -7,16 +6,14 @@ from collections.abc import Callable
 
 import numpy as np
 
-from verification.claims import Evidence, Verdict, at_most, proved, put_right
-from verification.formal.algebra import identity, library
-from verification.formal.reals import implication
-from verification.thesis.chapter5.instant import STEP, TOL, general_instant, kinetic, phi, potential
+from verification.claims import Correction, Effect, Evidence, at_most, claim
+from verification.formal.algebra import library, vanishes
+from verification.formal.reals import follows, reals
+from verification.formal.stated import argument
 from verification.thesis.chapter5.wavy import runge_kutta, symbolic_soft
-from verification.thesis.text.quoted import claim
 
 # What the integration of the pendulum leaves, and far above it.
 SLACK = 1e-6
-M, ENERGY = 0.1, 0.1
 
 
 def speeds(force: Callable[[float], float]) -> tuple[float, float]:
@@ -28,11 +25,24 @@ def speeds(force: Callable[[float], float]) -> tuple[float, float]:
 @claim(
     "c5.speed-all-times",
     "The start alone bounds the speed of the macroscopic component for all times.",
-    "section 2.5",
-    Verdict.CORRECTED,
+    source="section 2.5",
+    quote="‖ẏ(t)‖ ≤ M_v for all t ≥ 0 where M_v > 0 is a constant depending only on the initial conditions",
+    correction=Correction(
+        (
+            "for potentials that are bounded below, which (A1a) to (A5b) do not ask for; else up to a time T, with a "
+            "bound that depends on T"
+        ),
+        Effect.PROOF,
+        "the constants of Theorems 5.9, 5.12 and 5.16; existence and uniqueness up to T stand",
+        why=(
+            "a constant force fulfils (A1a), (A1b) and accelerates without end; the energy bounds the speed only if "
+            "the potential energy is bounded below"
+        ),
+        place=3458,
+    ),
     rests_on=("c5.speed-bound",),
-    chosen="W₀ = −y, and W₀ = √(1 + y²) − y, which pulls the same way but is not negative",
     tried_on="one potential ≥ 0",
+    chosen="W₀ = −y, and W₀ = √(1 + y²) − y, which pulls the same way but is not negative",
 )
 def _all_times() -> Evidence:
     """A free fall, and a potential that is bounded below and pulls the same way."""
@@ -44,119 +54,78 @@ def _all_times() -> Evidence:
     )
 
 
-@claim(
+# E = v2/2 + k + W: the kinetic energy k >= 0 of the particles, all potential energy W >= w; speed = |y'|.
+v2, k, W, w, E, speed, M = reals("v2 k W w E v M")
+ENERGY = [v2 >= 0, k >= 0, w <= W, v2 / 2 + k + W == E]
+SPEED = [speed >= 0, M >= 0, E > 0, speed * speed <= 2 * E]
+
+_bound = argument(
     "c5.speed-bound",
+    "(5.38); proof of Theorem 5.9; proof of Theorem 5.12",
+    "‖ẏ(t)‖² ≤ 2E(Xⁱⁿⁱᵗ, yⁱⁿⁱᵗ, vⁱⁿⁱᵗ)",
     "The energy E bounds the speed of the macroscopic component: ‖ẏ‖² ≤ 2E.",
-    "(5.38)",
-    Verdict.CORRECTED,
+    follows(ENERGY, v2 <= 2 * (E - w), v2 <= 2 * E, "‖ẏ‖² ≤ 2(E − inf W)", "‖ẏ‖² ≤ 2E for potentials of any sign"),
+    follows(
+        [*SPEED, M * M == 2 * E],
+        speed <= M,
+        ([*SPEED, M == 2 * E * E], speed <= M),
+        "‖ẏ‖² ≤ 2E gives ‖ẏ‖ ≤ M_v with M_v² = 2E, for particles",
+        "with M_v = 2E²",
+    ),
+    follows(
+        [*SPEED, M * M == 2 * E],
+        speed <= M,
+        ([*SPEED, M == 2 * E], speed <= M),
+        "and in the limit",
+        "with M_v = 2E",
+    ),
+    also=("c5.speed-constant", "c5.speed-constant-limit"),
+    correction=Correction(
+        "‖ẏ(t)‖² ≤ 2(E − the infimum of the potential energy), or 2E if no potential is negative",
+        Effect.CONCLUSION,
+        "M_v of Theorems 5.9, 5.12 and 5.16, which need potentials that are bounded below",
+        why="‖ẏ‖²/2 is E less all other energy, and the potential energy may be negative",
+        place=3472,
+    ),
     rests_on=("c5.energy",),
 )
-def _bound() -> Evidence:
-    """E = |y'|^2/2 + k + W, the kinetic energy k >= 0 of the particles, W >= w all potential energy."""
-    return put_right(
-        implication(
-            "‖ẏ‖² ≤ 2(E − inf W)",
-            lambda s, v2, k, W, w, E: ([v2 >= 0, k >= 0, w <= W, v2 / 2 + k + W == E], v2 <= 2 * (E - s * w)),
-            "‖ẏ‖² ≤ 2E for potentials of any sign",
-            0,
-        )
-    )
 
+# v = y' by (5.11a) without forces, X' = Phi v: E is constant, so v follows from X, and X' = h(X) has one solution, as h
+# = Phi (2E/(1 + m Phi^2))^(1/2) with 2/3 <= Phi <= 2 is smooth, of period 2 pi, and never 0.
+sp = library()
+x, v, m = sp.symbols("X v m", positive=True)
+soft = symbolic_soft(x)
+ACCELERATION = -m * soft * sp.sin(x) / 2 * soft**3 * v**2 / (1 + m * soft**2)
+KINETIC = (1 + m * soft**2) * v**2 / 2
+mass, p, c, size = reals("m p c phi")
+SQUARE = [E > 0, mass > 0, p >= 0, p <= 4, (1 + mass * p) * v2 == 2 * E]
 
-@claim(
+_well_posed = argument(
     "c5.well-posed",
-    "Solutions exist for all times and are unique, though a term grows with the square of the speed.",
     "Theorem 5.9",
-    Verdict.PROVED_INSTANCE,
-    rests_on=("c5.acceleration-lipschitz", "c5.speed-all-times", "c5.speed-constant"),
-    chosen="particles without forces on g = X + sin(X)/2 − y",
+    "For T > 0 … the ODE model has a unique solution",
+    "Solutions exist for all times and are unique, though a term grows with the square of the speed.",
+    vanishes(
+        KINETIC.diff(x) * soft * v + KINETIC.diff(v) * ACCELERATION,
+        KINETIC.diff(x) * soft * v - KINETIC.diff(v) * ACCELERATION,
+        "E = (1 + mΦ²)ẏ²/2 is constant although mΦᵀΩ[ẏ, ẏ] grows with ẏ²",
+        "with +mΦᵀΩ",
+    ),
+    follows(
+        SQUARE,
+        [v2 > 0, v2 <= 2 * E, (1 + 4 * mass) * v2 >= 2 * E],
+        v2 <= E,
+        "so ẏ² = 2E/(1 + mΦ²) lies between 2E/(1 + 4m) > 0 and 2E for all times",
+        "at most E",
+    ),
+    follows(
+        [c >= -1, c <= 1, size * (2 + c) == 2],
+        [3 * size >= 2, size <= 2],
+        size <= 1,
+        "as ⅔ ≤ Φ = 1/(1 + cos(X)/2) ≤ 2",
+        "Φ ≤ 1",
+    ),
+    rests_on=("c5.right-side", "c5.speed-all-times", "c5.speed-bound"),
     tried_on="g = X + sin(X)/2 − y without forces, every mass and start",
+    chosen="particles without forces on g = X + sin(X)/2 − y",
 )
-def _well_posed() -> Evidence:
-    """v = y' by (5.11a) without forces, X' = Phi v: E is constant, so v follows from X, and X' = h(X) has one solution.
-
-    h = Phi (2E/(1 + m Phi^2))^(1/2) with 2/3 <= Phi <= 2 is smooth, of period 2 pi, and never 0.
-    """
-    sp = library()
-    x, v, m = sp.symbols("X v m", positive=True)
-    phi = symbolic_soft(x)
-    acceleration = -m * phi * sp.sin(x) / 2 * phi**3 * v**2 / (1 + m * phi**2)
-    energy = (1 + m * phi**2) * v**2 / 2
-    return proved(
-        identity(
-            "E = (1 + mΦ²)ẏ²/2 is constant although mΦᵀΩ[ẏ, ẏ] grows with ẏ²",
-            lambda s: energy.diff(x) * phi * v + s * energy.diff(v) * acceleration,
-            "with +mΦᵀΩ",
-        ),
-        implication(
-            "so ẏ² = 2E/(1 + mΦ²) lies between 2E/(1 + 4m) > 0 and 2E for all times",
-            lambda s, v2, E, m, p: (
-                [E > 0, m > 0, p >= 0, p <= 4, (1 + m * p) * v2 == 2 * E],
-                [v2 > 0, v2 <= s * 2 * E, (1 + 4 * m) * v2 >= 2 * E],
-            ),
-            "at most E",
-            0.5,
-        ),
-        implication(
-            "as ⅔ ≤ Φ = 1/(1 + cos(X)/2) ≤ 2",
-            lambda s, c, phi: ([c >= -1, c <= 1, phi * (2 + c) == 2], [3 * phi >= 2, phi <= s * 2]),
-            "Φ ≤ 1",
-            0.5,
-        ),
-    )
-
-
-@claim(
-    "c5.speed-constant",
-    "M_v = 2E² bounds the speed in the proof.",
-    "proof of Theorem 5.9",
-    Verdict.CORRECTED,
-    rests_on=("c5.speed-bound",),
-)
-def _constant() -> Evidence:
-    """v = |y'|, M = M_v >= 0."""
-    return put_right(
-        implication(
-            "‖ẏ‖² ≤ 2E gives ‖ẏ‖ ≤ M_v with M_v² = 2E",
-            lambda s, v, E, M: (
-                [v >= 0, M >= 0, E > 0, v * v <= 2 * E, M * M == 2 * E if s == 1 else M == 2 * E * E],
-                v <= M,
-            ),
-            "with M_v = 2E²",
-        )
-    )
-
-
-def energy_rate(moving: float) -> float:
-    """Return the rate of E(y, ẏ, μ) on a motion whose points move (1) or stay where they were at first (0)."""
-    at = general_instant()
-
-    def energy(s: float) -> float:
-        X, y, v = at.X + moving * s * at.U, at.y + s * at.v, at.v + s * at.a
-        return float(kinetic(at.system, phi(at.system, X, y) @ v, v) + potential(at.system, X, y))
-
-    return abs(energy(STEP) - energy(-STEP)) / (2 * STEP)
-
-
-@claim(
-    "c5.speed-constant-limit",
-    "In the limit M_v = 2E(y, ẏ, μⁱⁿⁱᵗ) bounds the speed.",
-    "proof of Theorem 5.12",
-    Verdict.CORRECTED,
-    rests_on=("c5.mean-field-energy",),
-    tried_on="one free motion, and one state of four points",
-)
-def _constant_limit() -> Evidence:
-    """A free motion with g = X - y has the energy (1 + m)|y'|^2/2."""
-    speed, printed, right = float(np.sqrt(2 * ENERGY / (1 + M))), 2 * ENERGY, float(np.sqrt(2 * ENERGY))
-    frozen, moved = energy_rate(0.0), energy_rate(1.0)
-    return Evidence(
-        printed=(
-            at_most("‖ẏ‖ of a free motion of energy 0.1, bound 2E", speed, printed),
-            at_most("rate of E(y, ẏ, μⁱⁿⁱᵗ) on a motion of four points", frozen, 0.0, TOL),
-        ),
-        corrected=(
-            at_most("‖ẏ‖ of a free motion, bound √(2E)", speed, right),
-            at_most("rate of E(y, ẏ, μᵗ), so it stays E(yⁱⁿⁱᵗ, vⁱⁿⁱᵗ, μⁱⁿⁱᵗ)", moved, 0.0, TOL),
-        ),
-    )

@@ -1,5 +1,4 @@
 """Chapter 5, sections 3.1 and 3.2: the mean-field equations, particles as measures, weak solutions."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
@@ -9,12 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from verification.claims import Evidence, FormalProof, Verdict, at_least, at_most, proved, put_right
-from verification.formal.algebra import identity, library
+from verification.claims import Correction, Effect, Evidence, at_least, at_most, claim
+from verification.formal.algebra import library, vanishes
+from verification.formal.stated import argument, identity
 from verification.thesis.chapter5.instant import WRONG, Floats, effective_force, effective_mass, general_instant, phi
-from verification.thesis.chapter5.lemmas import means_apart, reduced
+from verification.thesis.chapter5.lemmas import REDUCED
 from verification.thesis.chapter5.wavy import runge_kutta, soft, symbolic_soft
-from verification.thesis.text.quoted import claim
+
+sp = library()
+t, x, z, X, Z, n = sp.symbols("t x z X Z N", real=True)
 
 # What rounding leaves.
 TOL = 1e-9
@@ -23,116 +25,78 @@ SEED, BATCHES, RUNS, FEW, MANY = 31, 20, 100, 4, 32
 # Particles that are heavy enough to be felt by each other through y, their spread at first, and the time.
 M, SPREAD, TIME, STEPS = 5.0, 0.5, 3.0, 40
 
+# f det J is constant along the flow: Jacobi's formula for det J, nx = 3, and the rate in one coordinate, others alike.
+J, slope = (sp.Matrix(3, 3, sp.symbols(f"{name}:9")) for name in ("J", "u"))
+f, u, volume = sp.Function("f")(x, t), sp.Function("u")(x, t), sp.Symbol("J")
+GROWTH = sum(J.det().diff(each) * moved for each, moved in zip(J, slope * J, strict=True))
+ALONG = (f.diff(t) + u * f.diff(x)) * volume + f * volume * u.diff(x)
 
-@claim(
-    "c5.limit-force",
-    "In the limit integrals over the density give the effective mass and the effective force.",
-    "section 1, (5.40a), (5.41)",
-    Verdict.PROVED,
-    rests_on=("c5.effective", "c5.empirical", "c5.integrals"),
-    chosen="F_eff⁽¹⁾ with −mΦᵀΩ, as in (5.14)",
-)
-def _limit_force() -> Evidence:
-    """Particles have the integrals over their empirical measure; these tend to those over the density with W1."""
-    return proved(atoms(), reduced(), means_apart())
-
-
-@claim(
+_transport = argument(
     "c5.transport",
-    "The density of the particles is carried with the velocity Φ[ẏ].",
     "section 1, (5.42b)",
-    Verdict.PROVED,
-    rests_on=("c5.velocity",),
+    "∂_t f(x, t) = −div_x(f(x, t) Φ(x, y)[ẏ])",
+    "The density of the particles is carried with the velocity Φ[ẏ].",
+    vanishes(
+        GROWTH - J.det() * slope.trace(),
+        GROWTH + J.det() * slope.trace(),
+        "d/dt det J = det J div(Φ[ẏ]) for the slope J of the flow, written out for nx = 3",
+        "−div",
+    ),
+    vanishes(
+        ALONG - volume * (f.diff(t) + (f * u).diff(x)),
+        ALONG - volume * (f.diff(t) - (f * u).diff(x)),
+        "so d/dt(f det J) = det J (∂_t f + div(fΦ[ẏ])), which is 0 for a density that is carried",
+        "−div",
+    ),
+    rests_on=("c5.derivation-constraint",),
 )
-def _transport() -> Evidence:
-    """f det J is constant along the flow: Jacobi's formula for det J, and the rate in one coordinate, others alike."""
-    sp = library()
-    x, t = sp.symbols("x t")
-    f, u, volume = sp.Function("f")(x, t), sp.Function("u")(x, t), sp.Symbol("J")
-    J, slope = (sp.Matrix(3, 3, sp.symbols(f"{name}:9")) for name in ("J", "u"))
-    rate = sum(J.det().diff(each) * moved for each, moved in zip(J, slope * J, strict=True))
 
-    def residual(s: Any) -> Any:
-        along = (f.diff(t) + u * f.diff(x)) * volume + f * volume * u.diff(x)
-        return along - volume * (f.diff(t) + s * (f * u).diff(x))
+# One coordinate: the integrand, up to the derivative of xi u f, which vanishes at the ends; u = Phi y'.
+xi, U, density = (sp.Function(name)(x) for name in ("xi", "u", "f"))
+PARTS = xi.diff(x) * U * density - (xi * U * density).diff(x)
 
-    return proved(
-        identity(
-            "d/dt det J = det J div(Φ[ẏ]) for the slope J of the flow, written out for nx = 3",
-            lambda s: rate - s * J.det() * slope.trace(),
-            "−div",
-        ),
-        identity(
-            "so d/dt(f det J) = det J (∂_t f + div(fΦ[ẏ])), which is 0 for a density that is carried", residual, "−div"
-        ),
-    )
-
-
-@claim(
+_weak_bracket = identity(
     "c5.weak-bracket",
-    "The mean of a test function ξ changes at the rate −⟨ξ, div(Φẏ) f⟩.",
     "proof of Lemma 5.10",
-    Verdict.CORRECTED,
+    "d/dt ⟨ξ, f⁽ᴺ⁾⟩ = … = −⟨ξ, div(Φẏ) f⁽ᴺ⁾⟩",
+    "The mean of a test function ξ changes at the rate −⟨ξ, div(Φẏ) f⟩.",
+    right=PARTS + xi * (U * density).diff(x),
+    wrong=PARTS + xi * U.diff(x) * density,
+    correction=Correction(
+        "−⟨ξ, div(Φẏ f⁽ᴺ⁾)⟩",
+        Effect.PROOF,
+        "nothing: the line above it has f under the divergence",
+        why="integration by parts moves the derivative from ξ to the whole product Φẏ f",
+        place=3676,
+    ),
     rests_on=("c5.moved-measure",),
 )
-def _weak_bracket() -> Evidence:
-    """One coordinate: the integrand, up to the derivative of xi u f, which vanishes at the ends; u = Phi y'."""
-    sp = library()
-    x = sp.Symbol("x")
-    xi, u, f = (sp.Function(name)(x) for name in ("xi", "u", "f"))
-    return put_right(
-        identity(
-            "ξ′uf = (ξuf)′ − ξ(uf)′: d/dt⟨ξ, f⟩ = −⟨ξ, div(Φẏf)⟩",
-            lambda s: xi.diff(x) * u * f - (xi * u * f).diff(x) + xi * ((u * f).diff(x) if s == 1 else u.diff(x) * f),
-            "−⟨ξ, div(Φẏ)f⟩",
-        )
-    )
 
 
-def atoms() -> FormalProof:
-    """Prove that integrals over atoms of weight 1/N are means, for one atom (two of a pair) and one coordinate."""
-    sp = library()
-    x, z, X, Z, n = sp.symbols("x z X Z N", real=True)
-    single, pair = sp.Function("h")(x), sp.Function("k")(x, z)
-
-    def atom(at: Any, where: Any, s: Any) -> Any:
-        return sp.DiracDelta(at - s * where) / n
-
-    def residuals(s: Any) -> Any:
-        once = sp.integrate(single * atom(x, X, s), (x, -sp.oo, sp.oo))
-        inner = sp.integrate(pair * atom(z, Z, s), (z, -sp.oo, sp.oo))
-        twice = sp.integrate(inner * atom(x, X, s), (x, -sp.oo, sp.oo))
-        return [once - single.subs(x, X) / n, twice - pair.subs({x: X, z: Z}) / n**2]
-
-    return identity(
-        "∫h dμ^emp = 1/N Σ h(X_j) and ∬k dμ^emp dμ^emp = 1/N² ΣΣ k(X_k, X_j) for all h, k, as in (5.13), (5.14)",
-        residuals,
-        "atoms at −X_j",
-    )
+def atoms(sign: int) -> list[Any]:
+    """Return integrals over atoms of weight 1/N less means: one atom (two of a pair), one coordinate, any h and k."""
+    h, k = sp.Function("h"), sp.Function("k")
+    first, second = sp.DiracDelta(x - sign * X) / n, sp.DiracDelta(z - sign * Z) / n
+    inner = sp.integrate(k(x, z) * second, (z, -sp.oo, sp.oo))
+    once, twice = (sp.integrate(each * first, (x, -sp.oo, sp.oo)) for each in (h(x), inner))
+    return [once - h(X) / n, twice - k(X, Z) / n**2]
 
 
-@claim(
-    "c5.empirical",
-    "For point masses the integrals are the effective mass and force of the particles.",
-    "(5.44) to (5.46)",
-    Verdict.PROVED,
-    rests_on=("c5.means",),
-    chosen="F_eff⁽¹⁾ with −mΦᵀΩ, as in (5.14)",
-)
-def _empirical() -> Evidence:
-    return proved(atoms())
-
-
-@claim(
+_consistency = argument(
     "c5.consistency",
+    "Lemma 5.10; (5.44) to (5.46); section 1, (5.40a), (5.41)",
+    "we can construct X … such that (X, y) is a solution of the … equations (5.40a) to (5.40c)",
     "The motion of particles solves the mean-field equations for their empirical measure.",
-    "Lemma 5.10",
-    Verdict.PROVED,
-    rests_on=("c5.empirical", "c5.moved-measure", "c5.weak-bracket"),
+    vanishes(
+        atoms(1),
+        atoms(-1),
+        "∫h dμ^emp = 1/N Σ h(X_j) and ∬k dμ^emp dμ^emp = 1/N² ΣΣ k(X_k, X_j) for all h, k, as in (5.13), (5.14)",
+        "atoms at −X_j",
+    ),
+    REDUCED,
+    also=("c5.empirical", "c5.limit-force"),
+    rests_on=("c5.moved-measure", "c5.weak-bracket"),
 )
-def _consistency() -> Evidence:
-    """The flow at X_j(0) moves by Phi[y'], as X_j(t) does in (5.11b): with h(X^t(x)) for h(x) (5.40a) is (5.11a)."""
-    return proved(atoms(), reduced())
 
 
 def ends(count: int, rng: np.random.Generator) -> Floats:
@@ -159,11 +123,11 @@ def correlations(found: Floats) -> Floats:
 @claim(
     "c5.independent",
     "Particles with independent starts become uncorrelated as their number grows.",
-    "section 3.1",
-    Verdict.NOT_REFUTED,
-    rests_on=("c5.effective",),
-    chosen=f"a mass of {M:g}, so that few particles feel each other; independence by the correlation of positions",
+    source="section 3.1",
+    quote="we can hope that there exists a statistical distribution … such that X₁(t), …, X_N(t) ~ μᵗ",
+    rests_on=("c5.reduced-model",),
     tried_on=f"g = X + sin(X)/2 − y, normal starts, {FEW} and {MANY} particles at t = {TIME:g}",
+    chosen=f"a mass of {M:g}, so that few particles feel each other; independence by the correlation of positions",
 )
 def _independent() -> Evidence:
     """The order in N at which the correlation of two particles falls, with its interval by batches."""
@@ -196,9 +160,16 @@ def velocity(at_X: Floats) -> Floats:
 @claim(
     "c5.no-pairs",
     "Neither of the two reduced equations has an interaction of pairs of particles.",
-    "footnote 2",
-    Verdict.CORRECTED,
-    rests_on=("c5.effective",),
+    source="footnote 2",
+    quote="the ODE model (5.11a) and (5.11b) since it lacks pairwise interaction between particles",
+    correction=Correction(
+        "only (5.11b) lacks it: (5.11a) has the forces K, by which particles act on each other through y",
+        Effect.MODEL,
+        "why independence in the limit is called less surprising; (5.14), (5.16), (5.41b) have these forces",
+        why="(5.14), the right side of (5.11a), has the sum of K over all pairs",
+        place=3590,
+    ),
+    rests_on=("c5.reduced-model",),
     tried_on="one state of four particles, nx = 2, ny = 3",
 )
 def _no_pairs() -> Evidence:
@@ -221,24 +192,18 @@ def _no_pairs() -> Evidence:
     )
 
 
-@claim(
+# The flow X + sin(X)/2 = x + sin(x)/2 + y by implicit differentiation.
+SLOPE = (x + sp.sin(x) / 2).diff(x) / (X + sp.sin(X) / 2).diff(X)
+thinner = symbolic_soft(x) / symbolic_soft(X)
+moved = sp.Function("xi")(X) * sp.Function("f")(x)
+
+_moved_measure = identity(
     "c5.moved-measure",
-    "Integrals over the measure at a time are integrals over the initial one along the flow.",
     "proof of Lemma 5.10",
-    Verdict.PROVED_INSTANCE,
+    "∫ξ(x) dμᵗ(x) = ∫ξ(Xᵗ(x′)) dμⁱⁿⁱᵗ(x′)",
+    "Integrals over the measure at a time are integrals over the initial one along the flow.",
+    right=moved * thinner * SLOPE - moved,
+    wrong=moved / thinner * SLOPE - moved,
     rests_on=("c5.transport",),
     tried_on="g = X + sin(X)/2 − y, all densities and all ξ",
 )
-def _moved_measure() -> Evidence:
-    """The flow X + sin(X)/2 = x + sin(x)/2 + y by implicit differentiation."""
-    sp = library()
-    x, X = sp.symbols("x X", real=True)
-    start, xi = sp.Function("f")(x), sp.Function("xi")(X)
-    slope = (x + sp.sin(x) / 2).diff(x) / (X + sp.sin(X) / 2).diff(X)
-    return proved(
-        identity(
-            "ξ(X) fᵗ(X) dX/dx = ξ(X) fⁱⁿⁱᵗ(x) under the integral, for fᵗ(X) = fⁱⁿⁱᵗ(x) Φ(x)/Φ(X)",
-            lambda s: xi * start * (symbolic_soft(x) / symbolic_soft(X)) ** s * slope - xi * start,
-            "fⁱⁿⁱᵗ(x) Φ(X)/Φ(x)",
-        )
-    )

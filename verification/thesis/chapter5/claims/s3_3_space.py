@@ -1,181 +1,56 @@
 """Chapter 5, section 3.3: the equations as an ODE in the space Z of flows, (5.54) to (5.58)."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
-import numpy as np
+from verification.formal.algebra import library, vanishes
+from verification.formal.reals import follows, reals
+from verification.formal.stated import argument
+from verification.thesis.chapter5.lemmas import PRODUCTS, WEIGHTED
 
-from verification.claims import Evidence, Verdict, at_most, equal, proved
-from verification.formal.reals import implication
-from verification.thesis.chapter5.instant import TOL, Floats, System, general_system, phi, wavy_system, with_springs
-from verification.thesis.chapter5.lemmas import products, weighted
-from verification.thesis.chapter5.wavy import runge_kutta
-from verification.thesis.text.quoted import claim
+h, w, r = library().symbols("h w r")
 
-M = 0.7
-# The largest value of 1/(1 + cos(x)/2).
-M_PHI = 2.0
-DISTANCE = 0.01
-# Half the step of central differences of the flow.
-SIDE = 1e-4
-LINE = np.linspace(-20.0, 20.0, 401)
-# Point masses of mu, at points of LINE.
-ATOMS, SHARES = np.array([120, 190, 215, 260]), np.array([0.1, 0.4, 0.3, 0.2])
-
-
-@claim(
-    "c5.linear-growth",
-    "The flow stays in the space Y in which its equation is solved.",
-    "section 3.3",
-    Verdict.PROVED,
-    rests_on=("c5.speed-constant-limit",),
-    chosen="‖Xᵗ(x)‖ ≤ ‖x‖ + M_Φ M_v t, with M_v = √(2E)",
-)
-def _linear_growth() -> Evidence:
-    """r = |X^t(x)|, x = |x| and c = M_Phi M_v t."""
-    return proved(
-        implication(
-            "as ‖Ẋᵗ‖ ≤ M_Φ M_v, ‖Xᵗ(x)‖ ≤ ‖x‖ + M_Φ M_v t ≤ (1 + M_Φ M_v t)(1 + ‖x‖): Xᵗ is in 𝒴",
-            lambda s, r, x, c: ([x >= 0, c > 0, r >= 0, r <= x + c], r <= (1 + s * c) * (1 + x)),
-            "(1 + M_Φ M_v t/2)(1 + ‖x‖)",
-            0.5,
-        )
-    )
-
-
-@claim(
-    "c5.bounded-flow",
-    "(A5b) makes the velocity field an element of 𝒴.",
-    "section 3.3",
-    Verdict.CORRECTED,
-    tried_on="g = X + sin(X)/2 − y",
-)
-def _bounded_flow() -> Evidence:
-    """The norm of x -> Phi(x, y)[1] in Y: for g = X/y, whose Omega is 0, and for g = X + sin(X)/2 - y."""
-
-    def size(y: float) -> float:
-        return norm(phi(with_springs(lambda X, z: X / z), LINE[:, None], np.array([y]))[:, 0, 0])
-
-    near, far = size(0.01), size(1.0)
-    wavy = norm(phi(wavy_system(M), LINE[:, None], np.zeros(1))[:, 0, 0])
-    return Evidence(
-        printed=(
-            at_most("‖Φ(·, y)[1]‖_Y of g = X/y, where Ω = 0, at y = 0.01 over the same at y = 1", near / far, 1.0, TOL),
-        ),
-        corrected=(at_most("‖Φ(·, y)[1]‖_Y of g = X + sin(X)/2 − y, bound M_Φ of (A4b)", wavy, M_PHI, TOL),),
-    )
-
-
-@claim(
-    "c5.lipschitz-constants",
-    "Integrals are Lipschitz continuous in the flow with constants that contain ‖φ − ψ‖_Y.",
-    "Lemma 5.13",
-    Verdict.CORRECTED,
-    rests_on=("c5.weighted-difference",),
-    tried_on="ϕ(a) = a and η(a, b) = a + b",
-)
-def _constants() -> Evidence:
-    """Lemma 5.13 for phi(a) = a and eta(a, b) = a + b, Lip = 1: maps that differ by h(1 + |x|), at distance h."""
-    h, x, w = DISTANCE, LINE[ATOMS], SHARES
-    moment = float(w @ (1 + np.abs(x)))
-    moved = x + h * (1 + np.abs(x))
-    single = float(w @ moved - w @ x) / h
-    double = float(w @ (moved[:, None] + moved) @ w - w @ (x[:, None] + x) @ w) / h
-    return Evidence(
-        printed=(
-            at_most(
-                "difference quotient of (5.57), φ − ψ = h(1 + |x|), bound C_μ h with h = 0.01", single, moment * h, TOL
-            ),
-            at_most("difference quotient of (5.58), bound 2C_μ h", double, 2 * moment * h, TOL),
-        ),
-        corrected=(
-            at_most("difference quotient of (5.57), bound C_μ", single, moment, TOL),
-            at_most("difference quotient of (5.58), bound 2C_μ", double, 2 * moment, TOL),
-        ),
-    )
-
-
-def moved(system: System, X: Floats) -> Floats:
-    """Return X (N, 2) at the time 1 for starts X: X' = Phi(X, y)[y'] along a given path y(t) in R^3."""
-
-    def rate(z: Floats) -> Floats:
-        t = z[0]
-        y, v = np.array([0.4 * np.sin(t), 0.3 * t - 0.3, 0.6 * np.cos(t)]), [0.4 * np.cos(t), 0.3, -0.6 * np.sin(t)]
-        return np.concatenate([[1.0], (phi(system, z[1:].reshape(-1, 2), y) @ np.array(v)).ravel()])
-
-    return np.asarray(runge_kutta(rate, np.concatenate([[0.0], X.ravel()]), 1.0, 50))[-1, 1:].reshape(-1, 2)
-
-
-def slope_change(apart: float) -> float:
-    """Return the largest change of the slope of the flow between two starts on a line that are so far apart."""
-    s = np.linspace(-1.0, 1.0, round(2 / apart) + 1)
-    X, system = np.stack([s, 0.5 - 0.3 * s], axis=-1), general_system()
-    slopes = [(moved(system, X + side) - moved(system, X - side)) / (2 * SIDE) for side in SIDE * np.eye(2)]
-    return float(np.abs(np.diff(slopes, axis=1)).max())
-
-
-@claim(
-    "c5.differentiable-flow",
-    "The flow has a continuous slope in the initial position.",
-    "Theorem 5.12",
-    Verdict.NOT_REFUTED,
-    rests_on=("c5.right-side",),
-    tried_on="one constraint with nx = 2, ny = 3, one path y(t), starts on a line",
-)
-def _differentiable() -> Evidence:
-    """Where the slope is continuous, and here Lipschitz continuous, it changes half as much over half the distance."""
-    changes = [slope_change(apart) for apart in (0.1, 0.05, 0.025)]
-    return Evidence(
-        printed=tuple(
-            at_most(
-                f"change of the slope between starts {where} apart over the change at twice this distance", a / b, 0.6
-            )
-            for where, b, a in zip((0.05, 0.025), changes, changes[1:], strict=False)
-        )
-    )
-
-
-def norm(values: Floats) -> float:
-    """Return the norm of Y for a function given on LINE."""
-    return float((np.abs(values) / (1 + np.abs(LINE))).max())
-
-
-@claim(
+_difference = argument(
     "c5.weighted-difference",
-    "The mean distance of two flows is at most C_μ times their distance in 𝒴, and C_μ is the least such constant.",
     "proof of Lemma 5.13",
-    Verdict.HOLDS,
+    "∫‖φ(x) − ψ(x)‖ dμ(x) ≤ C_μ‖φ − ψ‖_Y",
+    "The mean distance of two flows is at most C_μ times their distance in 𝒴, and C_μ is the least such constant.",
+    WEIGHTED,
+    vanishes(
+        w * (h * (1 + r)) - h * (w * (1 + r)),
+        w * (h * (1 + r)) - h * (w * (1 + 2 * r)),
+        "flows that differ by h(1 + ‖x‖) attain the bound",
+        "C_μ with 1 + 2‖x‖",
+    ),
 )
-def _difference() -> Evidence:
-    """The estimate is proved; flows that differ by h(1 + |x|) attain it."""
-    apart = DISTANCE * (1 + np.abs(LINE))
-    mean, moment = float(SHARES @ apart[ATOMS]), float(SHARES @ (1 + np.abs(LINE[ATOMS])))
-    reached = mean / (moment * norm(apart))
-    return Evidence(
-        "Proved for any measure; flows that differ by h(1 + |x|) attain the bound.",
-        printed=(weighted(), equal("mean of |φ − ψ| over C_μ‖φ − ψ‖_Y where φ − ψ = h(1 + |x|)", reached, 1.0, TOL)),
-    )
 
+# The part of the flow at one point: n = |phi - phi'|_Y, e = |y - y'|, u = |v - v'|, k = L_Phi M_v, r = |x|. Then the
+# rule for products with the constants of Lemma 5.7: i = |m_eff^-1|, lip its Lipschitz constant.
+d, n, e, u, k, M, s, MF, LF, Lm, i, lip = reals("d n e u k M r MF LF Lm i l")
+FLOW = [n >= 0, e >= 0, u >= 0, k > 0, M >= 0, s >= 0, d <= k * (n * (1 + s) + e) + M * u]
+INVERSE = [d > 0, MF > 0, LF >= 0, Lm > 0, i >= 0, lip >= 0, i * d <= 1, lip * d * d <= Lm]
 
-@claim(
+_right_side = argument(
     "c5.right-side",
+    "proof of Theorem 5.12; section 2.5; Lemma 5.8",
+    "(φ, y, y) ↦ h(φ, y, ẏ; μⁱⁿⁱᵗ) is Lipschitz continuous provided ‖v‖ ≤ M_v … depends on M_v and C_μ",
     "The right side of the mean-field equations is Lipschitz continuous on Z at bounded speed.",
-    "proof of Theorem 5.12",
-    Verdict.PROVED,
-    rests_on=("c5.any-number", "c5.inverse", "c5.product", "c5.lipschitz-constants"),
+    WEIGHTED,
+    *PRODUCTS,
+    follows(
+        INVERSE,
+        (i * LF + lip * MF) * d * d <= d * LF + Lm * MF,
+        (i * LF + lip * MF) * d * d <= d * LF - Lm * MF,
+        "with |m_eff⁻¹| ≤ 1/δ and Lip(m_eff⁻¹) ≤ Lip(m_eff)/δ² m_eff⁻¹F_eff has the constant L_F/δ + M_F Lip(m_eff)/δ²",
+        "L_F/δ − M_F Lip(m_eff)/δ²",
+    ),
+    follows(
+        FLOW,
+        d <= (k * (n + e) + M * u) * (1 + s),
+        d <= (k * (n - e) + M * u) * (1 + s),
+        "|Φ[v] − Φ′[v′]| ≤ (L_Φ M_v (‖φ − φ′‖_𝒴 + ‖y − y′‖) + M_Φ‖v − v′‖)(1 + ‖x‖)",
+        "−‖y − y′‖",
+    ),
+    also=("c5.globally-lipschitz", "c5.acceleration-lipschitz"),
+    rests_on=("c5.any-number", "c5.inverse", "c5.product"),
     chosen="the notation of c5.right-side-letters",
 )
-def _right_side() -> Evidence:
-    """The part of the flow at one point: n = |phi - phi'|_Y, e = |y - y'|, u = |v - v'|, k = L_Phi M_v, r = |x|."""
-    return proved(
-        weighted(),
-        *products("m_eff⁻¹ and F_eff"),
-        implication(
-            "|Φ[v] − Φ′[v′]| ≤ (L_Φ M_v (‖φ − φ′‖_𝒴 + ‖y − y′‖) + M_Φ‖v − v′‖)(1 + ‖x‖)",
-            lambda s, d, n, e, u, k, M, r: (
-                [n >= 0, e >= 0, u >= 0, k > 0, M >= 0, r >= 0, d <= k * (n * (1 + r) + e) + M * u],
-                d <= (k * (n + s * e) + M * u) * (1 + r),
-            ),
-            "−‖y − y′‖",
-        ),
-    )

@@ -1,5 +1,4 @@
 """Chapter 5, sections 2.2, 3.4 and 4: motions, the stability estimate (5.60) and its constants."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
@@ -7,14 +6,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from verification.claims import Evidence, Verdict, at_least, at_most, proved
-from verification.formal.algebra import identity
+from verification.claims import Correction, Effect, Evidence, at_least, at_most, claim
 from verification.thesis.chapter5.bounded import FlowState, force, mass
-from verification.thesis.chapter5.general import multiplier, particle
 from verification.thesis.chapter5.instant import WRONG, Floats
-from verification.thesis.chapter5.lemmas import estimate, reduced
+from verification.thesis.chapter5.lemmas import ESTIMATE
 from verification.thesis.chapter5.wavy import runge_kutta, soft
-from verification.thesis.text.quoted import claim
 
 # What steps of a run leave.
 RUN_TOL = 1e-6
@@ -37,11 +33,24 @@ def amplified(force: Callable[[float], float], y: float, v: float, time: float =
 @claim(
     "c5.stability-constants",
     "The constants of the stability estimate are the same for all starts of one energy and moment.",
-    "Theorem 5.16",
-    Verdict.CORRECTED,
-    rests_on=("c5.flow-estimate", "c5.stability-step", "c5.speed-constant-limit"),
-    chosen="two point masses, g = sinh(X)e⁻ʸ, W₀ = −y, no other forces",
+    source="Theorem 5.16",
+    quote="for some constants L, C > 0 which do only depend on the initial total energy of both states and on … C_μ",
+    correction=Correction(
+        (
+            "for potentials that are bounded below; L then depends on the energy above their infimum. Otherwise C and "
+            "L depend on the largest speed up to the time t"
+        ),
+        Effect.CONCLUSION,
+        "Theorem 5.16 and Corollary 5.19, as far as C and L are said to be independent of the start and of time",
+        why=(
+            "L contains the bound of the speed, which follows from the energy only if the potential energy is bounded "
+            "below"
+        ),
+        place=3854,
+    ),
+    rests_on=("c5.fundamental", "c5.stability-step", "c5.speed-bound"),
     tried_on="three starts in one potential ≥ 0",
+    chosen="two point masses, g = sinh(X)e⁻ʸ, W₀ = −y, no other forces",
 )
 def _constants() -> Evidence:
     """Starts of one energy and one first moment: in free fall, and in a potential sqrt(1 + y^2) - y >= 0."""
@@ -83,9 +92,23 @@ def moved(X: Floats, y: float, v: float) -> Floats:
 @claim(
     "c5.same-estimate",
     "With nonlinear constraints the distance of solutions is at most C e^{Lt} times that of their starts, for all t.",
-    "section 4",
-    Verdict.CORRECTED,
-    rests_on=("c5.flow-estimate", "c5.stability-step", "c5.speed-all-times", "c5.stability-constants"),
+    source="section 4; section 1",
+    also=("c5.abstract-estimate",),
+    quote="the same stability estimate as in the linear case also holds for nonlinear constraints",
+    correction=Correction(
+        (
+            "it holds on each [0, T], with C and L that depend on the largest speed up to T, and for all times if "
+            "potentials are bounded below"
+        ),
+        Effect.CONCLUSION,
+        "Corollary 5.19 at each time t, which stands; nothing for all times at once, see c5.stability-constants",
+        why=(
+            "in free fall the speed grows without end, and particles that are close at first move apart as exp(t²/2); "
+            "linear forces and constraints make the whole system linear, so that C and L exist for all times"
+        ),
+        place=3968,
+    ),
+    rests_on=("c5.fundamental", "c5.stability-step", "c5.speed-all-times", "c5.stability-constants"),
     chosen="two point masses, g = sinh(X)e⁻ʸ, W₀ = −y, no other forces, which fulfils (A1a) to (A5b); the correction "
     "for all systems of the chapter",
 )
@@ -101,16 +124,23 @@ def _estimate() -> Evidence:
                 RUN_TOL,
             ),
         ),
-        corrected=estimate(),
+        corrected=tuple(step() for step in ESTIMATE),
     )
 
 
 @claim(
     "c5.future-interaction",
     "Forces between particles are left to further work.",
-    "section 4",
-    Verdict.CORRECTED,
-    rests_on=("c5.effective",),
+    source="section 4",
+    quote="Second, … one could drop the full-rank condition and add interaction forces between the particles",
+    correction=Correction(
+        "one could drop the full-rank condition: interaction forces are in the model already, by (5.4)",
+        Effect.MODEL,
+        "nothing in the theorems, which have these forces; see c5.non-interacting and c5.no-pairs",
+        why="(5.4) and (5.6a) have such forces, and Theorems 5.12 and 5.16 include them",
+        place=3970,
+    ),
+    rests_on=("c5.reduced-model",),
     chosen="the forces of (5.4), within the class of the chapter",
 )
 def _future() -> Evidence:
@@ -124,37 +154,3 @@ def _future() -> Evidence:
         printed=(at_most("part of F_eff of 8 particles by forces between them, (5.41b)", part, 0.0, RUN_TOL),),
         corrected=(at_least("part of F_eff of 8 particles by forces between them, (5.41b)", part, WRONG),),
     )
-
-
-@claim(
-    "c5.same-motion",
-    "Constrained and reduced equations have the same motions, and the multipliers can be recovered.",
-    "before Proposition 5.1",
-    Verdict.PROVED,
-    rests_on=("c5.effective", "c5.derivation-multipliers"),
-    chosen="the multipliers by (A.12) with K(X_k, X_i), see c5.derivation-multipliers",
-)
-def _same_motion() -> Evidence:
-    """Both directions: elimination of lambda, and lambda of (A.12) put back."""
-    p = particle()
-    return proved(
-        reduced(),
-        identity(
-            "along (5.11a), (5.11b) λ_i of (A.12) fulfils (5.6a)",
-            lambda s: p.m * (p.phi * p.a + s * p.curved) - p.f + p.GT * multiplier(p),
-            "−Ω in Ẍ_i",
-        ),
-    )
-
-
-@claim(
-    "c5.limit-in-time",
-    "As their number grows, particles that sample a density move y as the mean-field equations do.",
-    "section 3.4",
-    Verdict.PROVED,
-    rests_on=("c5.consistency", "c5.same-estimate"),
-    chosen="an even 𝒱, as (A2a) needs it; each time t, with C and L that may depend on t, see c5.same-estimate",
-)
-def _limit() -> Evidence:
-    """The particles are the empirical measure (c5.consistency); its distance from the limit is estimated by (5.60)."""
-    return proved(*estimate())

@@ -1,76 +1,68 @@
 """Chapter 5, sections 3.4 and 3.5: the linear case, particles that come close to their limit, and its moments."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
 from math import ceil
 from statistics import NormalDist
-from typing import Any
 
 import numpy as np
 
-from verification.claims import Evidence, Interval, Verdict, at_least, proved, put_right
-from verification.formal.algebra import identity, library, matrices
-from verification.formal.reals import implication, solver_library
+from verification.claims import Evidence, Interval, at_least, claim
+from verification.formal.algebra import library, matrices, vanishes
+from verification.formal.reals import follows, reals, solver_library
+from verification.formal.stated import argument, identity, implication
 from verification.thesis.chapter5.instant import Floats
-from verification.thesis.chapter5.lemmas import estimate
-from verification.thesis.text.quoted import claim
+from verification.thesis.chapter5.lemmas import ESTIMATE
+
+sp = library()
 
 SEED = 65
 DRAWS, TWO_SIDED = 40, NormalDist().inv_cdf(0.975)
 
+# Any set A of the line (of each coordinate): x is in A just if x + d is in A - w, that is x + d + w in A.
+z3 = solver_library()
+member = z3.Function("A", z3.RealSort(), z3.BoolSort())
+place, shift, back = reals("x d w")
+SAME = member(place) == member(place + shift + back)
 
-@claim(
+_shifted = implication(
     "c5.shifted",
-    "With linear constraints the measure is only shifted.",
     "Remark 5.18",
-    Verdict.PROVED,
+    "there is a vector w(t) such that μⁱⁿⁱᵗ(A) = μᵗ(A − w(t))",
+    "With linear constraints the measure is only shifted.",
+    given=[back == -shift],
+    then=SAME,
+    wrong=([back == shift], SAME),
     rests_on=("c5.linear-map",),
 )
-def _shifted() -> Evidence:
-    """Any set A of the line (of each coordinate): x is in A just if x + d is in A - w, that is x + d + w in A."""
-    z3 = solver_library()
-    A = z3.Function("A", z3.RealSort(), z3.BoolSort())
-    return proved(
-        implication(
-            "μⁱⁿⁱᵗ(A) = μᵗ(A − w) for every A with w = −G(y(t) − yⁱⁿⁱᵗ)",
-            lambda s, x, d, w: ([w == -s * d], A(x) == A(x + d + w)),
-            "w = G(y(t) − yⁱⁿⁱᵗ)",
-        )
-    )
 
+# The flow by the constraint, and that of Example 5.2; then one piece of a transport plan from x to z, r = |x - z|:
+# first = |X1(x) - X2(x)|, second = |X2(x) - X2(z)|.
+x, z, y, start, G = sp.symbols("x z y y_init G")
+apart, first, second, r = reals("n a b r")
+PIECE = [r > 0, first >= 0, apart <= first + second]
 
-@claim(
+_linear_step = argument(
     "c5.linear-step",
-    "With linear constraints (5.65) holds as printed, without the Lipschitz constant of the flow.",
     "Remark 5.18",
-    Verdict.PROVED,
+    "in the linear case the third step in the proof is easier, since the particle distribution will only be shifted",
+    "With linear constraints (5.65) holds as printed, without the Lipschitz constant of the flow.",
+    vanishes(
+        x + G * (y - start) - (z + G * (y - start)) - (x - z),
+        x * y / start - z * y / start - (x - z),
+        "X₂ᵗ(x) − X₂ᵗ(x′) = x − x′ for X₂ᵗ(x) = x + G(y − yⁱⁿⁱᵗ), each coordinate, so Lip(X₂ᵗ) = 1",
+        "for Example 5.2, X₂ᵗ(x) = xy/yⁱⁿⁱᵗ",
+    ),
+    follows(
+        [*PIECE, second == r],
+        apart <= first + r,
+        ([*PIECE, second == 2 * r], apart <= first + r),
+        "so ‖X₁ᵗ(x) − X₂ᵗ(x′)‖ ≤ ‖X₁ᵗ(x) − X₂ᵗ(x)‖ + ‖x − x′‖ for each piece of a transport plan: (5.65)",
+        "for Lip(X₂ᵗ) = 2",
+    ),
     rests_on=("c5.linear-map", "c5.stability-step"),
     chosen="the step that leads from (5.64) to (5.65), the last one of the proof, which is about the distribution",
 )
-def _linear_step() -> Evidence:
-    """The flow by the constraint; then one piece of a transport plan from x to z, r = |x - z|.
-
-    a = |X1(x) - X2(x)| and b = |X2(x) - X2(z)|.
-    """
-    x, z, y, start, G = (library().Symbol(name) for name in ("x", "z", "y", "y_init", "G"))
-
-    def apart(s: Any) -> Any:
-        first, second = (X + G * (y - start) if s == 1 else X * y / start for X in (x, z))
-        return first - second - (x - z)
-
-    return proved(
-        identity(
-            "X₂ᵗ(x) − X₂ᵗ(x′) = x − x′ for X₂ᵗ(x) = x + G(y − yⁱⁿⁱᵗ), each coordinate, so Lip(X₂ᵗ) = 1",
-            apart,
-            "for Example 5.2, X₂ᵗ(x) = xy/yⁱⁿⁱᵗ",
-        ),
-        implication(
-            "so ‖X₁ᵗ(x) − X₂ᵗ(x′)‖ ≤ ‖X₁ᵗ(x) − X₂ᵗ(x)‖ + ‖x − x′‖ for each piece of a transport plan: (5.65)",
-            lambda s, n, a, b, r: ([r > 0, a >= 0, n <= a + b, b == (r if s == 1 else 2 * r)], n <= a + r),
-            "for Lip(X₂ᵗ) = 2",
-        ),
-    )
 
 
 def quantiles(count: int) -> Floats:
@@ -86,26 +78,28 @@ def distance(one: Floats, fine: Floats) -> float:
     return float(np.abs(np.repeat(np.sort(one), fine.size // one.size) - np.sort(fine)).mean())
 
 
-@claim(
+# (5.60) on [0, t] for the empirical measure of the start, d <= c w, and w -> 0, which (5.66) asks for.
+d, c, w, e = reals("d c w e")
+BOUNDED = [c > 0, w >= 0, e > 0, d <= c * w]
+
+_rate = argument(
     "c5.convergence",
+    "Corollary 5.19; section 3.4",
+    "‖y − y_k‖ + ‖ẏ − ẏ_k‖ + W₁(μᵗ, μ_kᵗ) ≤ C e^{Lt} W₁(μⁱⁿⁱᵗ, μ_k^emp) → 0",
     "At each time particles converge to the mean-field limit, at the rate of their distance at the start.",
-    "Corollary 5.19",
-    Verdict.PROVED,
+    follows(
+        [*BOUNDED, c * w <= e],
+        d <= e,
+        ([*BOUNDED, c * w <= 2 * e], d <= e),
+        "d ≤ C e^{Lt} w is ≤ δ for w ≤ δ/(C e^{Lt})",
+        "w ≤ 2δ/(C e^{Lt})",
+    ),
+    *ESTIMATE,
+    also=("c5.limit-in-time",),
     rests_on=("c5.same-estimate", "c5.consistency"),
     chosen="C and L may depend on the time t, which the corollary does not exclude: for all t there are none, see "
     "c5.same-estimate",
 )
-def _rate() -> Evidence:
-    """(5.60) on [0, t] for the empirical measure of the start, d <= c w, and w -> 0, which (5.66) asks for."""
-    return proved(
-        implication(
-            "d ≤ C e^{Lt} w is ≤ δ for w ≤ δ/(C e^{Lt})",
-            lambda s, d, c, w, e: ([c > 0, w >= 0, e > 0, d <= c * w, c * w <= s * e], d <= e),
-            "w ≤ 2δ/(C e^{Lt})",
-            2,
-        ),
-        *estimate(),
-    )
 
 
 def draws() -> Floats:
@@ -117,8 +111,8 @@ def draws() -> Floats:
 @claim(
     "c5.samples",
     "Random positions come close to the distribution that they are drawn from.",
-    "section 3.5",
-    Verdict.NOT_REFUTED,
+    source="section 3.5",
+    quote="the existence of suitable initial conditions such that (5.66) holds is shown in",
     tried_on="a normal distribution on a line, N = 64 and 1024",
 )
 def _samples() -> Evidence:
@@ -143,70 +137,34 @@ def _samples() -> Evidence:
     )
 
 
-@claim(
+# The moments of one point; measures are sums of points.
+A, AT, point, pointT = matrices("A AT x xT")
+SECOND = A * point * pointT + point * (pointT * AT) - A * (point * pointT)
+
+_closed = identity(
     "c5.closure",
-    "The transport equation gives equations for the moments of the density.",
     "Remark 5.20",
-    Verdict.PROVED_INSTANCE,
+    "find equations for the first moments by inserting this ansatz into the (5.42a) and (5.42b)",
+    "The first two moments close: ρ̇ = Aρ and σ̇ = Aσ + σAᵀ for points that follow ẋ = Ax, A = F(ẏ)F(y)⁻¹.",
+    right=SECOND - (point * pointT) * AT,
+    wrong=SECOND + (point * pointT) * AT,
     rests_on=("c5.shear-flow", "c5.transport"),
-    chosen="Example 5.4 with y(t) given, where the equations close without an assumption on the density",
     tried_on="Example 5.4, all points and weights",
+    chosen="Example 5.4 with y(t) given, where the equations close without an assumption on the density",
 )
-def _closed() -> Evidence:
-    """The moments of one point that follows x' = A x with A = F(y')F(y)^-1; measures are sums of points."""
-    A, AT, x, xT = matrices("A AT x xT")
-    return proved(
-        identity(
-            "ρ̇ = Aρ and σ̇ = Aσ + σAᵀ for each point x with ẋ = Ax, so the first two moments close",
-            lambda s: [A * x * xT + x * (xT * AT) - (A * (x * xT) + s * (x * xT) * AT)],
-            "−σAᵀ",
-        )
-    )
 
+# In each coordinate: the rate of the mass between a and b is what flows through the ends; q = f Phi[y'].
+at, a, b = sp.symbols("x a b", real=True)
+flux = sp.Function("q")
+CHANGE = sp.integrate(-flux(at).diff(at), (at, a, b))
 
-@claim(
+_mass = identity(
     "c5.mass",
-    "The transport equation keeps the number of particles.",
     "(5.68)",
-    Verdict.PROVED,
+    "ṁ(t) = 0, conservation of mass",
+    "The transport equation keeps the number of particles.",
+    right=CHANGE + flux(b) - flux(a),
+    wrong=CHANGE + flux(b) + flux(a),
     rests_on=("c5.transport",),
     chosen="m is that of (5.67), not the mass of a particle",
 )
-def _mass() -> Evidence:
-    """In each coordinate: the rate of the mass between a and b is what flows through the ends."""
-    sp = library()
-    x, a, b = sp.symbols("x a b", real=True)
-    flux = sp.Function("q")(x)
-
-    def residual(s: Any) -> Any:
-        return sp.integrate(-flux.diff(x), (x, a, b)) + flux.subs(x, b) - s * flux.subs(x, a)
-
-    return proved(
-        identity(
-            "∫ₐᵇ ∂_t f dx = q(a) − q(b) for (5.42b), q = fΦ[ẏ]: with no flux at the ends the mass is constant",
-            residual,
-            "−q(a)",
-        )
-    )
-
-
-@claim(
-    "c5.first-moment",
-    "(5.69) gives the rate of the first moment of the density.",
-    "(5.69)",
-    Verdict.CORRECTED,
-    rests_on=("c5.transport",),
-)
-def _first_moment() -> Evidence:
-    """One coordinate: x times the right side of (5.42b), up to the derivative of x u f; u = Phi y'."""
-    sp = library()
-    x = sp.Symbol("x")
-    u, f = (sp.Function(name)(x) for name in "uf")
-    return put_right(
-        identity(
-            "−x(uf)′ = uf − (xuf)′: ρ̇ = ∫Φ(x, y)[ẏ] f dx",
-            lambda s: -x * (u * f).diff(x) + (x * u * f).diff(x) - s * u * f,
-            "ρ̇ = 0, as nothing is printed",
-            0,
-        )
-    )

@@ -1,1 +1,0 @@
-"""The introduction of the thesis."""
