@@ -14,7 +14,7 @@ from dincl.drifts.counted import OutOfBudgetError
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.norms import norms
 from dincl.problem import with_counted_drift
-from dincl.schemes.adaptive import AdaptiveCatchUp, AdaptiveRuns, stretches
+from dincl.schemes.adaptive import MOST_STEPS, AdaptiveCatchUp, AdaptiveRuns, stretches
 from dincl.schemes.base import Scheme
 from dincl.schemes.event_driven import MOST_PARTICLES, EventDriven, not_begun
 from dincl.schemes.resolution import distance_outside
@@ -129,6 +129,8 @@ class _Passes:
                 failures, detail = failures + 1, f" A finer pass ended {last.status.name}: {last.detail}"
                 if failures > FAILURES or last.status in FINAL:
                     break
+            if self._work.steps > MOST_STEPS:
+                break
             found = self._events(EVENTS * 2 * _calls(last.stats) * math.sqrt(tau / self._final(tau)))
             if found is not None:
                 return found

@@ -1,6 +1,6 @@
 """Steps of midpoint catch-up whose length follows an estimate of their error.
 
-A step of midpoint catch-up makes a step x^ of linearised catch-up on its way. Four distances estimate its error; in
+A step of midpoint catch-up makes a step x^ of linearised catch-up on its way. Five distances estimate its error; in
 smooth motion each is O(h^2):
 
 1. max_i |Z_i - X^_i|: the drift and the normals at the start against those in the middle.
@@ -12,6 +12,9 @@ smooth motion each is O(h^2):
    pushes by theta h rho, rho its multiplier over the length of the step before, but the projection of x + h F knows
    only the sum of both pushes. So far as the multiplier of an old contact falls below h rho, the step may be wrong by
    this, unless theta is near 0: the step is repeated to end at the contact. With theta near 1 it hardly falls.
+5. Contacts that begin and end in a step. Of two new contacts the later one may end the earlier one, whose multiplier is
+   then less than its gap at the end, by the velocity of the last step, tells: the step is repeated to end where the
+   earlier one begins. If all of it is missing, passes of any tolerance have the same error until both are apart.
 
 The step after an estimate e has the length h (tau / e)^(1/2); a step with e > tau is made again.
 """
@@ -51,6 +54,8 @@ UNSOLVED = 0.25
 # A new contact farther from the start of a step than 1 / NEAR of its length counts in full. One predicted beyond this
 # part of the step is predicted wrongly, or no multiplier would have fallen.
 NEAR, LATEST = 4.0, 0.95
+# One that is there after this part of a step is there at its start.
+TOUCHING = 1e-2
 # Shortest step over the longest one, and the code of a run that would need a shorter one.
 SHORTEST, TOO_SHORT = 1e-11, -1
 
@@ -111,28 +116,60 @@ def fallen(system: Any, kept: Adapting, count: int, ratio: float) -> float:
 
 
 @inner
+def ahead(system: Any, kept: Adapting, r: int, x: Floats, h: float) -> float:
+    """Return the linearised gap of a row at the end of a step from x with the velocity of the last one."""
+    gradient = system.program.gradient
+    now = row_dot(system.rows, r, gradient, x) - system.program.bound[r]
+    return float(now + h * row_dot(system.rows, r, gradient, kept.velocity))
+
+
+@inner
+def closing(system: Any, r: int, x: Floats, at_end: float) -> float:
+    """Return after which part of a step the gap of a row closes; half where the gap at its end does not say it."""
+    open_now = gap(system.rows, system.sets, r, x)
+    if open_now <= 0.0:
+        return 0.0
+    return float(open_now / (open_now - at_end)) if LATEST * (open_now - at_end) >= open_now else 0.5
+
+
+@inner
 def first_contact(system: Any, kept: Adapting, count: int, x: Floats, h: float, tau: float, fall: float) -> Any:
     """Return the estimate for the worst of the new contacts, and where in the step the first of those beyond tau is."""
-    near, program, worst, earliest, p = system.near, system.program, 0.0, 1.0, 0
+    near, worst, earliest, p = system.near, 0.0, 1.0, 0
     for q in range(near.number[0]):
         r = near.row[q]
         if p < count and kept.row[p] == r:
             p += 1
-        elif program.multiplier[r] > 0.0:
-            open_now = gap(system.rows, system.sets, r, x)
-            ahead = row_dot(system.rows, r, program.gradient, x) - program.bound[r]
-            ahead += h * row_dot(system.rows, r, program.gradient, kept.velocity)
-            # Halved where the last step does not say when the gap closes.
-            place = 0.5
-            if open_now <= 0.0:
-                place = 0.0
-            elif LATEST * (open_now - ahead) >= open_now:
-                place = open_now / (open_now - ahead)
+        elif system.program.multiplier[r] > 0.0:
+            place = closing(system, r, x, ahead(system, kept, r, x, h))
             wrong = fall * min(1.0, NEAR * place)
             worst = max(worst, wrong)
             if wrong > tau:
                 earliest = min(earliest, place)
     return worst, earliest
+
+
+@inner
+def passing_contact(system: Any, kept: Adapting, count: int, x: Floats, h: float, tau: float) -> Any:
+    """Return the estimate for new contacts that others end, and where in the step the first contact begins."""
+    near, multiplier, gradient, p = system.near, system.program.multiplier, system.program.gradient, 0
+    number, first, final, earliest, missing = 0, 1.0, 0.0, 1.0, 0.0
+    for q in range(near.number[0]):
+        r = near.row[q]
+        if p < count and kept.row[p] == r:
+            p += 1
+            continue
+        at_end = ahead(system, kept, r, x, h)
+        if at_end < -tau or multiplier[r] > 0.0:
+            place, square = closing(system, r, x, at_end), 0.0
+            for k in range(system.rows.start[r], system.rows.stop[r]):
+                square += gradient[k] ** 2
+            number, first, final = number + 1, min(first, place), max(final, place)
+            if place > TOUCHING:
+                earliest = min(earliest, place)
+            if square > 0.0:
+                missing = max(missing, -at_end / square - multiplier[r])
+    return missing * (final - first) / (1.0 - first) if number > 1 and first < 1.0 else 0.0, earliest
 
 
 @inner
@@ -163,6 +200,8 @@ def adaptive_step(place: int, memory: int, t: float, h: float, last: float, tau:
     start, middle, z, y, d = run.x, run.after, run.projection.z, run.projection.y, system.sets.shift.shape[1]
     for k in range(start.size):
         y[k] = start[k] + h * kept.first[k]
+        if last == 0.0:
+            kept.velocity[k] = kept.first[k]
     length = h * longest(kept.first, d)
     # A list that long steps have made holds too many rows for short ones, unless it is sets that move far in them.
     if system.sets.address == 0 and system.near.radius[0] > TOO_WIDE * length > 0.0:
@@ -181,6 +220,11 @@ def adaptive_step(place: int, memory: int, t: float, h: float, last: float, tau:
             error, earliest = first_contact(system, kept, count, start, h, tau, fall)
             if error > tau:
                 return OK, error, earliest
+    if system.near.number[1] == search:
+        passing, earliest = passing_contact(system, kept, count, start, h, tau)
+        error = max(error, passing)
+        if error > tau:
+            return OK, error, earliest
     for k in range(start.size):
         kept.middle[k] = z[k]
         middle[k] = 0.5 * (start[k] + z[k])

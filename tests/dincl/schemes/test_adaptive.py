@@ -62,6 +62,19 @@ def test_a_fast_obstacle_takes_a_particle_along():
     assert solved(problem, 1e-2).final[0, 0] == pytest.approx(4.01, abs=1e-6)
 
 
+@pytest.mark.parametrize("tol", [1e-3, 1e-6])
+def test_a_contact_that_begins_and_ends_within_a_long_step(tol):
+    """B pushes C until its thread to A, which flies off, becomes taut and takes it away."""
+    problem = dincl.Problem(
+        [[-1.0], [0.0], [0.5588]],
+        dincl.drifts.constant([[-3.0], [1.0], [0.0]]),
+        [dincl.Ordered([1, 2], 0), dincl.MaxDistance([[0, 1]], 1 + 4 * 0.5636)],
+    )
+    # B is at t, C follows it from 0.5588 to 0.5636; then A and B share the pull, and move at -1.
+    path = solved(problem, tol)
+    assert np.abs(path.final.ravel() - [-2.6908 - 0.4364, 0.5636 - 0.4364, 0.5636]).max() < 1e-9
+
+
 def corner():
     """A point slides down a floor inclined by 30 degrees until a wall takes it off the floor; exact for t >= 1."""
     slope = np.array([np.cos(np.pi / 6), -np.sin(np.pi / 6)])
