@@ -34,6 +34,8 @@ CENTRAL = np.array([-1, 9, -45, 0, 45, -9, 1]) / 60
 FORWARD = np.array([-147, 360, -450, 400, -225, 72, -10]) / 60
 # A matrix is a rotation if R R^T is the unit matrix up to this.
 ORTHOGONAL = 1e-9
+# An entry of a rotation, or of a displacement over the distance of the centre, that is zero but for rounding.
+ZERO = 16 * float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,7 +160,13 @@ class Moving(Constraint):
     def parameters(self, t: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
         of_set = self.constraint.parameters(t, x)
         turn, shift = self.placement(t, x.shape[1])
-        return np.concatenate([turn.ravel(), shift, [] if of_set is None else of_set])
+        centre = self.path.centre if isinstance(self.path, RigidMotion) else None
+        length = 0.0 if centre is None else np.abs(centre).max()
+        # What is zero but for rounding is no function of time.
+        parts = (
+            np.where(np.abs(part) > ZERO * size, part, 0.0) for part, size in ((turn.ravel(), 1.0), (shift, length))
+        )
+        return np.concatenate([*parts, [] if of_set is None else of_set])
 
     def seen(self, t: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the points x (N, d) as seen from the moving set, R^T (X - b)."""

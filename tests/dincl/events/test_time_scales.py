@@ -174,3 +174,11 @@ def test_a_function_whose_array_changes_its_shape_is_refused_with_the_reason():
     assert path.status is dincl.Status.CONSTRAINT_FAILED
     assert "constraints[0] (NonOverlap)" in path.detail
     assert "the shape of each array must stay the same" in path.detail
+
+
+def test_a_set_that_turns_in_space_is_resolved():
+    """Entries of its rotation and displacement that are zero but for rounding are no functions of time."""
+    turn = dincl.RigidMotion(lambda t: (0.0, 0.3 * np.sin(4 * t), 0.0), centre=(0.7, 1.3, -0.4))
+    floor = dincl.Moving(dincl.HalfSpace((0, 0, 1), -0.5, 0.1), turn)
+    problem = dincl.Problem([[0.5, 1.0, 0.4]], dincl.drifts.constant((0.1, 0.0, -1.0)), [floor])
+    assert time_scales(problem, [2.0]).rest == 0.0
