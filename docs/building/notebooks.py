@@ -97,7 +97,9 @@ def _shell(home: str) -> Iterator[InteractiveShell]:
         sys.path.remove(here)
         plt.close("all")
         for name in set(sys.modules) - known:
-            if name == "page" or str(getattr(sys.modules[name], "__file__", "")).startswith(here):
+            # Libraries stay, also where their environment lies in the folder at hand.
+            file = str(getattr(sys.modules[name], "__file__", ""))
+            if name == "page" or (file.startswith(here) and not file.startswith(sys.prefix)):
                 del sys.modules[name]
         InteractiveShell.clear_instance()
         atexit.unregister(shell.atexit_operations)  # it would keep all that a page leaves until the process ends
