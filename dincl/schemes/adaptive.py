@@ -145,7 +145,7 @@ class AdaptiveRuns:
     def start(self, parts: Sequence[Stretch]) -> Reached:
         """Forget earlier runs; return the state at t = 0."""
         arrays, x0 = self._stepper.system.arrays, self.problem.x0
-        arrays.program.multiplier[:], self._memory.value.count[:] = 0.0, -1
+        arrays.program.multiplier[:], self._memory.value.number[:] = 0.0, -1
         arrays.near.radius[0] = -1.0  # no list is long enough: the first step searches
         self._stepper.work = self._stepper.system.sets.work = Work(degrees_of_freedom=x0.size)
         self.end = parts[-1].until if parts else 0.0

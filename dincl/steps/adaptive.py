@@ -69,7 +69,7 @@ class Adapting(NamedTuple):
     before: Floats  # (n,): the state before the last step
     row: Offsets  # (n,): rows that pushed in the last step
     multiplier: Floats  # (n,): and their multipliers
-    count: Offsets  # (1,): their number, -1 before the first try of a step
+    number: Offsets  # (1,): how many they are, -1 before the first try of a step
 
 
 def adapting(n: int) -> Adapting:
@@ -91,7 +91,7 @@ def note_pushing(system: Any, kept: Adapting) -> int:
         if multiplier[r] > 0.0 and count < kept.row.size:
             kept.row[count], kept.multiplier[count] = r, multiplier[r]
             count += 1
-    kept.count[0] = count
+    kept.number[0] = count
     return count
 
 
@@ -99,10 +99,10 @@ def note_pushing(system: Any, kept: Adapting) -> int:
 def restore_pushing(system: Any, kept: Adapting) -> None:
     """Set the multipliers of a step that was repeated to those of the step before it, if it is not the first try."""
     near, multiplier = system.near, system.program.multiplier
-    if kept.count[0] >= 0:
+    if kept.number[0] >= 0:
         for q in range(near.number[0]):
             multiplier[near.row[q]] = 0.0
-        for p in range(kept.count[0]):
+        for p in range(kept.number[0]):
             multiplier[kept.row[p]] = kept.multiplier[p]
 
 
@@ -288,7 +288,7 @@ def adapt(
                 kept.before[k] = run.x[k]
                 run.x[k] = run.after[k]
                 kept.first[k] = run.rate[k]
-            kept.count[0] = -1
+            kept.number[0] = -1
             t = end if number <= 1.0 else t + step
             made += 1
             last = step
