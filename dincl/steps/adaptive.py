@@ -83,8 +83,8 @@ adapting_at = reader(adapting(0))
 
 
 @inner
-def note_pushing(system: Any, kept: Adapting) -> int:
-    """Note the listed rows that pushed in the last step; return their number."""
+def note_pushing(system: Any, kept: Adapting) -> None:
+    """Note the listed rows that pushed in the last step."""
     near, multiplier, count = system.near, system.program.multiplier, 0
     for q in range(near.number[0]):
         r = near.row[q]
@@ -92,7 +92,6 @@ def note_pushing(system: Any, kept: Adapting) -> int:
             kept.row[count], kept.multiplier[count] = r, multiplier[r]
             count += 1
     kept.number[0] = count
-    return count
 
 
 @inner
@@ -107,10 +106,10 @@ def restore_pushing(system: Any, kept: Adapting) -> None:
 
 
 @inner
-def fallen(system: Any, kept: Adapting, count: int, ratio: float) -> float:
+def fallen(system: Any, kept: Adapting, ratio: float) -> float:
     """Return by how much the multiplier of a row that pushed in the last step fell at most, over equal lengths."""
     multiplier, largest = system.program.multiplier, 0.0
-    for p in range(count):
+    for p in range(kept.number[0]):
         largest = max(largest, ratio * kept.multiplier[p] - multiplier[kept.row[p]])
     return largest
 
@@ -133,12 +132,12 @@ def closing(system: Any, r: int, x: Floats, at_end: float) -> float:
 
 
 @inner
-def first_contact(system: Any, kept: Adapting, count: int, x: Floats, h: float, tau: float, fall: float) -> Any:
+def first_contact(system: Any, kept: Adapting, x: Floats, h: float, tau: float, fall: float) -> Any:
     """Return the estimate for the worst of the new contacts, and where in the step the first of those beyond tau is."""
     near, worst, earliest, p = system.near, 0.0, 1.0, 0
     for q in range(near.number[0]):
         r = near.row[q]
-        if p < count and kept.row[p] == r:
+        if p < kept.number[0] and kept.row[p] == r:
             p += 1
         elif system.program.multiplier[r] > 0.0:
             place = closing(system, r, x, ahead(system, kept, r, x, h))
@@ -150,13 +149,13 @@ def first_contact(system: Any, kept: Adapting, count: int, x: Floats, h: float, 
 
 
 @inner
-def passing_contact(system: Any, kept: Adapting, count: int, x: Floats, h: float, tau: float) -> Any:
+def passing_contact(system: Any, kept: Adapting, x: Floats, h: float, tau: float) -> Any:
     """Return the estimate for new contacts that others end, and where in the step the first contact begins."""
     near, multiplier, gradient, p = system.near, system.program.multiplier, system.program.gradient, 0
     number, first, final, earliest, missing = 0, 1.0, 0.0, 1.0, 0.0
     for q in range(near.number[0]):
         r = near.row[q]
-        if p < count and kept.row[p] == r:
+        if p < kept.number[0] and kept.row[p] == r:
             p += 1
             continue
         at_end = ahead(system, kept, r, x, h)
@@ -209,19 +208,20 @@ def adaptive_step(place: int, memory: int, t: float, h: float, last: float, tau:
     # The rows are linearised where they are at t, before anything can have passed a particle within the step.
     if not list_sorted(run.place, t, start, 2.0 * length, ROW_MARGIN):
         return PYTHON, 0.0, 0.0
-    search, count = system.near.number[1], note_pushing(system, kept)
+    search = system.near.number[1]
+    note_pushing(system, kept)
     code = call_projection(run, place, t, start, t + h, 2.0 * length, max(tol, np.sqrt(tol * length)))
     if code != OK:
         return code, 0.0, 0.0
     error = 0.0
     if last > 0.0 and system.near.number[1] == search:
-        fall = fallen(system, kept, count, h / last)
+        fall = fallen(system, kept, h / last)
         if fall > tau:
-            error, earliest = first_contact(system, kept, count, start, h, tau, fall)
+            error, earliest = first_contact(system, kept, start, h, tau, fall)
             if error > tau:
                 return OK, error, earliest
     if system.near.number[1] == search:
-        passing, earliest = passing_contact(system, kept, count, start, h, tau)
+        passing, earliest = passing_contact(system, kept, start, h, tau)
         error = max(error, passing)
         if error > tau:
             return OK, error, earliest

@@ -138,10 +138,14 @@ def recommend(problem: Problem, error: float, t: ArrayLike, methods: Methods | N
     return Recommendation(pd.DataFrame(sorted(rows, key=lambda row: row["cpu_seconds"])), wanted)
 
 
+def usual_projection(problem: Problem, tol: float) -> dincl.ActiveSet | dincl.ProjectedCG:
+    """Return the cheapest projection for as many particles as a problem has."""
+    return dincl.ActiveSet(tol) if len(problem.x0) <= MOST_DENSE else dincl.ProjectedCG(tol)
+
+
 def _built_in(problem: Problem, error: float) -> tuple[Method, ...]:
     """Return the usual methods for a problem and an error; the type of each scheme is another one."""
-    tol = PROJECTION * error
-    projection = dincl.ActiveSet(tol) if len(problem.x0) <= MOST_DENSE else dincl.ProjectedCG(tol)
+    projection = usual_projection(problem, PROJECTION * error)
     return (
         Method("PBD", scheme=dincl.PBD),
         Method("linearised catch-up", scheme=lambda dt: dincl.LinearisedCatchUp(dt, projection)),

@@ -10,13 +10,12 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from verification.beyond.decisions.study import ADAPTIVE
 from verification.instruments.cheapest import LEAST_SPREAD, Runs, cost_of
 from verification.instruments.problem_sets import profiles
 from verification.page import cards
 from verification.page.parts import number
 from verification.page.sheet import GREY, Axes, sheet
-from verification.thesis.chapter2.methods import EVENT_DRIVEN, LINEARISED_ACTIVE, MIDPOINT_ACTIVE, PBD
+from verification.thesis.chapter2.methods import ADAPTIVE, EVENT_DRIVEN, LINEARISED_ACTIVE, MIDPOINT_ACTIVE, PBD
 
 # Ranges of the errors that are asked for [length]: a column of the figure for each, and all errors, for the table.
 BANDS = ((1e-3, 10**-1.5), (1e-4, 1e-3), (1e-5, 1e-4))
@@ -32,7 +31,7 @@ LOOKS: Mapping[str, Mapping[str, Any]] = {
     "linearised catch-up": LINEARISED_ACTIVE.look,
     "midpoint catch-up": MIDPOINT_ACTIVE.look,
     "event-driven": EVENT_DRIVEN.look,
-    ADAPTIVE: {"color": "#6a3d9a", "marker": (6, 1, 0)},
+    "adaptive catch-up": ADAPTIVE.look,
 }
 
 
@@ -108,7 +107,7 @@ def draw_card(table: pd.DataFrame, path: Path) -> Path:
     with cards.card(path) as panel:
         _draw(panel, profiles(costs(table, "seconds")))
         panel.set(xlabel="CPU time over the least", ylabel="share of random scenes")
-        panel.legend(fontsize=7.5)
+        panel.legend(fontsize=7.5, ncols=3, loc="lower center", bbox_to_anchor=(0.5, 1.0))
     return path
 
 

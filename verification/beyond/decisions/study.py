@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -17,6 +18,7 @@ from dincl.problem import with_counted_drift
 from dincl.study import Key, Row, Study
 from verification.beyond.decisions.scenes import RandomScene, scene
 from verification.instruments.error_norms import distance
+from verification.instruments.recommend import PROJECTION, usual_projection
 
 Array = NDArray[np.float64]
 AUTO, MIDPOINT, ADAPTIVE = "Auto", "midpoint catch-up", "adaptive catch-up"
@@ -27,11 +29,10 @@ REFERENCE, PATIENCE, BRIEFLY = 1 / 20, 60.0, 15.0
 # Steps of a ladder grow by the factor from so many on, and tolerances fall by TIGHTER from the largest, until a run
 # takes so many seconds, its error is this part of the one asked for, or there were so many settings.
 FACTOR, FEWEST, LARGEST, TIGHTER, LONGEST, FINEST, MOST = 2**0.5, 4, 0.1, 2.0, 0.5, 0.1, 50
-# Tolerance of a projection, relative to the error asked for. With more particles a dense active set costs more than
-# conjugate gradients.
-PROJECTION, MOST_DENSE = 1e-3, 100
 # Runs shorter than this are made twice [s], the shorter time counts; longer runs of Auto are made once.
 BRIEF, LONG = 0.3, 5.0
+# The run that loads compiled code ends at this part of the time.
+SHORT = 1e-6
 
 
 @dataclass(frozen=True)
@@ -129,8 +130,7 @@ class Candidate(NamedTuple):
 
 def methods(given: RandomScene, tol: float) -> tuple[Candidate, ...]:
     """Return the methods that have ladders; ``tol`` is the tolerance of projections."""
-    many = len(given.problem.x0) > MOST_DENSE
-    projection = dincl.ProjectedCG(tol) if many else dincl.ActiveSet(tol)
+    projection = usual_projection(given.problem, tol)
     return (
         Candidate("PBD", dincl.PBD, adaptive=False),
         Candidate("linearised catch-up", lambda dt: dincl.LinearisedCatchUp(dt, projection), adaptive=False),
@@ -147,7 +147,10 @@ def ladder(given: RandomScene, method: Candidate, exact: Array) -> Iterator[dict
         if not method.adaptive:
             setting = float(given.t[-1]) / steps
         scheme = method.make(setting)
-        # The first run loads compiled code. How long a run with a tolerance takes is not known beforehand.
+        if k == 0:
+            with suppress(dincl.InvalidProblem):  # a short run loads compiled code, which belongs to no cost
+                dincl.solve(given.problem, scheme, t=SHORT * given.t[-1], throw=False)
+        # How long a run with a tolerance takes is not known beforehand.
         if (k == 0 or method.adaptive) and limited(given, scheme, LONGEST) is None:
             return
         row = _measured(given, exact, method.label, setting, scheme)
