@@ -6,7 +6,6 @@
 #   make numba-range      run the tests of kernels with the oldest and the newest numba that pyproject.toml allows
 #   make lint             check style, format, imports and types
 #   make docs             write the documentation to site/index.html, with the outputs of its tutorials
-#   make kept             rerun all tables that ship, and say what differs (resumes)
 #   make bench            measure steps of PBD, projections and substeps of a tissue on this machine
 #   make everything       install what all targets need, and what tests are skipped without
 #   make dist             build the wheels and source archives of the last commit into dist/, and check them
@@ -29,7 +28,7 @@ ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 # Tests and reports start dozens of processes, each of which would compile all modules that it imports.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: report test numba-range lint docs kept bench everything dist lock clean
+.PHONY: report test numba-range lint docs bench everything dist lock clean
 .DELETE_ON_ERROR:
 
 report: .venv/thesis
@@ -52,22 +51,22 @@ docs: .venv/docs
 	rm -rf site docs/made build/doctrees
 	$(ONE_THREAD) $(BIN)/python -m sphinx -q -W -c docs -d build/doctrees . site
 
-kept: .venv/all
-	$(ONE_THREAD) $(BIN)/python -m verification.thesis.remake build/kept
-
 bench: .venv/thesis
 	$(BIN)/python -m verification.thesis.bench
 
 everything: .venv/dev
 
-# From a copy of the last commit: setuptools would put leftovers of the working tree into the archives. The tables of
-# complete studies, which only the report needs, are a distribution of their own.
+# From a copy of the last commit: setuptools would put leftovers of the working tree into the archives. The audit and its
+# tables, which only the report needs, are a distribution of their own.
 dist: .venv/dist
-	rm -rf dist build/dist
-	mkdir -p build/dist
+	rm -rf dist build/dist build/audit
+	mkdir -p build/dist build/audit/verification
 	git archive HEAD | tar -x -C build/dist
+	mv build/dist/verification/thesis build/dist/verification/methods build/dist/verification/tissues build/audit/verification
+	mv build/dist/verification/data build/audit/dincl_testbed_data
+	mv build/audit/dincl_testbed_data/pyproject.toml build/audit
 	$(BIN)/python -m build --no-isolation --outdir dist build/dist
-	$(BIN)/python -m build --no-isolation --outdir dist build/dist/verification/data
+	$(BIN)/python -m build --no-isolation --outdir dist build/audit
 	$(BIN)/python -m twine check --strict dist/*
 
 # Each stamp is touched last, so an install that broke off is made again from the start.
@@ -99,5 +98,4 @@ lock:
 
 clean:
 	rm -rf .venv .venv-lock build dist site docs/made *.egg-info .hypothesis .mypy_cache .pytest_cache .ruff_cache
-	rm -rf verification/data/build verification/data/*.egg-info
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

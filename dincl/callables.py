@@ -1,4 +1,4 @@
-"""The one way in which functions of users are called: what they raise and what they return is judged here."""
+"""Functions of users: they are called, and their results checked, in one way."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from dincl.checks import bounded, describe, shape_in_words
 from dincl.constants import LARGEST
-from dincl.conversions import because, plain
+from dincl.conversions import attempt, because, plain
 from dincl.errors import FunctionFailed
 
 if TYPE_CHECKING:
@@ -25,18 +25,17 @@ Shape = tuple["int | None", ...]
 
 @dataclass(frozen=True)
 class UserFunction:
-    """A function of the user, with all that is known before it is called.
+    """A function of the user: what is known before it is called.
 
-    What it raises becomes a FunctionFailed with that as its cause, and so does what it must not return. Passed on
-    are MemoryError and what is no Exception, as KeyboardInterrupt and SystemExit are: who means to end a run raises a
-    BaseException.
+    An Exception that it raises, but a MemoryError, or a wrong result becomes a FunctionFailed. A BaseException such as
+    KeyboardInterrupt ends the run.
 
     Attributes
     ----------
     name, arguments
-        Of the function and of its arguments, for messages: "drift", ("t", "x").
+        Names of the function and of its arguments, for messages: "drift", ("t", "x").
     status
-        With which a run ends if it fails.
+        Status of a run that ends because the function fails.
     """
 
     name: str
@@ -44,7 +43,7 @@ class UserFunction:
     status: Status
 
     def call(self, function: Callable[..., Any], *values: Any) -> Any:
-        """function(*values), whatever it is."""
+        """Return function(*values), whatever it is."""
         try:
             return function(*values)
         except MemoryError:
@@ -53,7 +52,7 @@ class UserFunction:
             raise self._raised(error, values) from error
 
     def numbers(self, raw: Any, shape: Shape | None = None) -> NDArray[np.float64]:
-        """Its result as finite float64 numbers, of a shape if one is given; None in ``shape`` is any length."""
+        """Return its result as finite float64 numbers, of a shape if one is given; None in ``shape`` is any length."""
         values = plain(raw)
         if values is None or (shape is not None and not fits(values.shape, shape)):
             wanted = "real numbers" + ("" if shape is None else f" of shape {shape_in_words(shape)}")
@@ -66,16 +65,16 @@ class UserFunction:
         return values
 
     def evaluated(self, function: Callable[..., Any], *values: Any, shape: Shape | None = None) -> NDArray[np.float64]:
-        """function(*values) as finite numbers, of a shape if one is given."""
+        """Return function(*values) as finite numbers, of a shape if one is given."""
         return self.numbers(self.call(function, *values), shape)
 
     def failed(self, error: BaseException, how: str) -> FunctionFailed:
-        """The failure for an error of compiled code, of which the values are not known: ``how`` it failed."""
+        """Return the failure for an error of compiled code, whose arguments are not known: ``how`` it failed."""
         said = f"{type(error).__name__}{_said(error)}"
         return FunctionFailed(self.status, f"{self.name}({', '.join(self.arguments)}) {how} {said}.")
 
     def refuse(self, what: str) -> NoReturn:
-        """Raise FunctionFailed: ``what`` it did, a sentence without its subject."""
+        """Raise FunctionFailed; ``what`` is a sentence without its subject."""
         raise FunctionFailed(self.status, f"{self.name} {what}")
 
     def _raised(self, error: Exception, values: tuple[Any, ...]) -> FunctionFailed:
@@ -95,21 +94,18 @@ def arguments_of(function: Callable[..., Any]) -> int:
 
 
 def fits(found: tuple[int, ...], shape: Shape) -> bool:
-    """Whether an array has a shape in which None is any length."""
+    """Return whether an array has a shape in which None is any length."""
     return len(found) == len(shape) and all(s is None or s == n for s, n in zip(shape, found, strict=True))
 
 
 def _given(name: str, value: Any) -> str:
-    """An argument in words: "x of shape (4, 2)", "t = 0.5"."""
+    """Write an argument: "x of shape (4, 2)", "t = 0.5"."""
     if isinstance(value, np.ndarray) and value.ndim:
         return f"{name} of shape {value.shape}"
     return f"{name} = {value:g}" if isinstance(value, float) else f"{name} = {describe(value)}"
 
 
 def _said(error: BaseException) -> str:
-    """The message of an error after a colon; nothing if it has none, or cannot tell it."""
-    try:
-        text = str(error)
-    except Exception:  # noqa: BLE001  # of the user's own class
-        text = ""
+    """Write the message of an error after a colon; nothing if it has none, or raises."""
+    text = attempt(str, error)
     return f": {text}" if text else ""

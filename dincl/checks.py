@@ -23,17 +23,17 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 
-# Longer texts and lists are not written out in messages.
+# Longest text [characters] and list [entries] that messages write out.
 LONGEST_TEXT, LONGEST_LIST = 80, 100
 
 
 def bounded(x: NDArray[np.float64]) -> bool:
-    """Whether all numbers are finite and at most LARGEST in magnitude; a NaN is neither above nor below."""
+    """Return whether all numbers are finite and at most LARGEST in magnitude; a NaN is neither above nor below."""
     return bool(x.max(initial=0.0) <= LARGEST and x.min(initial=0.0) >= -LARGEST)
 
 
 def describe(value: Any) -> str:
-    """A short form of a value for an error message, whatever it is."""
+    """Write a short form of a value for an error message, whatever it is."""
     if isinstance(value, np.ndarray) and value.size > 4:
         return f"an array of shape {value.shape}"
     if type(value) in (list, tuple, set, frozenset, dict) and len(value) > LONGEST_LIST:
@@ -49,7 +49,7 @@ def describe(value: Any) -> str:
 
 
 def array(name: str, value: ArrayLike, allowed: str = "finite real numbers") -> NDArray[np.float64]:
-    """A new array of finite numbers, none beyond LARGEST in magnitude; read-only, so that it stays as checked."""
+    """Return a new read-only array of finite numbers, none beyond LARGEST in magnitude."""
     found = plain(value)
     if found is None:
         raise InvalidProblem(f"{name} = {describe(value)}: must be {allowed}{because(value)}")
@@ -65,14 +65,14 @@ def array(name: str, value: ArrayLike, allowed: str = "finite real numbers") -> 
 
 
 def shape_in_words(shape: Sequence[int | str | None]) -> str:
-    """A shape for a message: (n, 2). Lengths that may differ have different letters."""
+    """Write a shape for a message: (n, 2). Lengths that may differ have different letters."""
     letters = iter("nmkl")
     words = [next(letters) if s is None else str(s) for s in shape]
     return f"({', '.join(words)}{',' if len(words) == 1 else ''})"
 
 
 def shaped(name: str, value: ArrayLike, shape: tuple[int | str | None, ...]) -> NDArray[np.float64]:
-    """As ``array``, not empty and of a shape; None or a name in it is any length > 0, fewer axes are not filled up."""
+    """Return an ``array`` of a shape, not empty; None or a name in it is any length > 0."""
     allowed = f"finite real numbers of shape {shape_in_words(shape)}"
     checked = array(name, value, allowed)
     fits = checked.ndim == len(shape) and checked.size > 0
@@ -82,7 +82,7 @@ def shaped(name: str, value: ArrayLike, shape: tuple[int | str | None, ...]) -> 
 
 
 def times(name: str, value: ArrayLike) -> NDArray[np.float64]:
-    """Output times (K,), K >= 1, from one number or a list: >= 0 and increasing."""
+    """Return output times (K,), K >= 1, from one number or a list: >= 0 and increasing."""
     checked = np.atleast_1d(array(name, value))
     if checked.ndim != 1 or checked.size == 0 or checked[0] < 0 or (np.diff(checked) <= 0).any():
         raise InvalidProblem(f"{name} = {describe(value)}: must be one or more increasing times >= 0")
@@ -90,7 +90,7 @@ def times(name: str, value: ArrayLike) -> NDArray[np.float64]:
 
 
 def number(name: str, value: Any, *, positive: bool = False, non_negative: bool = False) -> float:
-    """A finite float, on request > 0, and then at least SMALLEST, or >= 0."""
+    """Return a finite float, on request > 0, and then at least SMALLEST, or >= 0."""
     allowed = "a finite number" + (" > 0" if positive else " >= 0" if non_negative else "")
     checked = value if type(value) is float else one(value)
     if not abs(checked) <= LARGEST or (positive and checked < SMALLEST) or (non_negative and checked < 0):
@@ -102,7 +102,7 @@ def number(name: str, value: Any, *, positive: bool = False, non_negative: bool 
 
 
 def integer(name: str, value: Any, *, least: int, most: int | None = None) -> int:
-    """An int that is at least ``least`` and at most ``most``; None: at most what fits into 64 bits."""
+    """Return an int that is at least ``least`` and at most ``most``; None: at most what fits into 64 bits."""
     checked = whole(value)
     if checked is None or not least <= checked <= (LARGEST_INTEGER if most is None else most):
         allowed = f"an integer >= {least}" if most is None else f"an integer from {least} to {most}"
@@ -113,7 +113,7 @@ def integer(name: str, value: Any, *, least: int, most: int | None = None) -> in
 
 
 def seed(name: str, value: Any) -> int:
-    """An int >= 0 of any size, as the generators of numpy take it."""
+    """Return an int >= 0 of any size, as the generators of numpy take it."""
     checked = whole(value)
     if checked is None or checked < 0:
         raise InvalidProblem(f"{name} = {describe(value)}: must be an integer >= 0")
@@ -121,14 +121,14 @@ def seed(name: str, value: Any) -> int:
 
 
 def flag(name: str, value: Any) -> bool:
-    """True or False, and nothing that counts as one of them."""
+    """Return True or False; nothing that counts as one of them is taken."""
     if not isinstance(value, (bool, np.bool_)):
         raise InvalidProblem(f"{name} = {describe(value)}: must be True or False")
     return bool(value)
 
 
 def text(name: str, value: Any, choices: tuple[str, ...]) -> str:
-    """One of some words."""
+    """Return one of some words."""
     found = str.__str__(value) if isinstance(value, str) else None
     if found not in choices:
         raise InvalidProblem(f"{name} = {describe(value)}: must be one of {', '.join(map(repr, choices))}")
@@ -136,7 +136,7 @@ def text(name: str, value: Any, choices: tuple[str, ...]) -> str:
 
 
 def string(name: str, value: Any, form: re.Pattern[str] | None = None, allowed: str = "text") -> str:
-    """Any text, or one of a form, which ``allowed`` says in words."""
+    """Return any text, or one of a form, which ``allowed`` says in words."""
     found = str.__str__(value) if isinstance(value, str) else None
     if found is None or (form is not None and not form.fullmatch(found)):
         raise InvalidProblem(f"{name} = {describe(value)}: must be {allowed}")
@@ -144,7 +144,7 @@ def string(name: str, value: Any, form: re.Pattern[str] | None = None, allowed: 
 
 
 def path(name: str, value: Any) -> Path:
-    """The path of a file or a folder, which need not be there."""
+    """Return the path of a file or a folder, which need not be there."""
     found = attempt(lambda given: Path(given) if isinstance(given, (str, os.PathLike)) else None, value)
     if found is None or "\0" in str(found):
         raise InvalidProblem(f"{name} = {describe(value)}: must be the path of a file or a folder")
@@ -152,7 +152,7 @@ def path(name: str, value: Any) -> Path:
 
 
 def function(name: str, value: Any, allowed: str) -> Callable[..., Any]:
-    """Something to call; ``allowed`` says with what."""
+    """Return something to call; ``allowed`` says with what."""
     if not callable(value):
         raise InvalidProblem(f"{name} = {describe(value)}: must be {allowed}")
     checked: Callable[..., Any] = value
@@ -160,22 +160,22 @@ def function(name: str, value: Any, allowed: str) -> Callable[..., Any]:
 
 
 def instance(name: str, value: Any, kind: type[Any], allowed: str) -> Any:
-    """A value of a class; ``allowed`` says which: "a dincl.Problem"."""
+    """Return a value of a class; ``allowed`` says which: "a dincl.Problem"."""
     if not isinstance(value, kind):
         raise InvalidProblem(f"{name} = {describe(value)}: must be {allowed}")
     return value
 
 
 def generator(name: str, value: Any) -> np.random.Generator:
-    """A random generator of numpy."""
+    """Return a random generator of numpy."""
     checked: np.random.Generator = instance(name, value, np.random.Generator, "a numpy.random.Generator")
     return checked
 
 
 def items(name: str, value: Any, kind: type[Any] | tuple[type[Any], ...], allowed: str) -> tuple[Any, ...]:
-    """The entries of a list, all of one class; ``allowed`` says which: "a list of constraints".
+    """Return the entries of a list, all of one class; ``allowed`` says which: "a list of constraints".
 
-    What has an order and a length is a list: no set, mapping or generator, which may never end.
+    A list has an order and a length: no set, mapping or generator, which may never end.
     """
     listed = isinstance(value, (Sequence, np.ndarray)) and not isinstance(value, (str, bytes, bytearray, memoryview))
     found = attempt(tuple, value) if listed else None
@@ -185,7 +185,7 @@ def items(name: str, value: Any, kind: type[Any] | tuple[type[Any], ...], allowe
 
 
 def indices(name: str, value: ArrayLike, columns: int | None = None, *, distinct: bool = False) -> NDArray[np.int64]:
-    """Particle indices >= 0 of shape (m,), or (m, columns); each at most once if ``distinct``."""
+    """Return particle indices >= 0 of shape (m,), or (m, columns); each at most once if ``distinct``."""
     allowed = "integers >= 0 of shape " + ("(m,)" if columns is None else f"(m, {columns})")
     found = attempt(as_array, value)
     raw = np.asarray(None) if found is None else found
@@ -202,7 +202,7 @@ def indices(name: str, value: ArrayLike, columns: int | None = None, *, distinct
 
 
 def lengths(name: str, value: ArrayLike, *, positive: bool) -> NDArray[np.float64]:
-    """One length or a list of them, shape () or (m,), all > 0 or all >= 0; none but 0 is below SMALLEST."""
+    """Return one length or a list of them, shape () or (m,), all > 0 or all >= 0; none but 0 is below SMALLEST."""
     allowed = "one length or a list of lengths, " + ("> 0" if positive else ">= 0")
     checked = array(name, value, allowed)
     vanishing = (checked > 0) & (checked < SMALLEST)
@@ -213,14 +213,14 @@ def lengths(name: str, value: ArrayLike, *, positive: bool) -> NDArray[np.float6
 
 
 def spread(name: str, value: NDArray[np.float64], count: int, per: str) -> NDArray[np.float64]:
-    """Lengths of shape () or (count,) as an array of shape (count,)."""
+    """Return lengths of shape () or (count,) as an array of shape (count,)."""
     if value.ndim == 1 and len(value) != count:
         raise InvalidProblem(f"{name} has {len(value)} entries: must have one, or one for each of the {count} {per}")
     return np.ascontiguousarray(np.broadcast_to(value, (count,)))
 
 
 def within(name: str, index: NDArray[np.int64], count: int) -> None:
-    """Indices that exist: all below ``count``."""
+    """Refuse indices of particles that do not exist, ``count`` and above."""
     if index.size and index.max() >= count:
         raise InvalidProblem(
             f"{name} = {int(index.max())}: must be an index below the number of particles, here {count}"
@@ -228,6 +228,6 @@ def within(name: str, index: NDArray[np.int64], count: int) -> None:
 
 
 def vector(name: str, value: NDArray[np.float64], d: int) -> None:
-    """A vector of the problem's dimension."""
+    """Refuse a vector that has not the problem's dimension."""
     if value.shape != (d,):
         raise InvalidProblem(f"{name} of shape {value.shape}: must have shape ({d},), as the particles have d = {d}")

@@ -12,8 +12,8 @@ class InvalidProblem(ValueError):
     """Input that cannot be right; the message names the argument, its value and what is allowed."""
 
 
-class ProjectionFailed(RuntimeError):
-    """A single projection that found no point; ``status`` says why and what to try."""
+class _Failure(RuntimeError):
+    """An error with a ``status``, which says what to try, and its ``detail``."""
 
     def __init__(self, status: Status, detail: str) -> None:
         super().__init__(f"{status.value} {detail}".rstrip())
@@ -21,25 +21,21 @@ class ProjectionFailed(RuntimeError):
         self.detail = detail
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # As it is made: an error is otherwise made anew from its message alone, which fails between processes.
+        # Errors are otherwise copied from their message alone, which fails between processes.
         return type(self), (self.status, self.detail)
 
 
-class StepFailure(RuntimeError):
-    """Why a single step could not be made; a solver turns it into the Status of its result."""
+class ProjectionFailed(_Failure):
+    """A single projection that found no point."""
 
-    def __init__(self, status: Status, detail: str) -> None:
-        super().__init__(f"{status.value} {detail}".rstrip())
-        self.status = status
-        self.detail = detail
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self.status, self.detail)
+class StepFailure(_Failure):
+    """A single step that could not be made; a solver turns it into the Status of its result."""
 
 
 class FunctionFailed(StepFailure, InvalidProblem):
-    """A function of the user that raised, or returned what it must not; ``detail`` names it and its arguments.
+    """A function of the user that raised, or returned a wrong value; ``detail`` names it and its arguments.
 
-    What it raised is the ``__cause__``. In a run it is a StepFailure, so that what was computed is kept, with its
-    ``status``; everywhere else it is an argument that cannot be right.
+    The error that it raised is the ``__cause__``. In a run it is a StepFailure, so that the results until then are
+    kept; everywhere else it is an invalid argument.
     """

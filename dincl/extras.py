@@ -11,21 +11,15 @@ from typing import Literal
 
 from dincl.errors import InvalidProblem
 
-MAKES_NO_NUMBERS = True
-
-Extra = Literal[
-    "cluster", "explore", "meanfield", "proofs", "report", "thesis", "tissue", "transport", "views", "yardsticks"
-]
-# What is imported, and the package that brings it: all that pyproject.toml lists under these extras.
+Extra = Literal["explore", "meanfield", "proofs", "report", "thesis", "tissue", "transport", "views", "yardsticks"]
+# Module -> the package that brings it: all that pyproject.toml lists under these extras.
 PACKAGES = {
     "PIL": "pillow",
-    "SALib": "SALib",
     "bokeh": "bokeh",
     "casadi": "casadi",
     "clarabel": "clarabel",
     "cvc5": "cvc5",
     "cvxpy": "cvxpy-base",
-    "distributed": "distributed",
     "docutils": "docutils",
     "fastapi": "nicegui",
     "filelock": "filelock",
@@ -40,7 +34,6 @@ PACKAGES = {
     "pydantic": "pydantic",
     "pymunk": "pymunk",
     "pyvista": "pyvista",
-    "qdldl": "qdldl",
     "rich": "rich",
     "sklearn": "scikit-learn",
     "statsmodels": "statsmodels",
@@ -49,8 +42,8 @@ PACKAGES = {
     "uvicorn": "nicegui",
     "z3": "z3-solver",
 }
-# Packages that no claim of the thesis and no chart of the report needs.
-NOT_IN_THESIS = ("POT", "distributed", "nicegui", "pyvista")
+# Packages that neither claims of the thesis nor charts of the report need.
+NOT_IN_THESIS = ("nicegui", "pyvista")
 BAD_INPUT = 2  # the code with which a command ends
 
 
@@ -88,8 +81,8 @@ def need_thesis(what: str) -> None:
         raise MissingLibrary(what, ", ".join(missing), "thesis")
     if tables_of_studies() is None:
         raise MissingTables(
-            f"{what} needs dincl-testbed-data, the tables of complete studies, not installed here; "
-            "in a clone: pip install ./verification/data"
+            f"{what} needs dincl-testbed-data, the audit of the thesis with its tables, not installed "
+            "here; in a clone: pip install -e '.[thesis]'"
         )
 
 

@@ -12,9 +12,7 @@ from pathlib import Path
 from secrets import token_hex
 from shutil import copymode
 
-MAKES_NO_NUMBERS = True
-
-# How the names of files begin that are being written: readers of a folder of Parquet files pass over this first letter.
+# Beginning of the names of unfinished files: readers of a folder of Parquet files skip names with this first letter.
 PARTIAL = "_partial-"
 DEVICES = Path("/dev")
 
@@ -85,7 +83,7 @@ def open_file(path: str | os.PathLike[str]) -> BufferedReader:
     Raises
     ------
     OSError
-        As ``open`` would, and for what is no file: to open a pipe would wait until somebody writes to it.
+        As ``open`` would, and for pipes and devices: opening a pipe would wait until somebody writes to it.
     """
     descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK)
     if not stat.S_ISREG(os.fstat(descriptor).st_mode):

@@ -11,12 +11,12 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-# Squares between these are numbers to the last bit.
+# Range of squares that keep all their digits.
 LEAST_SQUARE, LARGEST_SQUARE = 1e-280, 1e280
 
 
 def length(vector: NDArray[np.float64]) -> float:
-    """|v| for a vector (n,) of any size: squares that would overflow or vanish are taken of a scaled one."""
+    """Compute |v| for a vector (n,) of any size, scaled where squares would overflow or vanish."""
     with np.errstate(over="ignore"):
         square = float(vector @ vector)
     if LEAST_SQUARE < square < LARGEST_SQUARE:
@@ -29,18 +29,18 @@ def length(vector: NDArray[np.float64]) -> float:
 
 
 def norms(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
-    """|v_i| for vectors (m, d), shape (m,)."""
+    """Compute |v_i| for vectors (m, d), shape (m,)."""
     lengths: NDArray[np.float64] = np.sqrt(_squares(vectors))
     return lengths
 
 
 def longest(vectors: NDArray[np.float64]) -> float:
-    """max_i |v_i| for vectors (m, d), 0 if there are none."""
+    """Compute max_i |v_i| for vectors (m, d), 0 if there are none."""
     return float(np.sqrt(_squares(vectors).max(initial=0.0)))
 
 
 def _squares(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
-    """|v_i|^2, axis after axis: a sum over the short axis of a long array takes NumPy three to seven times as long."""
+    """Compute |v_i|^2, axis after axis; NumPy takes three to seven times as long to sum over a short axis."""
     squares = vectors * vectors
     total = squares[:, 0].copy()
     for axis in range(1, squares.shape[1]):

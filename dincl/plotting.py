@@ -1,4 +1,7 @@
-"""Pictures and movies of a trajectory or of the start of a problem."""
+"""Pictures and movies of a trajectory or of the start of a problem, on a line or in the plane; needs matplotlib.
+
+This is the one file of the package that imports it, on use.
+"""
 
 from __future__ import annotations
 
@@ -7,39 +10,49 @@ import html
 import io
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from dincl.checks import number
-from dincl.drawing import (
-    DPI,
-    Floats,
-    View,
-    draw_outlines,
-    draw_until,
-    movie_writer,
-    new_axes,
-    own_figure,
-    projection,
-    style,
-)
+from dincl.checks import describe, number
 from dincl.errors import InvalidProblem
+from dincl.extras import needs
 from dincl.files import replacing
-from dincl.region import region
+from dincl.shapes import Ball, Bonds, Curve, Wall, radii, region, shapes_at, values_on_grid
 
 if TYPE_CHECKING:
-    from dincl.drawing import Axes
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
     from dincl.problem import Problem
 
-__all__ = ["MAKES_NO_NUMBERS", "Axes", "Film", "animate", "plot", "plot_problem", "problem_to_html", "to_html"]
+__all__ = ["Axes", "Film", "animate", "log_ticks", "plot", "plot_problem", "problem_to_html", "to_html"]
 
-# No table depends on how things are drawn.
-MAKES_NO_NUMBERS = True
+Floats = NDArray[np.float64]
+STYLE: Any = {
+    "font.size": 8.5,
+    "axes.titlesize": 9.5,
+    "axes.titlelocation": "left",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.edgecolor": "#555555",
+    "lines.linewidth": 1.0,
+    "legend.frameon": False,
+}
+SIZE = (4.6, 4.2)  # [inches]
+DPI = 110
+FILL, EDGE, OBSTACLE, GREY = "#9ec3e6", "#2b5b8a", "#cfcfcf", "#8a8a8a"
+# Logarithmic axes over a ratio above LONG have ticks at powers of ten alone, below at 1 and 3 times them, below SHORT
+# at 1, 2 and 5 times them; below SHORTEST, where these may be a single tick, at equal distances.
+LONG, SHORT, SHORTEST = 100.0, 10.0, 5.0
+MOST_TICKS = 5
+MOST_TRACES = 300  # paths; more would hide each other
+LEVEL_POINTS = 80  # points along each axis at which a curve is sampled
 
 
 class Film(NamedTuple):
-    """The states (K, N, d) of a run at increasing times (K,), and what is written above and below its picture."""
+    """The states (K, N, d) of a run at increasing times (K,), and the texts above and below its picture."""
 
     problem: Problem
     t: Floats
@@ -48,11 +61,19 @@ class Film(NamedTuple):
     words: str
 
 
+class View(NamedTuple):
+    """The problem, and the corners of what is shown (d,), (d,), shared by all pictures of one run."""
+
+    problem: Problem
+    low: Floats
+    high: Floats
+
+
 def plot(film: Film, ax: Axes | None = None) -> Axes:
     """See ``Trajectory.plot``."""
     view = _view(film)
-    with style():
-        ax = ax or new_axes(view)
+    with _style():
+        ax = ax or _new_axes()
         _draw(ax, view, film)
     return ax
 
@@ -61,17 +82,12 @@ def plot_problem(problem: Problem, times: Floats, ax: Axes | None) -> Axes:
     """See ``Problem.plot``."""
     film = _film_of_start(problem, times)
     view = _view(film._replace(t=times))
-    with style():
-        ax = ax or new_axes(view)
+    with _style():
+        ax = ax or _new_axes()
         _draw(ax, view, film)
         for t in times[1:] if len(view.low) == 2 else ():
-            draw_outlines(ax, view, float(t))
+            _draw_outlines(ax, view, float(t))
     return ax
-
-
-def _film_of_start(problem: Problem, times: Floats) -> Film:
-    title = str(getattr(problem, "title", "start"))
-    return Film(problem, times[:1], problem.x0[None], title, f"{problem!r}.")
 
 
 def problem_to_html(problem: Problem) -> str:
@@ -82,14 +98,14 @@ def problem_to_html(problem: Problem) -> str:
 def animate(film: Film, file: str | Path, fps: float) -> Path:
     """See ``Trajectory.animate``; one picture for each time of the film."""
     target = Path(file)
-    view, writer = _view(film), movie_writer(target, number("fps", fps, positive=True))
-    with style():
-        figure = own_figure()
-        ax = figure.add_subplot(**projection(view))
+    view, writer = _view(film), _movie_writer(target, number("fps", fps, positive=True))
+    with _style():
+        figure = _own_figure()
+        ax = figure.add_subplot()
         with replacing(target) as partial, writer.saving(figure, str(partial), DPI):
             for k, t in enumerate(film.t):
                 ax.clear()
-                draw_until(ax, view, film.t[: k + 1], film.x[: k + 1])
+                _draw_until(ax, view, film.t[: k + 1], film.x[: k + 1])
                 ax.set_title(f"t = {t:.3g}")
                 writer.grab_frame()
     return target
@@ -98,29 +114,191 @@ def animate(film: Film, file: str | Path, fps: float) -> Path:
 def to_html(film: Film) -> str:
     """See ``Trajectory._repr_html_``."""
     words = html.escape(film.words)
-    if film.x.shape[2] > 3 or find_spec("matplotlib") is None:
+    if film.x.shape[2] > 2 or find_spec("matplotlib") is None:
         return f"<p>{words}</p>"
     picture = io.BytesIO()
-    with style():
-        figure, view = own_figure(), _view(film)
-        _draw(figure.add_subplot(**projection(view)), view, film)
+    with _style():
+        figure = _own_figure()
+        _draw(figure.add_subplot(), _view(film), film)
         figure.savefig(picture, dpi=DPI)
     data = base64.b64encode(picture.getvalue()).decode()
     return f'<figure><img alt="{words}" src="data:image/png;base64,{data}"><figcaption>{words}</figcaption></figure>'
 
 
+def _film_of_start(problem: Problem, times: Floats) -> Film:
+    title = str(getattr(problem, "title", "start"))
+    return Film(problem, times[:1], problem.x0[None], title, f"{problem!r}.")
+
+
 def _view(film: Film) -> View:
-    """Show all states, containers and obstacles, and the nearest part of each wall or curve that is not far away."""
     d = film.x.shape[2]
-    if d > 3:
-        raise InvalidProblem(f"d = {d}: drawn are trajectories in 1, 2 or 3 dimensions; to_frame() has the numbers")
+    if d > 2:
+        raise InvalidProblem(f"d = {d}: must be 1 or 2 to be drawn; to_frame() has the numbers")
     places = np.concatenate((film.problem.x0[None], film.x))
     return View(film.problem, *region(film.problem, places, (0.0, float(film.t[-1]))))
 
 
 def _draw(ax: Axes, view: View, film: Film) -> None:
-    """The start, the paths through the states, and the last state."""
+    """Draw the start, the paths through the states, and the last state."""
     first = 0 if film.t[0] > 0 else 1
     times = np.concatenate(([0.0], film.t[first:]))
-    draw_until(ax, view, times, np.concatenate((film.problem.x0[None], film.x[first:])))
+    _draw_until(ax, view, times, np.concatenate((film.problem.x0[None], film.x[first:])))
     ax.set_title(film.title)
+
+
+def _draw_until(ax: Axes, view: View, times: Floats, states: Floats) -> None:
+    """Draw states (K, N, d) at ``times`` (K,), of which the last one is now."""
+    (_draw_line if len(view.low) == 1 else _draw_plane)(ax, view, times, states)
+
+
+def _style() -> Any:
+    """Return a context in which pictures are drawn in the style of this package."""
+    with needs("A picture", "report"):
+        from matplotlib import rc_context
+
+    return rc_context(STYLE)
+
+
+def _own_figure() -> Figure:
+    """Return a figure that is shown in no window and no notebook."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=SIZE, layout="constrained", dpi=DPI)
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def _new_axes() -> Axes:
+    """Return axes of a new figure of pyplot."""
+    from matplotlib import pyplot as plt
+
+    axes: Axes = plt.figure(figsize=SIZE, layout="constrained").add_subplot()
+    return axes
+
+
+def _movie_writer(file: Path, fps: float) -> Any:
+    """Return the writer of matplotlib for the ending of a file; InvalidProblem for another ending."""
+    with needs("A movie", "report"):
+        from matplotlib.animation import FFMpegWriter, PillowWriter
+
+    kinds: dict[str, Any] = {".gif": PillowWriter, ".mp4": FFMpegWriter}
+    kind = kinds.get(file.suffix.lower())
+    if kind is None:
+        raise InvalidProblem(f"file = {describe(str(file))}: must end in .gif or .mp4")
+    if not kind.isAvailable():
+        raise InvalidProblem(
+            f"file = {describe(str(file))}: .mp4 needs the program ffmpeg, which is missing; take .gif"
+        )
+    return kind(fps=fps)
+
+
+def log_ticks(ax: Axes, plain: float = LONG) -> None:
+    """Keep the ticks of logarithmic axes apart: powers of ten on long ones, a few plain numbers on short ones.
+
+    Numbers are plain on axes over a ratio up to ``plain``, else powers. Ticks at fixed places stay. Ticks between the
+    powers crowd an axis, and take a third of the time to draw.
+    """
+    from matplotlib.ticker import FuncFormatter, LogFormatterSciNotation, LogLocator, MaxNLocator, NullLocator
+
+    for axis, limits in ((ax.xaxis, ax.get_xlim()), (ax.yaxis, ax.get_ylim())):
+        if axis.get_scale() != "log":
+            continue
+        axis.set_minor_locator(NullLocator())
+        if not isinstance(axis.get_major_locator(), (LogLocator, MaxNLocator)):
+            continue
+        ratio = max(limits) / min(limits)
+        factors = (1.0,) if ratio > LONG else (1.0, 3.0) if ratio > SHORT else (1.0, 2.0, 5.0)
+        even = MaxNLocator(MOST_TICKS - 1, steps=[1, 2, 5, 10])
+        axis.set_major_locator(LogLocator(subs=factors) if ratio > SHORTEST else even)
+        numbers = FuncFormatter(lambda value, _: f"{value:g}")
+        axis.set_major_formatter(numbers if ratio <= plain else LogFormatterSciNotation())
+
+
+def _draw_line(ax: Axes, view: View, times: Floats, states: Floats) -> None:
+    radius = np.array([radii(view.problem, float(t)) for t in times])
+    for k in range(states.shape[1]):
+        x, r = states[:, k, 0], radius[:, k]
+        (line,) = ax.plot(times, x, color=f"C{k % 10}")
+        if r.any():
+            ax.fill_between(times, x - r, x + r, color=line.get_color(), alpha=0.2, lw=0)
+    now = [shapes_at(view.problem, float(t)) for t in times]
+    for history in zip(*now, strict=True):
+        _draw_obstacle_on_line(ax, view, times, history)
+    ax.set(xlabel="t", ylabel="x", ylim=(view.low[0], view.high[0]))
+
+
+def _draw_obstacle_on_line(ax: Axes, view: View, times: Floats, history: tuple[Any, ...]) -> None:
+    """Draw one obstacle at all times."""
+    first = history[0]
+    if isinstance(first, Wall):
+        edge = np.array([wall.offset / wall.normal[0] for wall in history])
+        beyond = view.low[0] if first.normal[0] > 0 else view.high[0]
+        ax.fill_between(times, edge, np.full_like(edge, beyond), color=OBSTACLE, lw=0, zorder=0)
+    if isinstance(first, Ball):
+        low, high = (np.array([b.centre[0] + side * b.radius for b in history]) for side in (-1, 1))
+        ax.fill_between(times, low, high, color="none" if first.inside else OBSTACLE, ec=GREY, zorder=0)
+
+
+def _draw_plane(ax: Axes, view: View, times: Floats, states: Floats) -> None:
+    for shape in shapes_at(view.problem, float(times[-1])):
+        _draw_shape_in_plane(ax, view, shape, states[-1])
+    for k in range(min(states.shape[1], MOST_TRACES)):
+        ax.plot(*states[:, k].T, color=EDGE, alpha=0.35, lw=0.8, zorder=3)
+    first, last = (radii(view.problem, float(t)) for t in (times[0], times[-1]))
+    _draw_discs(ax, states[0], first, facecolor="none", edgecolor=EDGE, alpha=0.3, lw=0.6, zorder=1)
+    _draw_discs(ax, states[-1], last, facecolor=FILL, edgecolor=EDGE, lw=0.8, zorder=2)
+    ax.set(xlim=(view.low[0], view.high[0]), ylim=(view.low[1], view.high[1]), aspect="equal", xlabel="x", ylabel="y")
+
+
+def _draw_discs(ax: Axes, x: Floats, radius: Floats, **style: Any) -> None:
+    from matplotlib.collections import PatchCollection
+    from matplotlib.patches import Circle
+
+    point = radius == 0
+    ax.scatter(x[point, 0], x[point, 1], s=14, **style)
+    ax.add_collection(
+        PatchCollection([Circle(tuple(c), r) for c, r in zip(x[~point], radius[~point], strict=True)], **style)
+    )
+
+
+def _draw_shape_in_plane(ax: Axes, view: View, shape: Any, x: Floats) -> None:
+    from matplotlib.patches import Circle, Polygon
+
+    if isinstance(shape, Wall):
+        along, far = np.array([-shape.normal[1], shape.normal[0]]), 4 * float(np.abs([view.low, view.high]).max())
+        foot = shape.offset * shape.normal
+        corners = [foot - far * along, foot + far * along, foot + far * (along - shape.normal)]
+        ax.add_patch(Polygon([*corners, foot - far * (along + shape.normal)], color=OBSTACLE, lw=0, zorder=0))
+    elif isinstance(shape, Ball):
+        face = "none" if shape.inside else OBSTACLE
+        ax.add_patch(Circle(tuple(shape.centre), shape.radius, facecolor=face, edgecolor=GREY, zorder=0))
+    elif isinstance(shape, Bonds):
+        for i, j in shape.pairs:
+            ax.plot(*x[[i, j]].T, color=GREY, lw=0.9, zorder=4)
+    elif isinstance(shape, Curve):
+        _draw_level(ax, view, shape)
+
+
+def _draw_level(ax: Axes, view: View, curve: Curve, *, filled: bool = True) -> None:
+    axes = [np.linspace(low, high, LEVEL_POINTS) for low, high in zip(view.low, view.high, strict=True)]
+    values = values_on_grid(curve, *axes)
+    if values.min() < 0 < values.max():
+        if filled:
+            ax.contourf(*axes, values, levels=[-np.inf, 0.0], colors=[OBSTACLE], zorder=0)
+        lines: Any = {"linestyles": "solid" if filled else "dotted", "linewidths": 1.0 if filled else 0.8}
+        ax.contour(*axes, values, levels=[0.0], colors=[GREY], zorder=0, **lines)
+
+
+def _draw_outlines(ax: Axes, view: View, t: float) -> None:
+    """Draw the boundaries of the sets in the plane at a later time."""
+    from matplotlib.patches import Circle
+
+    for shape in shapes_at(view.problem, t):
+        if isinstance(shape, Wall):
+            along, foot = np.array([-shape.normal[1], shape.normal[0]]), shape.offset * shape.normal
+            ax.axline(tuple(foot), tuple(foot + along), color=GREY, lw=0.8, ls=":", zorder=1)
+        elif isinstance(shape, Ball):
+            ax.add_patch(Circle(tuple(shape.centre), shape.radius, fill=False, ec=GREY, lw=0.8, ls=":", zorder=1))
+        elif isinstance(shape, Curve):
+            _draw_level(ax, view, shape, filled=False)

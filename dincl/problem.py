@@ -18,8 +18,7 @@ from dincl.constraints.derivatives import check_jacobian
 from dincl.constraints.selection import select
 from dincl.constraints.smooth import Smooth
 from dincl.drifts import compiled
-from dincl.drifts.base import CompiledDrift
-from dincl.drifts.counted import CountedCompiledDrift, CountedDrift
+from dincl.drifts.base import CompiledDrift, CountedCompiledDrift, CountedDrift
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.rows.base import RowsOfOneKind, StackedRows
 from dincl.rows.functions import SmoothRows
@@ -72,7 +71,7 @@ class Problem:
         object.__setattr__(self, "x0", start)
         object.__setattr__(self, "drift", function("drift", drift, allowed))
         object.__setattr__(self, "constraints", sets)
-        # What overflows in a function of the user is found in what it returns.
+        # Results of functions of the user are checked: an overflow needs no warning.
         with np.errstate(all="ignore"):
             self._check()
 
@@ -122,9 +121,9 @@ class Problem:
             The time of the sets, or several, ascending, shape (K,): in the plane the sets of later times are dotted
             lines, which show how they move.
         ax
-            Where to draw (for d = 3 with projection="3d"); None: a new figure.
+            Where to draw; None: a new figure.
 
-        Needs matplotlib. Raises InvalidProblem for d > 3.
+        Needs matplotlib. Raises InvalidProblem for d > 2.
         """
         from dincl.plotting import plot_problem
 
@@ -134,7 +133,7 @@ class Problem:
         return plot_problem(self, times, ax)
 
     def _repr_html_(self) -> str:
-        """Show the picture in notebooks; words alone without matplotlib or for d > 3."""
+        """Show the picture in notebooks; words alone without matplotlib or for d > 2."""
         from dincl.plotting import problem_to_html
 
         return problem_to_html(self)

@@ -1,9 +1,9 @@
-"""Shapes to draw of a problem: the radii of its particles, and walls, balls, bonds and curves at a time."""
+"""Shapes to draw of a problem: the radii of its particles, walls, balls, bonds and curves at a time, their region."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import singledispatch
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
@@ -30,8 +30,13 @@ if TYPE_CHECKING:
     from dincl.problem import Problem
 
 
-# Normals of walls that face each other add up to zero but for this.
+# Rounding error of the sum of two opposite unit normals.
 ROUNDING = 1e-12
+# Room around the contents of a picture, with a curve, whose ends are not known, and the least extent along any axis,
+# relative to their size.
+MARGIN, MARGIN_OF_CURVES, NARROWEST = 0.06, 0.5, 0.5
+# A wall is shown up to this distance from the rest, relative to its size; two that face each other up to this width.
+FARTHEST, WIDEST = 1.0, 8.0
 
 
 class Wall(NamedTuple):
@@ -49,21 +54,6 @@ class Wall(NamedTuple):
         """Return the width of the gap between two walls that face each other, infinite if they do not [length]."""
         facing = float(self.normal @ other.normal) < ROUNDING - 1
         return -(self.offset + other.offset) if facing and self.offset + other.offset < 0 else math.inf
-
-    def cut(self, low: NDArray[np.float64], high: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Where the plane cuts the edges of a box in space, in their order around it, (m, 3) with m = 0 or 3 ... 6."""
-        corners = np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, -1).T
-        height = corners @ self.normal - self.offset
-        edges = np.argwhere((corners[:, None] != corners[None]).sum(axis=2) == 1)
-        i, j = edges[(edges[:, 0] < edges[:, 1]) & (height[edges].prod(axis=1) < 0)].T
-        places: NDArray[np.float64] = corners[i] + (height[i] / (height[i] - height[j]))[:, None] * (
-            corners[j] - corners[i]
-        )
-        if len(places) == 0:
-            return places
-        across = np.linalg.svd(self.normal[None])[2][1:]
-        ordered: NDArray[np.float64] = places[np.argsort(np.arctan2(*(across @ (places - places.mean(axis=0)).T)))]
-        return ordered
 
 
 class Ball(NamedTuple):
@@ -201,3 +191,33 @@ def _(constraint: Ordered, x: NDArray[np.float64], radius: NDArray[np.float64]) 
     """Neighbours in the chain are joined."""
     chain = np.asarray(constraint.chain)
     return [Bonds(np.column_stack((chain[:-1], chain[1:])))]
+
+
+def region(
+    problem: Problem, x: NDArray[np.float64], times: Sequence[float]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the corners of a picture of states x (K, N, d) with the balls and the near walls of some times."""
+    radius = np.max([radii(problem, t) for t in times], axis=0)[:, None]
+    low, high = (x - radius).min(axis=(0, 1)), (x + radius).max(axis=(0, 1))
+    shapes = [shape for t in times for shape in shapes_at(problem, t)]
+    for ball in shapes:
+        if isinstance(ball, Ball):
+            low, high = np.minimum(low, ball.centre - ball.radius), np.maximum(high, ball.centre + ball.radius)
+    size = float((high - low).max()) or 1.0
+    walls = [shape for shape in shapes if isinstance(shape, Wall)]
+    for wall in walls:
+        # The foot on the wall of the corner that is nearest to it.
+        corner = np.where(wall.normal > 0, low, high)
+        foot = corner - (wall.normal @ corner - wall.offset) * wall.normal
+        faces = min(map(wall.distance, walls)) <= WIDEST * size
+        if faces or np.abs(foot - corner).max() <= FARTHEST * size:
+            low, high = np.minimum(low, foot), np.maximum(high, foot)
+    margin = MARGIN_OF_CURVES if any(isinstance(shape, Curve) for shape in shapes) else MARGIN
+    room = margin * size + np.maximum(0.0, NARROWEST * size - (high - low)) / 2
+    return low - room, high + room
+
+
+def values_on_grid(curve: Curve, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return g at each point of a grid, (len(y), len(x))."""
+    with np.errstate(all="ignore"):
+        return np.array([[curve.g(np.array([a, b])) for a in x] for b in y])

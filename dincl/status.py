@@ -38,8 +38,12 @@ class Status(Enum):
         "The lumen of a tube closed: its apical points met. End the run earlier, or use a longer basal layer, lower or "
         "fewer cells."
     )
+    FOLDED = (
+        "The apical layer is folded, so that heights and positions mean nothing: end the run earlier, or let cells "
+        "divide less often; numerics.folded says whether such runs go on."
+    )
     NETWORK_TORN = (
-        "A network of neighbouring cells could not follow its points: use a smaller dt or offset of daughters, or "
+        "A layer of cells in space has no network of neighbours any more: let fewer cells leave or divide at once, or "
         "end the run earlier."
     )
     UNSTABLE = (

@@ -34,7 +34,7 @@ class Event(NamedTuple):
     Attributes
     ----------
     t
-        When [time].
+        Time of the change [time].
     kind
         "contact": a gap closes; "release": a multiplier reaches zero and the gap opens.
     constraint
@@ -72,7 +72,7 @@ class RunOutcome:
     between
         The states between the output times, and the residuals.
     failure
-        What ended the run early, for the error that solve raises.
+        The error that ended the run early, the cause of that which solve raises.
     scheme
         The scheme that was taken, of a scheme that chooses one.
     """
@@ -162,9 +162,9 @@ class Trajectory:
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the last state to scale, the start in outline, the paths through the states, walls and obstacles.
 
-        Drawn on ``ax`` (for d = 3 one with projection="3d"), or on a new figure; for d = 1 places over time. Moving
-        sets are drawn at the last time. Paths are straight between output times: pass more times for finer ones. Needs
-        matplotlib. Raises InvalidProblem for d > 3.
+        Drawn on ``ax``, or on a new figure; for d = 1 places over time. Moving sets are drawn at the last time. Paths
+        are straight between output times: pass more times for finer ones. Needs matplotlib. Raises InvalidProblem for
+        d > 2.
         """
         from dincl.plotting import plot
 
@@ -173,7 +173,7 @@ class Trajectory:
     def animate(self, file: str | Path, frames: int = 100, fps: float = 20.0) -> Path:
         """Write a movie, .gif or (with the program ffmpeg) .mp4, of ``frames`` equally spaced times; return the file.
 
-        Needs matplotlib. Raises InvalidProblem for another ending, a missing program, d > 3.
+        Needs matplotlib. Raises InvalidProblem for another ending, a missing program, d > 2.
         """
         from dincl.plotting import animate
 
@@ -198,7 +198,7 @@ class Trajectory:
         return pd.DataFrame(columns)
 
     def _repr_html_(self) -> str:
-        """Show status and picture in notebooks; words alone without matplotlib or for d > 3."""
+        """Show status and picture in notebooks; words alone without matplotlib or for d > 2."""
         from dincl.plotting import to_html
 
         return to_html(self._film(self.t, self.x))

@@ -52,7 +52,7 @@ def setup(app: Any) -> None:
 
 
 def run_page(app: Any, name: str, text: list[str]) -> None:
-    """Put outputs into the page of a tutorial or a how-to page that has Python."""
+    """Put outputs into a page that is a notebook, too."""
     from docs.building.shown import is_notebook, with_outputs
 
     if is_notebook(page := ROOT / f"{name}.md"):

@@ -10,17 +10,16 @@ from meanfield.density.panels import Panels
 from meanfield.errors import NotClosed, SolveFailed
 from meanfield.model.examples import LinearFibre, StraightFibre, TissueElement, WavyFibre
 from meanfield.model.model import Model
+from meanfield.model.reduction import Moments, Positions, Reduction, reduce, sample_moments
 from meanfield.model.state import State
 from meanfield.solvers.characteristics import Flow, solve_characteristics
 from meanfield.solvers.dae import solve_dae
-from meanfield.solvers.grid.grid_motion import GridMotion
-from meanfield.solvers.grid.pde import solve_pde
-from meanfield.solvers.moments import MomentMotion, Moments, sample_moments, solve_moments
-from meanfield.solvers.motion import Motion, SolverWork
+from meanfield.solvers.moments import MomentMotion, solve_moments
 from meanfield.solvers.ode import solve_ode
+from meanfield.solvers.pde import GridMotion, solve_pde
 from meanfield.solvers.push_forward import push_forward
 from meanfield.solvers.rattle import solve_rattle
-from meanfield.solvers.reduction import Positions, Reduction, reduce
+from meanfield.solvers.result import Motion, SolverWork
 from meanfield.transport.wasserstein import Weighted, w1
 
 __all__ = [

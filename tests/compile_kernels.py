@@ -13,7 +13,7 @@ def steps(tissue: bool) -> None:
     """Compile the steps of all schemes, where they are defined, and what is called when tests are read."""
     if tissue:
         import_module("tests.borders.tissue_things")
-    for name in ("catch_up", "compliant", "programs", "sweeping"):
+    for name in ("catch_up", "programs", "sweeping"):
         import_module(f"dincl.steps.{name}")
     import_module("tests.borders.dincl_calls")
 
@@ -23,7 +23,7 @@ def events(tissue: bool) -> None:
     scene = dincl.scenes.two_disks()
     dincl.solve(scene, dincl.EventDriven(1e-6), scene.times)
     if tissue:
-        import_module("verification.thesis.chapter3.sections.page").compile_kernels()
+        import_module("verification.thesis.chapter3.page").compile_kernels()
 
 
 HALVES = {half.__name__: half for half in (steps, events)}

@@ -13,7 +13,9 @@ from packaging.requirements import Requirement
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("dincl", "meanfield", "tissue", "verification")
-TABLES = "verification/data"  # the tables of complete studies, a distribution of their own
+TABLES = "verification/data"
+# A distribution of its own: rooms of verification, and the tables of complete studies.
+AUDIT = ("verification/thesis", "verification/methods", "verification/tissues", TABLES)
 BESIDE = ("pyproject.toml", "MANIFEST.in", "README.md", "CHANGELOG.md", "CITATION.cff", "SOURCE.md", "LICENSE")
 LEFTOVERS = shutil.ignore_patterns("__pycache__", "build", "*.egg-info")
 SDIST = "import sys; from setuptools import build_meta; build_meta.build_sdist(sys.argv[1])"
@@ -30,18 +32,23 @@ def for_users() -> list[str]:
 
 
 def copy_sources(tree: Path) -> Path:
-    """Copy what the distributions are built from: setuptools leaves files in the folder that it builds."""
+    """Copy what the distributions are built from, as "make dist" does; that of the audit is in the folder "audit"."""
     tree.mkdir(exist_ok=True)
     for name in PACKAGES:
         shutil.copytree(ROOT / name, tree / name, ignore=LEFTOVERS)
     for name in BESIDE:
         shutil.copy(ROOT / name, tree)
+    for name in AUDIT:
+        place = tree / "audit" / ("dincl_testbed_data" if name == TABLES else name)
+        place.parent.mkdir(parents=True, exist_ok=True)
+        (tree / name).rename(place)
+    (tree / "audit/dincl_testbed_data/pyproject.toml").rename(tree / "audit/pyproject.toml")
     return tree
 
 
 def build_wheels(tree: Path, out: Path) -> tuple[Path, Path]:
-    """Build the wheel of the packages and the wheel of the tables from a copy of the sources."""
-    pip(sys.executable, "wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", out, tree, tree / TABLES)
+    """Build the wheel of the packages and the wheel of the audit from a copy of the sources."""
+    pip(sys.executable, "wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", out, tree, tree / "audit")
     tables, packages = sorted(out.glob("*.whl"), key=lambda wheel: "data" not in wheel.name)
     return packages, tables
 

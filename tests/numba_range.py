@@ -37,7 +37,8 @@ def ends() -> tuple[str, str]:
 def passes(wanted: str) -> bool:
     """Install a version of numba apart from the environment, and run the tests with it."""
     with TemporaryDirectory() as folder:
-        libraries, code = Path(folder, "libraries"), Path(folder, "code")
+        # Named as pip names it: what stands there is installed, not code of the user's.
+        libraries, code = Path(folder, "site-packages"), Path(folder, "code")
         install = ["pip", "--disable-pip-version-check", "install", "--quiet", "--target", str(libraries), wanted]
         subprocess.run([sys.executable, "-m", *install], check=True)
         found = next(libraries.glob("numba-*.dist-info")).name.removeprefix("numba-").removesuffix(".dist-info")

@@ -28,6 +28,17 @@ Thing = TypeVar("Thing")
 _REGISTERED: dict[type, dict[str, Any]] = {}
 
 
+def _check(thing: Any, form: re.Pattern[str], words: str, **functions: bool) -> None:
+    """Check name, meaning, source and functions of what a user makes; True: a function that may be None."""
+    string("name", thing.name, form, words)
+    string("meaning", thing.meaning)
+    string("source", thing.source)
+    for key, optional in functions.items():
+        if not (optional and getattr(thing, key) is None):
+            what = "a function, or None" if optional else "a function"
+            instance(f"{type(thing).__name__} {thing.name}: {key}", getattr(thing, key), FunctionType, what)
+
+
 def registry(kind: type) -> dict[str, Any]:
     """Return what was registered of a kind, by name, the first one first."""
     return _REGISTERED.setdefault(kind, {})
@@ -88,17 +99,12 @@ class EmtEvent:
     mark: str = ""
 
     def __post_init__(self) -> None:
-        string("name", self.name, _LETTERS, "lower-case letters and digits")
+        _check(self, _LETTERS, "lower-case letters and digits", begin=True, last=True)
         object.__setattr__(self, "mark", self.mark or self.name.capitalize())
-        string("meaning", self.meaning)
-        string("source", self.source)
         if self.after is not None:
             string(f"EmtEvent {self.name}: after", self.after)
         if self.frees not in (None, *POINTS):
             raise InvalidProblem(f'EmtEvent {self.name}: frees = {self.frees!r}: must be "apical", "basal" or None')
-        for key, value in (("begin", self.begin), ("last", self.last)):
-            if value is not None:
-                instance(f"EmtEvent {self.name}: {key}", value, FunctionType, "a function, or None")
         if self.begin is None and self.last is None:
             raise InvalidProblem(f"EmtEvent {self.name}: must have a function begin, last, or both")
 
@@ -139,12 +145,7 @@ class Force:
     energy: Callable[..., float] | None = None
 
     def __post_init__(self) -> None:
-        string("name", self.name, _NAME, 'lower-case letters, digits and "_"')
-        string("meaning", self.meaning)
-        string("source", self.source)
-        instance(f"Force {self.name}: push", self.push, FunctionType, "a function")
-        if self.energy is not None:
-            instance(f"Force {self.name}: energy", self.energy, FunctionType, "a function, or None")
+        _check(self, _NAME, 'lower-case letters, digits and "_"', push=False, energy=True)
 
 
 @dataclass(frozen=True)
@@ -224,8 +225,4 @@ class DivisionRule:
     place: Callable[..., None]
 
     def __post_init__(self) -> None:
-        string("name", self.name, _WORD, "letters, digits and _")
-        string("meaning", self.meaning)
-        string("source", self.source)
-        for key, value in (("splits", self.splits), ("place", self.place)):
-            instance(f"DivisionRule {self.name}: {key}", value, FunctionType, "a function")
+        _check(self, _WORD, "letters, digits and _", splits=False, place=False)

@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from verification.instruments.result import Result
     from verification.instruments.save import save
     from verification.instruments.speed_accuracy import work_precision
-    from verification.instruments.stability import StabilityMap, stability_map
+    from verification.instruments.stability import Limit, StabilityMap, stability_map
     from verification.proofs.proof import NotProved, Proof, prove
 
 # Where the names are: a module is loaded when one of its names is first used, so that the plugin of pytest, which comes
@@ -78,7 +78,7 @@ _PLACES = {
     "instruments.problem_sets": ("WorkPrecisionSet",),
     "instruments.speed_accuracy": ("work_precision",),
     "instruments.chart": ("WorkPrecision",),
-    "instruments.stability": ("StabilityMap", "stability_map"),
+    "instruments.stability": ("Limit", "StabilityMap", "stability_map"),
 }
 _MODULE_OF = {name: module for module, names in _PLACES.items() for name in names}
 
@@ -94,6 +94,7 @@ __all__ = [
     "Evidence",
     "FormalProof",
     "Known",
+    "Limit",
     "Method",
     "NotProved",
     "Order",

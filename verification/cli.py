@@ -38,14 +38,15 @@ def report(full: Full = False, out: Out = Path("report")) -> None:
     """
     need_thesis("verification report")
     from dincl.study import workers
-    from verification.page.chapters import CHAPTERS
-    from verification.page.context import Context
-    from verification.page.kept import STUDIES
-    from verification.page.report import write_report
+    from verification.site.context import Context
+    from verification.site.report import write_report
+    from verification.site.store import DATA
+    from verification.thesis.chapters import CHAPTERS
+    from verification.thesis.shipped_studies import STUDIES
 
     start = time.monotonic()
     with workers() as executor:
-        path = write_report(CHAPTERS, Context(out, full, executor, complete=STUDIES))
+        path = write_report(CHAPTERS, Context(out, full, executor, STUDIES, complete=DATA))
     print(f"{path}, {time.monotonic() - start:.0f} s")
 
 
@@ -66,10 +67,11 @@ def claims(
     need_thesis("verification claims")
     from dincl.study import workers
     from verification.claims.decide import decide_all, differing
-    from verification.page import kept
-    from verification.page.context import Context
+    from verification.site.context import Context
+    from verification.site.store import DATA
     from verification.thesis import selection
     from verification.thesis.register import register
+    from verification.thesis.shipped_studies import STUDIES
     from verification.thesis.text.errata import errata
 
     try:
@@ -77,7 +79,7 @@ def claims(
     except ValueError as error:
         raise typer.BadParameter(str(error)) from None
     with workers() as executor:
-        context = Context(out, full, executor, complete=kept.STUDIES)
+        context = Context(out, full, executor, STUDIES, complete=DATA)
         tables = selection.tables_for(chosen, context)
         table = decide_all(chosen, tables, executor)
     _list_claims(table)
@@ -132,16 +134,40 @@ def check(
 
 
 @app.command()
+def make(
+    names: Annotated[list[str] | None, typer.Argument(help="Names of studies; without any, they are listed.")] = None,
+    smallest: Annotated[bool, typer.Option("--smallest", help="Make the shortened forms, in seconds.")] = False,
+    out: Out = Path("report"),
+) -> None:
+    """Make studies anew, and write <out>/made/NAME.parquet and CSV; an interrupted call goes on where it stopped."""
+    need_thesis("verification make")
+    from dincl.study import workers
+    from verification.thesis.shipped_studies import STUDIES
+
+    if unknown := [name for name in names or () if name not in STUDIES]:
+        raise typer.BadParameter(f"{', '.join(unknown)}: must be among {', '.join(STUDIES)}")
+    if not names:
+        for name, study in STUDIES.items():
+            print(f"{name}: {study().title}, {len(study().runs)} runs")
+        return
+    with workers() as executor:
+        for name in names:
+            rows = STUDIES[name](smallest=smallest).complete(out / "made", executor)
+            print(f"{out / 'made' / name}.parquet: {len(rows)} rows")
+
+
+@app.command()
 def stability(full: Full = False, out: Out = Path("report")) -> None:
     """Map where each method fails, print the predicted failures, write tables and figures to <out>."""
     need_thesis("verification stability")
     from dincl.study import workers
-    from verification.page.context import Context
-    from verification.page.kept import STUDIES
-    from verification.thesis.chapter2.stability.page import CHAPTER
+    from verification.methods.stability.page import CHAPTER
+    from verification.site.context import Context
+    from verification.site.store import DATA
+    from verification.thesis.shipped_studies import STUDIES
 
     with workers() as executor:
-        context = Context(out, full, executor, complete=STUDIES)
+        context = Context(out, full, executor, STUDIES, complete=DATA)
         CHAPTER.run(context)
         CHAPTER.sections(context)
         context.finish_drawings()

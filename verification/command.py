@@ -7,8 +7,6 @@ from collections.abc import Callable
 
 from dincl.extras import BAD_INPUT, command
 
-MAKES_NO_NUMBERS = True
-
 
 def main() -> None:
     """Run the command that was called."""

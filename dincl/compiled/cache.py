@@ -1,151 +1,171 @@
-"""Cache of machine code on the disk: files with checksums, for a stamp of the code that it was compiled from.
+"""Numba's own cache of machine code, in a folder that a change of any code beneath a kernel changes.
 
-Numba's own cache has the file of the function alone as its key, and so is used when a function that it calls has
-changed. It reads its files as they are: an empty one ends the program with an error, machine code in which a bit has
-changed with any value, or with a fault of memory. This cache is for results that are right, not for speed.
+Numba compiles a function again when its file has changed, not when a function or a number has that it takes from
+another file. So the folder of a module is named by the digest of its text and of all that it imports.
 """
 
 from __future__ import annotations
 
-import inspect
+import ast
 import os
-import pickle
 import shutil
-import textwrap
+import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from functools import cache
 from hashlib import sha256
-from itertools import count
+from importlib.util import find_spec, resolve_name
 from pathlib import Path
-from typing import Any
+from threading import Lock
+from typing import Any, cast
 
+import llvmlite
 import numba
-from numba.core.caching import CacheImpl, CompileResultCacheImpl, FunctionCache, IndexDataCacheFile, _CacheLocator
-from numba.core.serialize import dumps
+import numpy as np
+from numba.core.caching import FunctionCache
 
-from dincl.compiled.folders import stamp
-from dincl.provenance.code import PACKAGES, source
-
-MAKES_NO_NUMBERS = True
-
-DIGEST = sha256().digest_size
-UNUSED = 30 * 24 * 3600.0  # seconds after which the machine code of other code is removed
-
-
-class CheckedFiles(IndexDataCacheFile):
-    """Files of one function: an index, from types of arguments to names of files, and a file for each of these.
-
-    Each begins with a checksum, also of its name, of the version of numba and of the stamp: a file under the name of
-    another one is no such file, and numba could not read types in it whose classes were renamed. Each file of machine
-    code contains its key: two processes may have given the same name to two of them.
-    """
-
-    def load(self, key: Any) -> Any:
-        """Return the machine code for a key; None if there is none, or its file is damaged."""
-        name = self._load_index().get(key)
-        path = None if name is None else self._data_path(name)  # type: ignore[no-untyped-call]
-        stored, code = (None, None) if path is None else self._read(path) or (None, None)
-        return code if stored == key else None
-
-    def save(self, key: Any, data: Any) -> None:
-        """Store the machine code for a key, the index last; a full disk costs another compilation later."""
-        index = self._load_index()
-        names = (name for name in map(self._data_name, count(1)) if name not in index.values())
-        name = index.get(key) or next(names)
-        with suppress(OSError):
-            self._write(self._data_path(name), (key, data))  # type: ignore[no-untyped-call]
-            self._write(self._index_path, {**index, key: name})
-
-    def flush(self) -> None:
-        """Empty the cache."""
-        self._write(self._index_path, {})
-
-    def _load_index(self) -> dict[Any, str]:
-        return self._read(self._index_path) or {}
-
-    def _write(self, path: str, value: Any) -> None:
-        data = dumps(value)
-        with self._open_for_write(path) as file:  # which is renamed at the end
-            file.write(self._checksum(path, data) + data)
-
-    def _read(self, path: str) -> Any:
-        """Return the content of a file; None if it is missing, damaged, or of another version or stamp."""
-        try:
-            data = Path(path).read_bytes()
-        except OSError:
-            return None
-        return pickle.loads(data[DIGEST:]) if data[:DIGEST] == self._checksum(path, data[DIGEST:]) else None
-
-    def _checksum(self, path: str, data: bytes) -> bytes:
-        place = Path(path)
-        name = f"{place.parent.name}/{place.name}"  # one folder for each module
-        return sha256(f"{numba.__version__} {self._source_stamp} {name} ".encode() + data).digest()
-
-
-class _Locator(_CacheLocator):
-    """The folder of the cache, for files named after the text of the function and marked with our stamp.
-
-    Functions of these packages are compiled once for all clones and environments of a user: their folder is
-    ``~/.cache/dincl-testbed/STAMP/MODULE``. Other functions, and all where ``NUMBA_CACHE_DIR`` is set or this folder
-    cannot be written, are cached where numba would do so.
-    """
-
-    def __init__(self, function: Callable[..., Any], path: str) -> None:
-        self._function, self._path = function, path
-
-    @classmethod
-    def from_function(cls, py_func: Callable[..., Any], py_file: str) -> _Locator | None:
-        """Take the shared folder, or the first place that numba would."""
-        if py_func.__module__.partition(".")[0] in PACKAGES and not os.environ.get("NUMBA_CACHE_DIR"):
-            with suppress(OSError, RuntimeError):  # also where a user has no home
-                shared = cls(py_func, str(_shared_folder(stamp(py_func)) / py_func.__module__))
-                shared.ensure_cache_path()  # type: ignore[no-untyped-call]
-                return shared
-        classes: list[Any] = CacheImpl._locator_classes
-        found = (standard.from_function(py_func, py_file) for standard in classes)
-        return next((cls(py_func, str(place.get_cache_path())) for place in found if place is not None), None)
-
-    def get_cache_path(self) -> str:
-        """Return the folder."""
-        return self._path
-
-    def get_source_stamp(self) -> str:
-        """Return the stamp of the machine code."""
-        return stamp(self._function)
-
-    def get_disambiguator(self) -> str:
-        """Tell functions of one name in one file apart by their text: lines shift with every comment."""
-        return source(textwrap.dedent(inspect.getsource(self._function))).digest
-
-
-@cache
-def _shared_folder(stamp: str) -> Path:
-    """Return the folder of a stamp, marked as used today; folders of other stamps unused for a month are removed."""
-    root = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "dincl-testbed"
-    folder = root / stamp
-    folder.mkdir(parents=True, exist_ok=True)
-    os.utime(folder)
-    for other in root.iterdir():
-        with suppress(OSError):  # another process may remove it, too
-            if time.time() - other.stat().st_mtime > UNUSED:
-                shutil.rmtree(other)
-    return folder
-
-
-class _Serialiser(CompileResultCacheImpl):
-    """The part of numba that turns compiled functions into bytes and back, with our locator."""
-
-    _locator_classes = [_Locator]  # noqa: RUF012  # as numba has it
+# The packages of this program, wherever they are installed.
+PACKAGES = ("dincl", "meanfield", "tissue", "verification")
+_INSTALLED, _STANDARD = {"site-packages", "dist-packages"}, Path(os.__file__).parent
+_VERSIONS = f"{numba.__version__} {llvmlite.__version__} {np.__version__}"
+UNUSED = 30 * 24 * 3600.0  # [s] after which the machine code of other code is removed
+# Numba has one folder for all functions of a process; ours is set while it looks up that of one function.
+_FOLDER, _CONFIG = Lock(), cast("Any", numba.config)
 
 
 class CodeCache(FunctionCache):
-    """Machine code of one function on the disk, as by numba's ``cache=True``, with our stamp and our files."""
+    """Numba's cache, but a full disk or a damaged file costs another compilation and no run."""
 
-    _impl_class = _Serialiser
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Load the machine code for types of arguments; None if there is none, or no such."""
+        try:
+            found: Any = super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
+        except Exception:  # noqa: BLE001  # unpickling an incomplete file may raise any
+            with suppress(OSError):
+                self.flush()  # type: ignore[no-untyped-call]
+            return None
+        # Two processes may give one name to the files of different types, of which the second replaces the first.
+        return found if found is None or found.signature.args == tuple(getattr(sig, "args", sig)) else None
 
-    def __init__(self, function: Callable[..., Any]) -> None:
-        super().__init__(function)  # type: ignore[no-untyped-call]
-        files: Any = CheckedFiles
-        self._cache_file = files(self.cache_path, self._impl.filename_base, stamp(function))
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Save machine code if the disk has room."""
+        with suppress(OSError):
+            super().save_overload(sig, data)  # type: ignore[no-untyped-call]
+
+
+def set_cache(compiled: Any, function: Callable[..., Any]) -> None:
+    """Cache the machine code of a function, unless it is in no file or no folder can be written to.
+
+    The folder is in ``NUMBA_CACHE_DIR`` or ``~/.cache/dincl-testbed``.
+    """
+    path = Path(function.__code__.co_filename)
+    if path.suffix != ".py" or not path.is_file():
+        return
+    with _FOLDER, suppress(OSError, RuntimeError):  # RuntimeError if a user has no home
+        before = _CONFIG.CACHE_DIR
+        home = Path(before or Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "dincl-testbed")
+        _CONFIG.CACHE_DIR = str(_folder(home, _digest(function.__module__)))
+        try:
+            compiled._cache = CodeCache(function)  # type: ignore[no-untyped-call]
+        finally:
+            _CONFIG.CACHE_DIR = before
+
+
+@cache
+def _folder(home: Path, digest: str) -> Path:
+    """Return the folder of a digest, marked as used now; a new one has others removed that were unused for a month."""
+    folder = home / digest
+    if not folder.exists():
+        folder.mkdir(parents=True, exist_ok=True)
+        for other in home.iterdir():
+            with suppress(OSError):  # another process may remove it, too
+                if time.time() - other.stat().st_mtime > UNUSED:
+                    shutil.rmtree(other)
+    os.utime(folder)
+    return folder
+
+
+def _digest(module: str) -> str:
+    digests = [f"{name} {digest}" for name, digest in sources(module).items()]
+    return sha256("\n".join([_VERSIONS, *digests]).encode()).hexdigest()[:16]
+
+
+def sources(module: str) -> dict[str, str]:
+    """Return a digest of the file of a module, and of each that it imports when it is loaded, at any depth, by name.
+
+    Modules that are installed, other than these packages, are left out.
+    """
+    found: dict[str, str] = {}
+    todo = [module]
+    while todo:
+        name = todo.pop()
+        path = _file(name)
+        if path is not None and name not in found:
+            found[name], imports = _read(name, path, path.stat().st_mtime_ns)
+            todo += imports
+    return dict(sorted(found.items()))
+
+
+@cache
+def _read(name: str, path: Path, _changed: int) -> tuple[str, list[str]]:
+    """Return the digest of a file, and the modules that it imports."""
+    data = path.read_bytes()
+    home = name if path.stem == "__init__" else name.rpartition(".")[0]
+    imports = []
+    for node in _imports(ast.parse(data)):
+        if isinstance(node, ast.Import):
+            imports += [alias.name for alias in node.names]
+        else:
+            outer = resolve_name("." * node.level + (node.module or ""), home) if node.level else str(node.module)
+            inner = [f"{outer}.{alias.name}" for alias in node.names]
+            imports += [name if _file(name) else outer for name in inner]
+    return sha256(data).hexdigest()[:16], imports
+
+
+def _imports(node: ast.AST) -> Iterator[ast.Import | ast.ImportFrom]:
+    """List the imports that run when a module is loaded."""
+    for child in ast.iter_child_nodes(node):
+        for_types = isinstance(child, ast.If) and "TYPE_CHECKING" in ast.dump(child.test)
+        if isinstance(child, ast.Import | ast.ImportFrom):
+            yield child
+        elif not (for_types or isinstance(child, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef)):
+            yield from _imports(child)
+
+
+def _file(name: str) -> Path | None:
+    """Find the source file of a module that is one of ours or not installed; of a loaded one that it is loaded from."""
+    if not _is_followed(name.partition(".")[0]):
+        return None
+    loaded = sys.modules.get(name)
+    return _source(getattr(loaded, "__file__", None) if loaded else _origin(name))
+
+
+@cache
+def _origin(name: str) -> str | None:
+    try:
+        spec = find_spec(name)
+    except (ImportError, ValueError):  # the name is no module
+        return None
+    return spec.origin if spec else None
+
+
+@cache
+def _source(file: str | None) -> Path | None:
+    path = Path(file or "")
+    return path if path.suffix == ".py" and path.is_file() else None
+
+
+@cache
+def _is_followed(top: str) -> bool:
+    """Return whether a top-level module is one of ours or not installed."""
+    if top in (*PACKAGES, "__main__"):
+        return True
+    try:
+        spec = find_spec(top)
+    except (ImportError, ValueError):  # a module without a specification, made by hand
+        return top in sys.modules
+    places = [] if spec is None else [Path(place) for place in spec.submodule_search_locations or [spec.origin or ""]]
+    return any(
+        place.is_absolute() and not (_INSTALLED & {*place.parts} or _STANDARD in place.parents) for place in places
+    )

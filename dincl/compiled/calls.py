@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Callable
 from inspect import Parameter, Signature
 from typing import Any, cast
@@ -35,6 +36,15 @@ def _plain(kind: Any) -> Any:
 
 # int64 f(double t, double *x, double *out, int64 n, int64 d, double *data): out = F(t, x); 0 is success.
 DRIFT: Any = signature(int, float, DOUBLES, DOUBLES, int, int, DOUBLES)
+# int64 f(double t, double *x, int64 request, int64 family): Python writes what is requested of the sets at (t, x).
+SETS: Any = signature(int, float, DOUBLES, int, int)
+
+_C_TYPES: Any = {types.int64: ctypes.c_int64, types.float64: ctypes.c_double, DOUBLES: ctypes.c_void_p}
+
+
+def c_type(described: Any) -> Any:
+    """Return the type of C functions of this signature, which makes one of a Python function; arrays are addresses."""
+    return ctypes.CFUNCTYPE(_C_TYPES[described.return_type], *(_C_TYPES[kind] for kind in described.args))
 
 
 def call(described: Any) -> Callable[..., Any]:

@@ -1,16 +1,14 @@
 """Functions compiled to machine code: kernels for Python, functions inlined into them, C functions for other kernels.
 
-The machine code of kernels and C functions is cached on the disk (``dincl.compiled.cache``). At a terminal a message
-says what is compiled: a first run takes half a minute longer.
+The machine code of kernels and C functions is cached on the disk (``dincl.compiled.cache``). At a terminal a line names
+what is compiled: a first run takes half a minute longer.
 """
 
 from __future__ import annotations
 
 import sys
-import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
@@ -20,10 +18,7 @@ from numba.core.compiler import Compiler
 from numba.core.event import Listener, install_recorder, register
 from numba.core.sigutils import normalize_signature
 
-from dincl.compiled.cache import CodeCache
-from dincl.compiled.calls import signature
-from dincl.compiled.folders import require_folder
-from dincl.provenance.code import PACKAGES
+from dincl.compiled.cache import PACKAGES, set_cache
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -31,9 +26,8 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 def kernel(function: Function, *, references: bool = True) -> Function:
     """Compile on first use, free of the interpreter lock; division by zero gives inf as in NumPy.
 
-    No fastmath and no parallel: the order of operations is part of the result. The machine code is cached on the disk
-    and used until the code of a folder with kernels changes (``dincl.compiled.folders``) or the version of a library. A
-    damaged file is replaced.
+    No fastmath and no parallel: the order of operations is part of the result. The machine code is cached on the disk,
+    and compiled again when its file changes or one that it imports.
 
     Parameters
     ----------
@@ -42,11 +36,10 @@ def kernel(function: Function, *, references: bool = True) -> Function:
     references
         Whether to count the references to arrays: not needed by a kernel that allocates none.
     """
-    require_folder(function)
     # Counting references makes steps of tissues and of PBD 1.3 to 1.7 times as long.
     options: dict[str, Any] = {"nogil": True, "error_model": "numpy", "_nrt": references}
     compiled: Any = numba.njit(**options)(function)
-    _cache_code(compiled, function)
+    set_cache(compiled, function)
     return cast("Function", compiled)
 
 
@@ -56,11 +49,10 @@ def c_function(described: Any, function: Callable[..., Any]) -> Any:
     It must not allocate arrays. Where it raises, it returns an arbitrary number: see ``collect_errors``. A function of
     a user, outside of these packages, raises IndexError where it reads or writes beyond an array.
     """
-    require_folder(function)
     options: dict[str, Any] = {"error_model": "numpy", "_nrt": False, "boundscheck": _of_user(function)}
     # numba.cfunc would compile before the cache is set.
     compiled: Any = CFunc(function, normalize_signature(described), locals={}, options=options)
-    _cache_code(compiled, function)
+    set_cache(compiled, function)
     with MESSAGES.naming(function):
         compiled.compile()
     return compiled
@@ -76,31 +68,12 @@ def allocating(function: Function) -> Function:
     return _inlined(function, allocates=True)
 
 
-def compile_reordered(function: Callable[..., Any]) -> Any:
-    """Compile a generated loop, on first use; sums may be reordered, which changes their last bits only."""
-    return numba.njit(nogil=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz", "arcp"})(function)
-
-
-def compile_now(returned: Any, *arguments: Any) -> Callable[[Function], Function]:
-    """Make a decorator that compiles at once, with the operations as written, whichever loop calls the function."""
-    made: Callable[[Function], Function] = numba.njit(signature(returned, *arguments), error_model="numpy")
-    return made
-
-
-def _cache_code(compiled: Any, function: Callable[..., Any]) -> None:
-    """Cache the machine code on the disk, unless the function was typed at a prompt and is in no file."""
-    path = Path(function.__code__.co_filename)
-    if path.suffix == ".py" and path.is_file():
-        compiled._cache = CodeCache(function)
-
-
 def _of_user(function: Callable[..., Any]) -> bool:
     """Return whether a function is in none of these packages: it is always compiled with checks, or always without."""
     return (function.__module__ or "").partition(".")[0] not in PACKAGES
 
 
 def _inlined(function: Function, *, allocates: bool) -> Function:
-    require_folder(function)
     # Wrappers for Python and for C, which nobody calls, make first runs 1.17 times as long, that of eight tissues 1.27.
     # Counting references makes steps 1.3 to 1.7 times as long.
     options: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "_nrt": allocates}
@@ -147,49 +120,36 @@ class _InlinedCode(JITCodeLibrary):
 
 
 class CompilerMessages(Listener):
-    """Messages at a terminal: the name of a function when its compilation begins, and its time at the end.
-
-    Functions that are compiled because the first one calls them are not named.
-    """
+    """A line at a terminal for each function that is compiled, but for those that it calls."""
 
     def __init__(self) -> None:
-        self._compiling: list[str] = []
-        self._since, self._named = 0.0, False
+        self._compiling: list[Callable[..., Any]] = []
+        self._named: Callable[..., Any] | None = None
 
     def on_start(self, event: Any) -> None:
-        """Name the function that numba begins to compile."""
-        self._begin(event.data["dispatcher"].py_func)
-        if not self._named:
-            _print(f"Compiling {self._compiling[0]}; its machine code is cached.")
-            self._named = True
+        """Name the function that is compiled, unless this was done."""
+        self._compiling.append(event.data["dispatcher"].py_func)
+        first = self._compiling[0]
+        if first is not self._named and sys.stderr.isatty():
+            print(
+                f"Compiling {first.__module__}.{first.__qualname__}; its machine code is cached.",
+                file=sys.stderr,
+                flush=True,
+            )
+        self._named = first
 
     def on_end(self, event: Any) -> None:
-        """Print the time if this was the first function."""
-        self._end()
+        """Go back to the function that calls this one."""
+        self._compiling.pop()
 
     @contextmanager
     def naming(self, function: Callable[..., Any]) -> Iterator[None]:
         """Name this function for all that is compiled in the block: numba reports what it calls, but not itself."""
-        self._begin(function)
+        self._compiling.append(function)
         try:
             yield
         finally:
-            self._end()
-
-    def _begin(self, function: Callable[..., Any]) -> None:
-        if not self._compiling:
-            self._since, self._named = time.perf_counter(), False
-        self._compiling.append(f"{function.__module__}.{function.__qualname__}")
-
-    def _end(self) -> None:
-        name = self._compiling.pop()
-        if self._named and not self._compiling:
-            _print(f"{name}: {time.perf_counter() - self._since:.1f} s")
-
-
-def _print(text: str) -> None:
-    if sys.stderr.isatty():
-        print(text, file=sys.stderr, flush=True)
+            self._compiling.pop()
 
 
 MESSAGES = CompilerMessages()

@@ -6,20 +6,17 @@ Numba and ctypes pass such an error to ``sys.unraisablehook``, which is one for 
 from __future__ import annotations
 
 import sys
-from collections import defaultdict
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from threading import Lock, get_ident
 from typing import Any
 
-MAKES_NO_NUMBERS = True
 # Gets an error in the form of ``sys.unraisablehook``; returns whether it took the error.
 Taker = Callable[[Any], bool]
 _LOCK = Lock()
-# By number of the thread: its takers, the latest last.
-_TAKERS: defaultdict[int, list[Taker]] = defaultdict(list)
-# One entry for each block of any thread that installed our hook; the first one is the hook that was there before.
-_HOOKS: list[Callable[[Any], object]] = []
+# The takers of all threads, each with the number of its thread, and the hook before the first of them.
+_TAKERS: list[tuple[int, Taker]] = []
+_BEFORE: list[Callable[[Any], object]] = []
 
 
 @contextmanager
@@ -28,29 +25,25 @@ def uncaught_errors(take: Taker) -> Iterator[None]:
 
     An error that ``take`` refuses is offered to the block around this one, and at last to the hook before.
     """
-    takers = _TAKERS[get_ident()]
-    installs = not takers or sys.unraisablehook is not _offer
-    takers.append(take)
-    if installs:
-        with _LOCK:
-            _HOOKS.append(sys.unraisablehook)
+    mine = get_ident(), take
+    with _LOCK:
+        if not _TAKERS:
+            _BEFORE[:] = [sys.unraisablehook]
             sys.unraisablehook = _offer
+        _TAKERS.append(mine)
     try:
         yield
     finally:
-        takers.pop()
-        if installs:
-            with _LOCK:
-                earliest = _HOOKS[0]
-                _HOOKS.pop()
-                if not _HOOKS:
-                    sys.unraisablehook = earliest
+        with _LOCK:
+            _TAKERS.remove(mine)
+            if not _TAKERS:
+                sys.unraisablehook = _BEFORE[0]
 
 
 def _offer(raised: Any) -> None:
     """Offer an error to the takers of this thread, the latest first, then to the hook that was there before."""
-    if not any(take(raised) for take in reversed(_TAKERS.get(get_ident(), ()))):
-        (_HOOKS[0] if _HOOKS else sys.__unraisablehook__)(raised)
+    if not any(thread == get_ident() and take(raised) for thread, take in reversed(_TAKERS.copy())):
+        _BEFORE[0](raised)
 
 
 @contextmanager

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -34,7 +35,7 @@ CENTRAL = np.array([-1, 9, -45, 0, 45, -9, 1]) / 60
 FORWARD = np.array([-147, 360, -450, 400, -225, 72, -10]) / 60
 # A matrix is a rotation if R R^T is the unit matrix up to this.
 ORTHOGONAL = 1e-9
-# An entry of a rotation, or of a displacement over the distance of the centre, that is zero but for rounding.
+# An angle, or an entry of a rotation, that is zero but for rounding.
 ZERO = 16 * float(np.finfo(float).eps)
 
 
@@ -74,17 +75,23 @@ class RigidMotion:
             found = recent[t] = self._evaluated(t, d)
         return found
 
+    def numbers(self, t: float, d: int) -> NDArray[np.float64]:
+        """Return what the functions of time return, flat; what is zero but for rounding is no function of time."""
+        turn = ROTATION.evaluated(self.rotation, t).ravel()
+        turn = np.where(np.abs(turn) > ZERO, turn, 0.0)
+        if self.displacement is None:
+            return turn
+        return np.concatenate((turn, DISPLACEMENT.evaluated(self.displacement, t, shape=(d,))))
+
     def __getstate__(self) -> dict[str, Any]:
         return {name: value for name, value in self.__dict__.items() if name != "_recent"}
 
     def _evaluated(self, t: float, d: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        raw = ROTATION.evaluated(self.rotation, t)
-        turn = _rotation(raw, d)
-        if np.abs(turn @ turn.T - np.eye(d)).max() > ORTHOGONAL or not np.linalg.det(turn) > 0:
-            ROTATION.refuse(f"returned {describe(raw)}: must be orthogonal with determinant 1.")
-        centre = np.zeros(d) if self.centre is None else array("centre", self.centre)
-        vector("centre", centre, d)
-        shift = centre - turn @ centre
+        turn, shift = _rotation(ROTATION.evaluated(self.rotation, t), d), np.zeros(d)
+        if self.centre is not None:
+            centre = array("centre", self.centre)
+            vector("centre", centre, d)
+            shift = centre - turn @ centre
         if self.displacement is not None:
             shift = shift + DISPLACEMENT.evaluated(self.displacement, t, shape=(d,))
         return turn, shift
@@ -94,7 +101,7 @@ def _rotation(raw: NDArray[np.float64], d: int) -> NDArray[np.float64]:
     """Return the matrix of an angle, of a rotation vector, or the matrix itself."""
     if raw.shape == () and d == 2:
         c, s = np.cos(raw), np.sin(raw)
-        return np.array([[c, -s], [s, c]])
+        return np.array(((c, -s), (s, c)))
     if raw.shape == (3,) and d == 3:
         from scipy.spatial.transform import Rotation
 
@@ -102,6 +109,8 @@ def _rotation(raw: NDArray[np.float64], d: int) -> NDArray[np.float64]:
     if raw.shape != (d, d):
         allowed = {2: "an angle, or a matrix", 3: "a rotation vector of shape (3,), or a matrix"}.get(d, "a matrix")
         ROTATION.refuse(f"returned an array of shape {raw.shape}: must be {allowed} of shape ({d}, {d}).")
+    if np.abs(raw @ raw.T - np.eye(d)).max() > ORTHOGONAL or not np.linalg.det(raw) > 0:
+        ROTATION.refuse(f"returned {describe(raw)}: must be orthogonal with determinant 1.")
     return raw
 
 
@@ -158,15 +167,14 @@ class Moving(Constraint):
         return PATH.evaluated(self.path, t, shape=(d,))
 
     def parameters(self, t: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        of_set = self.constraint.parameters(t, x)
-        turn, shift = self.placement(t, x.shape[1])
-        centre = self.path.centre if isinstance(self.path, RigidMotion) else None
-        length = 0.0 if centre is None else np.abs(centre).max()
-        # What is zero but for rounding is no function of time.
-        parts = (
-            np.where(np.abs(part) > ZERO * size, part, 0.0) for part, size in ((turn.ravel(), 1.0), (shift, length))
-        )
-        return np.concatenate([*parts, [] if of_set is None else of_set])
+        d, path = x.shape[1], self.path
+        moves = path.numbers(t, d) if isinstance(path, RigidMotion) else PATH.evaluated(path, t, shape=(d,))
+        of_set = self.constraint.parameters(t, x) if self._set_is_timed else None
+        return moves if of_set is None else np.concatenate((moves, of_set))
+
+    @cached_property
+    def _set_is_timed(self) -> bool:
+        return self.constraint.timed
 
     def seen(self, t: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the points x (N, d) as seen from the moving set, R^T (X - b)."""
@@ -182,10 +190,14 @@ class Moving(Constraint):
         return self.constraint.at(0.0).pattern(x)
 
     def sweep_rows(self, x: NDArray[np.float64]) -> Swept:
-        rows = self.constraint.at(0.0).sweep_rows(x)
-        if isinstance(rows, CustomSweep) and isinstance(self.path, RigidMotion):
-            return _TurnedSweep(self, rows)
-        return rows
+        carried = self.displacement(0.0, x.shape[1]) is None
+        return self._placed_sweep(x) if carried else self.constraint.sweep_rows(x)
+
+    def _placed_sweep(self, x: NDArray[np.float64]) -> Swept:
+        """Return the rows of S; the steps move a set along one path only, so its own projections make other motions."""
+        inner = self.constraint
+        rows = inner._placed_sweep(x) if isinstance(inner, Moving) else inner.at(0.0).sweep_rows(x)
+        return _PlacedSweep(self, rows) if isinstance(rows, CustomSweep) else rows
 
     def select_at(self, t: float, x: NDArray[np.float64], search_radius: float) -> RowsOfOneKind:
         return self.constraint.select_at(t, self.seen(t, x), search_radius)
@@ -209,8 +221,8 @@ class Moving(Constraint):
 
 
 @dataclass(frozen=True)
-class _TurnedSweep(CustomSweep):
-    """Projections of the user onto a set that turns: for x as seen from the set."""
+class _PlacedSweep(CustomSweep):
+    """Projections of the user onto a set that turns, or moves twice: for x as seen from the set."""
 
     moving: Moving
     of_set: CustomSweep

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
@@ -69,7 +69,7 @@ class Selection:
             return flat.shifted(after - before)
         length = row_lengths(rows, x)
         change = later.values(x) * length / row_lengths(later, x) - rows.values(x)
-        return replace(flat, bound=flat.bound - change)
+        return AffineRows(flat.matrix, flat.bound - change)
 
     def take(self, keep: NDArray[np.bool_]) -> Selection:
         """Return the rows where ``keep`` (m,) is true."""

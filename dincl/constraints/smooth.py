@@ -43,7 +43,7 @@ class DifferentiableConstraint(Constraint):
                 return rows
 
     The number of rows m is the same for all x. ``Smooth`` is the same from two functions. Every scheme, minimiser and
-    projection but ``ClosedForm`` accepts such a set; so does ``Moving``. All rows are candidates at all times, since no
+    projection accepts such a set; so does ``Moving``. All rows are candidates at all times, since no
     Lipschitz constant of g is known, and PBD projects onto a violated row by repeated linearisation; a subclass may
     override ``select`` and ``sweep_rows``. To be drawn, a subclass is registered with ``dincl.shapes.shapes_of``.
     """

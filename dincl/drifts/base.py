@@ -1,9 +1,10 @@
-"""Drifts with machine code of their own, and functions that numba compiles as such drifts."""
+"""Drifts in machine code, functions of numba as such drifts, and drifts that count their evaluations."""
 
 from __future__ import annotations
 
 import sys
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
@@ -81,3 +82,36 @@ def compiled(drift: Any) -> CompiledDrift | None:
         _C_FUNCTIONS[drift] = compile_drift(drift)
     function = _C_FUNCTIONS[drift]
     return None if function is None else DispatchedDrift(drift, function)
+
+
+class OutOfBudgetError(BaseException):
+    """End of a run that spent its budget; a BaseException, so that no scheme takes it for a failure of the drift."""
+
+
+class CountedDrift:
+    """A drift with the number of its ``evaluations``; it raises OutOfBudgetError once ``is_spent(evaluations)``."""
+
+    def __init__(self, drift: Any, is_spent: Callable[[int], bool] | None = None) -> None:
+        self._drift, self._is_spent = drift, is_spent
+        self.evaluations = 0
+
+    def __call__(self, t: float, x: Any) -> Any:
+        self.count_evaluations(1)
+        return self._drift(t, x)
+
+    def count_evaluations(self, number: int) -> None:
+        """Count so many evaluations."""
+        self.evaluations += number
+        if self._is_spent is not None and self._is_spent(self.evaluations):
+            raise OutOfBudgetError
+
+
+class CountedCompiledDrift(CountedDrift, CompiledDrift):
+    """The same for a compiled drift, whose evaluations compiled runs report now and then."""
+
+    def __init__(self, drift: CompiledDrift, is_spent: Callable[[int], bool] | None = None) -> None:
+        super().__init__(drift, is_spent)
+        self._compiled, self.autonomous = drift, drift.autonomous
+
+    def pointer(self) -> tuple[int, NDArray[np.float64]]:
+        return self._compiled.pointer()

@@ -42,10 +42,10 @@ def velocity(address: int, t: float, x: Floats, out: Floats, n: int, d: int, dat
     out.flat[0] = np.nan  # remains if the function returns early without a code, as an interrupted callback does
     if call_drift(address, t, x, out, n, d, data) != 0:
         return FAILED
+    wrong = 0
     for k in range(n * d):
-        if not abs(out.flat[k]) <= LARGEST:
-            return NOT_A_NUMBER
-    return OK
+        wrong += not abs(out.flat[k]) <= LARGEST
+    return OK if wrong == 0 else NOT_A_NUMBER
 
 
 @partial(c_function, DRIFT)
@@ -57,9 +57,13 @@ def affine(t: float, x: Floats, out: Floats, n: int, d: int, data: Floats) -> in
     """
     c, c_step, a, a_step = int(data[0]), int(data[1]), int(data[2]), int(data[3])
     b, b_step = int(data[4]), int(data[5])
-    for i in range(n):
-        for k in range(d):
-            out[i * d + k] = data[c + i * c_step + k] if c else -0.0  # -0 + y is y, but 0 + y is not where y is -0
+    if c and c_step == d:
+        for k in range(n * d):
+            out[k] = data[c + k]
+    else:
+        for i in range(n):
+            for k in range(d):
+                out[i * d + k] = data[c + i * c_step + k] if c else -0.0  # -0 + y is y, but 0 + y is not where y is -0
     if a:
         for i in range(n):
             for k in range(d):

@@ -72,7 +72,7 @@ def list_touching(run: EventWorkspace) -> int:
     state, system, x = run.state[0], system_at(run.system), run.x
     rows, sets, near, program = system.rows, system.sets, system.near, system.program
     allowed, count = TOUCHING * state.size, 0
-    list_sorted(run.system, state.t, x, allowed, ROW_MARGIN)
+    list_sorted(system_at(run.system), state.t, x, allowed, ROW_MARGIN)
     for q in range(near.number[0]):
         r = near.row[q]
         if gap(rows, sets, r, x) <= allowed:
@@ -119,30 +119,38 @@ def list_upcoming(run: EventWorkspace, count: int) -> int:
 
 
 @inner
-def record_changes(run: EventWorkspace, count: int) -> None:
-    """Set the state of each row; one that closes or opens is an event."""
+def decide(run: EventWorkspace, r: int, overlap: float) -> int:
+    """Return the state of a row that touches, from its multiplier and its opening speed.
+
+    Any multiplier activates an open or closed row that overlaps by more than ``overlap``.
+    """
     state, system = run.state[0], system_at(run.system)
-    program, rows, overlap = system.program, system.rows, -0.5 * TOUCHING * state.size
+    rows, program = system.rows, system.program
+    overlaps = run.contact[r] != ACTIVE and gap(rows, system.sets, r, run.x) < -overlap
+    if program.multiplier[r] > (0.0 if overlaps else state.zero):
+        return ACTIVE
+    opening = row_dot(rows, r, program.gradient, program.z) - program.bound[r]
+    return CLOSED if opening <= state.zero else OPEN
+
+
+@inner
+def record_changes(run: EventWorkspace, count: int) -> None:
+    """Set the state of the rows that touch, and of those that touched before; one that closes or opens is an event."""
+    state, system, listed, decided = run.state[0], system_at(run.system), run.touching, run.decided
+    touching = TOUCHING * state.size
     for q in range(count):
-        r = run.touching[q]
-        opening = row_dot(rows, r, program.gradient, program.z) - program.bound[r]
-        least = state.zero if run.contact[r] == ACTIVE or not gap(rows, system.sets, r, run.x) < overlap else 0.0
-        if program.multiplier[r] > least:
-            run.change[r] = ACTIVE
-        elif opening <= state.zero:
-            run.change[r] = CLOSED
+        decided[q] = decide(run, listed[q], 0.5 * touching)
     for q in range(state.closed):
-        r = run.closed[q]
-        if run.change[r] == OPEN:
-            run.contact[r] = OPEN
-            record_event(run, r, 0.0)
+        if not gap(system.rows, system.sets, run.closed[q], run.x) <= touching:
+            listed[count], decided[count] = run.closed[q], OPEN
+            count += 1
     state.closed = 0
     for q in range(count):
-        r = run.touching[q]
-        if run.change[r] != OPEN:
-            if run.contact[r] == OPEN:
-                record_event(run, r, 1.0)
-            run.contact[r], run.change[r] = run.change[r], OPEN
+        r = listed[q]
+        if (run.contact[r] == OPEN) != (decided[q] == OPEN):
+            record_event(run, r, 0.0 if decided[q] == OPEN else 1.0)
+        run.contact[r] = decided[q]
+        if decided[q] != OPEN:
             run.closed[state.closed] = r
             state.closed += 1
 

@@ -20,8 +20,8 @@ from dincl.trajectory import Between
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from dincl.events.run import EventSystem
     from dincl.events.runge_kutta import RungeKutta
-    from dincl.solvers.sparse_factor import SparseFactor
 
 
 class DenseOutput(Between):
@@ -30,12 +30,11 @@ class DenseOutput(Between):
     ``size`` is that of the problem, ``start`` is x(0), shape (N d,).
     """
 
-    def __init__(
-        self, system: CompiledProblem, gram: SparseFactor, pair: RungeKutta, size: float, start: NDArray[np.float64]
-    ) -> None:
-        self._problem, self._units, self._pair, self._size = system.problem, system.units, pair, size
-        self._start, self._system, self._gram = start, system, gram
-        self._differences = {name: getattr(system.sets, name) for name in ("spacing", "spacings", "breaks")}
+    def __init__(self, system: EventSystem, pair: RungeKutta, size: float, start: NDArray[np.float64]) -> None:
+        self._system, self._gram = system.compiled, system.gram
+        self._problem, self._units, self._smooth = self._system.problem, self._system.units, system.scales.smooth
+        self._start, self._pair, self._size = start, pair, size
+        self._differences = {name: getattr(self._system.sets, name) for name in ("spacing", "spacings", "breaks")}
         self._tables: list[StepTable] = []
 
     def add(self, table: StepTable, size: float) -> None:
@@ -62,7 +61,8 @@ class DenseOutput(Between):
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Bind a system of this process."""
-        system = CompiledProblem(state["_problem"], units=state["_units"])
+        system = CompiledProblem.for_events(state["_problem"], state["_units"])
+        system.sets.tabulate(state["_smooth"])
         self.__dict__ |= state | {"_system": system, "_gram": sparse_gram(system.arrays)}
 
     @cached_property

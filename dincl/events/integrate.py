@@ -7,8 +7,7 @@ import numpy as np
 from dincl.compiled import inner, kernel
 from dincl.compiled.arrays import Floats, Offsets
 from dincl.events.contacts import TOUCHING, decide_contacts
-from dincl.events.event_functions import NEVER
-from dincl.events.location import first_event
+from dincl.events.location import NEVER, first_event
 from dincl.events.motion import restore, set_speed, velocity_at
 from dincl.events.runge_kutta import EPS, dense_value
 from dincl.events.steps import accept_step, check_jump, make_step, pass_stop, truncate_step
@@ -28,8 +27,8 @@ MOST_STEPS, CHECK = 100_000, 5_000
 MOST_JUMPS = 10_000
 # An event before a jump, or the end, by no more than this part of the run is at the jump, or the end.
 MEETS = 1e-12
-# The share of the last phase in the mean of their lengths. In runs of many particles a step is at most this many times
-# that mean, for a run in one part, in two parts two thirds of it; twice as much after each step without an event.
+# The share of the last phase in the mean of their lengths. A step is at most this many times that mean for a run in one
+# part, two thirds of it in two parts; twice as much after each step without an event.
 SHARE, PHASES = 0.1, 3.0
 # Free places in the table at the start of a step: for the steps on the way to an event.
 FREE = 32
@@ -50,7 +49,7 @@ def integrate(run: Any, most: int) -> int:
     for _ in range(most):
         code = begin_phase(run) if state.undecided != 0 else OK
         if code == OK:
-            code = advance(run)
+            code = step_to_event(run)
         if code != OK:
             return code
         if state.jumps > MOST_JUMPS:
@@ -86,7 +85,7 @@ def begin_phase(run: EventWorkspace) -> int:
     state.decided_at, state.undecided = state.t, 0
     state.phase += 1
     state.longest = (state.end - state.t) / state.parts
-    if state.many != 0 and state.mean_phase > 0.0:
+    if state.mean_phase > 0.0:
         # A longer step would be cut at the next event, and its error estimate, for all of it, would be in the way.
         state.longest = min(state.longest, PHASES * 2.0 / (1.0 + state.parts) * state.mean_phase)
     if state.repeats > MOST_AT_ONCE:
@@ -99,7 +98,7 @@ def begin_phase(run: EventWorkspace) -> int:
 
 
 @inner
-def advance(run: EventWorkspace) -> int:
+def step_to_event(run: EventWorkspace) -> int:
     """Make a step, to the next event at most: OK, DONE or a failure."""
     state, sets = run.state[0], system_at(run.system).sets
     left = state.stop - state.t
@@ -111,7 +110,7 @@ def advance(run: EventWorkspace) -> int:
     if code != OK:
         return OK if code == AGAIN else code
     part, closing = first_event(run)
-    if state.code != OK or sets.request[1] != 0.0:
+    if state.code != OK or sets.failed[0] != 0:
         return int(state.code) if state.code != OK else SETS
     if part < NEVER:
         code = go_to_event(run, h, state.t + part * h, closing)
@@ -144,7 +143,7 @@ def go_to_event(run: EventWorkspace, h: float, t: float, closing: int) -> int:
     """
     state, first = run.state[0], run.state[0].steps
     part, before, code = (t - state.t) / state.parts, state.t, OK
-    if state.many != 0 and state.error < ACCURATE and t > state.t:
+    if state.error < ACCURATE and t > state.t:
         code = truncate_step(run, h, t if state.parts == 1 else state.t + part)
         if code == OK and state.parts > 1:
             code = velocity_at(run, state.t, run.x, run.rate[0], run.multiplier[0])
@@ -175,8 +174,6 @@ def close_gap(run: EventWorkspace, closing: int, earliest: float) -> int:
         for k in range(run.x.size):
             run.x[k] += wait * run.rate[0, k]
         state.t += wait
-        if state.many == 0:
-            break
         # A dense output leaves the active rows by more than an integrator does; to restore them moves this gap, too.
         code = restore(run, state.t, run.x)
         if code != OK or abs(gap(rows, sets, closing, run.x)) <= CLOSED_GAP * state.size:

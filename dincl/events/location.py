@@ -1,12 +1,22 @@
 """Event location: the first gap that closes, multiplier that vanishes or closed row that moves during a step."""
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 
 from dincl.compiled import inner
 from dincl.events.contacts import TOUCHING
-from dincl.events.event_functions import MULTIPLIERS, NEVER, PARTS, SUSPICIOUS, first_negative
+from dincl.events.event_functions import (
+    closing_speed_at,
+    gap_and_slope_at,
+    gap_at,
+    least_multiplier_at,
+    speed_margin_at,
+)
+from dincl.events.runge_kutta import EPS
 from dincl.events.workspace import ACTIVE, CLOSED, EventWorkspace
-from dincl.neighbours import EVENT_MARGIN, SHORT_STEP_MARGIN, TOO_WIDE
+from dincl.neighbours import EVENT_MARGIN, TOO_WIDE
 from dincl.rows.table import DISTANCE, VELOCITIES, call_python, gap, is_timed, linearise
 from dincl.solvers.envelope_factor import row_dot
 from dincl.steps.programs import carry, list_sorted
@@ -14,6 +24,149 @@ from dincl.system.arrays import OK, system_at
 
 # Sets are taken to be carried up to so many times as far as they are at the nodes.
 SAFETY = 2.0
+# Nodes are the ends of this many equal parts of a step; minima between them are searched for.
+PARTS = 4
+# A minimum is searched for if an interpolant falls below this part of the values around it.
+SUSPICIOUS = 0.5
+# A multiplier, or a speed, vanishes linearly in time, and the displacement by a late release is of second order: the
+# accuracy of its time, as a part of the step, for a tolerance of 1. A gap is followed to rounding, and so is a
+# multiplier that jumps: within that accuracy it still falls by more than this share of its whole fall.
+RELEASE, STEEP = 3e-3, 0.1
+MOST_ITERATIONS = 100
+# The minimum of a function is located to this part of the step.
+MINIMUM = 1e-4
+# The time of an event that does not happen in the step.
+NEVER = np.inf
+
+
+def root_of(function: Any, *, to_rounding: bool) -> Callable[..., float]:
+    """Make the search for a root of an event function, located to rounding or as precisely as a release needs."""
+
+    @inner
+    def root(run: EventWorkspace, r: int, a: float, first: float, b: float, last: float) -> float:
+        """Find where the function becomes negative that is ``first`` >= 0 at a and ``last`` < 0 at b > a.
+
+        Source: Chandrupatla (1997).
+        """
+        if first <= 0.0:
+            return a
+        c, third, share, state, steep = a, first, 0.5, run.state[0], 0.0
+        rounding = 2.0 * EPS * max(abs(state.t) / max(state.step, 1e-300), 1.0)
+        allowed = rounding
+        if not to_rounding:
+            allowed, steep = max(rounding, RELEASE * np.sqrt(state.tol / state.size)), STEEP * (first - last)
+        for _ in range(MOST_ITERATIONS):
+            middle = a + share * (b - a)
+            value = function(run, r, middle)
+            if (value > 0.0) == (first > 0.0):
+                c, third = a, first
+            else:
+                c, third, b, last = b, last, a, first
+            a, first = middle, value
+            limit = allowed / abs(b - a)
+            if limit > 0.5 and allowed > rounding and abs(first - last) > steep:
+                allowed = rounding
+                limit = allowed / abs(b - a)
+            if limit > 0.5 or first == 0.0 or state.code != OK:
+                break
+            xi, phi = (a - b) / (c - b), (first - last) / (third - last)
+            share = 0.5
+            if phi * phi < xi and (1.0 - phi) * (1.0 - phi) < 1.0 - xi:
+                share = first / (last - first) * third / (last - third)
+                share += (c - a) / (b - a) * first / (third - first) * last / (third - last)
+            share = min(1.0 - limit, max(limit, share))
+        return a if first <= 0.0 else b
+
+    return root
+
+
+root_of_gap, root_of_closing_speed = root_of(gap_at, to_rounding=True), root_of(closing_speed_at, to_rounding=True)
+
+
+@inner
+def first_closing(run: EventWorkspace, r: int, latest: float) -> float:
+    """Find when the gap of row r closes, at a node or between nodes; NEVER if not until ``latest``."""
+    before, falling = np.inf, 0.0
+    for j in range(PARTS + 1):
+        left, end = (j - 1) / PARTS, j / PARTS
+        value, slope = gap_and_slope_at(run, r, end)
+        low = value
+        if not value < 0.0 and falling < 0.0 < slope and dips(before, falling / PARTS, value, slope / PARTS):
+            end = root_of_closing_speed(run, r, left, -falling, end, -slope)
+            low = gap_at(run, r, end)
+        if low < 0.0:
+            return root_of_gap(run, r, left, before, end, low) if j > 0 else 0.0
+        if j / PARTS > latest:
+            break
+        before, falling = value, slope
+    return NEVER
+
+
+def first_negative_of(function: Any) -> Callable[..., float]:
+    """Make the search for the first time at which an event function without a derivative becomes negative."""
+    root = root_of(function, to_rounding=False)
+
+    @inner
+    def lowest_between(run: EventWorkspace, r: int, left: float, right: float) -> tuple[float, float]:
+        """Find the minimum by golden section, and its time; the first negative value ends the search."""
+        golden = 0.6180339887498949
+        a, b = right - golden * (right - left), left + golden * (right - left)
+        at_a, at_b = function(run, r, a), function(run, r, b)
+        while right - left > MINIMUM and at_a >= 0.0 and at_b >= 0.0:
+            if at_a < at_b:
+                right, b, at_b = b, a, at_a
+                a = right - golden * (right - left)
+                at_a = function(run, r, a)
+            else:
+                left, a, at_a = a, b, at_b
+                b = left + golden * (right - left)
+                at_b = function(run, r, b)
+        return (a, at_a) if at_a < at_b else (b, at_b)
+
+    @inner
+    def first_negative(run: EventWorkspace, r: int, latest: float) -> float:
+        """Find when the function of row r is negative, at a node or between nodes; NEVER if not until ``latest``."""
+        two, one = np.inf, np.inf
+        for j in range(PARTS + 1):
+            left, before, end = (j - 1) / PARTS, one, j / PARTS
+            value = function(run, r, end)
+            low = value
+            if not value < 0.0 and j > 1 and sinks(two, one, value):
+                left, before = (j - 2) / PARTS, two
+                end, low = lowest_between(run, r, left, j / PARTS)
+            if low < 0.0:
+                return root(run, r, left, before, end, low) if j > 0 else 0.0
+            if j / PARTS > latest:
+                break
+            two, one = one, value
+        return NEVER
+
+    return first_negative
+
+
+# (run, r, latest): when a multiplier of the active rows, whichever r, vanishes; when the closed row r moves.
+first_release, first_motion = first_negative_of(least_multiplier_at), first_negative_of(speed_margin_at)
+
+
+@inner
+def dips(before: float, falling: float, after: float, rising: float) -> bool:
+    """Return whether the cubic with these values and slopes at the ends of [0, 1] falls low between them."""
+    cube = 2.0 * (before - after) + falling + rising
+    square = 3.0 * (after - before) - 2.0 * falling - rising
+    root = np.sqrt(max(square * square - 3.0 * cube * falling, 0.0))
+    bottom = -falling / (square + root) if square + root > 0.0 else 0.5
+    low = before + bottom * (falling + bottom * (square + bottom * cube))
+    return not low > SUSPICIOUS * min(before, after)
+
+
+@inner
+def sinks(before: float, value: float, after: float) -> bool:
+    """Return whether the parabola through three values falls low around the middle one."""
+    if not value <= min(before, after):
+        return False
+    bend = before - 2.0 * value + after
+    depth = (after - before) * (after - before) / (8.0 * bend) if bend > 0.0 else 0.0
+    return value - depth <= SUSPICIOUS * value
 
 
 @inner
@@ -24,17 +177,17 @@ def first_event(run: EventWorkspace) -> tuple[float, int]:
     found, closing = NEVER, -1
     state.code = OK
     if run.active.number[0] > 0 and may_release(run):
-        found = first_negative(run, MULTIPLIERS, found)
+        found = first_release(run, -1, found)
     radius = bound_displacement(run) + touching
     if sets.address != 0:
         call_python(sets, state.t, x, VELOCITIES)
-    if state.many != 0 and near.radius[0] > TOO_WIDE * radius:
+    if near.radius[0] > TOO_WIDE * radius:
         near.radius[0] = -1.0
-    list_sorted(run.system, state.t, x, radius, EVENT_MARGIN if state.many == 0 else SHORT_STEP_MARGIN)
+    list_sorted(system, state.t, x, radius, EVENT_MARGIN)
     for q in range(near.number[0]):
         r = near.row[q]
         if run.contact[r] == CLOSED and may_move(run, r):
-            moves = first_negative(run, run.contact.size + r, found)
+            moves = first_motion(run, r, found)
             if moves < found:
                 found, closing = moves, -1
         if run.contact[r] == ACTIVE or stays_open(run, r):
@@ -46,7 +199,7 @@ def first_event(run: EventWorkspace) -> tuple[float, int]:
             # Rounding makes a gap smaller, and of a closed row between active ones so does the integrator.
             below = max(touching, state.tol) if run.contact[r] == CLOSED else touching
             state.level = min(value - below, 0.0)
-            closes = first_negative(run, r, found)
+            closes = first_closing(run, r, found)
             if closes < found:
                 found, closing = closes, r if state.level == 0.0 else -1
     return found, closing
@@ -74,7 +227,7 @@ def bound_displacement(run: EventWorkspace) -> float:
     """
     state, d, carried, farthest = run.state[0], system_at(run.system).sets.shift.shape[1], 0.0, 0.0
     for j in range(1, PARTS + 1):
-        carried = max(carried, carry(run.system, state.t, run.x, state.t + j / PARTS * state.step))
+        carried = max(carried, carry(system_at(run.system), state.t, run.x, state.t + j / PARTS * state.step))
     for i in range(run.bend.size):
         bend, way = 0.0, 0.0
         for j in range(run.pair.terms):
@@ -122,12 +275,12 @@ def stays_open(run: EventWorkspace, r: int) -> bool:
 def may_move(run: EventWorkspace, r: int) -> bool:
     """Return whether a closed row that is not active has a speed that is not zero, in one of the stages.
 
-    For runs of many particles, whose steps are short: the stages are as dense as the nodes of ``first_negative``, where
-    each evaluation costs a factorisation. Such a row is the contact of a disc that falls along a wall.
+    The stages are as dense as the nodes of ``first_motion``, where each evaluation costs a factorisation. Such a row
+    is the contact of a disc that falls along a wall.
     """
     state, system, pair = run.state[0], system_at(run.system), run.pair
     rows, gradient = system.rows, system.program.gradient
-    if state.many == 0 or system.sets.address != 0:
+    if system.sets.address != 0:
         return True
     for i in range(1, pair.stages + 1):
         for p in range(rows.start[r], rows.stop[r]):

@@ -31,7 +31,7 @@ from dincl.events.workspace import (
 )
 from dincl.matrices import row_squares
 from dincl.norms import longest
-from dincl.projection.active_set import ActiveSet
+from dincl.projection.compiled import ActiveSet
 from dincl.projection.feasible import FeasibleSet
 from dincl.status import Status
 from dincl.system.compiled_problem import CompiledProblem, units_of
@@ -55,9 +55,6 @@ MOST_EVENTS = 100_000
 FEWEST, SHORT = 64, 0.02
 # Steps for which a table has places.
 PLACES = 256
-# More particles than these meet so often that steps are short: they are of order 5, and at an event a step is cut, at
-# its dense output, in place of being repeated. With 200 discs and tol = 1e-8 this takes 0.28 of the evaluations.
-MANY = 100
 SLOWLY = f"The run would need more than {kernels.MOST_STEPS} steps, at the rate of its last {kernels.CHECK}"
 # Normals are compared so far away, as a part of the size of the problem. A step is limited by a contact that turns the
 # motion by this angle in it, or by more.
@@ -115,8 +112,9 @@ class EventSystem:
     def __init__(self, problem: Problem, times: NDArray[np.float64], tol: float) -> None:
         end = float(times[-1])
         self.size = size_of(problem, end)
-        self.compiled = CompiledProblem(problem, units=units_of(self.size, end))
+        self.compiled = CompiledProblem.for_events(problem, units_of(self.size, end))
         self.scales = time_scales(problem, times, tol)
+        self.compiled.sets.tabulate(self.scales.smooth)
         # No difference looks behind the end.
         self.compiled.sets.breaks = np.append(self.scales.breaks, [[end, np.inf]], axis=0)
         self.gram = sparse_gram(self.compiled.arrays)
@@ -158,22 +156,22 @@ class EventRun:
     ) -> None:
         self._system, self._whole, self._work, self._made = system.compiled, system, work, 0
         self._unit = unit = system.compiled.units
-        sets, x, many = system.compiled.sets, start.ravel() / unit.length, len(start) > MANY
+        sets, x = system.compiled.sets, start.ravel() / unit.length
         sets.spacing = SPACING * end / parts or SPACING
         sets.spacings = system.scales.set_pieces * (1.0, PART / parts)
         size, last = system.size / unit.length, end / unit.time
         before, behind = system.scales.stops.T / unit.time
         # A stage at the end of a step, whose time is rounded, is still before the break.
         breaks = np.column_stack((before - 4.0 * EPS * last, before, behind))
-        pair, arrays = pair_for(tol / system.size, many), system.compiled.arrays
+        pair, arrays = pair_for(tol / system.size, len(start)), system.compiled.arrays
         stop, _, resume = breaks[0] if len(breaks) else (last, last, last)
         steps = step_table(PLACES, pair.terms, x.size, len(arrays.factor.row), len(arrays.rows.row))
         numbers = {"end": last, "stop": stop, "resume": resume, "tol": tol / unit.length, "size": size}
-        numbers |= {"largest": LARGEST * min(1.0, 1.0 / unit.length), "parts": parts, "undecided": 1, "many": many}
+        numbers |= {"largest": LARGEST * min(1.0, 1.0 / unit.length), "parts": parts, "undecided": 1}
         place, pieces = system.compiled.place, system.scales.pieces / unit.time
         workspace = event_workspace(arrays, place, system.gram, pair, steps, x.copy(), breaks, pieces, **numbers)
         self._pointer, self._state = StructPointer(workspace, KIND), workspace.state
-        self.between = DenseOutput(system.compiled, system.gram, pair, size, x)
+        self.between = DenseOutput(system, pair, size, x)
         self._events: list[NDArray[np.float64]] = []
 
     @property

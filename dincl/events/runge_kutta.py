@@ -17,11 +17,9 @@ if TYPE_CHECKING:
     from dincl.compiled.arrays import Floats
 
 EPS = float(np.finfo(float).eps)
-# The least tolerance, relative to the size of the problem, for which a pair is taken: for loose ones a step between two
-# events is enough, and the fewest stages win.
-LOW, MIDDLE = 1e-6, 1e-8
-# With many particles events are so frequent that steps between them are short, and order 5 is enough for any tolerance.
-LOW_OF_MANY = 1e-9
+# The least tolerance for the pairs of order 3 and 5, relative to the size of the problem and times the square of the
+# number of particles: events of more particles are more frequent, so that steps are short, and the fewest stages win.
+LOW, MIDDLE = 1e-5, 1e-8
 
 
 class RungeKutta(NamedTuple):
@@ -37,11 +35,10 @@ class RungeKutta(NamedTuple):
     dense: Floats  # (terms - 3, stages + 1 + more)
 
 
-def pair_for(tol: float, many: bool) -> RungeKutta:
-    """Choose the pair for a tolerance relative to the size of the problem."""
-    if many:
-        return _order_3() if tol >= LOW_OF_MANY else _order_5()
-    return _order_3() if tol >= LOW else _order_5() if tol >= MIDDLE else _order_8()
+def pair_for(tol: float, count: int) -> RungeKutta:
+    """Choose the pair for a tolerance relative to the size of a problem of ``count`` particles."""
+    weighted = tol * count * count
+    return _order_3() if weighted >= LOW else _order_5() if weighted >= MIDDLE else order_8()
 
 
 @cache
@@ -71,7 +68,8 @@ def _with_one_estimate(method: Any, dense: Floats) -> RungeKutta:
 
 
 @cache
-def _order_8() -> RungeKutta:
+def order_8() -> RungeKutta:
+    """Return the pair of order 8."""
     from scipy.integrate import DOP853
 
     stages, more = DOP853.n_stages, len(DOP853.C_EXTRA)

@@ -46,7 +46,6 @@ STATE = np.dtype(
         ("longest", np.float64),  # the longest step of this phase
         ("code", np.int64),  # how the last computation of a velocity ended
         ("parts", np.int64),
-        ("many", np.int64),  # 1 for many particles: short steps, which may end at an event by their dense output
         ("made", np.int64),  # steps; how many there were, and the time, when progress was checked last
         ("checked", np.int64),
         ("checked_t", np.float64),
@@ -94,8 +93,8 @@ class EventWorkspace(NamedTuple):
     point: Floats  # (n,)
     bend: Floats  # (N,): how far the dense output leaves a straight line
     contact: Offsets  # (m,): OPEN, CLOSED or ACTIVE
-    change: Offsets  # (m,): what it becomes at an event
-    touching: Offsets  # (m,): a list of rows
+    touching: Offsets  # (m,): a list of rows that touch, or touched at the last decision
+    decided: Offsets  # (m,): what each of them becomes
     closed: Offsets  # (m,): the rows that were not open after the last decision
 
 
@@ -148,7 +147,7 @@ def event_workspace(
         dense=np.zeros((7, n)),
         point=np.zeros(n),
         bend=np.zeros(n // d if d else 0),
-        **{name: np.zeros(m, dtype=np.int64) for name in ("contact", "change", "touching", "closed")},
+        **{name: np.zeros(m, dtype=np.int64) for name in ("contact", "touching", "decided", "closed")},
     )
 
 

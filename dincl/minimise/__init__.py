@@ -1,8 +1,7 @@
 """Minimisers of an energy over a set: the Arrow-Hurwicz method, its damped form, and Uzawa's."""
 
-from dincl.minimise.methods import ArrowHurwicz, DampedArrowHurwicz, Minimiser, RelativeMove, Stationary, Stop
+from dincl.minimise.methods import ArrowHurwicz, DampedArrowHurwicz, Minimiser, RelativeMove, Stationary, Stop, Uzawa
 from dincl.minimise.solve import MinimisationFailed, Minimum, minimise
-from dincl.minimise.uzawa import Uzawa
 
 __all__ = [
     "ArrowHurwicz",

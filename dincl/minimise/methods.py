@@ -1,27 +1,37 @@
-"""Minimisers, the rules that end them, and the two that take a step in the point and one in the multipliers."""
+"""Minimisers: Arrow-Hurwicz, its damped form, Uzawa; and the rules that end them."""
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
-from dincl.checks import describe, integer, number
-from dincl.errors import InvalidProblem
-from dincl.minimise.iterate import Iterate
+from dincl.checks import bounded, flag, instance, integer, number
+from dincl.errors import StepFailure
+from dincl.matrices import combined
+from dincl.status import Status
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from dincl.minimise.solve import Iterate, Point
 
-    from dincl.minimise.iterate import Point
-    from dincl.problem import Problem
-
+Slope = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 # Steps after which an iteration ends unless another limit is given.
 LIMIT = 100_000
-# Methods of small steps list near rows for this many steps of the present length.
-AHEAD = 4.0
+# Tolerance of the inner problem of Uzawa's method relative to the outer one, and its Newton steps at most.
+INNER, MOST_STEPS = 0.1, 100
+# Doublings and bisections of a step; 2^60 spans all lengths that matter.
+MOST_LENGTHS = 60
+# Greatest slope along a step at its end, relative to that at its beginning.
+FLAT = 0.9
+# Tolerance of Newton's equations relative to their right side, unless that is smaller itself.
+FORCING = 0.1
+# Relative spacing of difference quotients, which balances rounding and curvature.
+QUOTIENT = math.sqrt(np.finfo(np.float64).eps)
 
 
 @dataclass(frozen=True)
@@ -56,7 +66,7 @@ class Stationary(Stop):
         object.__setattr__(self, "tol", number("tol", self.tol, positive=True))
 
     def at(self, point: Point) -> bool:
-        return point.residual() <= self.tol
+        return max(point.residuals()) <= self.tol
 
 
 @dataclass(frozen=True)
@@ -93,24 +103,23 @@ class Minimiser(ABC):
 
     stop: Stop
     limit: int
-
-    @abstractmethod
-    def start(self, problem: Problem) -> Iterate:
-        """Return the first iterate: x0 of the problem, with multipliers zero."""
+    # Whether distances are taken squared, the length of a step in (3.24), and the moves of the present length that a
+    # list of near rows lasts for.
+    squared: bool
+    dtau: float
+    ahead: ClassVar[float] = 4.0
 
     @abstractmethod
     def advance(self, iterate: Iterate, point: Point) -> None:
         """Move the iterate on from its ``point``; StepFailure if that cannot be done."""
 
-    def _check(self, *, positive: tuple[str, ...], squared: bool) -> None:
+    def _check(self, *positive: str) -> None:
         """Raise InvalidProblem unless these fields are numbers > 0 and the others can be fields of a minimiser."""
         for name in positive:
             object.__setattr__(self, name, number(name, getattr(self, name), positive=True))
-        if not isinstance(self.stop, Stop):
-            raise InvalidProblem(f"stop = {describe(self.stop)}: must be Stationary(tol) or RelativeMove(eps)")
+        instance("stop", self.stop, Stop, "Stationary(tol) or RelativeMove(eps)")
         integer("limit", self.limit, least=1)
-        if not isinstance(squared, bool):
-            raise InvalidProblem(f"squared = {describe(squared)}: must be True or False")
+        flag("squared", self.squared)
 
 
 @dataclass(frozen=True)
@@ -143,12 +152,10 @@ class ArrowHurwicz(Minimiser):
     stop: Stop
     limit: int = LIMIT
     squared: bool = False
+    dtau: float = field(default=1.0, init=False, repr=False)
 
     def __post_init__(self) -> None:
-        self._check(positive=("alpha", "beta"), squared=self.squared)
-
-    def start(self, problem: Problem) -> Iterate:
-        return Iterate(problem, squared=self.squared, ahead=AHEAD)
+        self._check("alpha", "beta")
 
     def advance(self, iterate: Iterate, point: Point) -> None:
         iterate.move(point.x - self.alpha * (point.gradient - point.reaction(point.multipliers)))
@@ -194,15 +201,12 @@ class DampedArrowHurwicz(Minimiser):
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "gamma", number("gamma", self.gamma, non_negative=True))
-        self._check(positive=("alpha", "beta", "damping", "dtau"), squared=self.squared)
+        self._check("alpha", "beta", "damping", "dtau")
 
     @classmethod
     def published(cls, limit: int = LIMIT) -> DampedArrowHurwicz:
         """Return the method with the parameters of Table 4 of chapter 3, distances squared."""
         return cls(1e-4, 0.25, 1e-3, 2.0, 1.0, RelativeMove(1e-6), limit, squared=True)
-
-    def start(self, problem: Problem) -> Iterate:
-        return Iterate(problem, squared=self.squared, ahead=AHEAD, dtau=self.dtau)
 
     def advance(self, iterate: Iterate, point: Point) -> None:
         a = self.damping * self.dtau / 2
@@ -212,3 +216,107 @@ class DampedArrowHurwicz(Minimiser):
         # The rows may change with x, so the multipliers that belong to the present rows come first.
         iterate.set_multipliers(np.maximum(0.0, point.multipliers - self.dtau * self.beta * point.values))
         iterate.move(x)
+
+
+@dataclass(frozen=True)
+class Uzawa(Minimiser):
+    """z_{k+1} = argmin_z W(z) - lambda_k . g(z),  lambda_{k+1} = max(0, lambda_k - step g(z_{k+1})).
+
+    Section 1.1 of the appendix, for inequalities: there B x = g, here B x - g >= 0, hence the other sign of lambda and
+    max(0, .). For W = x^T A x / 2 - f . x with A positive definite it converges for 0 < step < 2 / |B A^{-1} B^T|.
+    It needs a minimum of the Lagrangian for each lambda: not so for energies that are linear, and distances are not
+    squared, since W - lambda |X_i - X_j|^2 is soon unbounded below.
+
+    The inner problem is solved by Newton's method with conjugate gradients, downhill from z_k. Where the Lagrangian
+    is not convex this is a local minimum, which may jump or vanish when lambda changes.
+
+    Parameters
+    ----------
+    step
+        Step size > 0 of the ascent.
+    stop
+        ``Stationary(tol)``; the inner problem is solved to a tenth of tol.
+    limit
+        The largest number of steps.
+    """
+
+    step: float
+    stop: Stationary
+    limit: int = LIMIT
+    squared: bool = field(default=False, init=False, repr=False)
+    dtau: float = field(default=1.0, init=False, repr=False)
+    # Moves are long at first: rows are listed for where the point is, not for where it may go.
+    ahead: ClassVar[float] = 0.0
+
+    def __post_init__(self) -> None:
+        instance("stop", self.stop, Stationary, "Stationary(tol)")
+        self._check("step")
+
+    def advance(self, iterate: Iterate, point: Point) -> None:
+        blocks, weights = iterate.take(point.active), point.multipliers[point.active]
+
+        def slope(flat: NDArray[np.float64]) -> NDArray[np.float64]:
+            """Evaluate grad W - sum_k lambda_k grad g_k over the rows that have a multiplier."""
+            x = flat.reshape(point.x.shape)
+            return iterate.gradient(x).ravel() - combined(iterate.jacobian(blocks, x), weights)
+
+        flat, steps = free_minimum(slope, point.x.ravel(), INNER * self.stop.tol)
+        iterate.work.count_call("newton_cg", steps)
+        iterate.move(flat.reshape(point.x.shape))
+        gaps, _, _ = iterate.values(iterate.x)
+        iterate.set_multipliers(np.maximum(0.0, iterate.multipliers - self.step * gaps))
+
+
+def free_minimum(slope: Slope, x: NDArray[np.float64], tol: float) -> tuple[NDArray[np.float64], int]:
+    """Find a point near x (n,) where max |slope| <= tol, for slope = grad f, going downhill in f; count the steps.
+
+    Newton's method with conjugate gradients, from gradients alone: a Problem does not define its energy. StepFailure
+    where f is unbounded below or the steps do not end.
+    """
+    gradient = slope(x)
+    for k in range(MOST_STEPS):
+        if float(np.abs(gradient).max()) <= tol:
+            return x, k
+        x, gradient = _along(slope, x, gradient, _direction(slope, x, gradient))
+    raise StepFailure(Status.NOT_CONVERGED, f"The Lagrangian was not minimised in {MOST_STEPS} Newton steps.")
+
+
+def _direction(slope: Slope, x: NDArray[np.float64], gradient: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Solve H step = -gradient by conjugate gradients, which end early at a direction without curvature."""
+    size = float(np.linalg.norm(gradient))
+    scale = QUOTIENT * (1 + float(np.linalg.norm(x)))
+    step, rest, d = np.zeros_like(x), -gradient, -gradient
+    for _ in range(2 * x.size):
+        length = scale / float(np.linalg.norm(d))
+        bent = (slope(x + length * d) - gradient) / length
+        curvature = float(d @ bent)
+        if curvature <= 0:
+            return step if step.any() else d
+        before = float(rest @ rest)
+        step = step + before / curvature * d
+        rest = rest - before / curvature * bent
+        if float(np.linalg.norm(rest)) <= min(FORCING, size) * size:
+            break
+        d = rest + float(rest @ rest) / before * d
+    return step
+
+
+def _along(
+    slope: Slope, x: NDArray[np.float64], gradient: NDArray[np.float64], d: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Double or bisect t until |slope . d| at x + t d is at most FLAT of its value at x; return x + t d and slope."""
+    steep = -float(gradient @ d)
+    short, t, far = 0.0, 1.0, math.inf
+    for _ in range(MOST_LENGTHS):
+        there = x + t * d
+        if not bounded(there):
+            break
+        after = slope(there)
+        along = float(after @ d)
+        if abs(along) <= FLAT * steep:
+            return there, after
+        if along < 0:
+            short, t = t, 2 * t if far == math.inf else (t + far) / 2
+        else:
+            far, t = t, (short + t) / 2
+    raise StepFailure(Status.NOT_CONVERGED, "The Lagrangian has no minimum for the present multipliers.")

@@ -1,27 +1,34 @@
-"""The function ``minimise`` and its result: the point, its multipliers, and residuals recomputed from the problem."""
+"""The function ``minimise``, its iteration and its result: the point, its multipliers, and residuals."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 import numpy as np
 
-from dincl.checks import flag, instance
+from dincl.checks import bounded, flag, instance
+from dincl.constants import LARGEST
+from dincl.constraints.selection import Candidates, row_keys
 from dincl.errors import StepFailure
-from dincl.matrices import combined
-from dincl.minimise.iterate import parts
+from dincl.matrices import combined, stacked
 from dincl.minimise.methods import Minimiser
+from dincl.norms import longest
 from dincl.problem import Problem
 from dincl.rows.base import StackedRows
 from dincl.status import Status
+from dincl.work import Work
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+    from scipy.sparse import csr_array
 
-    from dincl.minimise.iterate import Iterate
-    from dincl.work import Work
+    from dincl.constraints.selection import Selection
+    from dincl.rows.base import RowsOfOneKind
+
+Numbers = TypeVar("Numbers", bound=np.generic)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -111,7 +118,7 @@ def minimise(problem: Problem, minimiser: Minimiser, *, throw: bool = True) -> M
     status, detail, cause = Status.SUCCESS, "", None
     # Numbers that overflow end the iteration with a Status of their own.
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        iterate = minimiser.start(problem)
+        iterate = Iterate(problem, minimiser)
         try:
             if not _converged(iterate, minimiser):
                 status, detail = Status.NOT_CONVERGED, f"{minimiser.stop} was not met."
@@ -132,42 +139,172 @@ def _converged(iterate: Iterate, minimiser: Minimiser) -> bool:
             return True
         minimiser.advance(iterate, point)
         iterate.work.steps += 1
-        if rule.after(iterate.previous, iterate.x, iterate.dtau):
+        if rule.after(iterate.previous, iterate.x, minimiser.dtau):
             return True
     return rule.at(iterate.point())
 
 
 def _result(iterate: Iterate, minimiser: Minimiser, status: Status, detail: str) -> Minimum:
-    """Recompute the residuals from the problem; rows that are not in the iterate have no multipliers."""
+    """Compute the residuals anew; rows that are not in the iterate have no multipliers."""
     problem, x, steps = iterate.problem, iterate.x, iterate.work.steps
-    rows = StackedRows(tuple(iterate.blocks), x.size)
-    multipliers = iterate.multipliers * iterate.steepness(x)
-    stationarity, complementarity, violation = math.inf, math.inf, problem.violation(0.0, x)
+    multipliers, violation = iterate.multipliers * iterate.steepness(x), problem.violation(0.0, x)
     try:
-        gradient, reaction = -problem.velocity(0.0, x).ravel(), np.zeros(x.size)
-        # Rows without a multiplier need no gradient.
-        for block, own in zip(rows.blocks, parts(multipliers, [len(block) for block in rows.blocks]), strict=True):
-            reaction += combined(block.take(own > 0).jacobian(x), own[own > 0])
-        gaps = rows.values(x)
-        stationarity = float(np.abs(gradient - reaction).max())
-        complementarity = float(np.max(np.abs(np.minimum(multipliers, gaps)), initial=0.0))
+        stationarity, _, complementarity = iterate.point().residuals()
     except StepFailure:
-        pass
+        stationarity = complementarity = math.inf
     if not status:
         residual = max(stationarity, violation, complementarity)
         detail = f"{detail} After {steps} of at most {minimiser.limit} steps the residual is {residual:.2g}."
-    return Minimum(
-        x=x,
-        rows=rows,
-        families=iterate.families,
-        multipliers=multipliers,
-        status=status,
-        detail=detail,
-        iterations=steps,
-        stats=iterate.work,
-        problem=problem,
-        minimiser=minimiser,
-        stationarity=stationarity,
-        violation=violation,
-        complementarity=complementarity,
-    )
+    rows, work = StackedRows(tuple(iterate.blocks), x.size), iterate.work
+    parts_of = (x, rows, iterate.families, multipliers, status, detail, steps, work, problem, minimiser)
+    return Minimum(*parts_of, stationarity, violation, complementarity)
+
+
+class Point(NamedTuple):
+    """An iterate with everything that its step and its residual need.
+
+    ``gaps`` (m,) are the g of the problem, ``values`` the g that the iteration works with, ``steepness`` the ratio of
+    their gradients; ``multipliers`` belong to ``values``; ``jacobian`` has the rows where ``active``: multiplier > 0.
+    """
+
+    x: NDArray[np.float64]
+    gradient: NDArray[np.float64]
+    gaps: NDArray[np.float64]
+    values: NDArray[np.float64]
+    steepness: NDArray[np.float64]
+    multipliers: NDArray[np.float64]
+    active: NDArray[np.bool_]
+    jacobian: csr_array
+
+    def reaction(self, multipliers: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Sum multipliers_k grad g_k over the active rows, shape (N, d)."""
+        return combined(self.jacobian, multipliers[self.active]).reshape(self.x.shape)
+
+    def residuals(self) -> tuple[float, float, float]:
+        """Compute stationarity, violation of the rows at hand, and complementarity as in ``Minimum``."""
+        slope = float(np.abs(self.gradient - self.reaction(self.multipliers)).max())
+        both = np.minimum(self.steepness * self.multipliers, self.gaps)
+        return slope, float(np.max(-self.gaps, initial=0.0)), float(np.max(np.abs(both), initial=0.0))
+
+
+class Iterate:
+    """The present and the previous point (N, d), starting at x0, and multipliers (m,), starting at zero; all finite.
+
+    It has the rows near x, and rows that are no longer near but still have a multiplier; all others have zero.
+
+    Where distances are taken squared, a row g = sign (|X_i - X_j| - L) is replaced by sign (|X_i - X_j|^2 - L^2), which
+    is >= 0 just where g is. The gradient is 2 |X_i - X_j| times as long; the multipliers of g are that many times
+    larger.
+    """
+
+    def __init__(self, problem: Problem, minimiser: Minimiser) -> None:
+        self.problem = problem
+        self.work = Work(degrees_of_freedom=problem.x0.size)
+        self.x = self.previous = problem.x0
+        self.multipliers = np.zeros(0)
+        self._squared, self._ahead = minimiser.squared, minimiser.ahead
+        self._candidates = Candidates(problem.constraints, self.work)
+        self._selection: Selection | None = None
+        # The near rows of each constraint and, after them, its rows with multipliers from earlier lists.
+        self._rows: list[tuple[RowsOfOneKind, ...]] = [()] * len(problem.constraints)
+        self._update(0.0)
+
+    @property
+    def blocks(self) -> list[RowsOfOneKind]:
+        """All rows, block after block."""
+        return [block for rows in self._rows for block in rows]
+
+    @property
+    def families(self) -> NDArray[np.int64]:
+        """For each row the index of its constraint, shape (m,)."""
+        return np.repeat(np.arange(len(self._rows)), [sum(map(len, rows)) for rows in self._rows])
+
+    def gradient(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Evaluate grad W = -F(0, x), and count it."""
+        self.work.drift_evaluations += 1
+        return -self.problem.velocity(0.0, x)
+
+    def point(self) -> Point:
+        """Evaluate everything that belongs to the present x and multipliers."""
+        gradient, active = self.gradient(self.x), self.multipliers > 0
+        gaps, values, steepness = self.values(self.x)
+        jacobian = self.jacobian(self.take(active), self.x)
+        return Point(self.x, gradient, gaps, values, steepness, self.multipliers, active, jacobian)
+
+    def set_multipliers(self, multipliers: NDArray[np.float64]) -> None:
+        """Take new multipliers (m,), in the order of the rows."""
+        if not bounded(multipliers):
+            raise StepFailure(Status.NON_FINITE, f"A multiplier exceeds {LARGEST:g}.")
+        self.multipliers = multipliers
+
+    def move(self, x: NDArray[np.float64]) -> None:
+        """Go to a new x, and list the rows near it; their multipliers change places with the rows."""
+        if not bounded(x):
+            raise StepFailure(Status.NON_FINITE, f"A coordinate is not a number, or exceeds {LARGEST:g} in magnitude.")
+        self.previous, self.x = self.x, x
+        self._update(longest(x - self.previous))
+
+    def values(self, x: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """Evaluate g, the values that the iteration works with, and the ratio of their gradients, each (m,)."""
+        gaps, steepness = np.concatenate([np.zeros(0), *(block.values(x) for block in self.blocks)]), self.steepness(x)
+        if not self._squared:
+            return gaps, gaps, steepness
+        sizes = [len(block) for block in self.blocks]
+        each = zip(self.blocks, parts(gaps, sizes), parts(steepness, sizes), strict=True)
+        values = [block.squared_values(own, length) for block, own, length in each]
+        return gaps, np.concatenate([np.zeros(0), *values]), steepness
+
+    def steepness(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Compute by how much the gradients of the values are longer than the gradients of g, shape (m,)."""
+        if not self._squared:
+            return np.ones(len(self.multipliers))
+        return np.concatenate([np.zeros(0), *(block.squared_steepness(x) for block in self.blocks)])
+
+    def take(self, keep: NDArray[np.bool_]) -> list[RowsOfOneKind]:
+        """Select the rows where ``keep`` is true, block after block."""
+        chosen = zip(self.blocks, parts(keep, [len(block) for block in self.blocks]), strict=True)
+        return [block.take(part) for block, part in chosen if part.any()]
+
+    def jacobian(self, blocks: list[RowsOfOneKind], x: NDArray[np.float64]) -> csr_array:
+        """Evaluate the gradients at x of some of the rows, in the form that the iteration works with."""
+        found = [block.squared_jacobian(x) if self._squared else block.jacobian(x) for block in blocks]
+        return stacked(found, self.problem.x0.size)
+
+    def _update(self, length: float) -> None:
+        """List every row that is violated at x; the last step moved a particle by at most ``length``."""
+        selection = self._candidates.select(0.0, self.x, self._ahead * length)
+        if selection is self._selection:
+            return
+        self._selection = selection
+        multipliers = parts(self.multipliers, [sum(map(len, rows)) for rows in self._rows])
+        for k, block in enumerate(selection.at(0.0).blocks):
+            self._rows[k], multipliers[k] = carry_over(block, self._rows[k], multipliers[k])
+        self.multipliers = np.concatenate([np.zeros(0), *multipliers])
+
+
+def parts(values: NDArray[Numbers], sizes: Sequence[int]) -> list[NDArray[Numbers]]:
+    """Cut an array into consecutive parts of these sizes."""
+    ends = np.cumsum(sizes)
+    return [values[end - size : end] for end, size in zip(ends, sizes, strict=True)]
+
+
+def carry_over(
+    near: RowsOfOneKind, before: Sequence[RowsOfOneKind], multipliers: NDArray[np.float64]
+) -> tuple[tuple[RowsOfOneKind, ...], NDArray[np.float64]]:
+    """List the rows ``near``, then rows of ``before`` that have a multiplier and are not near; and all multipliers.
+
+    ``multipliers`` (m,) belong to the rows ``before``, block after block.
+    """
+    carried = np.zeros(len(near))
+    names = row_keys(near)
+    rest, rest_multipliers = [], []
+    for block, own in zip(before, parts(multipliers, [len(block) for block in before]), strict=True):
+        held, weights = block.take(own > 0), own[own > 0]
+        _, here, there = np.intersect1d(row_keys(held), names, return_indices=True)
+        carried[there] = weights[here]
+        missing = np.ones(len(weights), dtype=bool)
+        missing[here] = False
+        if missing.any():
+            rest.append(held.take(missing))
+            rest_multipliers.append(weights[missing])
+    return (near, *rest), np.concatenate((carried, *rest_multipliers))

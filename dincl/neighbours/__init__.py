@@ -13,6 +13,6 @@ FIRST_SKIN, WIDEST_SKIN = 0.05, 1.0
 FEWEST_SWEEPS, MOST_SWEEPS = 16, 128
 # Rows are listed for this many times the radius that a step needs.
 ROW_MARGIN = 4.0
-# The same for the search for events; for runs of many particles, whose steps are short; and the factor from which on a
-# list is too long to be kept.
-EVENT_MARGIN, SHORT_STEP_MARGIN, TOO_WIDE = 2.0, 100.0, 400.0
+# The same for the search for events, where the steps between events are short; and the factor from which on a list is
+# too long to be kept.
+EVENT_MARGIN, TOO_WIDE = 100.0, 400.0

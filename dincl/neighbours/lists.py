@@ -5,59 +5,83 @@ A list holds all pairs closer than the sum of their radii plus 2 ``skin``. It is
 repeated with a new list. So the result is that of a sweep over all pairs.
 """
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from dincl.compiled import inner
-from dincl.compiled.arrays import Floats, Indices, Offsets
+from dincl.compiled import call, inner
+from dincl.compiled.arrays import Floats, Offsets
+from dincl.compiled.calls import SETS
 from dincl.compiled.structs import reader
-from dincl.drifts.functions import call_drift
 from dincl.neighbours import ALL_PAIRS, FEWEST_SWEEPS, MOST_SWEEPS
-from dincl.neighbours.search import compare_all
 from dincl.rows.formulas import project, square_distance
 
 # Places in ``number``: sweeps since the list was made; lists made; candidates and corrections in all sweeps; two discs
-# whose centres coincide.
-SWEEPS, BUILDS, CANDIDATES, CORRECTIONS, ONE, OTHER, NUMBERS = range(7)
-# How a sweep ends: done; at two coincident centres; with a list that is no longer complete; without a list.
-DONE, SAME_POINT, STALE, FAILED = range(4)
+# whose centres coincide; 1 if the list is to be made anew; its pairs.
+SWEEPS, BUILDS, CANDIDATES, CORRECTIONS, ONE, OTHER, OUTDATED, COUNT, NUMBERS = range(9)
+# How a sweep ends: done; at two coincident centres; with a list that is no longer complete; without a list, as the
+# search failed; without a list, as the pairs found have no room.
+DONE, SAME_POINT, STALE, FAILED, FULL = range(5)
+
+call_search = call(SETS)
+# What a search returns whose pairs have no room.
+NO_ROOM = 2
 
 
 class PairList(NamedTuple):
-    """m discs and their close pairs: the partners of disc i are ``partner[start[i]:start[i + 1]]``, ascending j < i."""
+    """m discs and their ``number[COUNT]`` close pairs i = ``first[p]`` > j = ``second[p]``, i ascending, then j."""
 
     disc: Offsets  # (m,): the particles, or (0,) for all particles
     radius: Floats  # (m,)
-    start: Offsets  # (m + 1,)
-    partner: Indices
+    first: NDArray[np.uint32]  # unsigned, so that the compiler knows that no index is negative
+    second: NDArray[np.uint32]
+    multiplier: Floats  # of the pairs, or (0,) for schemes that have none
     point: Floats  # (m d,): positions of the discs, or (0,) for all particles
     reference: Floats  # (m d,): positions for which the list was made
     backup: Floats  # (m d,): positions before a sweep
     skin: Floats  # (2,): of this list, and the widest [length]
     grown: Floats  # (1,): by how much a disc has grown since the list was made, at most [length]
     number: Offsets  # (NUMBERS,)
-    search: int  # address of the function that lists the pairs of many discs
+    search: int  # address of the function that lists the pairs of many discs: 0, 1 on failure or 2 if there is no room
+
+
+class Move(NamedTuple):
+    """The step x + h F, or x + h (v + h F) where there is a velocity, before the sweeps."""
+
+    h: float
+    x: Floats
+    v: Floats
+    rate: Floats
 
 
 # For its types.
 _NONE, _FLOATS = np.zeros(0, dtype=np.int64), np.zeros(0)
-_FEW = np.zeros(0, dtype=np.int32)
-EXAMPLE = PairList(_NONE, _FLOATS, _NONE, _FEW, _FLOATS, _FLOATS, _FLOATS, _FLOATS, _FLOATS, _NONE, 0)
+_FEW = np.zeros(0, dtype=np.uint32)
+EXAMPLE = PairList(_NONE, _FLOATS, _FEW, _FEW, _FLOATS, _FLOATS, _FLOATS, _FLOATS, _FLOATS, _FLOATS, _NONE, 0)
 pair_list_at = reader(EXAMPLE)
 
 
 @inner
-def has_moved(x: Floats, pairs: PairList, axes: Any) -> bool:
-    """Copy x into ``backup``; return whether a disc is farther than the skin from its reference."""
-    reference, backup, allowed, far = pairs.reference, pairs.backup, allowed_square(pairs), 0
-    d = len(axes)
+def move_all(move: Move, after: Floats) -> None:
+    """Write all particles after the step before the sweeps."""
+    h, x, v, rate = move.h, move.x, move.v, move.rate
+    if v.size > 0:
+        for k in range(after.size):
+            after[k] = x[k] + h * (v[k] + h * rate[k])
+    else:
+        for k in range(after.size):
+            after[k] = x[k] + h * rate[k]
+
+
+@inner
+def is_outdated(x: Floats, pairs: PairList, axes: Any) -> bool:
+    """Return whether there is no list, or a disc is farther than the skin from its reference."""
+    reference, allowed, far, d = pairs.reference, allowed_square(pairs), 0, len(axes)
     for i in range(pairs.radius.size):
-        square = square_distance(x, i * d, reference, i * d, axes)
-        for k in range(d):
-            backup[i * d + k] = x[i * d + k]
-        far += square > allowed
-    return far > 0
+        far += square_distance(x, i * d, reference, i * d, axes) > allowed
+    return far > 0 or pairs.number[BUILDS] == 0 or pairs.number[OUTDATED] != 0
 
 
 @inner
@@ -68,9 +92,9 @@ def allowed_square(pairs: PairList) -> float:
 
 
 @inner
-def rebuild(x: Floats, pairs: PairList, axes: Any) -> bool:
-    """List the pairs around x, after a change of a skin that was too narrow or too wide; false on failure."""
-    sweeps, skin = pairs.number[SWEEPS], pairs.skin
+def rebuild(x: Floats, pairs: PairList, axes: Any) -> int:
+    """List the pairs around x, after a change of a skin that was too narrow or too wide: DONE, FAILED or FULL."""
+    sweeps, skin, before = pairs.number[SWEEPS], pairs.skin, pairs.skin[0]
     if pairs.number[BUILDS] > 0:
         if sweeps == 0 or (sweeps < FEWEST_SWEEPS and 2.0 * skin[0] <= skin[1]):
             skin[0] *= 2.0
@@ -78,83 +102,152 @@ def rebuild(x: Floats, pairs: PairList, axes: Any) -> bool:
             skin[0] *= 0.5
     m, d = pairs.radius.size, len(axes)
     if m <= ALL_PAIRS:
-        compare_all(x, pairs.radius, skin[0], pairs.start, pairs.partner, axes)
-    elif call_drift(pairs.search, 0.0, x, pairs.reference, m, d, skin) != 0:
-        return False
+        compare_few(x, pairs, axes)
+    else:
+        failed = call_search(pairs.search, 0.0, x, 0, 0)
+        if failed != 0:
+            skin[0] = before
+            return FULL if failed == NO_ROOM else FAILED
     reference = pairs.reference
     for k in range(m * d):
         reference[k] = x[k]
     pairs.grown[0] = 0.0
-    pairs.number[SWEEPS] = 0
+    pairs.number[SWEEPS] = pairs.number[OUTDATED] = 0
     pairs.number[BUILDS] += 1
-    return True
+    return DONE
 
 
 @inner
-def sweep_once(x: Floats, pairs: PairList, axes: Any) -> tuple[int, int]:
-    """Project onto one pair after another, i ascending, then j; return how it ended and the number of corrections.
-
-    Source: Example 2.5; Algorithm 1 of chapter 2 misprints the sign.
-    """
-    start, partner, radius, reference = pairs.start, pairs.partner, pairs.radius, pairs.reference
-    allowed, corrections, d = allowed_square(pairs), 0, len(axes)
+def compare_few(x: Floats, pairs: PairList, axes: Any) -> None:
+    """List the pairs of few discs by comparing all of them."""
+    first, second, radius, skin, d, count = pairs.first, pairs.second, pairs.radius, pairs.skin[0], len(axes), 0
     for i in range(radius.size):
-        for p in range(start[i], start[i + 1]):
-            j = int(partner[p])
-            moved = project(x, i * d, x, j * d, False, radius[i] + radius[j], 1.0, axes)
+        for j in range(i):
+            # Every pair is written and only a close one is counted: this spares a branch that nobody can predict.
+            first[count], second[count] = i, j
+            limit = radius[i] + radius[j] + 2.0 * skin
+            count += square_distance(x, i * d, x, j * d, axes) <= limit * limit
+    pairs.number[COUNT] = count
+
+
+@inner
+def project_pair(
+    x: Floats, i: int, j: int, length: float, multiplier: Floats, p: int, begin: bool, compliance: float, axes: Any
+) -> int:
+    """Move a pair apart: 1 if it moved, 0 if it does not overlap, -1 if its centres coincide."""
+    return project(x, i, x, j, False, length, 1.0, axes)
+
+
+@inner
+def correct_pair(
+    x: Floats, i: int, j: int, length: float, multiplier: Floats, p: int, begin: bool, compliance: float, axes: Any
+) -> int:
+    """Move pair p along its gradient by the change of its multiplier: 1, 0 or -1 as ``project_pair``.
+
+    For g + compliance mu = 0 with mu >= 0 the change is -(g + compliance mu) / (|grad g|^2 + compliance), at least -mu.
+    """
+    before = 0.0 if begin else multiplier[p]
+    square, total = square_distance(x, i, x, j, axes), compliance
+    if before == 0.0 and square >= length * length:
+        multiplier[p] = 0.0
+        return 0
+    distance = np.sqrt(square)
+    if distance == 0.0:
+        return -1
+    scale = 1.0 / distance
+    for _ in range(2):
+        for k in range(len(axes)):
+            slope = scale * (x[i + k] - x[j + k])
+            total += slope * slope
+    after = max(before - (distance - length + compliance * before) / total, 0.0)
+    multiplier[p] = after
+    for k in range(len(axes)):
+        step = (after - before) * (scale * (x[i + k] - x[j + k]))
+        x[i + k] += step
+        x[j + k] -= step
+    return int(after != before)
+
+
+def disc_sweep(visit: Callable[..., int]) -> Callable[..., int]:
+    """Make the sweep over discs in which pairs are visited by ``project_pair`` or ``correct_pair``."""
+
+    @inner
+    def sweep_pairs(x: Floats, pairs: PairList, begin: bool, compliance: float, axes: Any) -> int:
+        """Visit one pair after another; return how it ended.
+
+        Source: Example 2.5; Algorithm 1 of chapter 2 misprints the sign.
+        """
+        # Arrays are read out of the struct once: the compiler cannot know that x is no part of it.
+        first, second, radius, multiplier = pairs.first, pairs.second, pairs.radius, pairs.multiplier
+        reference, allowed, corrections, d = pairs.reference, allowed_square(pairs), 0, len(axes)
+        for p in range(pairs.number[COUNT]):
+            i, j = int(np.int64(first[p])), int(np.int64(second[p]))
+            moved = visit(x, i * d, j * d, radius[i] + radius[j], multiplier, p, begin, compliance, axes)
             if moved == 0:
                 continue
             if moved < 0:
                 pairs.number[ONE], pairs.number[OTHER] = i, j
-                return SAME_POINT, corrections
+                return SAME_POINT
             corrections += 1
             far = square_distance(x, i * d, reference, i * d, axes) > allowed
             if far or square_distance(x, j * d, reference, j * d, axes) > allowed:
-                return STALE, corrections
-    return DONE, corrections
+                return STALE
+        pairs.number[SWEEPS] += 1
+        pairs.number[CANDIDATES] += pairs.number[COUNT]
+        pairs.number[CORRECTIONS] += corrections
+        return DONE
 
+    @inner
+    def sweep_discs(x: Floats, pairs: PairList, begin: bool, compliance: float, axes: Any) -> int:
+        """Sweep over the discs at x; return how it ended.
 
-@inner
-def sweep_discs(x: Floats, pairs: PairList, axes: Any) -> int:
-    """Sweep over the discs at x: DONE, SAME_POINT, or FAILED if no list could be made."""
-    if (has_moved(x, pairs, axes) or pairs.number[BUILDS] == 0) and not rebuild(x, pairs, axes):
-        return FAILED
-    backup = pairs.backup
-    code, corrections = sweep_once(x, pairs, axes)
-    while code == STALE:
+        ``begin`` says that no sweep of this step was made before. Multipliers of earlier sweeps belong to the pairs of
+        the list: then it ends STALE where the list does.
+        """
+        backup = pairs.backup
         for k in range(backup.size):
-            x[k] = backup[k]
-        if not rebuild(x, pairs, axes):
-            return FAILED
-        code, corrections = sweep_once(x, pairs, axes)
-    pairs.number[SWEEPS] += 1
-    pairs.number[CANDIDATES] += pairs.start[pairs.radius.size]
-    pairs.number[CORRECTIONS] += corrections
-    return code
+            backup[k] = x[k]
+        outdated = is_outdated(x, pairs, axes)
+        while True:
+            if outdated:
+                if not begin and pairs.multiplier.size > 0:
+                    return STALE
+                for k in range(backup.size):
+                    x[k] = backup[k]
+                code = rebuild(x, pairs, axes)
+                if code != DONE:
+                    return int(code)
+            code = sweep_pairs(x, pairs, begin, compliance, axes)
+            if code != STALE:
+                return int(code)
+            outdated = True
+
+    return sweep_discs
 
 
 @inner
 def add_disc_forces(x: Floats, pairs: PairList, spring: bool, force: Floats, axes: Any) -> int:
     """Add max(0, -g)^(1 or 0) grad g of the pairs at x to the forces on all particles; return how it ended."""
     d, disc, whole = len(axes), pairs.disc, pairs.disc.size == 0
-    if (has_moved(x, pairs, axes) or pairs.number[BUILDS] == 0) and not rebuild(x, pairs, axes):
-        return FAILED
-    start, partner, radius = pairs.start, pairs.partner, pairs.radius
-    for i in range(radius.size):
-        for p in range(start[i], start[i + 1]):
-            j = int(partner[p])
-            distance = np.sqrt(square_distance(x, i * d, x, j * d, axes))
-            overlap = radius[i] + radius[j] - distance
-            if not overlap > 0.0:
-                continue
-            if distance == 0.0:
-                pairs.number[ONE], pairs.number[OTHER] = i, j
-                return SAME_POINT
-            scale, one, other = 1.0 / distance, i if whole else disc[i], j if whole else disc[j]
-            for k in range(d):
-                entry = (x[i * d + k] - x[j * d + k]) * scale * (overlap if spring else 1.0)
-                force[one * d + k] += entry
-                force[other * d + k] -= entry
+    if is_outdated(x, pairs, axes):
+        code = rebuild(x, pairs, axes)
+        if code != DONE:
+            return int(code)
+    first, second, radius = pairs.first, pairs.second, pairs.radius
+    for p in range(pairs.number[COUNT]):
+        i, j = int(np.int64(first[p])), int(np.int64(second[p]))
+        distance = np.sqrt(square_distance(x, i * d, x, j * d, axes))
+        overlap = radius[i] + radius[j] - distance
+        if not overlap > 0.0:
+            continue
+        if distance == 0.0:
+            pairs.number[ONE], pairs.number[OTHER] = i, j
+            return SAME_POINT
+        scale, one, other = 1.0 / distance, i if whole else disc[i], j if whole else disc[j]
+        for k in range(d):
+            entry = (x[i * d + k] - x[j * d + k]) * scale * (overlap if spring else 1.0)
+            force[one * d + k] += entry
+            force[other * d + k] -= entry
     pairs.number[SWEEPS] += 1
     return DONE
 

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from dincl.norms import length
-from dincl.projection.daqp import Daqp
-from dincl.projection.piqp import Piqp
+from dincl.projection.quadratic import Daqp, Piqp
 from dincl.rows.affine import AffineRows
 
 if TYPE_CHECKING:

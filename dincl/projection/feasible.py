@@ -1,37 +1,38 @@
-"""The nearest point of S(t), with only the rows that matter."""
+"""The nearest point of S(t), with only the rows that matter, and the catch-up schemes with a projection in Python."""
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dincl.projection.base import NO_BACK_END, Projected, missed
-from dincl.rows.affine import linearised
+from dincl.constraints.selection import Candidates, Selection, transfer_multipliers
+from dincl.errors import StepFailure
+from dincl.norms import longest
+from dincl.status import Status
+from dincl.steps.grid import Stepper, StepState
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from dincl.constraints.selection import Selection
     from dincl.problem import Problem
-    from dincl.projection.base import Solver
+    from dincl.projection.certificate import Projected, Projection, Solver
     from dincl.work import Work
+
+# A projection that ends outside of the search radius is repeated with twice its distance, at most this often.
+MOST_SEARCHES = 60
 
 
 class FeasibleSet:
     """S(t), or its inner convex approximation, of one problem; it stores near rows and a solver for one run."""
 
     def __init__(self, problem: Problem, solver: Solver, work: Work, *, linearised: bool) -> None:
-        from dincl.system.compiled_problem import CompiledProblem
-
-        self._system = CompiledProblem(problem, solver=solver)
-        self._solver, self._work, self._linearised = solver, work, linearised
-
-    @property
-    def near_rows(self) -> Selection:
-        """The rows that were looked at last."""
-        return self._system.near_rows()
+        self.solver, self._work, self._linearised = solver, work, linearised
+        self._candidates = Candidates(problem.constraints, work)
+        # The rows of the last projection, and their multipliers.
+        self._near: Selection | None = None
+        self._multipliers = np.zeros(0)
+        solver.size = float(np.abs(problem.x0).max())
 
     def nearest(
         self,
@@ -48,42 +49,45 @@ class FeasibleSet:
         of the whole set. Else it is repeated with rows that reach twice as far as it ended. S~ of time t may be
         carried, each family along its own path, to a later time. StepFailure where there is none.
         """
-        from dincl.steps.programs import project_once
+        for _ in range(MOST_SEARCHES):
+            near = self._candidates.select(t, around, reach)
+            if self._near is None:
+                self._multipliers = np.zeros(len(near))
+            elif near is not self._near:
+                self._multipliers = transfer_multipliers(self._near, self._multipliers, near)
+            self._near = near
+            rows = near.linearised(t, around, carried_to) if self._linearised else near.at(t)
+            found = self.solver.nearest(rows, y, around, self._multipliers)
+            self._multipliers = found.multipliers
+            if found.solved:
+                self._work.count_call(found.back_end, found.iterations)
+            distance = longest(found.point - around)
+            if carried_to is not None:
+                distance += near.largest_change(t, carried_to, around, reach)
+            if distance <= reach:
+                return found
+            reach = 2 * distance
+        detail = "The projection moved a particle again and again beyond the rows looked at."
+        raise StepFailure(Status.NOT_CONVERGED, detail)
 
-        system, later, tol = self._system, t if carried_to is None else carried_to, self._solver.tol
-        program = system.arrays.program
-        program.y[:] = y.ravel()
-        before = float(program.answer[0])
-        with system.callbacks():
-            code = project_once(system.place, t, around.ravel().copy(), reach, later, not self._linearised, tol)
-        system.count(self._work)
-        if code:
-            system.failure(code, tol)
-        if self._solver.whole:
-            solving: Any = system.solving
-            found: Projected = solving.found
-            return found
-        return self._certified(t, y, around, carried_to, round(float(system.arrays.program.answer[0]) - before))
 
-    def _certified(
-        self,
-        t: float,
-        y: NDArray[np.float64],
-        around: NDArray[np.float64],
-        carried_to: float | None,
-        iterations: int,
-    ) -> Projected:
-        """What the system found last, with residuals recomputed from the rows."""
-        system, near = self._system, self.near_rows
-        arrays, x = system.arrays, system.arrays.program.z.reshape(y.shape).copy()
-        rows = near.linearised(t, around, carried_to) if self._linearised else near.at(t)
-        if not arrays.solving.called[0]:
-            found = self._solver.certify(linearised(rows, x), y, x, np.zeros(len(near)), 0)
-            return replace(found, back_end=NO_BACK_END)
-        listed = np.sort(arrays.near.row[: int(arrays.near.number[0])])
-        multipliers = arrays.program.multiplier[listed] / arrays.program.length[listed]
-        found = self._solver.certify(linearised(rows, x), y, x, multipliers, iterations)
-        # A sum of other order may round to the other side of the tolerance.
-        if not found.residual <= self._solver.tol:
-            raise system.reason(missed(self._solver.name, found.residual, self._solver.tol))
-        return found
+class CatchUpStepper(Stepper):
+    """A catch-up scheme whose projection is in Python; see ``dincl.steps.catch_up`` for the same in compiled code."""
+
+    def __init__(self, problem: Problem, projection: Projection, *, linearised: bool, midpoint: bool = False) -> None:
+        super().__init__(problem)
+        self._set = FeasibleSet(problem, projection.solver(), self.work, linearised=linearised)
+        self._tol, self._midpoint = projection.tol, midpoint
+
+    def step(self, t: float, h: float, state: StepState) -> StepState:
+        x, near, solver = state.x, self._set, self._set.solver
+        rate = self.velocity(t, x)
+        length = h * longest(rate)
+        if not self._midpoint:
+            return StepState(near.nearest(t + h, x + h * rate, x, 2 * length).point)
+        # The middle may be less accurate.
+        solver.tol = max(self._tol, float(np.sqrt(self._tol * length)))
+        middle = 0.5 * (x + near.nearest(t + h, x + h * rate, x, 2 * length).point)
+        solver.tol = self._tol
+        rate = self.velocity(t + 0.5 * h, middle)
+        return StepState(near.nearest(t + 0.5 * h, x + h * rate, middle, 2 * length, carried_to=t + h).point)

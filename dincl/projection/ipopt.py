@@ -1,24 +1,50 @@
-"""Projections onto S itself, by the interior-point method Ipopt."""
+"""Projections onto S itself, by the interior-point method Ipopt, in nonlinear programs that CasADi compiles."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from functools import cache, partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from dincl.errors import StepFailure
 from dincl.extras import needs
-from dincl.projection.base import Projected, Projection, Solver
-from dincl.projection.program_cache import ProgramCache
+from dincl.projection.certificate import Projected, Projection, Solver
+from dincl.projection.quadratic import remembered
 from dincl.rows.affine import linearised
 from dincl.status import Status
 
 if TYPE_CHECKING:
-    import numpy as np
+    from collections.abc import Callable, Hashable, Sequence
+
     from numpy.typing import NDArray
 
-    from dincl.projection.nlp import Program
-    from dincl.rows.base import Rows
+    from dincl.rows.base import Polynomial, Rows, RowsOfOneKind
 
+MOST_ITERATIONS = 500
+# Lengths are in units of the largest violation, so that the tolerances are relative to the move.
+TOLERANCE = 1e-11
+OPTIONS = {
+    "print_time": False,
+    "error_on_fail": False,
+    "show_eval_warnings": False,
+    "calc_lam_p": False,
+    "ipopt.print_level": 0,
+    "ipopt.sb": "yes",
+    "ipopt.max_iter": MOST_ITERATIONS,
+    "ipopt.tol": TOLERANCE,
+    "ipopt.dual_inf_tol": TOLERANCE,
+    "ipopt.constr_viol_tol": TOLERANCE,
+    "ipopt.compl_inf_tol": TOLERANCE,
+    # Without these, Ipopt answers for a slightly larger set, accepts less than asked for, and rescales what is scaled.
+    "ipopt.bound_relax_factor": 0.0,
+    "ipopt.acceptable_iter": 0,
+    "ipopt.nlp_scaling_method": "none",
+}
+
+# A user's function comes without second derivatives.
+LIMITED_MEMORY = {"ipopt.hessian_approximation": "limited-memory"}
 # Compiled programs kept for the next time that the same rows are near.
 MOST_PROGRAMS = 64
 # Words after which the certificate decides whether the point is good enough.
@@ -53,16 +79,157 @@ class _IpoptSolver(Solver):
     def __init__(self, tol: float) -> None:
         super().__init__(tol)
         with needs("Ipopt", "yardsticks"):
-            from dincl.projection.nlp import Program
+            import casadi
 
-        self._compile = Program
-        self._programs: ProgramCache[Program] = ProgramCache(MOST_PROGRAMS)
+        self._casadi = casadi
+        self._programs: dict[Hashable, _Program] = {}
 
-    def compute(self, rows: Rows, y: NDArray[np.float64], guess: NDArray[np.float64]) -> Projected:
+    def compute(
+        self, rows: Rows, y: NDArray[np.float64], guess: NDArray[np.float64], multipliers: NDArray[np.float64]
+    ) -> Projected:
         blocks = rows.by_kind()
         scale = float(-rows.values(y).min())
-        program = self._programs.get(rows.structure, lambda: self._compile(blocks, y.shape))
+        make = partial(_Program, self._casadi, blocks, y.shape)
+        program = remembered(self._programs, rows.structure, make, MOST_PROGRAMS)
         x, lam, work, word = program.solve(blocks, y, guess, scale)
         if word not in FOUND:
             raise StepFailure(Status.NOT_CONVERGED, f"ipopt stopped: {word}.")
         return self.completed(rows, y, self.certify(linearised(rows, x), y, x, lam, work), self.tol)
+
+
+class _Program:
+    """min 1/2 |w|^2 subject to the rows at x = y + scale w; all numbers in it are parameters, so it is compiled once.
+
+    Rows that are polynomials enter as such, with their exact sparse derivatives. The others, such as those of a user's
+    function, are called back; with them, second derivatives are approximated from the gradients met (limited memory).
+    """
+
+    def __init__(self, casadi: Any, blocks: Sequence[RowsOfOneKind], shape: tuple[int, ...]) -> None:
+        polynomials = [block.polynomial(np.zeros(shape), 1.0) for block in blocks]
+        self._functions = {k: _UserRows(len(block), shape) for k, block in enumerate(blocks) if polynomials[k] is None}
+        kind: Any = casadi.MX if self._functions else casadi.SX
+        w = kind.sym("w", shape[0] * shape[1])
+        rows: list[Any] = []
+        parameters: list[Any] = []
+        for k, polynomial in enumerate(polynomials):
+            if polynomial is None:
+                rows.append(self._functions[k].function(w))
+            else:
+                expression, numbers = _expression(casadi, kind, polynomial, w, shape)
+                rows.append(expression)
+                parameters += numbers
+        program = {"x": w, "p": casadi.vertcat(*parameters), "f": casadi.dot(w, w) / 2, "g": casadi.vertcat(*rows)}
+        options: Any = OPTIONS | (LIMITED_MEMORY if self._functions else {})
+        self._solver: Any = casadi.nlpsol("nearest", "ipopt", program, options)
+
+    def solve(
+        self, blocks: Sequence[RowsOfOneKind], y: NDArray[np.float64], guess: NDArray[np.float64], scale: float
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], int, str]:
+        """Solve with the numbers of ``blocks`` around y, from ``guess``: x (N, d), multipliers (m,), iterations, word.
+
+        The word is that of Ipopt on how it ended.
+        """
+        parameters = [np.zeros(0)]
+        for k, block in enumerate(blocks):
+            polynomial = block.polynomial(y, scale)
+            if polynomial is None:
+                self._functions[k].place(block, y, scale)
+            else:
+                # The numbers that _expression has symbols for, in the same order.
+                parameters += [polynomial.constant, polynomial.linear.data, polynomial.weight]
+        start = ((guess - y) / scale).ravel()
+        found = self._solver(x0=start, p=np.concatenate(parameters), lbg=0.0, ubg=np.inf)
+        for function in self._functions.values():
+            if function.failure is not None:
+                raise function.failure
+        x = y + scale * np.array(found["x"]).reshape(y.shape)
+        steep = np.concatenate([block.steepness(x) for block in blocks])
+        # CasADi gives multipliers <= 0 to lower bounds.
+        multipliers = np.maximum(-scale * np.array(found["lam_g"]).ravel() * steep, 0.0)
+        stats = self._solver.stats()
+        return x, multipliers, int(stats["iter_count"]), str(stats["return_status"])
+
+
+def _expression(
+    casadi: Any, kind: Any, polynomial: Polynomial, w: Any, shape: tuple[int, ...]
+) -> tuple[Any, list[Any]]:
+    """Expressions of the rows of one block in w, and the symbols of their numbers: constants, linear part, weights."""
+    linear, entries = polynomial.linear, len(polynomial.linear.data)
+    m = linear.shape[0]
+    numbers = [kind.sym(name, size) for name, size in (("c", m), ("m", entries), ("q", m))]
+    row_of_entry = np.repeat(np.arange(m), np.diff(linear.indptr))
+    adding = casadi.Sparsity.triplet(m, entries, row_of_entry.tolist(), list(range(entries)))
+    # A single unknown without rows would give a row of no entries where a column is meant.
+    taken = casadi.reshape(w[linear.indices.tolist()], entries, 1)
+    value = numbers[0] + casadi.mtimes(casadi.DM(adding, 1), numbers[1] * taken)
+    if polynomial.i is not None:
+        by_particle = casadi.reshape(w, shape[1], shape[0])
+        arrows = by_particle[:, polynomial.i.tolist()]
+        if polynomial.j is not None:
+            arrows = arrows - by_particle[:, polynomial.j.tolist()]
+        value = value + numbers[2] * casadi.sum1(arrows * arrows).T
+    return value, numbers
+
+
+class _UserRows:
+    """w -> g(y + scale w) / scale for a user's g, whose numbers are set before each solve; ``function`` is CasADi's."""
+
+    def __init__(self, rows: int, shape: tuple[int, ...]) -> None:
+        self._size, self._shape = (rows, shape[0] * shape[1]), shape
+        self.failure: StepFailure | None = None
+        self.function = _callback()("g", self._values, self._size, self._slopes, {})
+
+    def place(self, rows: RowsOfOneKind, y: NDArray[np.float64], scale: float) -> None:
+        """Take these rows from now on."""
+        self._rows, self._y, self._scale, self.failure = rows, y, scale, None
+
+    def _values(self, w: Any) -> NDArray[np.float64]:
+        return self._evaluated(lambda x: self._rows.values(x) / self._scale, w, self._size[:1])
+
+    def _slopes(self, w: Any) -> NDArray[np.float64]:
+        """Compute dg/dx, dense, since it is not known which entries are always zero."""
+        return self._evaluated(lambda x: self._rows.jacobian(x).toarray(), w, self._size)
+
+    def _evaluated(
+        self, function: Callable[[NDArray[np.float64]], NDArray[np.float64]], w: Any, shape: tuple[int, ...]
+    ) -> NDArray[np.float64]:
+        try:
+            return function(self._y + self._scale * np.array(w).reshape(self._shape))
+        except StepFailure as failure:
+            self.failure = failure
+            return np.full(shape, np.nan)
+
+
+@cache
+def _callback() -> Any:
+    """Make the class of functions that CasADi calls, once CasADi is needed."""
+    import casadi
+
+    class Called(casadi.Callback):
+        """w (n,) -> m numbers, and its derivative: (w, the m numbers) -> (m, n)."""
+
+        def __init__(self, name: str, function: Any, size: tuple[int, int], slopes: Any, options: Any) -> None:
+            casadi.Callback.__init__(self)
+            self._function, self._size, self._slopes = function, size, slopes
+            self.construct(name, options)
+
+        def get_n_in(self) -> int:
+            return 1 if self._slopes else 2
+
+        def get_sparsity_in(self, i: int) -> Any:
+            return casadi.Sparsity.dense(self._size[1 - i], 1)
+
+        def get_sparsity_out(self, i: int) -> Any:
+            return casadi.Sparsity.dense(self._size[0], 1 if self._slopes else self._size[1])
+
+        def eval(self, arguments: Any) -> Any:
+            return [self._function(arguments[0])]
+
+        def has_jacobian(self) -> bool:
+            return self._slopes is not None
+
+        def get_jacobian(self, name: str, inputs: Any, outputs: Any, options: Any) -> Any:
+            self._derivative = Called(name, self._slopes, self._size, None, options)  # CasADi keeps no reference
+            return self._derivative
+
+    return Called

@@ -11,7 +11,7 @@ from dincl.checks import array, describe, number
 from dincl.errors import InvalidProblem, ProjectionFailed, StepFailure
 from dincl.norms import longest
 from dincl.problem import Problem, constraints_around
-from dincl.projection.base import Projection
+from dincl.projection.certificate import Projection
 from dincl.projection.feasible import FeasibleSet
 from dincl.work import Work
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from dincl.constraints.base import Constraint
-    from dincl.projection.base import Projected
+    from dincl.projection.certificate import Projected
 
 
 def project(
@@ -48,7 +48,7 @@ def project(
     Raises
     ------
     InvalidProblem
-        For wrong shapes or numbers, or constraints that the projection cannot serve.
+        For wrong shapes or numbers.
     ProjectionFailed
         When no point is found to the tolerance; ``status`` says why. INFEASIBLE is proved, by multipliers mu >= 0 of
         sum 1 with A^T mu = 0 and mu . (b - A y) > 0 for the rows A x >= b, to 1e-14 and in a region of a million sizes
@@ -68,7 +68,6 @@ def project(
         problem = constraints_around(target, problem)
     time = number("t", t)
     around = target if linearised_at is None else _positions("linearised_at", linearised_at, problem)
-    projection.check(problem)
     try:
         with np.errstate(all="ignore"):  # what overflows is found in the certificate
             feasible = FeasibleSet(problem, projection.solver(), Work(), linearised=linearised_at is not None)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dincl.matrices import from_equal_rows, row_squares
+from dincl.matrices import applied, from_equal_rows, row_squares
 from dincl.rows.base import Polynomial, RowsOfOneKind, TableRows, coordinates
 
 if TYPE_CHECKING:
@@ -30,8 +30,7 @@ class AffineRows(RowsOfOneKind):
         return len(self.bound)
 
     def values(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        values: NDArray[np.float64] = self.matrix @ x.ravel() - self.bound
-        return values
+        return applied(self.matrix, x.ravel()) - self.bound
 
     def jacobian(self, x: NDArray[np.float64]) -> csr_array:
         return self.matrix
@@ -128,4 +127,4 @@ def linearised(rows: Rows, x: NDArray[np.float64]) -> AffineRows:
     if isinstance(rows, AffineRows):
         return rows
     matrix = rows.jacobian(x)
-    return AffineRows(matrix, matrix @ x.ravel() - rows.values(x))
+    return AffineRows(matrix, applied(matrix, x.ravel()) - rows.values(x))

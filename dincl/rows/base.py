@@ -71,13 +71,11 @@ class Rows(ABC):
 class RowsOfOneKind(Rows):
     """Rows that share one formula; ``len(rows)`` is m.
 
-    A kind defines the abstract methods, here and in Rows. The others are optional: they make a kind faster, or
-    available to ``ClosedForm``.
+    A kind defines the abstract methods, here and in Rows. The others are optional: they make a kind faster.
     """
 
-    # Whether the rows are their own linearisation, and whether ``project`` has a formula.
+    # Whether the rows are their own linearisation.
     affine = False
-    closed_form = False
 
     @property
     def concave(self) -> bool:
@@ -141,18 +139,6 @@ class RowsOfOneKind(Rows):
     def squared_jacobian(self, x: NDArray[np.float64]) -> csr_array:
         """Compute dh/dx at x."""
         return self.jacobian(x)
-
-    def longest_length(self) -> float:
-        """Return the largest length in the formula, in units of which rounding is measured; 0 if there is none."""
-        return 0.0
-
-    def rows_per_particle(self, count: int) -> NDArray[np.int64]:
-        """Count the rows of each of ``count`` particles, shape (count,); only for kinds with ``closed_form``."""
-        raise NotImplementedError(f"{type(self).__name__} has no closed form")
-
-    def project(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Move x (N, d) in place to its nearest point, for rows that share no particle; return multipliers (m,)."""
-        raise NotImplementedError(f"{type(self).__name__} has no closed form")
 
 
 @dataclass(frozen=True, eq=False)
@@ -219,9 +205,6 @@ class PlacedRows(RowsOfOneKind):
         rows: Any = self.rows
         failure: StepFailure = rows.coincidence(k)
         return failure
-
-    def longest_length(self) -> float:
-        return self.rows.longest_length()
 
 
 class DiscPairs(NamedTuple):

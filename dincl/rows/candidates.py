@@ -6,7 +6,7 @@ import numpy as np
 
 from dincl.compiled import inner
 from dincl.compiled.arrays import Floats, Offsets
-from dincl.rows.table import CALLBACK, DISTANCE, FORMULA, RowTable, Sets, value_of
+from dincl.rows.table import CALLBACK, DISTANCE, FORMULA, RowTable, Sets, compare_sets, value_of
 
 
 class CandidateRows(NamedTuple):
@@ -108,6 +108,7 @@ def sort_candidates(rows: RowTable, x: Floats, d: int, near: CandidateRows) -> N
 def distance_from_search(sets: Sets, x: Floats, near: CandidateRows) -> float:
     """Compute the largest move of a particle plus the largest change of a set since the search."""
     d, moved, carried, changed = sets.shift.shape[1], 0.0, 0.0, 0.0
+    compare_sets(sets, x)
     for i in range(x.size // d):
         square = 0.0
         for k in range(d):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dincl.errors import StepFailure
-from dincl.matrices import combined, from_equal_rows
+from dincl.matrices import from_equal_rows
 from dincl.norms import norms
 from dincl.rows.base import Polynomial, RowsOfOneKind, TableRows, coordinates
 from dincl.status import Status
@@ -30,7 +30,6 @@ class DistanceRows(RowsOfOneKind):
     length: NDArray[np.float64]
     sign: float
     anchor: NDArray[np.float64] | None = None
-    closed_form = True
 
     def __len__(self) -> int:
         return len(self.i)
@@ -121,20 +120,6 @@ class DistanceRows(RowsOfOneKind):
 
     def squared_jacobian(self, x: NDArray[np.float64]) -> csr_array:
         return self._matrix(2 * self.sign * self.arrows(x), x.size)
-
-    def longest_length(self) -> float:
-        return float(self.length.max(initial=0.0))
-
-    def rows_per_particle(self, count: int) -> NDArray[np.int64]:
-        ends = self.i if self.j is None else np.concatenate((self.i, self.j))
-        return np.bincount(ends, minlength=count)
-
-    def project(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Both ends of each violated distance move half the way, or the free end moves the whole way."""
-        multipliers = np.maximum(-self.values(x), 0.0) / (1 if self.j is None else 2)
-        violated = self.take(multipliers > 0)
-        x += combined(violated.jacobian(x), multipliers[multipliers > 0]).reshape(x.shape)
-        return multipliers
 
     def _columns(self, d: int) -> NDArray[np.int64]:
         """The coordinates of both ends, or of the free end, shape (m, 2 d) or (m, d)."""

@@ -5,16 +5,21 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from dincl.compiled import inner
+from dincl.compiled import call, inner
 from dincl.compiled.arrays import Floats, Offsets
+from dincl.compiled.calls import SETS
+from dincl.compiled.structs import reader
 from dincl.drifts.functions import call_drift
 from dincl.rows.formulas import square_distance
+from dincl.rows.timed_sets import no_timed_sets, place_sets, write_changes, write_rates
 
 # Kinds of rows: distances, affine rows, rows that Python evaluates, rows of a compiled formula.
 DISTANCE, AFFINE, CALLBACK, FORMULA = range(4)
 # Requests to Python: displacements of the sets; also values and gradients of its rows; also velocities of the sets. Or
 # the projection of x onto the rows of one set, in place.
-DISPLACEMENTS, GRADIENTS, VELOCITIES, SWEEP = 1.0, 2.0, 3.0, 4.0
+DISPLACEMENTS, GRADIENTS, VELOCITIES, SWEEP = range(1, 5)
+
+call_sets = call(SETS)
 
 ROW = np.dtype(
     [
@@ -28,6 +33,7 @@ ROW = np.dtype(
         ("lipschitz", np.float64),  # how fast g changes at most while no particle moves faster than 1
     ]
 )
+timed_sets_at = reader(no_timed_sets(np.zeros(0, dtype=ROW)))
 
 
 class RowTable(NamedTuple):
@@ -80,13 +86,13 @@ def row_table(
 class Sets(NamedTuple):
     """Displacements of the sets, and the rows that Python evaluates: its function at ``address`` writes them.
 
-    ``request[0]`` says what to write, for SWEEP ``request[2]`` which set to project onto. ``request[1]`` is not 0 once
-    a call has failed; then there are no more calls. A set that is not only translated is ``general``: at each request
-    Python writes the numbers of its rows into the table.
+    ``failed[0]`` is not 0 once a call has failed; then there are no more calls. A set that is not only translated is
+    ``general``: at each request its numbers in the table are written. Sets in ``tables`` are evaluated by compiled
+    code, all others by Python.
     """
 
     address: int
-    request: Floats
+    failed: Offsets  # (1,)
     shift: Floats  # (families, d): the displacement of each set
     speed: Floats  # (families, d): its velocity
     general: Offsets  # (families,): 1 for general sets
@@ -97,21 +103,38 @@ class Sets(NamedTuple):
     first: Offsets  # (rows of Python + 1,): the Jacobian dg/dx, row by row
     column: Offsets
     entry: Floats
+    tables: Offsets  # (2,): the address of ``TimedSets``, or 0, and whether Python writes anything, too
 
 
 @inner
-def call_python(sets: Sets, t: float, x: Floats, request: float) -> int:
-    """Have Python write what is requested; return 0 if there is nothing to write, or if no call has failed so far.
+def call_python(sets: Sets, t: float, x: Floats, request: int, family: int = 0) -> int:
+    """Write what is requested, or have Python write it; return 0 if no call of Python has failed so far.
 
-    After a failure a step may go on with old numbers: at its end it is rejected.
+    SWEEP is for one ``family``. After a failure a step may go on with old numbers: at its end it is rejected.
     """
     if sets.address == 0:
         return 0
-    sets.request[0] = request
-    if sets.request[1] == 0.0:
-        failed = call_drift(sets.address, t, x, sets.shift, x.size, sets.shift.shape[1], sets.request)
-        sets.request[1] = max(sets.request[1], float(failed))
-    return int(sets.request[1])
+    if sets.tables[0] != 0 and request != SWEEP:
+        timed = timed_sets_at(sets.tables[0])
+        place_sets(timed, sets.shift, sets.speed, t)
+        if request == VELOCITIES:
+            write_rates(timed, sets.rate, x, sets.shift.shape[1])
+        if request == DISPLACEMENTS:
+            compare_sets(sets, x)
+        if sets.tables[1] == 0:
+            return int(sets.failed[0])
+    if sets.failed[0] == 0:
+        sets.failed[0] = max(sets.failed[0], call_sets(sets.address, t, x, request, family))
+    return int(sets.failed[0])
+
+
+@inner
+def compare_sets(sets: Sets, x: Floats) -> None:
+    """Write how much the sets that compiled code evaluates have changed, near x."""
+    if sets.tables[0] != 0:
+        timed = timed_sets_at(sets.tables[0])
+        if timed.compares != 0:
+            write_changes(timed, sets.change, sets.since[0], x, sets.shift.shape[1])
 
 
 @inner

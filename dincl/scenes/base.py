@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -12,8 +12,6 @@ from dincl.checks import array, lengths, number, spread
 from dincl.problem import Problem
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import ArrayLike, NDArray
 
     from dincl.constraints.base import Constraint
@@ -65,17 +63,20 @@ class Scene(Problem):
             object.__setattr__(self, field, value)
 
 
-class Exact(ABC):
+@dataclass(frozen=True)
+class Exact:
     """t -> x(t) for a scene, evaluated to 30 digits: ``exact(t)`` rounds to float64, ``exact.digits(t)`` does not.
 
-    A subclass has ``shape`` = (N, d) and ``at``.
+    Attributes
+    ----------
+    shape
+        (N, d).
+    at
+        x(t) for an mpf t >= 0 at mpmath's working precision: N*d entries in any nesting.
     """
 
     shape: tuple[int, int]
-
-    @abstractmethod
-    def at(self, t: Any) -> list[Any]:
-        """Evaluate x(t) for an mpf t >= 0 at mpmath's working precision: N*d entries in any nesting."""
+    at: Callable[[Any], Any]
 
     def __call__(self, t: ArrayLike) -> NDArray[np.float64]:
         """Return x(t), shape (N, d) for one time and (K, N, d) for K; InvalidProblem unless all t are finite, >= 0."""

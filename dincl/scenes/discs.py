@@ -150,15 +150,8 @@ def sliding_disc() -> Scene:
         title="A disc slides over a fixed disc",
         times=(1.5, 3.0),
         radius=RADIUS,
-        exact=_SlidingDisc(),
+        exact=Exact((1, 2), PAST_FIXED.at),
     )
-
-
-class _SlidingDisc(Exact):
-    shape = (1, 2)
-
-    def at(self, t: Any) -> list[Any]:
-        return [PAST_FIXED.at(t)]
 
 
 TWO_RADII = (0.5, 0.75)
@@ -183,14 +176,11 @@ def two_disks() -> Scene:
         title="A disc pushes another one and slides past it",
         times=(2.0, 4.0),
         radius=TWO_RADII,
-        exact=_TwoDisks(),
+        exact=Exact((2, 2), _two_disks),
     )
 
 
-class _TwoDisks(Exact):
-    shape = (2, 2)
-
-    def at(self, t: Any) -> list[Any]:
-        start, drift = mpf_vectors(PAST_OTHER.start, PAST_OTHER.drift)
-        middle, half = (start + t * drift) / 2, PAST_OTHER.at(t) / 2
-        return [middle + half, middle - half]
+def _two_disks(t: Any) -> list[Any]:
+    start, drift = mpf_vectors(PAST_OTHER.start, PAST_OTHER.drift)
+    middle, half = (start + t * drift) / 2, PAST_OTHER.at(t) / 2
+    return [middle + half, middle - half]

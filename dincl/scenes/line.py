@@ -35,15 +35,12 @@ def step_inclusion() -> Scene:
         title="The step inclusion",
         times=(0.5, 1.0),
         radius=0.0,
-        exact=_StepInclusion(),
+        exact=Exact((1, 1), _step_inclusion),
     )
 
 
-class _StepInclusion(Exact):
-    shape = (1, 1)
-
-    def at(self, t: Any) -> list[Any]:
-        return [max(FALL_START - t, 0 * t)]
+def _step_inclusion(t: Any) -> list[Any]:
+    return [max(FALL_START - t, 0 * t)]
 
 
 def sweeping_interval() -> Scene:
@@ -67,7 +64,7 @@ def sweeping_interval() -> Scene:
         title="A point swept by a moving interval",
         times=(1.0, 2.0, 10.0),
         radius=0.0,
-        exact=_SweepingInterval(),
+        exact=Exact((1, 1), _sweeping_interval),
     )
 
 
@@ -76,15 +73,12 @@ def _left_end(t: Any) -> tuple[Any]:
     return (math.sin(t) if isinstance(t, (float, int)) else t.sin(),)
 
 
-class _SweepingInterval(Exact):
-    shape = (1, 1)
+def _sweeping_interval(t: Any) -> list[Any]:
+    import mpmath
 
-    def at(self, t: Any) -> list[Any]:
-        import mpmath
-
-        left, rises = mpmath.sin(t), mpmath.cos(t) > 0
-        last_reversal = SWEPT_START if t < mpmath.pi / 2 else WIDTH - 1 if rises else 1
-        return [min(max(mpmath.mpf(last_reversal), left), left + WIDTH)]
+    left, rises = mpmath.sin(t), mpmath.cos(t) > 0
+    last_reversal = SWEPT_START if t < mpmath.pi / 2 else WIDTH - 1 if rises else 1
+    return [min(max(mpmath.mpf(last_reversal), left), left + WIDTH)]
 
 
 def stack() -> Scene:
@@ -115,21 +109,18 @@ def stack() -> Scene:
         title="A row of intervals pressed against a wall",
         times=(0.5, 1.0, 1.5),
         radius=STACK_RADII,
-        exact=_Stack(),
+        exact=Exact((len(STACK_START), 1), _stack),
     )
 
 
-class _Stack(Exact):
-    shape = (len(STACK_START), 1)
+def _stack(t: Any) -> list[Any]:
+    import mpmath
 
-    def at(self, t: Any) -> list[Any]:
-        import mpmath
-
-        # c without rounding: the radii are multiples of 1/8.
-        packed = [mpmath.mpf(c) for c in np.cumsum(2 * np.array(STACK_RADII)) - STACK_RADII]
-        growth = mpmath.exp(t)
-        free = [x - c - (growth - 1) * c for x, c in zip(STACK_START, packed, strict=True)]
-        return [c + max(z, mpmath.mpf(0)) / growth for c, z in zip(packed, _isotonic(free), strict=True)]
+    # c without rounding: the radii are multiples of 1/8.
+    packed = [mpmath.mpf(c) for c in np.cumsum(2 * np.array(STACK_RADII)) - STACK_RADII]
+    growth = mpmath.exp(t)
+    free = [x - c - (growth - 1) * c for x, c in zip(STACK_START, packed, strict=True)]
+    return [c + max(z, mpmath.mpf(0)) / growth for c, z in zip(packed, _isotonic(free), strict=True)]
 
 
 def _isotonic(values: list[Any]) -> list[Any]:

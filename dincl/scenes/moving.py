@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -46,7 +47,7 @@ def drum(n: int = 1) -> Scene:
         title="A drum that turns" if n == 1 else "A drum that turns, two discs",
         times=(2.0, 4.0),
         radius=RADIUS,
-        exact=_Drum(n),
+        exact=Exact((n, 2), partial(_drum, n)),
     )
 
 
@@ -54,27 +55,23 @@ def _paddle(t: float) -> float:
     return SPEED * t
 
 
-class _Drum(Exact):
-    def __init__(self, n: int) -> None:
-        self.shape = (n, 2)
+def _drum(n: int, t: Any) -> list[Any]:
+    import mpmath
 
-    def at(self, t: Any) -> list[Any]:
-        import mpmath
-
-        r, angle = mpmath.mpf(RADIUS), SPEED * t
-        e = (mpmath.cos(angle), mpmath.sin(angle))
-        outermost = mpmath.sqrt(FARTHEST**2 - r**2)
-        places = []
-        for k, start in enumerate(DRUM_STARTS[: self.shape[0]]):
-            x, y = map(mpmath.mpf, start)
-            far = mpmath.hypot(x, y)
-            met = mpmath.acos(r / far) - mpmath.atan2(x, y)
-            if angle < met:
-                places.append((x, y))
-                continue
-            s = min(mpmath.sqrt(far**2 - r**2) + r * (angle - met), outermost - 2 * r * k)
-            places.append((s * e[0] - r * e[1], s * e[1] + r * e[0]))
-        return places
+    r, angle = mpmath.mpf(RADIUS), SPEED * t
+    e = (mpmath.cos(angle), mpmath.sin(angle))
+    outermost = mpmath.sqrt(FARTHEST**2 - r**2)
+    places = []
+    for k, start in enumerate(DRUM_STARTS[:n]):
+        x, y = map(mpmath.mpf, start)
+        far = mpmath.hypot(x, y)
+        met = mpmath.acos(r / far) - mpmath.atan2(x, y)
+        if angle < met:
+            places.append((x, y))
+            continue
+        s = min(mpmath.sqrt(far**2 - r**2) + r * (angle - met), outermost - 2 * r * k)
+        places.append((s * e[0] - r * e[1], s * e[1] + r * e[0]))
+    return places
 
 
 def closing_walls() -> Scene:
@@ -90,7 +87,7 @@ def closing_walls() -> Scene:
         title="A disc between closing walls",
         times=(1.5, 2.5),
         radius=RADIUS,
-        exact=_ClosingWalls(),
+        exact=Exact((1, 2), _closing_walls),
     )
 
 
@@ -102,14 +99,11 @@ def _lower(t: float) -> tuple[float, float]:
     return math.sin(OPEN - CLOSING * t), math.cos(OPEN - CLOSING * t)
 
 
-class _ClosingWalls(Exact):
-    shape = (1, 2)
+def _closing_walls(t: Any) -> list[Any]:
+    import mpmath
 
-    def at(self, t: Any) -> list[Any]:
-        import mpmath
-
-        angle = mpmath.mpf(OPEN) - CLOSING * t
-        return [max(mpmath.mpf(WEDGE_START), RADIUS / mpmath.sin(angle)), mpmath.mpf(0)]
+    angle = mpmath.mpf(OPEN) - CLOSING * t
+    return [max(mpmath.mpf(WEDGE_START), RADIUS / mpmath.sin(angle)), mpmath.mpf(0)]
 
 
 def growing_discs() -> Scene:
@@ -131,7 +125,7 @@ def growing_discs() -> Scene:
         title="Growing discs in a box",
         times=(1.0, 1.5),
         radius=SMALL,
-        exact=_GrowingDiscs(),
+        exact=Exact((2, 2), _growing_discs),
     )
 
 
@@ -140,13 +134,10 @@ def growing_radius(t: float) -> float:
     return SMALL * math.exp(GROWTH * t)
 
 
-class _GrowingDiscs(Exact):
-    shape = (2, 2)
+def _growing_discs(t: Any) -> list[Any]:
+    import mpmath
 
-    def at(self, t: Any) -> list[Any]:
-        import mpmath
-
-        r = mpmath.mpf(SMALL) * mpmath.exp(mpmath.mpf(GROWTH) * t)
-        first = max(BOX_START[0][0] - (r - SMALL), r)
-        height = max(BOX_START[0][1] - t, r)
-        return [(first, height), (first + 2 * r, height)]
+    r = mpmath.mpf(SMALL) * mpmath.exp(mpmath.mpf(GROWTH) * t)
+    first = max(BOX_START[0][0] - (r - SMALL), r)
+    height = max(BOX_START[0][1] - t, r)
+    return [(first, height), (first + 2 * r, height)]

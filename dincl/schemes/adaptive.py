@@ -16,11 +16,12 @@ from dincl.trajectory import Between, RunOutcome
 from dincl.work import Work
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from numpy.typing import NDArray
 
     from dincl.problem import Problem
+    from dincl.system.time_scales import Interval
 
     Floats = NDArray[np.float64]
 
@@ -66,8 +67,8 @@ class AdaptiveCatchUp(Scheme):
 
     def run(self, problem: Problem, times: Floats) -> RunOutcome:
         """Make steps to each of the output times, or until one fails."""
-        runs = AdaptiveRuns(problem, PROJECTION * self.tol)
         scales = time_scales(problem, times, self.tol)
+        runs = AdaptiveRuns(problem, PROJECTION * self.tol, scales.smooth)
         return runs.run(times, self.tol, stretches(scales, times, PART))
 
 
@@ -107,23 +108,27 @@ class Reached(NamedTuple):
 
 
 class AdaptiveRuns:
-    """Runs of adaptive steps on one problem, which is bound once; each is the same as with a new object."""
+    """Runs of adaptive steps on one problem, which is bound once; each is the same as with a new object.
 
-    def __init__(self, problem: Problem, tol: float) -> None:
+    ``smooth`` are the intervals of time in which sets are smooth, see ``TimeScales``.
+    """
+
+    def __init__(self, problem: Problem, tol: float, smooth: Mapping[int, Sequence[Interval]]) -> None:
         from dincl.compiled.structs import StructPointer
         from dincl.projection import ActiveSet
         from dincl.steps.adaptive import adapting
-        from dincl.steps.catch_up import midpoint_catch_up
+        from dincl.steps.loop import Settings
         from dincl.steps.stepper import CompiledStepper
 
-        self.problem, self.tol = problem, tol
-        self._stepper = CompiledStepper.projecting(problem, midpoint_catch_up, ActiveSet(tol), linearised=True)
+        self.problem, self.tol, self._smooth = problem, tol, smooth
+        self._stepper = CompiledStepper.projecting(problem, None, ActiveSet(tol), Settings())
+        self._stepper.system.sets.tabulate(smooth)
         self._memory = StructPointer(adapting(problem.x0.size))
 
     def run(self, times: Floats, tau: float, parts: Sequence[Stretch]) -> RunOutcome:
         """Make one run with steps whose estimates are at most ``tau``."""
         state, found, kept = self.start(parts), list[Reached](), set(times.tolist())
-        work, between = self._stepper.work, _Between(self.problem, self.tol, tau, parts, found)
+        work, between = self._stepper.work, _Between(self.problem, self.tol, self._smooth, tau, parts, found)
         if 0.0 in kept:
             found.append(state)
         try:
@@ -206,13 +211,15 @@ class _Between(Between):
 
     problem: Problem
     tol: float
+    smooth: Mapping[int, Sequence[Interval]]
     tau: float
     parts: Sequence[Stretch]
     found: list[Reached]
 
     def states(self, times: Floats) -> Floats:
         """Compute x between two steps by (1.48)."""
-        runs, values, q = AdaptiveRuns(self.problem, self.tol), np.empty((len(times), *self.problem.x0.shape)), 0
+        runs = AdaptiveRuns(self.problem, self.tol, self.smooth)
+        values, q = np.empty((len(times), *self.problem.x0.shape)), 0
         state = runs.start(self.parts)
         while q < len(times) and times[q] <= 0.0:
             values[q], q = state.x, q + 1

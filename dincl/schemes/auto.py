@@ -10,14 +10,13 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from dincl.checks import number
-from dincl.drifts.counted import OutOfBudgetError
+from dincl.drifts.base import OutOfBudgetError
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.norms import norms
 from dincl.problem import with_counted_drift
 from dincl.schemes.adaptive import MOST_STEPS, AdaptiveCatchUp, AdaptiveRuns, stretches
 from dincl.schemes.base import Scheme
 from dincl.schemes.event_driven import MOST_PARTICLES, EventDriven, not_begun
-from dincl.schemes.resolution import distance_outside
 from dincl.status import Status
 from dincl.system.time_scales import time_scales
 from dincl.work import Work
@@ -30,32 +29,31 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-# The first pass has so many times the error that is asked for as its tolerance, and steps of at most this part of the
-# run, or of what one polynomial resolves of it in time. This falls as lengths of steps do, so that passes differ whose
-# steps are all as long as they may be.
-START, LONGEST = 12.0, 1 / 4
-# The tolerance of a pass over that of the one before.
-FINER = 1 / 4
-# How a pass ends where a function of the user fails, and where no finer one mends it.
+# Tolerance of the first pass relative to the error asked for, and of a pass relative to the one before.
+FIRST, FINER = 12.0, 1 / 4
+# Greatest step of the first pass relative to the run, or to the part of it that one polynomial resolves in time. It
+# falls as lengths of steps do, so that passes differ whose steps are all as long as they may be.
+LONGEST = 1 / 4
+# Statuses of a pass that a function of the user ended, and all that no finer pass mends.
 USER = (Status.DRIFT_FAILED, Status.CONSTRAINT_FAILED, Status.FUNCTION_FAILED)
 FINAL = (*USER, Status.TOO_MANY_STEPS)
-# An error is stated after so many passes at least; passes and failures of passes at most.
-LEAST, MOST, FAILURES = 3, 12, 3
-# The order of the error in the length of steps is between these: it is two, but not at all contacts.
+# Least number of passes before an error is stated, and greatest numbers of passes and of failed ones.
+LEAST, MOST, MOST_FAILED = 3, 12, 3
+# Range of the order of the error in the length of steps: it is two, but not at all contacts.
 ORDERS = (1.0, 1.5)
-# Stated is so many times the estimate. On 57 random scenes of the generator of version 0.9 with 1 to 145 particles no
-# error was more than half of that.
+# Stated error relative to its estimate. On 57 random scenes of the generator of version 0.9 with 1 to 145 particles no
+# error was more than half of the stated one.
 SAFETY = 2.5
-# Tolerance of a projection, relative to the error that is asked for.
+# Tolerance of a projection, relative to the error asked for.
 PROJECTION = 1e-4
-# What rounding leaves, relative to the largest coordinate.
+# Rounding error of a run, relative to the largest coordinate.
 ROUNDING = 16 * float(np.finfo(float).eps)
-# EventDriven is tried for this part of the calls that further passes would make, since one of them costs it more, and
-# again once that is more than so many times as many.
-EVENTS, AGAIN = 0.15, 4.0
-# To begin costs EventDriven as much as so many evaluations. A call of Python costs it as much as so many, and a part of
-# one more for each pair of particles, since it looks at all of them.
-BEGIN, OF_CALL, OF_PAIR = 300, 10.0, 5e-3
+# Calls in a trial of EventDriven relative to those of further passes, since one call costs it more, and growth of that
+# number before the next trial.
+TRIAL, AGAIN = 0.15, 4.0
+# Costs of EventDriven in evaluations of the drift: its beginning, a call of Python, and each pair of particles in a
+# call, since it looks at all pairs.
+BEGIN, CALL, PAIR = 300, 10.0, 5e-3
 
 
 @dataclass(frozen=True)
@@ -105,14 +103,14 @@ class _Passes:
         self._problem, self._times, self._error = problem, times, error
         self._scales = time_scales(problem, times, error)
         self._work = Work(degrees_of_freedom=problem.x0.size, drift_evaluations=self._scales.evaluations)
-        self._runs = AdaptiveRuns(problem, PROJECTION * error)
+        self._runs = AdaptiveRuns(problem, PROJECTION * error, self._scales.smooth)
         self._made: list[_Pass] = []
         # Calls for which EventDriven was tried; infinite where it does not serve.
         self._tried = 0.0
 
     def run(self) -> RunOutcome:
         """Make passes, and try EventDriven between them."""
-        tau, failures, detail = START * self._error, 0, ""
+        tau, failures, detail = FIRST * self._error, 0, ""
         if self._times[-1] == 0.0:
             return self._completed(self._pass(tau), np.zeros(len(self._times)), AdaptiveCatchUp(tau))
         for _ in range(MOST):
@@ -127,11 +125,11 @@ class _Passes:
                     break
             else:
                 failures, detail = failures + 1, f" A finer pass ended {last.status.name}: {last.detail}"
-                if failures > FAILURES or last.status in FINAL:
+                if failures > MOST_FAILED or last.status in FINAL:
                     break
             if self._work.steps > MOST_STEPS:
                 break
-            found = self._events(EVENTS * 2 * _calls(last.stats) * math.sqrt(tau / self._final(tau)))
+            found = self._events(TRIAL * 2 * _calls(last.stats) * math.sqrt(tau / self._final(tau)))
             if found is not None:
                 return found
             tau *= FINER
@@ -155,7 +153,7 @@ class _Passes:
 
     def _pass(self, tau: float) -> RunOutcome:
         """Make the pass of a tolerance; each of its steps is sqrt(tau) times as long as with tau = 1."""
-        part = LONGEST * math.sqrt(tau / (START * self._error))
+        part = LONGEST * math.sqrt(tau / (FIRST * self._error))
         made = self._runs.run(self._times, tau, stretches(self._scales, self._times, part))
         self._add(made.stats)
         return made
@@ -189,9 +187,8 @@ class _Passes:
     def _events(self, calls: float) -> RunOutcome | None:
         """Return the run of EventDriven, if it makes at most so many calls and reaches the error."""
         count = len(self._problem.x0)
-        of_call = OF_CALL + count**2 * OF_PAIR
+        of_call = CALL + count**2 * PAIR
         by_python = any(one.timed for one in self._problem.constraints)
-        # So many are made before it begins, or cost as much.
         new = calls - self._scales.evaluations - BEGIN * (of_call if by_python else 1.0)
         if count > MOST_PARTICLES or new <= AGAIN * self._tried:
             return None
@@ -226,10 +223,7 @@ class _Passes:
 
 @dataclass
 class _Budget:
-    """Whether a run makes more than ``most`` evaluations of the drift, or calls of Python that cost as much.
-
-    A call of Python costs ``of_call`` evaluations.
-    """
+    """Budget of a run: ``most`` evaluations of the drift, or calls of Python, each worth ``of_call`` of them."""
 
     most: float
     of_call: float
@@ -249,3 +243,25 @@ def _apart(x: Floats, y: Floats) -> Floats:
     """Return max_i |X_i - Y_i| at each time, (K,)."""
     found: Floats = norms((x - y).reshape(-1, x.shape[-1])).reshape(len(x), -1).max(axis=1)
     return found
+
+
+def distance_outside(problem: Problem, times: NDArray[np.float64], x: NDArray[np.float64]) -> float:
+    """Return a lower bound of max_i |X_i - exact| over all times, to first order: a solution stays in the set.
+
+    It is max_k (-g_k) / sum_i |grad_i g_k|.
+    """
+    largest = 0.0
+    for t, state in zip(times, x, strict=True):
+        try:
+            rows = problem.rows_within(float(t), state, 0.0)
+            depth = np.maximum(-rows.values(state), 0.0)
+            jacobian = rows.jacobian(state).tocoo()
+        except StepFailure:
+            return math.inf
+        if depth.any():
+            particles = jacobian.row * len(state) + jacobian.col // state.shape[1]
+            pairs, place = np.unique(particles, return_inverse=True)  # of a row and a particle
+            gradients = np.sqrt(np.bincount(place, jacobian.data**2))
+            slopes = np.bincount(pairs // len(state), gradients, len(depth))
+            largest = max(largest, float((depth[slopes > 0] / slopes[slopes > 0]).max(initial=0.0)))
+    return largest

@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from dincl.projection.base import Projection, check_projection
+from dincl.projection.certificate import Projection, check_projection
+from dincl.projection.compiled import ActiveSet
+from dincl.projection.feasible import CatchUpStepper
 from dincl.schemes.base import FixedStep
 
 if TYPE_CHECKING:
@@ -32,10 +34,7 @@ class CatchUp(FixedStep):
         check_projection(self.projection)
 
     def stepper(self, problem: Problem) -> Stepper:
-        from dincl.steps.catch_up import catch_up
-        from dincl.steps.stepper import CompiledStepper
-
-        return CompiledStepper.projecting(problem, catch_up, self.projection, linearised=False)
+        return bind(problem, self.projection, linearised=False)
 
 
 @dataclass(frozen=True)
@@ -48,10 +47,7 @@ class LinearisedCatchUp(CatchUp):
     """
 
     def stepper(self, problem: Problem) -> Stepper:
-        from dincl.steps.catch_up import catch_up
-        from dincl.steps.stepper import CompiledStepper
-
-        return CompiledStepper.projecting(problem, catch_up, self.projection, linearised=True)
+        return bind(problem, self.projection, linearised=True)
 
 
 @dataclass(frozen=True)
@@ -78,7 +74,16 @@ class MidpointCatchUp(CatchUp):
     """
 
     def stepper(self, problem: Problem) -> Stepper:
-        from dincl.steps.catch_up import midpoint_catch_up
-        from dincl.steps.stepper import CompiledStepper
+        return bind(problem, self.projection, linearised=True, midpoint=True)
 
-        return CompiledStepper.projecting(problem, midpoint_catch_up, self.projection, linearised=True)
+
+def bind(problem: Problem, projection: Projection, *, linearised: bool, midpoint: bool = False) -> Stepper:
+    """Bind a catch-up scheme: to compiled steps if its projection is compiled, too, else to steps in Python."""
+    if not isinstance(projection, ActiveSet):
+        return CatchUpStepper(problem, projection, linearised=linearised, midpoint=midpoint)
+    from dincl.steps.catch_up import run_catch_up
+    from dincl.steps.loop import Settings
+    from dincl.steps.stepper import CompiledStepper
+
+    settings = Settings(exact=not linearised, midpoint=midpoint)
+    return CompiledStepper.projecting(problem, run_catch_up, projection, settings)

@@ -45,14 +45,13 @@ class EventDriven(Scheme):
     r"""x' = argmin {|v - F(t, x)| : n_k . v >= b_k for all closed contacts k}, from event to event  (1.26), (1.30).
 
     Between events the contacts that push are fixed, and x' = F + sum_k push_k n_k with n_k . x' = b_k is integrated by
-    a Runge-Kutta pair with dense output, of order 3, 5 or 8 as the tolerance asks, and held on g_k = 0. An event is a
-    gap that closes, or a push that becomes zero; there the least-distance program decides anew. Jumps of the drift, of
-    a set and of its velocity are found, and steps end at them. Where a set jumps, x(t+) = P_{S(t+)}(x(t-)), the limit
-    of catch-up: contacts that are lost let go, and what is outside moves to the nearest point of the set. Numbers are
-    scaled once by powers of two, so that a problem in other units makes the same steps. With more than 100 particles
-    events are frequent and steps short: the pair is of order 3 or 5, and a step ends at an event by its dense output.
-    From 32 contacts on, the matrix of the contacts has a sparse factor. Lerner, Düring and Wyart (arXiv 1111.7225) go
-    from contact to contact likewise.
+    a Runge-Kutta pair with dense output, of order 3, 5 or 8 as the tolerance and the number of particles ask, and held
+    on g_k = 0. An event is a gap that closes, or a push that becomes zero; a step ends there by its dense output, and
+    the least-distance program decides anew. Jumps of the drift, of a set and of its velocity are found, and steps end
+    at them. Where a set jumps, x(t+) = P_{S(t+)}(x(t-)), the limit of catch-up: contacts that are lost let go, and what
+    is outside moves to the nearest point of the set. Numbers are scaled once by powers of two, so that a problem in
+    other units makes the same steps. From 32 contacts on, the matrix of the contacts has a sparse factor. Lerner,
+    Düring and Wyart (arXiv 1111.7225) go from contact to contact likewise.
 
     Parameters
     ----------

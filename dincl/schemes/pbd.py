@@ -82,7 +82,8 @@ class SecondOrderPBD(FixedStep):
 
 def _sweeping(problem: Problem, sweeps: int, v0: NDArray[np.float64] | None = None) -> Stepper:
     """The compiled step, bound to a problem; of second order if there is a velocity at the start."""
+    from dincl.steps.loop import Settings
     from dincl.steps.stepper import CompiledStepper
-    from dincl.steps.sweeping import pbd
+    from dincl.steps.sweeping import run_pbd
 
-    return CompiledStepper.sweeping(problem, pbd, [sweeps], v0=v0)
+    return CompiledStepper.sweeping(problem, run_pbd, Settings(sweeps=sweeps), v0=v0)

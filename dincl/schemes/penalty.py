@@ -45,7 +45,9 @@ class Penalty(FixedStep):
             raise InvalidProblem(f"exponent = {describe(self.exponent)}: must be 1 or 2")
 
     def stepper(self, problem: Problem) -> Stepper:
+        from dincl.steps.loop import Settings
         from dincl.steps.stepper import CompiledStepper
-        from dincl.steps.sweeping import penalty
+        from dincl.steps.sweeping import run_penalty
 
-        return CompiledStepper.sweeping(problem, penalty, [self.strength, float(self.exponent)], projected=False)
+        settings = Settings(strength=self.strength, exponent=int(self.exponent))
+        return CompiledStepper.sweeping(problem, run_penalty, settings, projected=False)

@@ -50,7 +50,9 @@ class XPBD(FixedStep):
         object.__setattr__(self, "compliance", number("compliance", self.compliance, non_negative=True))
 
     def stepper(self, problem: Problem) -> Stepper:
-        from dincl.steps.compliant import xpbd
+        from dincl.steps.loop import Settings
         from dincl.steps.stepper import CompiledStepper
+        from dincl.steps.sweeping import run_xpbd
 
-        return CompiledStepper.correcting(problem, xpbd, [self.sweeps, self.compliance])
+        settings = Settings(sweeps=self.sweeps, compliance=self.compliance)
+        return CompiledStepper.sweeping(problem, run_xpbd, settings, projected=False, multipliers=True)

@@ -1,12 +1,19 @@
 """The narrowest wedge of rows that share their coordinates, such as two nearly opposite walls of one particle."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from dincl.compiled import inner
+from dincl.compiled import inner, kernel
 from dincl.compiled.arrays import Floats, Offsets
 from dincl.constants import NARROW, OPPOSITE
-from dincl.rows.candidates import CandidateRows
-from dincl.rows.table import DISTANCE, RowTable
+from dincl.rows.candidates import CandidateRows, no_candidates
+from dincl.rows.table import AFFINE, DISTANCE, ROW, RowTable, row_table
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 
 @inner
@@ -97,3 +104,17 @@ def between_three(rows: RowTable, gradient: Floats, r: int, s: int, t: int) -> f
 def triple(a: Floats, b: Floats, n0: float, n1: float, n2: float) -> float:
     """Compute (a x b) . n."""
     return float((a[1] * b[2] - a[2] * b[1]) * n0 + (a[2] * b[0] - a[0] * b[2]) * n1 + (a[0] * b[1] - a[1] * b[0]) * n2)
+
+
+@kernel
+def _narrowest(rows: RowTable, near: CandidateRows, gradient: Floats, listed: Offsets) -> float:
+    return narrowest(rows, near, gradient, listed, listed.size)
+
+
+def narrowest_of(matrix: csr_array) -> float:
+    """Compute the same for all rows of a sparse matrix, none of which is a pair."""
+    m, n = matrix.shape
+    row = np.zeros(m, dtype=ROW)
+    row["kind"] = AFFINE
+    rows = row_table(row, matrix.indptr, matrix.indices, np.zeros(0))
+    return float(_narrowest(rows, no_candidates(m, n, 0, 1), matrix.data, np.arange(m)))

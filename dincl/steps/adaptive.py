@@ -29,9 +29,9 @@ from dincl.constants import LARGEST
 from dincl.neighbours import ROW_MARGIN, TOO_WIDE
 from dincl.rows.table import GRADIENTS, call_python, gap, linearise
 from dincl.solvers.envelope_factor import add_row, row_dot
-from dincl.steps.catch_up import call_projection, drift_step, finish_step
-from dincl.steps.loop import stepping_at
-from dincl.steps.programs import list_sorted
+from dincl.steps.catch_up import drift_step
+from dincl.steps.loop import Stepping, stepping_at
+from dincl.steps.programs import list_sorted, project
 from dincl.system.arrays import (
     DRIFT,
     NOT_A_NUMBER,
@@ -187,16 +187,15 @@ def normals_at_end(system: Any, t: float, z: Floats, push: Floats) -> bool:
 
 
 @inner
-def adaptive_step(place: int, memory: int, t: float, h: float, last: float, tau: float, tol: float) -> Any:
+def adaptive_step(run: Stepping, kept: Adapting, t: float, h: float, last: float, tau: float, tol: float) -> Any:
     """Make a step of length h from the state x, write z to ``after`` and F(t + h, z) to ``rate``.
 
     Returns how it ended, the estimate of its error, and the part of it after which it is repeated if the estimate is
     for a contact, 0 if not. ``last`` is the length of the step before, 0 for none.
     """
-    run, kept = stepping_at(place), adapting_at(memory)
-    system = system_at(run.place)
+    system = system_at(run.system)
     restore_pushing(system, kept)
-    start, middle, z, y, d = run.x, run.after, run.projection.z, run.projection.y, system.sets.shift.shape[1]
+    start, middle, z, y, d = run.x, run.after, system.program.z, system.program.y, system.sets.shift.shape[1]
     for k in range(start.size):
         y[k] = start[k] + h * kept.first[k]
         if last == 0.0:
@@ -206,11 +205,11 @@ def adaptive_step(place: int, memory: int, t: float, h: float, last: float, tau:
     if system.sets.address == 0 and system.near.radius[0] > TOO_WIDE * length > 0.0:
         system.near.radius[0] = -1.0
     # The rows are linearised where they are at t, before anything can have passed a particle within the step.
-    if not list_sorted(run.place, t, start, 2.0 * length, ROW_MARGIN):
+    if not list_sorted(system, t, start, 2.0 * length, ROW_MARGIN):
         return PYTHON, 0.0, 0.0
     search = system.near.number[1]
     note_pushing(system, kept)
-    code = call_projection(run, place, t, start, t + h, 2.0 * length, max(tol, np.sqrt(tol * length)))
+    code = project(system, t, start, 2.0 * length, t + h, False, max(tol, np.sqrt(tol * length)))
     if code != OK:
         return code, 0.0, 0.0
     error = 0.0
@@ -228,9 +227,9 @@ def adaptive_step(place: int, memory: int, t: float, h: float, last: float, tau:
     for k in range(start.size):
         kept.middle[k] = z[k]
         middle[k] = 0.5 * (start[k] + z[k])
-    code = drift_step(run, t + 0.5 * h, middle, h)
+    code = drift_step(system, t + 0.5 * h, middle, h, start, run.rate)
     if code == OK:
-        code = call_projection(run, place, t + 0.5 * h, middle, t + h, 2.0 * length, tol)
+        code = project(system, t + 0.5 * h, middle, 2.0 * length, t + h, False, tol)
     if code != OK:
         return code, 0.0, 0.0
     error = max(error, farthest(z, kept.middle, d))
@@ -244,7 +243,8 @@ def adaptive_step(place: int, memory: int, t: float, h: float, last: float, tau:
         middle[k] = run.rate[k]
     code = evaluate(system.drift, d, t + h, z, run.rate)
     error = max(error, 0.5 * h * farthest(run.rate, middle, d))
-    finish_step(run)
+    for k in range(z.size):
+        middle[k] = z[k]
     return code, error, 0.0
 
 
@@ -270,7 +270,7 @@ def adapt(
     of the longest one has an estimate beyond ``tau``.
     """
     run, kept = stepping_at(place), adapting_at(memory)
-    system = system_at(run.place)
+    system = system_at(run.system)
     made, repeated, least = 0, 0, SHORTEST * longest_step
     code = evaluate(system.drift, system.sets.shift.shape[1], t, run.x, kept.first)
     while t < stop and code == OK and made + repeated < most:
@@ -279,7 +279,7 @@ def adapt(
         # Two equal steps in place of a long and a tiny one.
         if number <= 2.0:
             step = (end - t) / number
-        code, error, contact = adaptive_step(place, memory, t, step, last, tau, tol)
+        code, error, contact = adaptive_step(run, kept, t, step, last, tau, tol)
         if code == OK and contact == 0.0 and not bounded(run.after, LARGEST):
             code = NOT_A_NUMBER
         if code == OK and contact == 0.0 and error <= tau:

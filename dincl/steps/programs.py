@@ -1,13 +1,11 @@
 """Nearest points of S(t) in compiled code, by least-distance programs of the near rows."""
 
-from typing import Any
-
 import numpy as np
 
 from dincl.compiled import inner, kernel
 from dincl.compiled.arrays import Flags, Floats, Indices
-from dincl.drifts.functions import call_drift
 from dincl.neighbours import ROW_MARGIN
+from dincl.neighbours.lists import call_search
 from dincl.rows.candidates import distance_from_search, find_candidates, note_search, sort_candidates
 from dincl.rows.table import (
     AFFINE,
@@ -24,8 +22,7 @@ from dincl.rows.table import (
 from dincl.solvers.active_set import nearest
 from dincl.solvers.envelope_factor import add_row, row_dot
 from dincl.solvers.wedges import is_pair, narrowest
-from dincl.steps.loop import step_function
-from dincl.system.arrays import COINCIDENT, MISSED, OK, PYTHON, SETS, TOO_FAR, WEDGE, farthest, system_at
+from dincl.system.arrays import COINCIDENT, MISSED, OK, PYTHON, SETS, TOO_FAR, WEDGE, SystemArrays, farthest, system_at
 
 # A projection that ends outside of the search radius is repeated with twice its distance, at most this often.
 MOST_SEARCHES = 60
@@ -38,13 +35,15 @@ FAILED_LIST, SAME_LIST, NEW_LIST = range(3)
 
 
 @inner
-def project(place: int, t: float, around: Floats, radius: float, later: float, exact: bool, tol: float) -> int:
+def project(
+    system: SystemArrays, t: float, around: Floats, radius: float, later: float, exact: bool, tol: float
+) -> int:
     """Project y of a system onto S(t), or onto its linearisation: OK or why not.
 
     Parameters
     ----------
-    place : int
-        The address of the system, which holds y, and then z and the multipliers.
+    system : SystemArrays
+        It holds y, and then z and the multipliers.
     t : float
         The time of the set.
     around : (n,)
@@ -58,84 +57,74 @@ def project(place: int, t: float, around: Floats, radius: float, later: float, e
     tol : float
         The residual allowed [length].
     """
-    system = system_at(place)
     d = system.sets.shift.shape[1]
-    carried = carry(place, t, around, later)
+    carried = carry(system, t, around, later)
     if call_python(system.sets, t, around, DISPLACEMENTS) != 0:
         return SETS
     for _ in range(MOST_SEARCHES):
-        if not list_sorted(place, t, around, radius, ROW_MARGIN):
+        if not list_sorted(system, t, around, radius, ROW_MARGIN):
             return PYTHON
-        code = solve(place, t, around, later, exact, tol)
+        code = solve(system, t, around, later, exact, tol)
         if code != OK:
             return code
         distance = farthest(system.program.z, around, d) + carried
         if distance <= radius:
-            return OK
+            return OK if system.sets.failed[0] == 0 else SETS
         radius = 2.0 * distance
     return TOO_FAR
 
 
 @inner
-def solve(place: int, t: float, around: Floats, later: float, exact: bool, tol: float) -> int:
+def solve(system: SystemArrays, t: float, around: Floats, later: float, exact: bool, tol: float) -> int:
     """Project with the listed rows; onto a curved set by linearising again at the point reached, for the same y."""
-    system = system_at(place)
-    program, solving = system.program, system.solving
-    solving.called[0], question = 0.0, solving.question
-    question[0], question[1], question[2], question[3] = t, later, 1.0 if exact else 0.0, tol
-    if solving.whole != 0:
-        code = int(call_drift(solving.address, t, around, program.z, place, 0, question))
-        program.answer[2] += solving.called[0]
-        if code == OK:
-            code = linearise_set(place, t, program.z if exact else around, later)
-        return check_wedges(place, tol, True) if code == OK else code
+    program, near, factor = system.program, system.near, system.factor
     if exact:
-        violation = violation_of_y(place, t)
+        violation = violation_of_y(system, t)
         if violation <= NEGLIGIBLE * tol:
             for k in range(program.z.size):
                 program.z[k] = program.y[k]
-            code = linearise_near(place, t, program.z) if violation > 0.0 else OK
-            return check_wedges(place, tol, False) if violation > 0.0 and code == OK else code
-        begin_search(place, around)
-    code = linearise_set(place, t, around, later)
-    residual, scale = 0.0, 1.0
+            code = linearise_near(system, t, program.z) if violation > 0.0 else OK
+            return check_wedges(system, tol, False) if violation > 0.0 and code == OK else code
+        begin_search(system, around)
+    code = linearise_set(system, t, around, later)
+    residual, called = 0.0, 0.0
     for _ in range(MOST_RELINEARISATIONS if exact else 1):
         if code == OK:
-            code = call_drift(solving.address, tol / scale, program.y, program.z, place, 0, program.answer)
+            code = nearest(system.rows, near.row, near.number[0], program, factor, 0.0)
+            called = 1.0 if factor.number[0] > 0 else 0.0
         if exact:
-            end_program(place)
+            end_program(system)
         if code == OK and exact:
-            code = linearise_near(place, t, program.z)
+            code = linearise_near(system, t, program.z)
         if code == OK:
-            residual = residual_of_near(place)
+            residual = residual_of_near(system)
         if code != OK or residual <= tol:
             break
         if exact:
-            scale = bend(place)
+            bend(system)
     program.answer[1] = residual
-    program.answer[2] += solving.called[0]
+    program.answer[2] += called
     if code == OK:
-        code = check_wedges(place, tol, True) if residual <= tol else MISSED
+        code = check_wedges(system, tol, True) if residual <= tol else MISSED
     return code
 
 
 @inner
-def linearise_set(place: int, t: float, x: Floats, later: float) -> int:
+def linearise_set(system: SystemArrays, t: float, x: Floats, later: float) -> int:
     """Linearise the listed rows at x and carry them, with their sets, to a later time."""
-    code = linearise_near(place, t, x)
-    if code == OK and later != t and system_at(place).sets.address != 0:
-        carry_bounds(place, t, x, later)
+    code = linearise_near(system, t, x)
+    if code == OK and later != t and system.sets.address != 0:
+        carry_bounds(system, t, x, later)
     return code
 
 
 @inner
-def check_wedges(place: int, tol: float, solved: bool) -> int:
+def check_wedges(system: SystemArrays, tol: float, solved: bool) -> int:
     """Return OK, or WEDGE if z may lie farther from the nearest point than the tolerance though its gaps do not.
 
     Rows that make a wedge have gaps of at most the tolerance. What matters is how far z violates them, or is off those
     that have a multiplier, if a program was ``solved``.
     """
-    system = system_at(place)
     rows, near, program, count, worst = system.rows, system.near, system.program, 0, 0.0
     for q in range(near.number[0]):
         r = near.row[q]
@@ -150,18 +139,17 @@ def check_wedges(place: int, tol: float, solved: bool) -> int:
 
 
 @inner
-def begin_search(place: int, around: Floats) -> None:
+def begin_search(system: SystemArrays, around: Floats) -> None:
     """Let a search for the nearest point begin at ``around``, with the identity as its Hessian."""
-    program, curved = system_at(place).program, system_at(place).curvature
+    program, curved = system.program, system.curvature
     curved.largest[0] = 1.0
     for k in range(around.size):
         curved.y[k], curved.last[k], curved.root[k] = program.y[k], around[k], 1.0
 
 
 @inner
-def end_program(place: int) -> None:
+def end_program(system: SystemArrays) -> None:
     """Put z and y back into coordinates of the system, and note the step from the last point, and its slopes."""
-    system = system_at(place)
     program, curved, near = system.program, system.curvature, system.near
     for k in range(program.z.size):
         program.z[k] /= curved.root[k]
@@ -174,8 +162,8 @@ def end_program(place: int) -> None:
 
 
 @inner
-def bend(place: int) -> float:
-    """Give the next program the curvature of the set, and return the largest factor of its coordinates.
+def bend(system: SystemArrays) -> None:
+    """Give the next program the curvature of the set.
 
     The nearest point obeys z - y = sum_r lambda_r a_r(z) with unit gradients a_r. A program with the identity as its
     Hessian takes them from the last point: as a_r turns by a part kappa_r of the move across it, errors change by the
@@ -190,8 +178,7 @@ def bend(place: int) -> float:
     containers. Multiplied by the root of D coordinates have the identity as their Hessian again, and y is
     x + (y - x) / D. Obstacles, with kappa_r < 0, are left alone: there errors fall where the nearest point is unique.
     """
-    system = system_at(place)
-    rows, program, curved, near, largest = system.rows, system.program, system.curvature, system.near, 1.0
+    rows, program, curved, near = system.rows, system.program, system.curvature, system.near
     for k in range(program.y.size):
         curved.root[k] = 1.0
     for q in range(near.number[0]):
@@ -214,18 +201,16 @@ def bend(place: int) -> float:
             program.y[k] = program.z[k] + (program.y[k] - program.z[k]) / curved.root[k]
             curved.root[k] = np.sqrt(curved.root[k])
             program.y[k] *= curved.root[k]
-            largest = max(largest, curved.root[k])
+            curved.largest[0] = max(curved.largest[0], curved.root[k] * curved.root[k])
     for q in range(near.number[0]):
         for p in range(rows.start[near.row[q]], rows.stop[near.row[q]]):
             program.gradient[p] /= curved.root[rows.column[p]]
-    curved.largest[0] = max(curved.largest[0], largest * largest)
-    return largest
 
 
 @inner
-def carry_bounds(place: int, t: float, around: Floats, later: float) -> None:
+def carry_bounds(system: SystemArrays, t: float, around: Floats, later: float) -> None:
     """Carry the linearised rows, with their sets, to a later time: general sets by the change of the gap."""
-    system, general = system_at(place), False
+    general = False
     rows, sets, near, program = system.rows, system.sets, system.near, system.program
     for q in range(near.number[0]):
         r = near.row[q]
@@ -245,12 +230,11 @@ def carry_bounds(place: int, t: float, around: Floats, later: float) -> None:
 
 
 @inner
-def list_near(place: int, t: float, x: Floats, radius: float, margin: float) -> int:
+def list_near(system: SystemArrays, t: float, x: Floats, radius: float, margin: float) -> int:
     """List every row that matters within ``radius`` of x, in the order of the table.
 
     Returns FAILED_LIST, SAME_LIST, or NEW_LIST: a list for ``margin`` times the radius, see ``dincl.neighbours``.
     """
-    system = system_at(place)
     sets, near = system.sets, system.near
     if distance_from_search(sets, x, near) + radius <= near.radius[0]:
         return SAME_LIST
@@ -258,26 +242,24 @@ def list_near(place: int, t: float, x: Floats, radius: float, margin: float) -> 
         find_candidates(system.rows, sets, t, x, margin * radius, near)
     else:
         near.radius[0] = margin * radius
-        if call_drift(near.search, t, x, near.reference, x.size, sets.shift.shape[1], near.radius) != 0:
+        if call_search(near.search, t, x, 0, 0) != 0:
             return FAILED_LIST
         note_search(sets, t, x, margin * radius, near)
     return NEW_LIST
 
 
 @inner
-def list_sorted(place: int, t: float, x: Floats, radius: float, margin: float) -> bool:
+def list_sorted(system: SystemArrays, t: float, x: Floats, radius: float, margin: float) -> bool:
     """List every row that matters within ``radius`` of x, in the order of the cloud; false on failure."""
-    listed = list_near(place, t, x, radius, margin)
+    listed = list_near(system, t, x, radius, margin)
     if listed == NEW_LIST:
-        system = system_at(place)
         sort_candidates(system.rows, x, system.sets.shift.shape[1], system.near)
     return listed != FAILED_LIST
 
 
 @inner
-def linearise_near(place: int, t: float, x: Floats) -> int:
+def linearise_near(system: SystemArrays, t: float, x: Floats) -> int:
     """Linearise the listed rows at x: a_r . z >= bound_r with unit gradients."""
-    system = system_at(place)
     rows, sets, near, program = system.rows, system.sets, system.near, system.program
     if call_python(sets, t, x, GRADIENTS) != 0:
         return SETS
@@ -293,13 +275,12 @@ def linearise_near(place: int, t: float, x: Floats) -> int:
 
 
 @inner
-def residual_of_near(place: int) -> float:
+def residual_of_near(system: SystemArrays) -> float:
     """Compute the residual of ``Projected`` of z as the nearest point to y, for the listed rows, in units of the user.
 
     The largest of |z - y - A^T multiplier|, the violations -g, and |min(multiplier, g)|. A row of the user has the
     gradient ``length`` a, the gap ``length`` (a . z - b) and the multiplier over ``length``.
     """
-    system = system_at(place)
     program, near, residual, z = system.program, system.near, 0.0, system.program.z
     for k in range(z.size):
         program.direction[k] = z[k] - program.y[k]
@@ -316,9 +297,9 @@ def residual_of_near(place: int) -> float:
 
 
 @inner
-def violation_of_y(place: int, t: float) -> float:
+def violation_of_y(system: SystemArrays, t: float) -> float:
     """Compute by how much y violates the listed rows [units of g]; infinite if one is not defined."""
-    system, largest = system_at(place), 0.0
+    largest = 0.0
     if call_python(system.sets, t, system.program.y, GRADIENTS) != 0:
         return np.inf
     for q in range(system.near.number[0]):
@@ -328,9 +309,8 @@ def violation_of_y(place: int, t: float) -> float:
 
 
 @inner
-def carry(place: int, t: float, x: Floats, later: float) -> float:
+def carry(system: SystemArrays, t: float, x: Floats, later: float) -> float:
     """Write how far each set is carried from t to a later time into ``move``; return the largest change near x."""
-    system = system_at(place)
     if system.sets.address == 0 or later == t:
         return 0.0
     move, shift, longest, since = system.move, system.sets.shift, 0.0, system.sets.since
@@ -352,13 +332,7 @@ def carry(place: int, t: float, x: Floats, later: float) -> float:
 
 
 @kernel
-def project_once(place: int, t: float, around: Floats, radius: float, later: float, exact: bool, tol: float) -> int:
-    """Project y of the system onto S(t), or onto its linearisation at ``around`` (n,), carried to a later time."""
-    return project(place, t, around, radius, later, exact, tol)
-
-
-@kernel
-def near_program(place: int) -> tuple[Indices, Indices, Floats, Floats, Floats, Floats, Flags]:
+def near_program(place: int, exact: bool) -> tuple[Indices, Indices, Floats, Floats, Floats, Floats, Flags]:
     """Collect min |z - y| subject to a_k . z >= b_k for the near rows of the system, with rows of length 1.
 
     Returns
@@ -372,10 +346,11 @@ def near_program(place: int) -> tuple[Indices, Indices, Floats, Floats, Floats, 
     multiplier : (m,)
         The multipliers of a similar program.
     binding : (m,)
-        Whether each point of the set obeys the row: a row of a curved set is obeyed by its linearisation only.
+        Whether each point of the set obeys the row: if the set itself is meant (``exact``), a row of a curved one is
+        obeyed by its linearisation only.
     """
     system = system_at(place)
-    rows, near, program, exact = system.rows, system.near, system.program, system.solving.question[2] != 0.0
+    rows, near, program = system.rows, system.near, system.program
     m, entries = near.number[0], 0
     for q in range(m):
         entries += rows.stop[near.row[q]] - rows.start[near.row[q]]
@@ -396,19 +371,6 @@ def near_program(place: int) -> tuple[Indices, Indices, Floats, Floats, Floats, 
     return indptr, indices, data, missing, length, multiplier, binding
 
 
-@kernel
-def take_solution(place: int, move: Floats, multiplier: Floats) -> float:
-    """Write z = y + move and the multipliers of the near rows, of length 1, into the system; return the residual."""
-    system = system_at(place)
-    rows, near, program = system.rows, system.near, system.program
-    for k in range(program.y.size):
-        program.z[k] = program.y[k] + move[k]
-    for q in range(near.number[0]):
-        r = near.row[q]
-        program.multiplier[r] = multiplier[q] / length_of_gradient(rows, r, program.gradient)
-    return residual_of_near(place)
-
-
 @inner
 def length_of_gradient(rows: RowTable, r: int, gradient: Floats) -> float:
     """Compute |a_r| of the program, 1 for one that vanishes."""
@@ -416,13 +378,3 @@ def length_of_gradient(rows: RowTable, r: int, gradient: Floats) -> float:
     for e in range(rows.start[r], rows.stop[r]):
         square += gradient[e] * gradient[e]
     return float(np.sqrt(square)) if square > 0.0 else 1.0
-
-
-@step_function
-def active_set(t: float, y: Any, z: Any, place: int, d: int, answer: Any) -> int:
-    """Solve the program of the near rows by the active set; see ``dincl.system.arrays.Solving``."""
-    system = system_at(place)
-    near, program, factor = system.near, system.program, system.factor
-    code = nearest(system.rows, near.row, near.number[0], program, factor, 0.0)
-    system.solving.called[0] = 1.0 if factor.number[0] > 0 else 0.0
-    return code

@@ -11,19 +11,18 @@ from dincl.compiled.structs import StructPointer
 from dincl.errors import StepFailure
 from dincl.steps import loop
 from dincl.steps.grid import Output, Reached, Stepper, StepState, TimeGrid
-from dincl.steps.loop import NO_PROJECTION, OutputArrays, ProjectionArrays, Stepping, StepRange, advance
+from dincl.steps.loop import OutputArrays, Settings, Stepping, StepRange
 from dincl.steps.sweeps import NO_FAMILIES
 from dincl.steps.swept_sets import SweptSets
-from dincl.system.arrays import OK
+from dincl.system.arrays import NEED_ROOM, OK
 from dincl.system.compiled_problem import CompiledProblem
+from dincl.system.time_scales import smooth_pieces
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
 
     from dincl.problem import Problem
-    from dincl.projection.base import Projection
+    from dincl.projection.certificate import Projection
 
 # In the first call, particles times steps; each call makes twice as many steps as the last one while it takes less than
 # this [s], so that an interrupt, or a budget, does not wait.
@@ -36,14 +35,14 @@ class CompiledStepper(Stepper):
 
     Parameters
     ----------
-    step
-        The step, compiled by ``dincl.steps.loop.step_function``.
-    setting
-        The numbers that the step reads from setting[1], setting[2], ...
+    run
+        The kernel of the scheme, which calls a loop made by ``dincl.steps.loop.loop_of``.
+    settings
+        The parameters of the scheme.
     system
         The drift, the sets and their rows.
-    swept, projection
-        The sets of schemes that make sweeps, or the projection of schemes that have one.
+    swept
+        The sets of schemes that make sweeps.
     v0
         Velocity at the start, (N, d), of a second-order scheme.
 
@@ -58,28 +57,27 @@ class CompiledStepper(Stepper):
     def __init__(
         self,
         problem: Problem,
-        step: Any,
-        setting: Sequence[float],
+        run: Any,
+        settings: Settings,
         *,
         system: CompiledProblem,
         swept: SweptSets | None = None,
-        projection: ProjectionArrays = NO_PROJECTION,
         v0: NDArray[np.float64] | None = None,
     ) -> None:
         super().__init__(problem)
-        self._step, self._swept, self._v0, self.system = step, swept, v0, system
-        system.sets.work = self.work
+        self._run, self._swept, self._v0, self.system = run, swept, v0, system
+        system.sets.work, self._tabulated = self.work, False
         n = problem.x0.size
         self.pointer = StructPointer(
             Stepping(
-                place=system.place,
+                system=system.place,
                 families=NO_FAMILIES if swept is None else swept.arrays,
                 x=np.zeros(n),
                 v=np.zeros(0 if v0 is None else n),
                 after=np.zeros(n),
                 rate=np.zeros(n),
-                setting=np.array([0.0, *setting]),
-                projection=projection,
+                repeats=np.zeros(1, dtype=np.int64),
+                settings=settings,
             )
         )
 
@@ -87,37 +85,28 @@ class CompiledStepper(Stepper):
     def sweeping(
         cls,
         problem: Problem,
-        step: Any,
-        setting: Sequence[float],
+        run: Any,
+        settings: Settings,
         *,
         projected: bool = True,
+        multipliers: bool = False,
         v0: NDArray[np.float64] | None = None,
     ) -> CompiledStepper:
-        """Bind a scheme that takes one row after another; projections of the user are made if ``projected``."""
-        swept = SweptSets(problem, projected=projected)
-        system = CompiledProblem(problem, swept.selection, custom_sweeps=swept.custom_sweeps, programs=False)
+        """Bind a scheme that takes one row after another.
+
+        Projections of the user are made if ``projected``; with ``multipliers`` each row has one.
+        """
+        swept = SweptSets(problem, projected=projected, multipliers=multipliers)
+        system = CompiledProblem.for_sweeps(problem, swept.selection, swept.custom_sweeps)
         system.functions += swept.searches
         system.sets.updates += swept.updates
-        return cls(problem, step, setting, system=system, swept=swept, v0=v0)
+        return cls(problem, run, settings, system=system, swept=swept, v0=v0)
 
     @classmethod
-    def correcting(cls, problem: Problem, step: Any, setting: Sequence[float]) -> CompiledStepper:
-        """Bind a scheme that corrects one row of the table after another, with a multiplier for each."""
-        system = CompiledProblem(problem, programs=False)
-        program, n = system.arrays.program, problem.x0.size
-        arrays = ProjectionArrays(0, program.y, np.zeros(n), program.z, np.zeros(4))
-        return cls(problem, step, setting, system=system, projection=arrays)
-
-    @classmethod
-    def projecting(cls, problem: Problem, step: Any, projection: Projection, *, linearised: bool) -> CompiledStepper:
+    def projecting(cls, problem: Problem, run: Any, projection: Projection, settings: Settings) -> CompiledStepper:
         """Bind a scheme that projects onto S, or onto its linearisation, in each step."""
-        from dincl.steps.catch_up import nearest_point
-
-        projection.check(problem)
-        system = CompiledProblem(problem, solver=projection.solver())
-        program, question = system.arrays.program, np.array([0.0, 0.0, 0.0, not linearised])
-        arrays = ProjectionArrays(nearest_point.address, program.y, np.zeros(problem.x0.size), program.z, question)
-        return cls(problem, step, [projection.tol], system=system, projection=arrays)
+        system = CompiledProblem.for_projections(problem, projection.solver(), exact=settings.exact != 0)
+        return cls(problem, run, settings._replace(tol=projection.tol), system=system)
 
     def start(self) -> StepState:
         return StepState(self.problem.x0, self._v0)
@@ -129,6 +118,11 @@ class CompiledStepper(Stepper):
         return reached.state
 
     def advance(self, on: TimeGrid, k: int, end: int, state: StepState, output: Output | None = None) -> Reached:
+        if not self._tabulated:
+            kept = np.zeros(0) if output is None else (output.step + output.weight) * (on.t_end / on.steps)
+            smooth = smooth_pieces(self.problem, on.t_end, on.steps, kept)
+            self.system.sets.tabulate(smooth, compares=self._swept is None)
+            self._tabulated = True
         reached = self._steps(0.0, on, k, end, state, output)
         self.work.steps += reached.k - k
         return reached
@@ -146,10 +140,13 @@ class CompiledStepper(Stepper):
             while k < end and code == OK:
                 began = time.perf_counter()
                 grid = StepRange(origin, on.t_end, on.steps, k, min(end, k + most))
-                code, k = advance(self.pointer.address, self._step.address, grid, table.address)
+                code, k = self._run(self.pointer.address, grid, table.address)
                 if self._swept:
                     self._swept.count(self.work)
                 self.system.count(self.work)
+                if code == NEED_ROOM:
+                    self._make_room()
+                    code = OK
                 most = 2 * most if time.perf_counter() - began < SHORT else most
         reached = StepState(run.x.reshape(shape).copy(), run.v.reshape(shape).copy() if run.v.size else None)
         try:
@@ -159,12 +156,18 @@ class CompiledStepper(Stepper):
             return Reached(k, reached, failure)
         return Reached(k, reached)
 
+    def _make_room(self) -> None:
+        """Make arrays longer in which something had no room; the step is repeated."""
+        if self._swept:
+            self._swept.make_room()
+            self.pointer.value.repeats[0] = 1
+
     def fail(self, code: int) -> None:
         """Raise StepFailure, or what a function of the user raised, for the code by which a step ended."""
         self.system.raise_errors()
         if self._swept:
             self._swept.failure(code)
-        self.system.failure(code, float(self.pointer.value.setting[-1]))
+        self.system.failure(code, self.pointer.value.settings.tol)
 
 
 def _arrays(output: Output, n: int) -> OutputArrays:

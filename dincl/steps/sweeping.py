@@ -1,14 +1,39 @@
 """Steps of schemes that take one row after another: position based dynamics, and the penalty method."""
 
-from typing import Any
+from collections.abc import Callable
+from functools import partial
 
-from dincl.compiled import inner
+from dincl.compiled import inner, kernel
 from dincl.compiled.arrays import Floats
-from dincl.neighbours.lists import DONE, FAILED, add_disc_forces, gather, pair_list_at
+from dincl.neighbours.lists import (
+    DONE,
+    OUTDATED,
+    SWEEPS,
+    Move,
+    add_disc_forces,
+    correct_pair,
+    gather,
+    move_all,
+    pair_list_at,
+    project_pair,
+)
 from dincl.rows.table import DISPLACEMENTS, GRADIENTS, RowTable, Sets, call_python, evaluate_row, value_of
-from dincl.steps.loop import Stepping, step_function, stepping_at
-from dincl.steps.sweeps import DISCS, WALL, Families, record_discs, sweep
-from dincl.system.arrays import COINCIDENT, OK, SETS, SystemArrays, evaluate, system_at
+from dincl.steps.loop import Stepping, StepRange, loop_of
+from dincl.steps.sweeps import (
+    DISCS,
+    WALL,
+    Families,
+    correct_rows,
+    project_onto_rows,
+    record_discs,
+    sweep_of,
+    way_at_wall,
+    way_onto_wall,
+)
+from dincl.system.arrays import COINCIDENT, OK, SETS, STALE, TOO_FAR, SystemArrays, evaluate, system_at
+
+# Steps are repeated with wider lists, which hold more pairs, at most so many times.
+MOST_LISTS = 60
 
 
 @inner
@@ -43,7 +68,7 @@ def add_forces_of_discs(families: Families, f: int, x: Floats, spring: bool, for
         ended = add_disc_forces(points, pairs, spring, force, (0, 0, 0))
     else:
         ended = add_disc_forces(points, pairs, spring, force, families.axes)
-    return OK if ended == DONE else record_discs(families, f, ended == FAILED)
+    return OK if ended == DONE else record_discs(families, f, ended)
 
 
 @inner
@@ -76,45 +101,103 @@ def add_wall_forces(x: Floats, normal: Floats, bound: Floats, shift: Floats, spr
 
 
 @inner
-def sweep_often(run: Stepping, t: float, x: Floats, sweeps: int) -> int:
-    """Project x in place onto one row after another of all sets at time t, so many ``sweeps``: OK or why not."""
-    system = system_at(run.place)
-    if call_python(system.sets, t, x, DISPLACEMENTS) != 0:
-        return SETS
-    for _ in range(sweeps):
-        code = sweep(system, run.families, t, x)
+def drift_at_start(run: Stepping, system: SystemArrays, t: float, x: Floats) -> int:
+    """Write F(t, x) into ``rate``, once for a step that is made again with more room: OK or DRIFT."""
+    if run.repeats[0] != 0:
+        run.repeats[0] = 0
+        return OK
+    return int(evaluate(system.drift, system.sets.shift.shape[1], t, x, run.rate))
+
+
+def sweeps_of(sweep: Callable[..., int]) -> Callable[..., int]:
+    """Make the function that sweeps as often as the settings say."""
+
+    @inner
+    def sweep_often(run: Stepping, t: float, move: Move, after: Floats, compliance: float) -> int:
+        """Write the point of the step ``move``, and sweep over all sets at time t: OK or why not."""
+        system = system_at(run.system)
+        move_all(move, after)
+        if call_python(system.sets, t, after, DISPLACEMENTS) != 0:
+            return SETS
+        for k in range(run.settings.sweeps):
+            code = sweep(system, run.families, t, after, k == 0, compliance)
+            if code != OK:
+                return int(code)
+        return OK
+
+    return sweep_often
+
+
+project_often = sweeps_of(sweep_of(project_pair, way_onto_wall, project_onto_rows))
+correct_often = sweeps_of(sweep_of(correct_pair, way_at_wall, correct_rows))
+
+
+@inner
+def pbd(run: Stepping, t: float, h: float, x: Floats, v: Floats, after: Floats) -> int:
+    """P_{S_M} ... P_{S_1} (x + h F(t, x)), or of x + h (v + h F), as often as set, with the sets at t + h."""
+    system = system_at(run.system)
+    code = drift_at_start(run, system, t, x)
+    if code == OK:
+        code = project_often(run, t + h, Move(h, x, v, run.rate), after, 0.0)
+    return code
+
+
+@inner
+def xpbd(run: Stepping, t: float, h: float, x: Floats, v: Floats, after: Floats) -> int:
+    """Sweep over x + h F(t, x) with the sets at t + h, with a multiplier for each row that is 0 at the start.
+
+    Multipliers belong to pairs of a list. If a list no longer holds all pairs, the step is repeated with a wider one.
+    """
+    system, families = system_at(run.system), run.families
+    code = drift_at_start(run, system, t, x)
+    for _ in range(MOST_LISTS):
         if code != OK:
             return code
-    return OK
+        for r in range(system.program.multiplier.size):
+            system.program.multiplier[r] = 0.0
+        code = correct_often(run, t + h, Move(h, x, v, run.rate), after, run.settings.compliance / h)
+        if code != STALE:
+            return code
+        for f in range(families.form.size):
+            if families.form[f] == DISCS:
+                pairs = pair_list_at(families.pairs[f])
+                pairs.number[SWEEPS], pairs.number[OUTDATED] = 0, 1
+        code = OK
+    return TOO_FAR
 
 
-@step_function
-def pbd(t: float, x: Any, after: Any, place: int, d: int, setting: Any) -> int:
-    """P_{S_M} ... P_{S_1} (x + h F(t, x)), ``setting[1]`` times, with the sets at t + h; setting[0] = h."""
-    run, h = stepping_at(place), setting[0]
-    system = system_at(run.place)
-    code = evaluate(system.drift, system.sets.shift.shape[1], t, run.x, run.rate)
-    if code != OK:
-        return code
-    start, speed, rate, moved = run.x, run.v, run.rate, run.after
-    for k in range(start.size):
-        moved[k] = start[k] + h * (speed[k] + h * rate[k] if speed.size > 0 else rate[k])
-    return sweep_often(run, t + h, run.after, int(setting[1]))
-
-
-@step_function
-def penalty(t: float, x: Any, after: Any, place: int, d: int, setting: Any) -> int:
-    """x + h (F(t, x) + strength sum_k max(0, -g_k)^(exponent - 1) grad g_k); setting = h, strength, exponent."""
-    run, h = stepping_at(place), setting[0]
-    system = system_at(run.place)
-    code = evaluate(system.drift, system.sets.shift.shape[1], t, run.x, run.rate)
-    if code == OK and call_python(system.sets, t, run.x, GRADIENTS) != 0:
+@inner
+def penalty(run: Stepping, t: float, h: float, x: Floats, v: Floats, after: Floats) -> int:
+    """x + h (F(t, x) + strength sum_k max(0, -g_k)^(exponent - 1) grad g_k)."""
+    system, rate, settings = system_at(run.system), run.rate, run.settings
+    code = drift_at_start(run, system, t, x)
+    if code == OK and call_python(system.sets, t, x, GRADIENTS) != 0:
         code = SETS
-    start, rate, force = run.x, run.rate, run.after
-    for k in range(start.size):
-        force[k] = 0.0
+    for k in range(x.size):
+        after[k] = 0.0
     if code == OK:
-        code = add_forces(system, run.families, start, setting[2] == 2.0, force)
-    for k in range(start.size):
-        force[k] = start[k] + h * (rate[k] + setting[1] * force[k])
+        code = add_forces(system, run.families, x, settings.exponent == 2, after)
+    for k in range(x.size):
+        after[k] = x[k] + h * (rate[k] + settings.strength * after[k])
     return code
+
+
+_pbd, _xpbd, _penalty = loop_of(pbd), loop_of(xpbd), loop_of(penalty)
+
+
+@partial(kernel, references=False)
+def run_pbd(place: int, grid: StepRange, output: int) -> tuple[int, int]:
+    """Make steps of position based dynamics, see ``dincl.steps.loop.loop_of``."""
+    return _pbd(place, grid, output)
+
+
+@partial(kernel, references=False)
+def run_xpbd(place: int, grid: StepRange, output: int) -> tuple[int, int]:
+    """Make steps of extended position based dynamics."""
+    return _xpbd(place, grid, output)
+
+
+@partial(kernel, references=False)
+def run_penalty(place: int, grid: StepRange, output: int) -> tuple[int, int]:
+    """Make steps of the penalty method."""
+    return _penalty(place, grid, output)

@@ -1,5 +1,10 @@
-"""Sweeps in compiled code: projections onto one row after another, set by set in the order of the constraints."""
+"""Sweeps in compiled code: projections onto one row after another, set by set in the order of the constraints.
 
+``sweep_of`` makes the sweep of position based dynamics, which projects onto pairs of discs, walls and rows of the
+table, and that of its extended form, which corrects with a multiplier for each of them.
+"""
+
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -7,10 +12,11 @@ import numpy as np
 from dincl.compiled import inner
 from dincl.compiled.arrays import Floats, Offsets
 from dincl.neighbours import lists
-from dincl.neighbours.lists import gather, pair_list_at, scatter, sweep_discs
+from dincl.neighbours.lists import disc_sweep, gather, pair_list_at, scatter
 from dincl.rows.formulas import project
 from dincl.rows.table import AFFINE, CALLBACK, DISTANCE, GRADIENTS, SWEEP, RowTable, call_python, evaluate_row, value_of
-from dincl.system.arrays import COINCIDENT, FLAT, OK, SETS, UNSETTLED, SystemArrays
+from dincl.solvers.envelope_factor import add_row
+from dincl.system.arrays import COINCIDENT, FLAT, NEED_ROOM, OK, SETS, STALE, UNSETTLED, SystemArrays
 
 # Forms of families: discs, whose near pairs are listed; a wall for all particles; rows of the table; projections of
 # the user, in Python.
@@ -18,6 +24,8 @@ DISCS, WALL, ROWS, USER = range(4)
 # A row that Python evaluates is projected onto until a step moves less than this, relative to the first or to x; never
 # more than so many times.
 SETTLED, MOST_ITERATIONS = 1e-13, 50
+# Particles for which all walls are taken before the next ones.
+BLOCK = 1024
 
 
 class Families(NamedTuple):
@@ -30,6 +38,7 @@ class Families(NamedTuple):
     pairs: Offsets  # the address of the PairList of discs
     normal: Floats  # (families, d): of walls
     bound: Floats  # least allowed heights of all particles over walls [length]
+    multiplier: Floats  # of all particles at walls, or (0,) for schemes that have none
     corrections: Offsets  # (1,): by rows of walls and of the table
     offending: Offsets  # (3,): after a failure the family, and its row or two discs
     axes: Offsets  # (d,)
@@ -37,45 +46,7 @@ class Families(NamedTuple):
 
 _NONE, _FLOATS = np.zeros(0, dtype=np.int64), np.zeros(0)
 # Of a scheme that makes no sweeps.
-NO_FAMILIES = Families(_NONE, _NONE, _NONE, _NONE, _NONE, np.zeros((0, 1)), _FLOATS, _NONE, _NONE, _NONE)
-
-
-@inner
-def sweep(system: SystemArrays, families: Families, t: float, x: Floats) -> int:
-    """Project x onto one row after another of all sets at time t: OK or why not."""
-    if families.axes.size == 2:
-        return sweep_all(system, families, t, x, (0, 0))
-    if families.axes.size == 3:
-        return sweep_all(system, families, t, x, (0, 0, 0))
-    return sweep_all(system, families, t, x, families.axes)
-
-
-@inner
-def sweep_all(system: SystemArrays, families: Families, t: float, x: Floats, axes: Any) -> int:
-    """Sweep with the number of axes in a type that the compiler knows."""
-    for f in range(families.form.size):
-        form, code = families.form[f], OK
-        if form == DISCS:
-            code = sweep_family_of_discs(families, f, x, axes)
-        else:
-            # Python evaluates its rows at their places; all other rows stand still, and particles are moved.
-            first = families.first[f]
-            called = form == ROWS and first < families.last[f] and system.rows.row[first].kind == CALLBACK
-            carried = families.moving[f] != 0 and not called
-            if carried:
-                carry(x, system.sets.shift, f, -1.0)
-            if form == WALL:
-                families.corrections[0] += sweep_wall(x, families.normal[f], families.bound[families.first[f] :])
-            elif form == ROWS:
-                code = sweep_rows(system, families, f, t, x, axes)
-            else:
-                system.sets.request[2] = f
-                code = SETS if call_python(system.sets, t, x, SWEEP) != 0 else OK
-            if carried:
-                carry(x, system.sets.shift, f, 1.0)
-        if code != OK:
-            return code
-    return OK
+NO_FAMILIES = Families(_NONE, _NONE, _NONE, _NONE, _NONE, np.zeros((0, 1)), _FLOATS, _FLOATS, _NONE, _NONE, _NONE)
 
 
 @inner
@@ -88,24 +59,13 @@ def carry(x: Floats, shift: Floats, f: int, way: float) -> None:
 
 
 @inner
-def sweep_family_of_discs(families: Families, f: int, x: Floats, axes: Any) -> int:
-    """Sweep over pairs of discs."""
+def record_discs(families: Families, f: int, ended: int) -> int:
+    """Return the code of a step for how a sweep over discs ended, and record which discs lie on one point."""
     pairs = pair_list_at(families.pairs[f])
-    if pairs.disc.size == 0:
-        ended = sweep_discs(x, pairs, axes)
-    else:
-        gather(x, pairs, len(axes))
-        ended = sweep_discs(pairs.point, pairs, axes)
-        scatter(x, pairs, len(axes))
-    return OK if ended == lists.DONE else record_discs(families, f, ended == lists.FAILED)
-
-
-@inner
-def record_discs(families: Families, f: int, failed: bool) -> int:
-    """Record which discs lie on one point; ``failed`` if the search for pairs failed."""
-    pairs = pair_list_at(families.pairs[f])
-    if failed:
-        return SETS
+    if ended == lists.STALE:
+        return STALE
+    if ended != lists.SAME_POINT:
+        return NEED_ROOM if ended == lists.FULL else SETS
     families.offending[0] = f
     for end in range(2):
         disc = pairs.number[lists.ONE + end]
@@ -114,28 +74,50 @@ def record_discs(families: Families, f: int, failed: bool) -> int:
 
 
 @inner
-def sweep_wall(x: Floats, normal: Floats, bound: Floats) -> int:
-    """Project all X_i onto normal . X_i >= bound_i with a unit normal: X_i += (bound_i - normal . X_i) normal."""
-    corrections, d = 0, normal.size
-    for i in range(x.size // d):
-        height = 0.0
-        for k in range(d):
-            height += normal[k] * x[i * d + k]
-        if height < bound[i]:
-            for k in range(d):
-                x[i * d + k] += (bound[i] - height) * normal[k]
-            corrections += 1
-    return corrections
+def way_onto_wall(height: float, bound: float, multiplier: Floats, p: int, begin: bool, compliance: float) -> float:
+    """Return the way along the unit normal of a wall by which a particle of this height is projected onto it."""
+    return bound - height if height < bound else 0.0
 
 
 @inner
-def sweep_rows(system: SystemArrays, families: Families, f: int, t: float, x: Floats, axes: Any) -> int:
+def way_at_wall(height: float, bound: float, multiplier: Floats, p: int, begin: bool, compliance: float) -> float:
+    """Return the change of the multiplier of a particle at a wall, see ``lists.correct_pair``."""
+    before = 0.0 if begin else multiplier[p]
+    after = max(before - (height - bound + compliance * before) / (1.0 + compliance), 0.0)
+    multiplier[p] = after
+    return float(after - before)
+
+
+@inner
+def correct_rows(system: SystemArrays, families: Families, f: int, t: float, x: Floats, compliance: float) -> int:
+    """Move x along the gradients of the rows of a family in the table by the changes of their multipliers."""
+    rows, program = system.rows, system.program
+    for r in range(families.first[f], families.last[f]):
+        if rows.row[r].kind == CALLBACK and call_python(system.sets, t, x, GRADIENTS) != 0:
+            return SETS
+        value = evaluate_row(rows, system.sets, r, x, program.gradient)
+        if value != value:
+            families.offending[0], families.offending[1] = f, r - families.first[f]
+            return COINCIDENT
+        square, before = compliance, program.multiplier[r]
+        for p in range(rows.start[r], rows.stop[r]):
+            square += program.gradient[p] * program.gradient[p]
+        if square > 0.0:
+            program.multiplier[r] = max(before - (value + compliance * before) / square, 0.0)
+        if program.multiplier[r] != before:
+            add_row(rows, r, program.gradient, program.multiplier[r] - before, x)
+            families.corrections[0] += 1
+    return OK
+
+
+@inner
+def project_onto_rows(system: SystemArrays, families: Families, f: int, t: float, x: Floats, compliance: float) -> int:
     """Project onto the rows of a family in the table, one after another."""
     rows, sets, current = system.rows, system.sets, False
     for r in range(families.first[f], families.last[f]):
         row, code, moved = rows.row[r], OK, 0
         if row.kind == DISTANCE:
-            moved = project_distance(rows, r, x, axes)
+            moved = project_distance(rows, r, x, families.axes)
         elif row.kind == AFFINE:
             moved = project_affine(rows, r, x)
         else:
@@ -220,3 +202,116 @@ def step_from(
     for k in range(x.size):
         moved, largest = max(moved, abs(x[k] - before[k])), max(largest, abs(x[k]))
     return moved, largest
+
+
+def sweep_of(
+    visit_pair: Callable[..., int], visit_wall: Callable[..., float], visit_rows: Callable[..., int]
+) -> Callable[..., int]:
+    """Make the sweep over all sets in which pairs of discs, walls and rows of the table are visited like this."""
+    sweep_discs = disc_sweep(visit_pair)
+
+    @inner
+    def sweep_family_of_discs(families: Families, f: int, x: Floats, begin: bool, compliance: float, axes: Any) -> int:
+        """Sweep over pairs of discs."""
+        pairs, points = pair_list_at(families.pairs[f]), x
+        if pairs.disc.size > 0:
+            gather(x, pairs, len(axes))
+            points = pairs.point
+        ended = sweep_discs(points, pairs, begin, compliance, axes)
+        scatter(x, pairs, len(axes))
+        return OK if ended == lists.DONE else record_discs(families, f, ended)
+
+    @inner
+    def sweep_wall(
+        families: Families, f: int, x: Floats, block: int, shift: Floats, begin: bool, compliance: float, axes: Any
+    ) -> int:
+        """Take one wall for a block of particles; return how many moved. Multipliers are for sets that are shifted."""
+        d, n, corrections, carried = len(axes), families.normal[f], 0, 0.0
+        one, two, three = n[0], n[min(1, d - 1)], n[min(2, d - 1)]
+        begins, count = families.first[f] + block, min(BLOCK, x.size // d - block)
+        multiplier, some = families.multiplier, min(families.multiplier.size, 1)
+        for k in range(d * some):
+            carried += n[k] * shift[k]
+        # Slices begin at 0, so that the compiler knows that no index is negative.
+        points, bound, multiplier = x[block * d :], families.bound[begins:], multiplier[begins * some :]
+        # Written out, without calls that take arrays and without branches, so that several particles are taken at once.
+        # x + -0.0 is x, also where x is -0.0.
+        for i in range(count if d <= 3 else 0):
+            height = 0.0 + one * points[i * d]
+            if d > 1:
+                height += two * points[i * d + 1]
+            if d > 2:
+                height += three * points[i * d + 2]
+            way = visit_wall(height, bound[i] + carried, multiplier, i, begin, compliance)
+            moves = way != 0.0
+            points[i * d] += way * one if moves else -0.0
+            if d > 1:
+                points[i * d + 1] += way * two if moves else -0.0
+            if d > 2:
+                points[i * d + 2] += way * three if moves else -0.0
+            corrections += moves
+        for i in range(count if d > 3 else 0):
+            height = 0.0
+            for k in range(d):
+                height += n[k] * points[i * d + k]
+            way = visit_wall(height, bound[i] + carried, multiplier, i, begin, compliance)
+            for k in range(d if way != 0.0 else 0):
+                points[i * d + k] += way * n[k]
+            corrections += way != 0.0
+        return corrections
+
+    @inner
+    def sweep_walls(
+        families: Families, first: int, end: int, x: Floats, shift: Floats, begin: bool, compliance: float, axes: Any
+    ) -> None:
+        """Take walls ``first`` ... ``end`` - 1 one after another, for so many particles as stay in the cache."""
+        d, corrections = len(axes), 0
+        for block in range(0, x.size // d, BLOCK):
+            for f in range(first, end):
+                corrections += sweep_wall(families, f, x, block, shift[f], begin, compliance, axes)
+        families.corrections[0] += corrections
+
+    @inner
+    def sweep_all(
+        system: SystemArrays, families: Families, t: float, x: Floats, begin: bool, compliance: float, axes: Any
+    ) -> int:
+        """Sweep over all sets at time t: OK or why not."""
+        corrects, count, f, shift = families.multiplier.size > 0, families.form.size, 0, system.sets.shift
+        while f < count:
+            form, code, last = families.form[f], OK, f + 1
+            # Sets but discs stand still, and particles are moved; multipliers are for moved sets. Python
+            # evaluates its rows at their places.
+            carried = families.moving[f] != 0 and not corrects and form != DISCS
+            if form == ROWS and families.first[f] < families.last[f]:
+                carried = carried and system.rows.row[families.first[f]].kind != CALLBACK
+            if carried:
+                carry(x, shift, f, -1.0)
+            if form == DISCS:
+                code = sweep_family_of_discs(families, f, x, begin, compliance, axes)
+            elif form == WALL:
+                while not carried and last < count and families.form[last] == WALL:
+                    if families.moving[last] != 0 and not corrects:
+                        break
+                    last += 1
+                sweep_walls(families, f, last, x, shift, begin, compliance, axes)
+            elif form == ROWS:
+                code = visit_rows(system, families, f, t, x, compliance)
+            else:
+                code = SETS if call_python(system.sets, t, x, SWEEP, f) != 0 else OK
+            if carried:
+                carry(x, shift, f, 1.0)
+            if code != OK:
+                return int(code)
+            f = last
+        return OK
+
+    @inner
+    def sweep(system: SystemArrays, families: Families, t: float, x: Floats, begin: bool, compliance: float) -> int:
+        """Sweep with the number of axes in a type that the compiler knows."""
+        if families.axes.size == 2:
+            return int(sweep_all(system, families, t, x, begin, compliance, (0, 0)))
+        if families.axes.size == 3:
+            return int(sweep_all(system, families, t, x, begin, compliance, (0, 0, 0)))
+        return int(sweep_all(system, families, t, x, begin, compliance, families.axes))
+
+    return sweep

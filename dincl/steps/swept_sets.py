@@ -6,11 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dincl.compiled.calls import SETS
 from dincl.compiled.structs import StructPointer
 from dincl.constraints.selection import Selection
 from dincl.errors import StepFailure
 from dincl.neighbours import ALL_PAIRS, FIRST_SKIN, WIDEST_SKIN
-from dincl.neighbours.lists import BUILDS, CANDIDATES, CORRECTIONS, NUMBERS, PairList
+from dincl.neighbours.lists import BUILDS, CANDIDATES, CORRECTIONS, COUNT, NO_ROOM, NUMBERS, OUTDATED, PairList
 from dincl.neighbours.search import neighbour_pairs
 from dincl.rows.affine import HeightRows
 from dincl.rows.base import CustomSweep, DiscPairs
@@ -23,6 +24,9 @@ if TYPE_CHECKING:
     from dincl.constraints.base import Constraint
     from dincl.problem import Problem
     from dincl.work import Work
+
+# Pairs of a disc for which a list has room at first, and how much more room than needed a longer list has.
+PAIRS, MORE = 4, 1.25
 
 
 class SweptSets:
@@ -42,8 +46,11 @@ class SweptSets:
         Functions of time that write the radii of growing discs.
     """
 
-    def __init__(self, problem: Problem, *, projected: bool) -> None:
-        """Without ``projected``, only values and gradients matter: sets with projections of the user are rows."""
+    def __init__(self, problem: Problem, *, projected: bool, multipliers: bool) -> None:
+        """Without ``projected``, only values and gradients matter: sets with projections of the user are rows.
+
+        With ``multipliers``, pairs and walls have one each.
+        """
         (count, d), families = problem.x0.shape, len(problem.constraints)
         sets = problem.constraints
         swept: list[Any] = [one.at(0.0).sweep_rows(problem.x0) for one in sets]
@@ -58,7 +65,9 @@ class SweptSets:
         self.selection = Selection(problem.constraints, blocks, problem.x0.shape)
         self.custom_sweeps = {f: one for f, one in enumerate(swept) if forms[f] == USER}
         self.searches: list[PythonFunction] = []
-        self._lists = lists = {f: self._pair_list(one, d) for f, one in enumerate(swept) if forms[f] == DISCS}
+        self._multipliers = multipliers
+        self._needed: dict[int, int] = {}
+        self._lists = lists = {f: self._pair_list(f, one, d) for f, one in enumerate(swept) if forms[f] == DISCS}
         self.updates = [
             _Growth(sets[f], swept[f], one, problem.x0.shape)
             for f, one in lists.items()
@@ -76,10 +85,21 @@ class SweptSets:
             pairs=np.array([lists[f].address if f in lists else 0 for f in range(families)], dtype=np.int64),
             normal=np.array([walls[f].normal if f in walls else np.zeros(d) for f in range(families)]).reshape(-1, d),
             bound=np.concatenate([np.zeros(0), *(wall.bound for wall in walls.values())]),
+            multiplier=np.zeros(max(count * len(walls), 1) if multipliers else 0),
             corrections=np.zeros(1, dtype=np.int64),
             offending=np.zeros(3, dtype=np.int64),
             axes=np.zeros(d, dtype=np.int64),
         )
+
+    def make_room(self) -> None:
+        """Make longer lists for families whose pairs had no room."""
+        for f, pairs in self._needed.items():
+            most = int(MORE * pairs)
+            first, second = np.zeros(most, dtype=np.uint32), np.zeros(most, dtype=np.uint32)
+            multiplier = np.zeros(most if self._multipliers else 0)
+            self._lists[f].replace({"first": first, "second": second, "multiplier": multiplier})
+            self._lists[f].value.number[OUTDATED] = 1
+        self._needed.clear()
 
     def count(self, work: Work) -> None:
         """Add the work since the last call."""
@@ -106,22 +126,30 @@ class SweptSets:
         detail = f"The projection onto {name} took more than {MOST_ITERATIONS} steps."
         raise StepFailure(Status.NOT_CONVERGED, detail)
 
-    def _pair_list(self, discs: DiscPairs, d: int) -> StructPointer:
+    def _pair_list(self, f: int, discs: DiscPairs, d: int) -> StructPointer:
         """Make arrays for the near pairs of a family; none is listed yet."""
         m, smallest, some = len(discs.radius), float(discs.radius.min(initial=np.inf)), discs.among is not None
         few = m <= ALL_PAIRS
 
-        def make_list(t: float, x: int, *_: int) -> None:
+        def list_pairs(t: float, x: int, *_: int) -> int:
             start, partner = neighbour_pairs(numbers_at(x, (m, d)), pointer.value.radius + pointer.value.skin[0])
-            pointer.replace({"start": start, "partner": partner})
+            pairs: PairList = pointer.value
+            if len(partner) > len(pairs.second):
+                self._needed[f] = len(partner)
+                return NO_ROOM
+            pairs.first[: len(partner)] = np.repeat(np.arange(m, dtype=np.uint32), np.diff(start))
+            pairs.second[: len(partner)] = partner
+            pairs.number[COUNT] = len(partner)
+            return 0
 
-        search = None if few else PythonFunction(make_list)
+        search, most = None if few else PythonFunction(list_pairs, SETS), m * (m - 1) // 2 + 1 if few else PAIRS * m
         pointer = StructPointer(
             PairList(
                 disc=np.array(discs.among) if some else np.zeros(0, dtype=np.int64),
                 radius=np.array(discs.radius),
-                start=np.zeros(m + 1, dtype=np.int64),
-                partner=np.zeros(m * (m - 1) // 2 + 1 if few else 0, dtype=np.int32),
+                first=np.zeros(most, dtype=np.uint32),
+                second=np.zeros(most, dtype=np.uint32),
+                multiplier=np.zeros(max(most, 1) if self._multipliers else 0),
                 point=np.zeros(m * d if some else 0),
                 reference=np.zeros(m * d),
                 backup=np.zeros(m * d),

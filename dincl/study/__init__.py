@@ -3,10 +3,9 @@
 It needs pandas, pyarrow and rich, which ``import dincl`` does not load.
 """
 
-from dincl.study.execute import StudyStopped, carry_out, progress, workers
+from dincl.study.execute import StudyStopped, carry_out, locked, progress, workers
 from dincl.study.sealed import DamagedTable, read_sealed
-from dincl.study.table import Key, Row, Study, Table, digest, write
+from dincl.study.table import Key, Row, Study, digest, joined, write
 
-MAKES_NO_NUMBERS = True
-__all__ = ["DamagedTable", "Key", "Row", "Study", "StudyStopped", "Table"]
-__all__ += ["carry_out", "digest", "progress", "read_sealed", "workers", "write"]
+__all__ = ["DamagedTable", "Key", "Row", "Study", "StudyStopped"]
+__all__ += ["carry_out", "digest", "joined", "locked", "progress", "read_sealed", "workers", "write"]

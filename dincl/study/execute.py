@@ -1,4 +1,4 @@
-"""Pieces of work done by an executor, whose results are kept as they come; and how far they are."""
+"""Pieces of work done by an executor, whose results are kept as they come; their progress; a folder held alone."""
 
 from __future__ import annotations
 
@@ -10,15 +10,16 @@ from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExe
 from contextlib import contextmanager, suppress
 from datetime import timedelta
 from multiprocessing import connection, get_context, parent_process
+from pathlib import Path
 from typing import TypeVar
 
+from dincl.errors import InvalidProblem
 from dincl.extras import needs
 
 with needs("dincl.study", "report"):
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-MAKES_NO_NUMBERS = True
 Piece = TypeVar("Piece")
 Result = TypeVar("Result")
 WORKERS = 2
@@ -100,13 +101,13 @@ def _end_with_parent() -> None:
 
 
 @contextmanager
-def progress(title: str, total: float, unit: str, console: Console | None = None) -> Iterator[Callable[[float], None]]:
-    """Show a bar on a terminal, otherwise a line every few seconds; on stderr unless a console is given.
+def progress(title: str, total: float, unit: str) -> Iterator[Callable[[float], None]]:
+    """Show a bar on a terminal, otherwise a line every few seconds, on stderr.
 
     The function that this gives is called with how much of ``total`` [unit] is done. Rate and remaining time are
     measured from the first call on, since what was there before took no time.
     """
-    console = console or Console(stderr=True)
+    console = Console(stderr=True)
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),
@@ -139,3 +140,36 @@ def pace(done: float, seconds: float, left: float, unit: str) -> str:
         return ""
     rate = done / seconds
     return f"{rate:.3g} {unit}/s, {timedelta(seconds=round(left / rate))} left"
+
+
+@contextmanager
+def locked(folder: Path, name: str) -> Iterator[None]:
+    """Hold a folder, made if it is new, for this process alone.
+
+    Parameters
+    ----------
+    folder
+        The folder.
+    name
+        Name of the lock, a file in it that stays.
+
+    Raises
+    ------
+    InvalidProblem
+        If another process holds it.
+    OSError
+        If it cannot be written to.
+    """
+    with needs("dincl.study", "report"):
+        from filelock import FileLock, Timeout
+
+    folder.mkdir(parents=True, exist_ok=True)
+    lock = FileLock(folder / name, timeout=0)
+    try:
+        lock.acquire()
+    except Timeout as error:
+        raise InvalidProblem(f"{folder}: another process works on it, and goes on undisturbed") from error
+    try:
+        yield
+    finally:
+        lock.release()

@@ -1,33 +1,38 @@
 """A study: runs that are named by keys, made in parallel, in a table that can be resumed.
 
-Tables survive an interruption and never mix rows made by different code.
+Tables survive an interruption, and never mix rows of different settings or versions of this package.
 """
 
 from __future__ import annotations
 
-import hashlib
 import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
+import time
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
+from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from dincl.checks import describe
+from dincl.errors import InvalidProblem
 from dincl.files import replacing
-from dincl.provenance import differences, provenance
-from dincl.study.execute import carry_out, progress
-from dincl.study.parts import locked
+from dincl.study.execute import carry_out, locked, progress
+from dincl.study.record import bound_in, differences, digest_of, record
 from dincl.study.sealed import DamagedTable, read_sealed, write_sealed
 
 if TYPE_CHECKING:
     import pandas as pd
 
-MAKES_NO_NUMBERS = True
 # Settings that are powers differ in their last digit from processor to processor: one run has one name.
 DIGITS = 12
 MOST_DIFFERENCES = 12
-# In the attributes of a table, which Parquet stores.
-ATTRIBUTE = "provenance"
+# Rows of brief runs are written together, so that writing takes at most a part of the time; a kill loses what was not.
+WRITING = 5.0
+# Contents of a column by the NumPy kinds of its values; nothing else is stored.
+KINDS = {"b": "a flag", "i": "a number", "u": "a number", "f": "a number", "U": "a text"}
+# Key of the record in the attributes of a table, which Parquet stores.
+ATTRIBUTE = "made"
 Key = Mapping[str, Any]
 Row = Mapping[str, Any]
 
@@ -39,18 +44,29 @@ class Study:
     Attributes
     ----------
     name, title
-        Of the file; for the progress.
+        Name of the file; title of the progress.
     key
-        Columns that name a run.
+        Columns that name a run; numbers that agree to 12 digits are one name.
     runs
-        The keys of the runs, the longest first, so that no worker is left alone with it at the end.
+        The keys of the runs, each once, the longest first, so that no worker is left alone with it at the end.
     run
-        key -> rows of that run; picklable.
+        key -> rows of that run, which carry the key; picklable, if an executor with processes makes the runs. Each
+        value is a number, a flag, a text or None, and a column has one of these kinds.
     settings
-        What the rows depend on besides their keys; if there are none, what ``run`` binds: the arguments of a partial,
-        the fields of a callable dataclass.
-    calls
-        Functions that ``run`` finds at run time, where no import statement names their modules.
+        Values that the rows depend on besides their keys; if there are none, those that ``run`` binds: the arguments
+        of a partial, the fields of a callable dataclass; or the code of a function that binds nothing.
+    columns
+        Column -> its heading with the unit, of those that a page shows.
+    by
+        Columns that name a row of a run beside the key; none: rows of one run stand in the same order.
+    prepare
+        Called before the first run that is missing, such as to compute a reference that all runs share.
+
+    Raises
+    ------
+    InvalidProblem
+        If a run lacks a column of the key, or two runs have one name; later, if a row cannot be stored: what was made
+        before is.
     """
 
     name: str
@@ -59,61 +75,143 @@ class Study:
     runs: tuple[Key, ...]
     run: Callable[[Key], list[Row]]
     settings: Mapping[str, Any] = field(default_factory=dict)
-    calls: tuple[Callable[..., Any], ...] = ()
+    columns: Mapping[str, str] = field(default_factory=dict)
+    by: tuple[str, ...] = ()
+    prepare: Callable[[], object] | None = None
 
-    def provenance(self) -> dict[str, str]:
+    def __post_init__(self) -> None:
+        names: set[tuple[Any, ...]] = set()
+        for key in self.runs:
+            if lacking := [column for column in self.key if column not in key]:
+                raise InvalidProblem(f"study {self.name}: run {dict(key)} has no {lacking[0]!r}: must have {self.key}")
+            name = self.name_of(key)
+            if name in names:
+                raise InvalidProblem(f"study {self.name}: two runs are {dict(key)}: must differ in {self.key}")
+            names.add(name)
+
+    def made(self) -> dict[str, str]:
         """Return what the rows are made by."""
-        return provenance(self.run, *self.calls, **self.settings)
+        bound = self.settings or bound_in(self.run)
+        return record(bound) if bound else record({"run": self.run})
 
-    def only(self, condition: Callable[[Key], bool]) -> Study:
-        """Return the same study with the runs whose keys meet a condition."""
-        return replace(self, runs=tuple(key for key in self.runs if condition(key)))
-
-    def some(self, most: int) -> Study:
-        """Return the same study with at most so many of its runs, spread evenly over them."""
-        return replace(self, runs=self.runs[:: max(1, -(-len(self.runs) // most))])
-
-    def complete(self, folder: Path, executor: Executor) -> pd.DataFrame:
+    def complete(self, folder: Path, executor: Executor | None = None) -> pd.DataFrame:
         """Make the runs that the table in ``folder`` lacks; return the rows of this study's runs, sorted by key.
 
-        Rows of another provenance are set aside first. An interruption loses only the runs under way.
+        Rows of other settings, or of another version of this package, are set aside first. An interruption loses only
+        the runs under way. Without an executor the runs are made here, one after the other.
 
         Raises
         ------
         InvalidProblem
             If another process is making the same table.
         """
-        table = Table(folder / f"{self.name}.parquet", self.key, self.provenance())
+        path, made = folder / f"{self.name}.parquet", self.made()
         with locked(folder, f"{self.name}.lock"):
-            self._resume(table, executor)
-        rows, names = table.read(), {self.name_of(key) for key in self.runs}
+            rows = self._stored(path, made)
+            done = set(run_names(rows, self.key))
+            if missing := [key for key in self.runs if self.name_of(key) not in done]:
+                self._make(missing, path, made, executor)
+                rows = self._stored(path, made)
+        names = {self.name_of(key) for key in self.runs}
         mine = [name in names for name in run_names(rows, self.key)]
         return rows.loc[mine].reset_index(drop=True)  # all columns, even without rows
 
-    def _resume(self, table: Table, executor: Executor) -> None:
-        """Make the runs that a table lacks."""
-        if changes := table.changes():
-            print(f"{self.title}: the table starts anew, the old one is {table.set_aside()}. What differs:")
-            more = [f"and {len(changes) - MOST_DIFFERENCES} more"] if len(changes) > MOST_DIFFERENCES else []
-            print("\n".join(f"  {line}" for line in changes[:MOST_DIFFERENCES] + more))
-        done = table.done()
-        missing = [key for key in self.runs if self.name_of(key) not in done]
-        if missing:
-            self._make(missing, table, executor)
+    def rows(self, executor: Executor | None = None) -> pd.DataFrame:
+        """Make all runs, and keep their rows in memory alone, in the order of the runs."""
+        import pandas as pd
 
-    def _make(self, missing: list[Key], table: Table, executor: Executor) -> None:
-        """Make runs, and append their rows to the table."""
-        stored = 0
+        if self.prepare is not None:
+            self.prepare()
+        made: dict[tuple[Any, ...], list[Row]] = {}
+        kinds: dict[str, str] = {}
+
+        def keep(key: Key, rows: list[Row]) -> None:
+            self._check(key, rows, kinds)
+            made[self.name_of(key)] = rows
+
+        self._run(self.runs, keep, executor)
+        return pd.DataFrame([row for key in self.runs for row in made[self.name_of(key)]])
+
+    def _run(self, keys: Sequence[Key], keep: Callable[[Key, list[Row]], None], executor: Executor | None) -> None:
+        """Make runs, by the executor or here, and keep the rows of each as soon as they are there."""
+        if executor is not None:
+            carry_out(keys, lambda key: executor.submit(self.run, key), keep, executor)
+            return
+        for key in keys:
+            keep(key, self.run(key))
+
+    def _stored(self, path: Path, made: Mapping[str, str]) -> pd.DataFrame:
+        """Read the rows that there are; a file of other settings, or a damaged one, is set aside."""
+        import pandas as pd
+
+        none = pd.DataFrame(columns=list(self.key))
+        if not path.exists():
+            return none
+        try:
+            rows = read_sealed(path)
+            changes = differences(rows.attrs.get(ATTRIBUTE, {}), made)
+        except DamagedTable as error:
+            changes = [str(error)]
+        if not changes:
+            return rows
+        more = [f"and {len(changes) - MOST_DIFFERENCES} more"] if len(changes) > MOST_DIFFERENCES else []
+        print(f"{self.title}: the table starts anew, the old one is {set_aside(path)}. What differs:")
+        print("\n".join(f"  {line}" for line in changes[:MOST_DIFFERENCES] + more))
+        return none
+
+    def _make(self, missing: list[Key], path: Path, made: dict[str, str], executor: Executor | None) -> None:
+        """Make runs, and add their rows to the file as they come: it has all rows of a run or none."""
+        import pandas as pd
+
+        if self.prepare is not None:
+            self.prepare()
+        pending: dict[tuple[Any, ...], list[Row]] = {}
+        kinds: dict[str, str] = {}
+        stored, took, last = 0, 0.0, time.monotonic()
+
+        def store() -> None:
+            nonlocal stored, took, last
+            if not pending:
+                return
+            start = time.monotonic()
+            new = (row for rows in pending.values() for row in rows)
+            table = pd.DataFrame([*self._stored(path, made).to_dict("records"), *new])
+            table = table.sort_values(list(self.key), kind="stable", ignore_index=True)
+            table.attrs = {ATTRIBUTE: made}
+            write(table, path)
+            stored += len(pending)
+            pending.clear()
+            last = time.monotonic()
+            took = last - start
+
         with progress(self.title, len(missing), "runs") as show:
 
-            def keep(_: Key, rows: list[Row]) -> None:
-                nonlocal stored
-                table.append(rows)
-                stored += 1
-                show(stored)
+            def keep(key: Key, rows: list[Row]) -> None:
+                self._check(key, rows, kinds)
+                pending[self.name_of(key)] = rows
+                if time.monotonic() - last >= WRITING * took:
+                    store()
+                show(stored + len(pending))
 
             show(0)
-            carry_out(missing, lambda key: executor.submit(self.run, key), keep, executor)
+            try:
+                self._run(missing, keep, executor)
+            finally:
+                store()
+
+    def _check(self, key: Key, rows: list[Row], kinds: dict[str, str]) -> None:
+        """Refuse rows of a run that carry another key, or values that a table does not hold; ``kinds``: so far."""
+        name = self.name_of(key)
+        for row in rows:
+            if any(column not in row for column in self.key) or self.name_of(row) != name:
+                mine = {column: row.get(column) for column in self.key}
+                raise InvalidProblem(f"study {self.name}: run {dict(key)} returned a row of {mine}: must carry its key")
+            for column, value in row.items():
+                kind = kind_of(value)
+                if kind != kinds.setdefault(column, kind) if kind else value is not None:
+                    allowed = f"{kinds[column]}, as before" if kind else "a number, flag, text or None"
+                    at = f"study {self.name}: run {dict(key)}: {column} = {describe(value)}"
+                    raise InvalidProblem(f"{at}: must be {allowed}")
 
     def name_of(self, key: Key) -> tuple[Any, ...]:
         """Return the name of a run."""
@@ -121,86 +219,76 @@ class Study:
 
 
 @dataclass(frozen=True)
-class Table:
-    """Rows of runs, stored as Parquet with a CSV beside it.
+class _Joined:
+    """The runs of several studies; the column says which one a key is of."""
 
-    Attributes
-    ----------
-    path
-        The Parquet file.
-    key
-        Columns that name a run; one run may have several rows, which are appended together.
-    provenance
-        What the rows depend on besides their key, see ``dincl.provenance``. It is stored in the file, if it is known.
-    notes
-        Further attributes of the file, such as the command that makes it.
+    runs: Mapping[str, Callable[[Key], list[Row]]]
+    column: str
+
+    def __call__(self, key: Key) -> list[Row]:
+        name = key[self.column]
+        return [{self.column: name} | dict(row) for row in self.runs[name](key)]
+
+
+def joined(name: str, title: str, studies: Mapping[str, Study], column: str = "problem") -> Study:
+    """Join studies with the same key into one, whose first column says which of them a row is of.
+
+    Raises
+    ------
+    InvalidProblem
+        If there are none, or they differ in ``key`` or ``by``, or have a column of that name in their key.
     """
+    several = list(studies.values())
+    if not several or len({(study.key, study.by) for study in several}) > 1 or column in several[0].key:
+        keys = "; ".join(f"{label}: {study.key}" for label, study in studies.items()) or "none"
+        raise InvalidProblem(f"studies {name}: {keys}: must be one or more, of the same key and by, without {column!r}")
 
-    path: Path
-    key: tuple[str, ...]
-    provenance: Mapping[str, str]
-    notes: Mapping[str, str] = field(default_factory=dict)
+    def prepare() -> None:
+        for study in several:
+            if study.prepare is not None:
+                study.prepare()
 
-    def read(self) -> pd.DataFrame:
-        """Read all rows, sorted by key; none if there is no file yet.
+    columns = {column: column.capitalize()}
+    for study in several:
+        columns |= study.columns
+    return Study(
+        name,
+        title,
+        (column, *several[0].key),
+        tuple({column: label} | dict(key) for label, study in studies.items() for key in study.runs),
+        _Joined({label: study.run for label, study in studies.items()}, column),
+        {label: study.settings or bound_in(study.run) for label, study in studies.items()},
+        columns,
+        several[0].by,
+        prepare,
+    )
 
-        Raises
-        ------
-        ValueError
-            If the file has another provenance; DamagedTable if it is not as it was written.
-        """
-        import pandas as pd
 
-        if not self.path.exists():
-            return pd.DataFrame(columns=list(self.key))
-        rows = read_sealed(self.path)
-        if changes := differences(rows.attrs.get(ATTRIBUTE, {}), self.provenance):
-            raise ValueError(
-                f"{self.path.name} was made by other code or settings ({'; '.join(changes)}), and its rows cannot be "
-                "mixed with new ones: set the file aside"
-            )
-        return rows
-
-    def changes(self) -> list[str]:
-        """List in what the provenance of the file differs, a line each, or what is wrong with the file."""
-        try:
-            rows = read_sealed(self.path) if self.path.exists() else None
-        except DamagedTable as error:
-            return [str(error)]
-        return [] if rows is None else differences(rows.attrs.get(ATTRIBUTE, {}), self.provenance)
-
-    def done(self) -> set[tuple[Any, ...]]:
-        """Return the names of the runs that the table has."""
-        return set(run_names(self.read(), self.key))
-
-    def append(self, rows: Iterable[Row]) -> None:
-        """Add the rows of a run, so that the file has either all of them or none, whatever happens meanwhile."""
-        import pandas as pd
-
-        table = pd.DataFrame([*self.read().to_dict("records"), *rows])
-        table = table.sort_values(list(self.key), kind="stable", ignore_index=True)
-        write_csv(table, self.path)
-        self.replace(table)
-
-    def replace(self, rows: pd.DataFrame) -> None:
-        """Write all rows, in place of those that are there."""
-        rows.attrs = {**self.notes, **({ATTRIBUTE: dict(self.provenance)} if self.provenance else {})}
-        self.path.parent.mkdir(parents=True, exist_ok=True)
-        write_sealed(rows, self.path)
-
-    def set_aside(self) -> Path:
-        """Move the file to the folder ``superseded``; return where it went."""
-        old = self.path.parent / "superseded"
-        old.mkdir(exist_ok=True)
-        for suffix in (".csv", ".parquet") if self.path.with_suffix(".csv").exists() else (".parquet",):
-            os.replace(self.path.with_suffix(suffix), old / self.path.with_suffix(suffix).name)
-        return old / self.path.name
+def set_aside(path: Path) -> Path:
+    """Move a table to the folder ``superseded``, beside those that are there; return where it went."""
+    old = path.parent / "superseded"
+    old.mkdir(exist_ok=True)
+    names = (old / f"{path.stem}{f'_{k}' if k else ''}.parquet" for k in count())
+    to = next(name for name in names if not name.exists() and not name.with_suffix(".csv").exists())
+    for suffix in (".csv", ".parquet") if path.with_suffix(".csv").exists() else (".parquet",):
+        os.replace(path.with_suffix(suffix), to.with_suffix(suffix))
+    return to
 
 
 def run_names(rows: pd.DataFrame, key: Sequence[str]) -> list[tuple[Any, ...]]:
     """Return for each row the name of its run: the values in the columns of a key."""
     found = rows[list(key)].itertuples(index=False, name=None)
     return [tuple(map(rounded, name)) for name in found]
+
+
+def kind_of(value: Any) -> str:
+    """Return what a value of a row is, as KINDS has it; "" for what a table does not hold."""
+    import numpy as np
+
+    if isinstance(value, str):
+        return KINDS["U"] if value.isascii() or value.encode("utf-8", "replace").decode() == value else ""
+    kind = np.asarray(value).dtype.kind if np.isscalar(value) else ""
+    return KINDS.get(kind, "")
 
 
 def rounded(value: Any) -> Any:
@@ -210,8 +298,9 @@ def rounded(value: Any) -> Any:
 
 def write(table: pd.DataFrame, path: Path) -> None:
     """Write Parquet, which ``read_sealed`` reads, and a CSV beside it; each is put in place at once."""
-    write_csv(table, path)
+    path.parent.mkdir(parents=True, exist_ok=True)
     write_sealed(table, path.with_suffix(".parquet"))
+    write_csv(table, path)
 
 
 def write_csv(table: pd.DataFrame, path: Path) -> None:
@@ -223,4 +312,4 @@ def write_csv(table: pd.DataFrame, path: Path) -> None:
 
 def digest(value: object) -> str:
     """Return a short name for a value, from its representation as text."""
-    return hashlib.sha256(repr(value).encode()).hexdigest()[:16]
+    return digest_of(repr(value).encode())

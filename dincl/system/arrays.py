@@ -15,7 +15,7 @@ from dincl.solvers.envelope_factor import EnvelopeFactor, envelope_factor
 
 # How steps end; the first ones are those of ``active_set.nearest``.
 OK, UNMET, CYCLES, DRIFT, SETS, COINCIDENT, TOO_FAR, MISSED, NOT_A_NUMBER, SINGULAR = range(10)
-FLAT, UNSETTLED, PYTHON, WEDGE = range(10, 14)
+FLAT, UNSETTLED, PYTHON, WEDGE, STALE, NEED_ROOM = range(10, 16)
 
 
 class Drift(NamedTuple):
@@ -30,20 +30,6 @@ class Drift(NamedTuple):
     failed: Floats  # (1 + 2 n,)
     unit: Floats  # (3,)
     point: Floats  # (n,): x in the units of the function
-
-
-class Solving(NamedTuple):
-    """The solver of least-distance programs, called by its address with the signature of ``DRIFT``.
-
-    It gets the tolerance, y and z, the address of the system and ``answer``, and solves the program of the near rows:
-    it writes z and the multipliers. A solver that is ``whole`` gets the start of the search in place of y, and projects
-    onto the set itself. ``question`` says what is projected onto.
-    """
-
-    address: int
-    whole: int
-    question: Floats  # (4,): time, the time to which linearised rows are carried, 1 for the set itself, tolerance
-    called: Floats  # (1,): 0 if y itself solved the last program
 
 
 class Curvature(NamedTuple):
@@ -75,7 +61,6 @@ class SystemArrays(NamedTuple):
     middle: Floats  # (n,)
     move: Floats  # (families, d)
     offending: Offsets  # (1,)
-    solving: Solving
     curvature: Curvature
 
 
@@ -84,7 +69,7 @@ SYSTEM = SystemArrays(
     row_table(np.zeros(0, dtype=ROW), np.zeros(1, dtype=np.int64), np.zeros(0, dtype=np.int64), np.zeros(0)),
     Sets(
         0,
-        np.zeros(1),
+        np.zeros(1, dtype=np.int64),
         np.zeros((0, 1)),
         np.zeros((0, 1)),
         np.zeros(0, dtype=np.int64),
@@ -95,6 +80,7 @@ SYSTEM = SystemArrays(
         np.zeros(1, dtype=np.int64),
         np.zeros(0, dtype=np.int64),
         np.zeros(0),
+        np.zeros(2, dtype=np.int64),
     ),
     no_candidates(0, 0, 0, 1),
     least_distance(np.zeros(0), np.zeros(0), np.zeros(0), 0),
@@ -104,7 +90,6 @@ SYSTEM = SystemArrays(
     np.zeros(0),
     np.zeros((0, 1)),
     np.zeros(1, dtype=np.int64),
-    Solving(0, 0, np.zeros(4), np.zeros(1)),
     curvature(0, 0),
 )
 system_at = reader(SYSTEM)
@@ -134,10 +119,10 @@ def evaluate(drift: Drift, d: int, t: float, x: Floats, out: Floats) -> int:
 @inner
 def bounded(x: Floats, most: float) -> bool:
     """Return whether all numbers are finite and none is larger than ``most``."""
-    fits = True
+    wrong = 0
     for k in range(x.size):
-        fits = fits and abs(x[k]) <= most
-    return fits
+        wrong += not abs(x[k]) <= most
+    return wrong == 0
 
 
 @inner

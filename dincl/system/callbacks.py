@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import ctypes
 import math
-import sys
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
+from dincl.compiled.calls import DRIFT, c_type
 from dincl.compiled.uncaught import uncaught_errors
 from dincl.drifts import compiled
-from dincl.drifts.counted import CountedDrift
+from dincl.drifts.base import CountedDrift
 from dincl.drifts.functions import NOT_A_NUMBER
 from dincl.errors import StepFailure
-from dincl.problem import DRIFT
+from dincl.problem import DRIFT as USER_DRIFT
 from dincl.status import Status
 from dincl.system.arrays import PYTHON
 
@@ -26,8 +26,6 @@ if TYPE_CHECKING:
 
     from dincl.problem import Problem
 
-_WORD, _ADDRESS = ctypes.c_int64, ctypes.c_void_p
-_C_FUNCTION = ctypes.CFUNCTYPE(_WORD, ctypes.c_double, _ADDRESS, _ADDRESS, _WORD, _WORD, _ADDRESS)
 _FLOAT64 = np.dtype(np.float64)
 
 
@@ -38,9 +36,9 @@ def numbers_at(address: int, shape: tuple[int, ...]) -> NDArray[np.float64]:
 
 
 class PythonFunction:
-    """A function (t, x, out, n, d, data), of which x, out and data are addresses, with the signature of ``DRIFT``.
+    """A function that compiled code calls with the arguments of a ``signature``; arrays come as addresses.
 
-    Compiled code gets 0 from it, or PYTHON if it raised.
+    Compiled code gets its number, 0 if it returns none, or PYTHON if it raised.
 
     Attributes
     ----------
@@ -55,24 +53,23 @@ class PythonFunction:
     calls = 0
     _error: BaseException | None = None
 
-    def __init__(self, function: Callable[..., None]) -> None:
+    def __init__(self, function: Callable[..., int | None], signature: Any) -> None:
         self._function = function
-        self._bind(self._call)
+        self._bind(self._call, signature)
 
-    def _bind(self, python: Callable[..., int]) -> None:
+    def _bind(self, python: Callable[..., int], signature: Any) -> None:
         """Make the C function of ``python``, which raises nothing."""
         self.python = python
-        self._c_function = _C_FUNCTION(python)
-        self.address = int(ctypes.cast(self._c_function, _ADDRESS).value or 0)
+        self._c_function = c_type(signature)(python)
+        self.address = int(ctypes.cast(self._c_function, ctypes.c_void_p).value or 0)
 
-    def _call(self, t: float, x: int, out: int, n: int, d: int, data: int) -> int:
+    def _call(self, *arguments: Any) -> int:
         self.calls += 1
         try:
-            self._function(t, x, out, n, d, data)
+            return self._function(*arguments) or 0
         except BaseException as error:  # noqa: BLE001  # raised again by ``raise_error``; here it would be printed
             self.keep(error)
             return PYTHON
-        return 0
 
     def keep(self, error: BaseException) -> None:
         """Keep what the function raised for ``raise_error``."""
@@ -122,7 +119,7 @@ class DriftPointer(PythonFunction):
         if self._compiled is not None:
             self.address, self.data = self._compiled.pointer()
         else:
-            self._bind(_python_drift(problem.drift, self._shape, self.keep))
+            self._bind(_python_drift(problem.drift, self._shape, self.keep), DRIFT)
             self.data = np.zeros(1)
 
     def count_evaluations(self, number: int) -> None:
@@ -139,7 +136,7 @@ class DriftPointer(PythonFunction):
         """Raise as ``problem.velocity(t, x)`` does, when the kernel wrote ``out`` and returned ``code``."""
         self.raise_error()
         if code == NOT_A_NUMBER:
-            DRIFT.numbers(out.reshape(self._shape))
+            USER_DRIFT.numbers(out.reshape(self._shape))
         self._velocity(t, x.reshape(self._shape))
         raise StepFailure(Status.DRIFT_FAILED, "drift failed in its compiled form alone.")
 
@@ -149,47 +146,24 @@ def _python_drift(drift: Any, shape: tuple[int, ...], keep: Callable[[BaseExcept
 
     The drift gets a read-only copy of x, which it may store: a kernel writes over its own array, or frees it.
     """
-    read = _ByAddress(lambda address: _bytes_of(numbers_at(address, shape)))
-    write = _ByAddress(lambda address: numbers_at(address, shape))
-    x, content = _read_only(shape)
-    references = sys.getrefcount(x)
+    views: dict[int, NDArray[np.float64]] = {}  # by address: a run has few arrays
+
+    def view(address: int) -> NDArray[np.float64]:
+        if address not in views:
+            views[address] = numbers_at(address, shape)
+        return views[address]
 
     def function(t: float, place: int, out: int, n: int, d: int, data: int) -> int:
-        nonlocal x, content
         try:
-            if sys.getrefcount(x) > references:
-                x, content = _read_only(shape)
-            content[:] = read[place]
-            value = DRIFT.call(drift, t, x)
+            x = view(place).copy()
+            x.flags.writeable = False
+            value = USER_DRIFT.call(drift, t, x)
             if type(value) is not np.ndarray or value.dtype is not _FLOAT64 or value.shape != shape:
-                value = DRIFT.numbers(value, shape)
-            write[out][...] = value
+                value = USER_DRIFT.numbers(value, shape)
+            view(out)[...] = value
         except BaseException as error:  # noqa: BLE001  # raised again by ``failure``; here it would be printed
             keep(error)
             return PYTHON
         return 0
 
     return function
-
-
-class _ByAddress(dict[int, Any]):
-    """Views by address, made when first looked up: a run has few arrays."""
-
-    def __init__(self, make: Callable[[int], Any]) -> None:
-        self._make = make
-
-    def __missing__(self, address: int) -> Any:
-        self[address] = self._make(address)
-        return self[address]
-
-
-def _bytes_of(x: Any) -> memoryview:
-    return memoryview(x).cast("B")
-
-
-def _read_only(shape: tuple[int, ...]) -> tuple[NDArray[np.float64], memoryview]:
-    """Make a read-only array, and a view of its bytes for writing."""
-    x = np.empty(shape)
-    content = _bytes_of(x)
-    x.flags.writeable = False
-    return x, content

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple, NoReturn
 
 import numpy as np
 
+from dincl.compiled.calls import SETS
 from dincl.compiled.structs import StructPointer
 from dincl.constants import LARGEST
 from dincl.constraints.selection import select, transfer_multipliers
@@ -18,7 +19,7 @@ from dincl.solvers.active_set import least_distance
 from dincl.solvers.envelope_factor import EnvelopeFactor, envelope_factor
 from dincl.status import Status
 from dincl.system import arrays as codes
-from dincl.system.arrays import Drift, Solving, SystemArrays, curvature, overlaps_at
+from dincl.system.arrays import Drift, SystemArrays, curvature, overlaps_at
 from dincl.system.callbacks import DriftPointer, PythonFunction, catching, numbers_at
 from dincl.system.sets_pointer import SetsPointer, entries_for
 
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
 
     from dincl.constraints.selection import Selection
     from dincl.problem import Problem
-    from dincl.projection.base import Solver
+    from dincl.projection.certificate import Solver
     from dincl.rows.base import CustomSweep, RowsOfOneKind
     from dincl.work import Work
 
@@ -39,9 +40,6 @@ MOST_PARTICLES = 200
 NO_SWEEPS: Mapping[int, CustomSweep] = {}
 # The name in ``Work.back_ends``.
 NAME = "active set"
-# A failure names the curvature of the set where a point is outside of it by more than this part of a radius, and where
-# the residual is more than rounding, relative to the coordinates.
-CURVED, ROUNDED = 0.5, 1e-10
 FAILURES = {
     codes.UNMET: (Status.NOT_CONVERGED, f"{NAME}: active rows keep a violated row from being met."),
     codes.CYCLES: (Status.NOT_CONVERGED, f"{NAME}: rounding keeps it from an answer."),
@@ -94,29 +92,25 @@ class CompiledProblem:
     def __init__(
         self,
         problem: Problem,
-        selection: Selection | None = None,
+        selection: Selection,
         units: Units = ONE,
         *,
         custom_sweeps: Mapping[int, CustomSweep] = NO_SWEEPS,
         solver: Solver | None = None,
+        exact: bool = False,
+        searches: bool = False,
         programs: bool = True,
     ) -> None:
-        """Without ``programs``, no program is solved for the rows in the table, which takes less memory."""
-        self.problem, self.units, self.solver = problem, units, solver
-        # Without a solver the programs are those of an event-driven run, which needs every row.
-        events = solver is None and programs
-        all_rows = selection is not None or events or len(problem.x0) <= MOST_PARTICLES
-        if selection is None:
-            selection = select(problem.constraints, 0.0, problem.x0, np.inf if all_rows else 0.0)
+        """Bind with the rows of ``selection``: see ``for_events``, ``for_sweeps`` and ``for_projections``."""
+        self.problem, self.units, self.solver, self._exact = problem, units, solver, exact
         self.selection = selection
-        self._programs, self._dense = programs, programs and (solver is None or solver.dense)
+        self._programs = programs
         n, families, d = problem.x0.size, len(problem.constraints), problem.x0.shape[1]
         rows, called = self._tabulated(0.0)
         self.drift = DriftPointer(problem)
         self.sets = SetsPointer(problem.x0, selection, called, units, custom_sweeps, self.drift)
-        search = None if all_rows else PythonFunction(self._list_rows)
-        self.solving = None if solver is None else solver.bind(self)
-        functions = (self.drift, self.sets, search, self.solving)
+        search = PythonFunction(self._list_rows, SETS) if searches else None
+        functions = (self.drift, self.sets, search)
         self.functions = [one for one in functions if isinstance(one, PythonFunction)]
         m = len(rows.row)
         self._pointer = self.sets.system = StructPointer(
@@ -138,17 +132,30 @@ class CompiledProblem:
                 middle=np.zeros(n),
                 move=np.zeros((families, d)),
                 offending=np.zeros(1, dtype=np.int64),
-                solving=Solving(
-                    address=self.solving.address if self.solving else 0,
-                    whole=int(solver is not None and solver.whole),
-                    question=np.zeros(4),
-                    called=np.zeros(1),
-                ),
                 curvature=curvature(n if programs else 0, m if programs else 0),
             )
         )
         self.place = self._pointer.address
         self._counted = (0, 0, 0.0, 0.0, 0)
+
+    @classmethod
+    def for_events(cls, problem: Problem, units: Units) -> CompiledProblem:
+        """Bind to an event-driven run, which needs all rows and solves programs of velocities."""
+        return cls(problem, select(problem.constraints, 0.0, problem.x0, np.inf), units)
+
+    @classmethod
+    def for_sweeps(
+        cls, problem: Problem, selection: Selection, custom_sweeps: Mapping[int, CustomSweep]
+    ) -> CompiledProblem:
+        """Bind to a scheme that takes one of these rows after another, without room for programs."""
+        return cls(problem, selection, custom_sweeps=custom_sweeps, programs=False)
+
+    @classmethod
+    def for_projections(cls, problem: Problem, solver: Solver, *, exact: bool) -> CompiledProblem:
+        """Bind to projections onto S (``exact``) or its linearisation: with all rows of few particles, or near ones."""
+        few = len(problem.x0) <= MOST_PARTICLES
+        selection = select(problem.constraints, 0.0, problem.x0, np.inf if few else 0.0)
+        return cls(problem, selection, solver=solver, exact=exact, searches=not few)
 
     @property
     def arrays(self) -> SystemArrays:
@@ -168,13 +175,6 @@ class CompiledProblem:
         self.sets.raise_error()
         return overlap * self.units.length
 
-    def near_rows(self) -> Selection:
-        """Return the near rows, in the order of the problem."""
-        keep = np.zeros(len(self.selection), dtype=np.bool_)
-        near = self.arrays.near
-        keep[near.row[: int(near.number[0])]] = True
-        return self.selection.take(keep)
-
     def _tabulated(self, t: float) -> tuple[RowTable, tuple[int, ...]]:
         """Return the rows as kernels read them, and the indices of constraints whose rows Python evaluates.
 
@@ -190,7 +190,7 @@ class CompiledProblem:
     def _factor(self, m: int) -> EnvelopeFactor:
         """Make room for the factors of a dense solver."""
         n = self.problem.x0.size
-        return envelope_factor(min(m, n) + 1, n) if self._dense else envelope_factor(1, n if self._programs else 0)
+        return envelope_factor(min(m, n) + 1, n) if self._programs else envelope_factor(1, 0)
 
     def _list_rows(self, t: float, x: int, *_: int) -> None:
         """Put the rows near x at time t into the table; rows that stay keep their multipliers."""
@@ -229,7 +229,7 @@ class CompiledProblem:
         arrays, before = self.arrays, self._counted
         drifts, builds = int(arrays.drift.calls[0]), int(arrays.near.number[1])
         iterations, calls = float(arrays.program.answer[0]), float(arrays.program.answer[2])
-        python = self.sets.calls + (self.solving.calls if isinstance(self.solving, PythonFunction) else 0)
+        python = self.sets.calls
         self._counted = (drifts, builds, iterations, calls, python)
         work.drift_evaluations += drifts - before[0]
         work.neighbour_builds += builds - before[1]
@@ -257,20 +257,13 @@ class CompiledProblem:
             self.drift.failure(float(at[0]), at[1 : n + 1], at[n + 1 :], int(arrays.drift.calls[1]))
         if code == codes.COINCIDENT:
             raise self.selection.coincidence(int(arrays.offending[0]))
-        from dincl.projection.base import missed
-        from dincl.projection.emptiness import wedge
+        from dincl.projection.certificate import missed, wedge
 
         if code == codes.WEDGE:
             raise wedge(2.0 * float(arrays.program.answer[1]))
         if code == codes.MISSED:
             residual, bent = float(arrays.program.answer[1]), float(arrays.curvature.largest[0]) - 1.0
-            failure = missed(self.name, residual, tol)
-            if bent > CURVED and residual > ROUNDED * np.abs(arrays.program.y).max():
-                detail = (
-                    f"{failure.detail} The set is strongly curved on the scale of a step: the point to project lies "
-                    f"{bent:.2g} radii of curvature outside of it. A smaller dt makes steps shorter than that radius."
-                )
-                raise StepFailure(failure.status, detail)
+            failure = missed(self.name, residual, tol, bent, float(np.abs(arrays.program.y).max()))
         else:
             failure = StepFailure(*FAILURES[code])
         raise self.reason(failure, contradicting=code == codes.UNMET)
@@ -283,10 +276,10 @@ class CompiledProblem:
         if not self._programs or (self.solver is None and not contradicting):
             return failure
         from dincl.matrices import from_rows
-        from dincl.projection.emptiness import why_unsolved
+        from dincl.projection.certificate import why_unsolved
         from dincl.steps.programs import near_program
 
-        indptr, indices, data, missing, _, multipliers, binding = near_program(self.place)
+        indptr, indices, data, missing, _, multipliers, binding = near_program(self.place, self._exact)
         program, keep = self.arrays.program, multipliers > 0 if contradicting else np.ones(len(missing), dtype=np.bool_)
         matrix = from_rows(indptr, indices, data, program.y.size)[keep]
         size = max(float(np.abs(program.y).max()), float(np.abs(self.problem.x0).max()) / self.units.length)

@@ -2,30 +2,36 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dincl.compiled.calls import SETS
+from dincl.compiled.structs import StructPointer
 from dincl.constraints.moving import derivative
 from dincl.constraints.selection import rates as gap_rates
 from dincl.constraints.selection import row_lengths
+from dincl.errors import StepFailure
 from dincl.norms import longest
 from dincl.rows.table import DISTANCE, GRADIENTS, SWEEP, VELOCITIES, RowTable, Sets
 from dincl.system.callbacks import PythonFunction, numbers_at
 from dincl.system.time_scales import NO_BREAKS
+from dincl.system.time_tables import table_of_displacement, table_of_rows, timed_sets
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Mapping, Sequence
 
     from numpy.typing import NDArray
 
-    from dincl.compiled.structs import StructPointer
     from dincl.constraints.base import Constraint
     from dincl.constraints.selection import Selection
     from dincl.rows.base import CustomSweep, RowsOfOneKind, TableRows
     from dincl.system.callbacks import DriftPointer
     from dincl.system.compiled_problem import Units
+    from dincl.system.time_scales import Interval
+    from dincl.system.time_tables import TimeTable
     from dincl.work import Work
 
 # A Jacobian of no more entries than this has room for all of them.
@@ -77,15 +83,16 @@ class SetsPointer(PythonFunction):
         self.updates: list[Callable[[float], None]] = []
         timed = {f: one for f, one in enumerate(selection.constraints) if one.timed}
         moving = {f: one for f, one in timed.items() if one.displacement(0.0, d) is not None}
+        self._translated = frozenset(moving)
         self._paths: dict[int, Any] = {f: partial(one.displacement, d=d) for f, one in moving.items()}
         self._general = {f: one for f, one in timed.items() if f not in moving}
         m = self._select(selection, called)
         entries = entries_for(m * count * d)
         if timed or m or custom_sweeps:
-            super().__init__(self._answer)
+            super().__init__(self._answer, SETS)
         self.arrays = Sets(
             address=self.address,
-            request=np.zeros(3),
+            failed=np.zeros(1, dtype=np.int64),
             shift=np.zeros((families, d)),
             speed=np.zeros((families, d)),
             general=np.isin(np.arange(families), list(self._general)).astype(np.int64),
@@ -96,6 +103,7 @@ class SetsPointer(PythonFunction):
             first=np.zeros(m + 1, dtype=np.int64),
             column=np.zeros(entries, dtype=np.int64),
             entry=np.zeros(entries),
+            tables=np.array([0, 1]),
         )
 
     def _select(self, selection: Selection, called: tuple[int, ...]) -> int:
@@ -118,22 +126,60 @@ class SetsPointer(PythonFunction):
             self.system.replace({"sets.rate": self.arrays.rate})
         self._grow(len(self.arrays.entry))
 
+    def tabulate(self, smooth: Mapping[int, Sequence[Interval]], *, compares: bool = True) -> None:
+        """Let compiled code evaluate the sets that depend on time alone; Python is asked for all others.
+
+        ``smooth`` are the intervals of time in which a set, by its index, is smooth. Who never lists near rows does not
+        ask how sets change.
+        """
+        unit, system = self._units, self.system.value
+        tables: list[TimeTable] = []
+        size = longest(self._start) / unit.length
+        for f, parts in smooth.items():
+            pieces = [(a / unit.time, b / unit.time) for a, b in parts]
+            with suppress(StepFailure):  # the run fails when it gets there
+                if f in self._paths and pieces:
+                    table = table_of_displacement(f, partial(self._displaced, f), pieces, size)
+                elif pieces and len(self._blocks[f]) and not system.near.search:
+                    table = table_of_rows(f, partial(self._tabulated, f), pieces, size, self._starts[f], system.rows)
+                else:
+                    continue
+                if table is not None:
+                    tables.append(table)
+        if not tables:
+            return
+        for one in tables:
+            self._paths.pop(one.family, None)
+            self._general.pop(one.family, None)
+        self._tables = StructPointer(timed_sets(tables, system.rows, system.near.radius, compares=compares))
+        asks = self._paths or self._general or self.updates or self._called
+        self.arrays.tables[:] = self._tables.address, bool(asks)
+
+    def _displaced(self, f: int, t: float) -> NDArray[np.float64]:
+        found: NDArray[np.float64] = self._paths[f](t * self._units.time) / self._units.length
+        return found
+
+    def _tabulated(self, f: int, t: float) -> TableRows | None:
+        rows = self._general[f].rows_at(t * self._units.time, self._blocks[f], self._shape)
+        part = rows.tabulated(self._shape[1])
+        return None if part is None else in_units(part, self._units.length)
+
     def keep(self, error: BaseException) -> None:
         """Keep an error, and let kernels see it: an interrupted function returns 0."""
         super().keep(error)
-        self.arrays.request[1] = 1.0
+        self.arrays.failed[0] = 1
 
     def raise_error(self) -> None:
         """Raise the error of a question, if any; the next question is asked again."""
-        self.arrays.request[1] = 0.0
+        self.arrays.failed[0] = 0
         super().raise_error()
 
-    def _answer(self, t: float, x: int, *_: int) -> None:
-        # Compiled code says only now and then how often it calls the drift; these questions may take much longer.
+    def _answer(self, t: float, x: int, question: int, family: int) -> None:
+        # The budget of evaluations is checked here, too: a slow function of the user could overrun it before compiled
+        # code next counts its calls of the drift.
         self._drift.note_call()
-        question, _, family = self.arrays.request
         if question == SWEEP:
-            self.custom_sweeps[int(family)].sweep(t * self._units.time, numbers_at(x, self._shape), self.work)
+            self.custom_sweeps[family].sweep(t * self._units.time, numbers_at(x, self._shape), self.work)
             return
         unit, t = self._units, t * self._units.time
         for f, path in self._paths.items():
@@ -165,7 +211,7 @@ class SetsPointer(PythonFunction):
         rows = one.rows_at(t, self._blocks[f], self._shape)
         part = rows.tabulated(self._shape[1])
         if part is not None:
-            write_numbers(table, mine, part, unit.length)
+            write_numbers(table, mine, in_units(part, unit.length))
             self._written[f] = t
         if rates:
             found = gap_rates(one, self._blocks[f], t, x, *self._differences(t)) / row_lengths(rows, x)
@@ -181,7 +227,7 @@ class SetsPointer(PythonFunction):
         found = self._changes.get((f, since, t))
         if found is not None and longest(x - found[1]) + search_radius <= found[2]:
             return found[0]
-        # Of the next search, too, whose radius is not known yet.
+        # The bound must also hold for rows that the next search will list, whose radius is not known yet.
         radius = max(search_radius, longest(x))
         change = one.change(since, t, x, radius)
         if len(self._changes) >= MOST_CHANGES:
@@ -193,7 +239,7 @@ class SetsPointer(PythonFunction):
         """Write values and Jacobian of the rows that Python evaluates."""
         sets, unit, row, entry = self.arrays, self._units, 0, 0
         for family, block in self._called:
-            moved = block.shifted(sets.shift[family] * unit.length) if family in self._paths else block
+            moved = block.shifted(sets.shift[family] * unit.length) if family in self._translated else block
             if family in self._general:
                 moved = self._general[family].rows_at(t, block, self._shape)
             values, matrix = moved.values(x), moved.jacobian(x)
@@ -218,13 +264,18 @@ class SetsPointer(PythonFunction):
         self.system.replace(arrays)
 
 
-def write_numbers(table: RowTable, rows: slice, part: TableRows, unit: float) -> None:
-    """Write the numbers of rows that are in the table; lengths are divided by ``unit``."""
-    apart = part.numbers["kind"] == DISTANCE
-    table.row["length"][rows] = part.numbers.get("length", 0.0) / unit
+def in_units(part: TableRows, unit: float) -> TableRows:
+    """Return rows whose lengths are divided by ``unit``."""
+    length = part.numbers.get("length", 0.0) / unit
+    coefficient = part.coefficient / unit if part.numbers["kind"] == DISTANCE else part.coefficient
+    return part._replace(numbers=part.numbers | {"length": length}, coefficient=coefficient)
+
+
+def write_numbers(table: RowTable, rows: slice, part: TableRows) -> None:
+    """Write the numbers of rows that are in the table."""
+    table.row["length"][rows] = part.numbers["length"]
     table.row["square"][rows] = part.numbers.get("square", 0.0)
-    entries = slice(table.start[rows.start], table.stop[rows.stop - 1])
-    table.coefficient[entries] = part.coefficient / unit if apart else part.coefficient
+    table.coefficient[table.start[rows.start] : table.stop[rows.stop - 1]] = part.coefficient
 
 
 def entries_for(dense: int) -> int:

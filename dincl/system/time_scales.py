@@ -15,14 +15,15 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.polynomial.chebyshev import chebval, chebvander
+from numpy.polynomial.chebyshev import chebder, chebroots, chebtrim, chebval, chebvander
 
 from dincl.drifts import compiled
+from dincl.drifts.base import CountedDrift
 from dincl.errors import StepFailure
 from dincl.status import Status
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from numpy.typing import ArrayLike, NDArray
 
@@ -32,12 +33,17 @@ if TYPE_CHECKING:
 Interval = tuple[float, float]
 
 NO_BREAKS = np.zeros((0, 2))
+NONE_SMOOTH: Mapping[int, Sequence[Interval]] = {}
 EPS = float(np.finfo(float).eps)
 # Values of one function at most: as many as a run of a few hundred steps takes. They resolve about sixty breaks.
 MOST_VALUES = 5000
 # The first look is at so many equal parts; then parts that are not smooth are cut. No cut is at a time that people
 # choose, for a break that lies on a cut is in neither part.
 PARTS, CUT = 13, 0.3819660112501051
+# A run of at least so many equal steps looks at sets at the time of one step in so many, besides output times.
+FEWEST_STEPS, STEPS_OF_A_LOOK = 200, 8
+# A set with more functions of time than these is not looked at where one of them has an extremum.
+MOST_EXTREMES = 8
 # A look is taken at so many times besides; at output times; and beside each of at most so many of them, at these parts
 # of the time to the next one. A drift that has the same value at x0 at all of them does not depend on time.
 LOOKS, FEW, BESIDE = 61, 100, (1e-5, 1e-2)
@@ -78,6 +84,8 @@ class TimeScales(NamedTuple):
     ``breaks`` (K, 2) are intervals, as short as rounding allows, with a jump of a set or of its velocity in each;
     ``stops`` (S, 2) are these and those of the drift at x0. Pieces (P, 2) are times until which, since the one before,
     all functions are resolved by steps of the second number [time]; ``set_pieces`` are those of the sets alone.
+    ``smooth`` are intervals, from break to break or shorter, in which a polynomial of degree 17 leaves no more than
+    rounding of the numbers of a set, by its index; a set that is not resolved has none.
     ``rest`` is how far a set may be from where it is taken to be, since it has more breaks than are looked for
     [length], and ``detail`` says which and where. ``failure`` says why there are no breaks, if so. ``evaluations`` of
     the drift were made.
@@ -91,6 +99,7 @@ class TimeScales(NamedTuple):
     detail: str = ""
     failure: StepFailure | None = None
     evaluations: int = 0
+    smooth: Mapping[int, Sequence[Interval]] = NONE_SMOOTH
 
     @property
     def shortest(self) -> float:
@@ -113,15 +122,16 @@ def time_scales(problem: Problem, times: ArrayLike, accuracy: float = 0.0) -> Ti
     end = float(looks[-1])
     breaks: list[Interval] = []
     stops: list[Interval] = []
-    pieces, rest, detail, failure = [], 0.0, "", None
+    pieces, rest, detail, failure, smooth = [], 0.0, "", None, dict[int, list[Interval]]()
     size = float(np.abs(problem.x0).max(initial=0.0))
-    for name, path in _paths(problem):
+    for k, name, path in _paths(problem):
         try:
             found = _Search(path, end, looks, 0.0, name)
         except StepFailure as raised:
             failure = failure or raised
             continue
         breaks += found.breaks
+        smooth[k] = _smooth_if_accepted(problem, k, found, looks)
         pieces.append(found.pieces(PART_OF_ACCURACY * accuracy / max(1.0, size), at_nodes=False))
         if found.rest(size) > rest:
             rest = found.rest(size)
@@ -143,18 +153,56 @@ def time_scales(problem: Problem, times: ArrayLike, accuracy: float = 0.0) -> Ti
                 stops += found.breaks
                 pieces.append(found.pieces(PART_OF_ACCURACY * accuracy / end, at_nodes=True))
     joined = _joined(breaks, end), _joined(breaks + stops, end)
-    return TimeScales(*joined, _common(pieces), set_pieces, rest, detail, failure, calls)
+    return TimeScales(*joined, _common(pieces), set_pieces, rest, detail, failure, calls, smooth)
 
 
-def _paths(problem: Problem) -> Iterator[tuple[str, Path]]:
-    """Give, with a name, the displacement of each set that is translated, and the numbers of each other timed one."""
+def smooth_pieces(problem: Problem, end: float, steps: int, times: NDArray[np.float64]) -> dict[int, list[Interval]]:
+    """Find the ``smooth`` pieces of ``TimeScales`` for a run of equal steps.
+
+    Sets are looked at at these output times and at the time of every eighth step, and refused where they would be in a
+    step. A function is called less often than there are steps.
+    """
+    found: dict[int, list[Interval]] = {}
+    if steps < FEWEST_STEPS:
+        return found
+    of_steps = np.linspace(0, steps, max(LOOKS, steps // STEPS_OF_A_LOOK)).round() * (end / steps)
+    looks = np.union1d(of_steps, times)
+    for k, name, path in _paths(problem):
+        with suppress(StepFailure):  # the run says why, if it gets so far
+            search = _Search(path, end, looks, 0.0, name, parts=0, most=steps // 2)
+            found[k] = _smooth_if_accepted(problem, k, search, looks)
+    return found
+
+
+def _smooth_if_accepted(problem: Problem, k: int, search: _Search, looks: NDArray[np.float64]) -> list[Interval]:
+    """Return the smooth pieces of a set; none if it refuses its numbers at a look, or where one has an extremum."""
+    one, x0, pieces = problem.constraints[k], problem.x0, search.smooth()
+    if one.displacement(0.0, x0.shape[1]) is None:  # what is only translated has numbers that it accepted before
+        try:
+            for t in (*looks.tolist(), *search.extrema(pieces)):
+                one.select_at(t, x0, 0.0)
+        except StepFailure:
+            return []
+    return pieces
+
+
+def _paths(problem: Problem) -> Iterator[tuple[int, str, Path]]:
+    """Give the index and a name of each timed set, and its displacement or, if it is not translated, its numbers."""
     d = problem.x0.shape[1]
     for k, one in enumerate(problem.constraints):
         if one.timed:
             path: Any = partial(one.parameters, x=problem.x0)
             if one.displacement(0.0, d) is not None:
                 path = partial(one.displacement, d=d)
-            yield f"constraints[{k}] ({type(one).__name__})", path
+            if isinstance(problem.drift, CountedDrift):
+                path = partial(_counted, problem.drift, path)
+            yield k, f"constraints[{k}] ({type(one).__name__})", path
+
+
+def _counted(drift: CountedDrift, path: Path, t: float) -> NDArray[np.float64]:
+    """Evaluate a path; a drift that counts may raise an exception to end the run."""
+    drift.count_evaluations(0)
+    return path(t)
 
 
 def _looks(times: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -207,19 +255,30 @@ class _Piece(NamedTuple):
 class _Search:
     """The breaks of one function of time until ``end``, and smooth pieces between them.
 
-    Noise up to ``negligible`` [units of the function] counts as smooth.
+    Noise up to ``negligible`` [units of the function] counts as smooth. The first look is at ``parts`` parts, and at
+    most ``most`` values are computed, besides those at ``looks``.
     """
 
-    def __init__(self, function: Path, end: float, looks: NDArray[np.float64], negligible: float, name: str) -> None:
+    def __init__(
+        self,
+        function: Path,
+        end: float,
+        looks: NDArray[np.float64],
+        negligible: float,
+        name: str,
+        *,
+        parts: int = PARTS,
+        most: int = MOST_VALUES,
+    ) -> None:
         self._function, self._end, self._negligible, self._name = function, end, negligible, name
-        self._looks, self._most = looks, MOST_VALUES + len(looks)
+        self._looks, self._most = looks, most + len(looks)
         self._values: dict[float, NDArray[np.float64]] = {}
         self._largest: NDArray[np.float64] | float = 0.0
         self.breaks: list[Interval] = []
         self._smooth: list[Interval] = []
         # Pieces that are not smooth: the roughest first.
         self._waiting: list[tuple[float, float, _Piece]] = []
-        for a, b in pairwise(np.unique([0.0, *((np.arange(PARTS) + CUT) / PARTS * end), end]).tolist()):
+        for a, b in pairwise(np.unique([0.0, *((np.arange(parts) + CUT) / max(parts, 1) * end), end]).tolist()):
             self._add(a, b, np.inf)
         while self._waiting and len(self._values) < self._most:
             self._split(heappop(self._waiting)[-1])
@@ -239,6 +298,18 @@ class _Search:
             found = max(found, float((rough * np.maximum(1.0, size / np.maximum(self._largest, 1e-300))).max()))
         return found
 
+    def extrema(self, pieces: Sequence[Interval]) -> Iterator[float]:
+        """List the times in smooth pieces at which a value has an extremum; none of more values than MOST_EXTREMES."""
+        for a, b in pieces:
+            series = COEFFICIENTS @ self._at(a + (b - a) * NODES)
+            if series.shape[1] > MOST_EXTREMES or b - a <= SHORT * self._end:
+                return
+            for one in series.T:
+                slope = chebtrim(chebder(one), ROUNDING * float(np.abs(one).max()))
+                roots = chebroots(slope) if len(slope) > 1 else np.zeros(0)
+                inside = np.real(roots[(np.abs(np.imag(roots)) < SHORT) & (np.abs(np.real(roots)) <= 1.0)])
+                yield from (a + (b - a) * 0.5 * (1.0 + inside)).tolist()
+
     def pieces(self, unresolved: float, *, at_nodes: bool) -> NDArray[np.float64]:
         """Return until when steps may be how long, (P, 2): what is not resolved in one step, or from node to node.
 
@@ -246,8 +317,7 @@ class _Search:
         """
         found: list[Interval] = []
         rough = [piece for *_, piece in self._waiting]
-        edges = [0.0, *(t for a_break in _joined(self.breaks, self._end) for t in a_break), self._end]
-        for a, b in zip(edges[::2], edges[1::2], strict=True):
+        for a, b in self._edges():
             if b - a <= SHORT * self._end:
                 continue
             within = [piece for piece in rough if a <= piece.a < b]
@@ -270,6 +340,26 @@ class _Search:
         half = len(smooth) // 2
         middle = smooth[half][0]
         return self._merged(a, middle, smooth[:half], unresolved) + self._merged(middle, b, smooth[half:], unresolved)
+
+    def smooth(self) -> list[Interval]:
+        """Return intervals from break to break, if one polynomial leaves no more than rounding, or the pieces in them.
+
+        Returns none if a piece is not resolved.
+        """
+        found: list[Interval] = []
+        for a, b in self._edges():
+            within = sorted(piece for piece in self._smooth if a <= piece[0] < b)
+            if len(within) > 1 and len(self._values) < self._most:
+                whole = self._looked_at(a, b)
+                if whole.ratio <= 1.0 and self._missed(whole) <= BETWEEN * ROUNDING * np.max(self._largest):
+                    within = [(a, b)]
+            found += within or [(a, b)]
+        return [] if self._waiting else found
+
+    def _edges(self) -> list[Interval]:
+        """Return the intervals from break to break."""
+        edges = [0.0, *(t for a_break in _joined(self.breaks, self._end) for t in a_break), self._end]
+        return list(zip(edges[::2], edges[1::2], strict=True))
 
     def _missed(self, piece: _Piece) -> float:
         """Return how far the polynomial of a piece is from any value that is known in it."""

@@ -13,7 +13,7 @@ import pandas as pd
 
 import tissue
 from dincl.files import replacing, write_text
-from tissue.study.comparing import planned_answers
+from tissue.study.answers import answer_table, scenario_means
 from tissue.study.read import Results
 
 PAGE = Path(__file__).parents[1] / "tutorials" / "emt_study.md"
@@ -48,12 +48,10 @@ def main(folder: Path) -> None:
 
 def answers(results: Results) -> pd.DataFrame:
     """Return one row for each scenario and each planned answer."""
-    shares = [
-        {"question": name, "measure": "share", "value": (results.cells(name)["extruded"] == "basal").mean()}
-        for name in results.study.scenarios
-    ]
-    planned = planned_answers(results)[["question", "measure", "value", "low", "high", "answer"]]
-    return pd.concat([pd.DataFrame(shares), planned])
+    means = scenario_means(results, ["basal"]).rename(columns={"scenario": "question"}).assign(measure="share")
+    planned = answer_table(results)
+    columns = ["question", "measure", "value", "low", "high", "answer"]
+    return pd.concat([means, planned])[columns]
 
 
 if __name__ == "__main__":

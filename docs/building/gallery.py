@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib import pyplot as plt
 
 import dincl
 import tissue
@@ -116,12 +117,15 @@ def escaped(text: str) -> str:
 
 def _drawn_scene(scene: Any) -> Any:
     times = np.linspace(0.0, scene.times[-1], 121)
-    return dincl.solve(scene, dincl.PBD(0.01), t=times).plot()
+    path = dincl.solve(scene, dincl.PBD(0.01), t=times)
+    if scene.x0.shape[1] < 3:
+        return path.plot()
+    ax: Any = plt.figure().add_subplot(projection="3d")
+    ax.scatter(*path.final.T)  # the centres at the end: trajectories draw the line and the plane
+    return ax
 
 
 def _save(ax: Any, path: Path) -> None:
-    from matplotlib import pyplot as plt
-
     figure = ax.figure
     with replacing(path) as partial:
         figure.savefig(partial, dpi=110, bbox_inches="tight")

@@ -1,4 +1,4 @@
-"""Pages with Python, tutorials and how-to pages, with the outputs of their notebooks and with links to these."""
+"""Pages with Python: tutorials, how-to pages and explanations, with outputs of their notebooks and links to these."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ if TYPE_CHECKING:
 
 BLOCK = re.compile(r"^```(python|sh)\n.*?^```\n", re.MULTILINE | re.DOTALL)
 PYTHON = "\n```python\n"
-FOLDERS = ("tutorials", "howto")
+FOLDERS = ("tutorials", "howto", "explain")
 DOWNLOAD = "\n\n[Download this page as a notebook]({link})\n"
 
 
 def is_notebook(page: Path) -> bool:
-    """Return whether a page is a notebook, too: a tutorial or a how-to page with Python."""
+    """Return whether a page is a notebook, too: a tutorial, a how-to page or an explanation with Python."""
     return page.parent.name in FOLDERS and PYTHON in page.read_text("utf-8")
 
 

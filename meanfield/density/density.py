@@ -16,7 +16,6 @@ from dincl.callables import UserFunction
 from dincl.errors import InvalidProblem
 from dincl.status import Status
 from meanfield.density.panels import Panels, resolve
-from meanfield.density.quadrature import gauss_product
 from meanfield.density.shapes import BumpShape, NormalShape, UniformShape, cholesky_factor, row
 
 Floats = NDArray[np.float64]
@@ -291,3 +290,27 @@ def breaks_within(breaks: tuple[float, ...], lower: Floats, upper: Floats) -> tu
     if found and (len(lower) > 1 or not lower[0] < found[0] or not found[-1] < upper[0]):
         raise InvalidProblem(f"breaks = {found}: must lie inside the box, in one dimension")
     return found
+
+
+def product_points(axes: list[Floats]) -> Floats:
+    """Return all points of a product of axes, shape (Q, len(axes)); the last axis runs fastest."""
+    return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(axes))
+
+
+def gauss_product(pieces: list[Floats], n: int) -> tuple[Floats, Floats]:
+    """Return points (Q, nx) and weights (Q,) of a product of composite Gauss-Legendre rules.
+
+    Parameters
+    ----------
+    pieces
+        for each axis the ends of its pieces, increasing.
+    n
+        Gauss points per axis and piece.
+    """
+    s, weight = np.polynomial.legendre.leggauss(n)
+    half = [np.diff(ends)[:, None] / 2 for ends in pieces]
+    axes = [((ends[1:] + ends[:-1])[:, None] / 2 + h * s).ravel() for ends, h in zip(pieces, half, strict=True)]
+    weights = np.array(1.0)
+    for h in half:
+        weights = np.multiply.outer(weights, (h * weight).ravel())
+    return product_points(axes), weights.ravel()

@@ -1,151 +1,125 @@
-"""Effective mass and force of a measure of particles, in one pass over the particles."""
+"""Measures of particles for compiled code, and forces and energy of all pairs.
+
+K is antisymmetric, hence K(0) = 0, and sums may include the pairs of a particle with itself.
+"""
 
 from __future__ import annotations
 
-from functools import lru_cache
-from typing import TYPE_CHECKING, Any, NamedTuple
+from functools import cache, lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.polynomial import chebyshev
 
-from meanfield.forces.interaction import MIN_COMPILED, forces
-from meanfield.forces.loop import compile_loop
-from meanfield.model.closure import closure
-from meanfield.model.symbolic import library, program
-from meanfield.model.translate import vectorised
-from meanfield.weights import full_weights
+from dincl.errors import StepFailure
+from dincl.status import Status
+from meanfield.kernels.field import (
+    BY_MEAN,
+    BY_PAIRS,
+    DEGREES,
+    NONE,
+    Measure,
+    Pairs,
+    sums_over_pairs,
+)
+from meanfield.model.symbolic import is_affine, library, program
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import NDArray
 
+    from meanfield.kernels.program import Program
     from meanfield.model.model import Model
-    from meanfield.model.symbolic import Expressions
 
-_NONE = np.zeros((0, 0))
-# Largest entry of an effective mass (the mass of y alone is 1) up to which its condition number is not checked.
-UNCHECKED_MASS = 1e12
+    Floats = NDArray[np.float64]
 
 
-class Field(NamedTuple):
-    """Effective mass and force of a measure of particles, and the velocities of the particles.
+def measure(model: Model, weights: Floats, orientation: float, blocks: int = 1) -> Measure:
+    """Set up a measure of particles for compiled code, with a workspace of its own."""
+    nx, ny, interaction = model.nx, model.ny, interaction_of(model)
+    return Measure(
+        program=_integrands(model).with_workspace(blocks),
+        interaction=interaction,
+        pairs=_pairs(model, "K"),
+        orientation=orientation,
+        weights=weights if weights.flags.writeable else weights.copy(),
+        forces=np.empty((len(weights), nx if interaction == BY_PAIRS else 0)),
+        inputs=np.empty(2 * ny + (nx if interaction == BY_MEAN else 0)),
+        sums=np.empty(ny * ny + ny),
+        mass=np.empty((ny, ny + 1)),
+    )
 
-    mass = I + m int Phi^T Phi (5.13), force = F0 + int Phi^T (F1 + K - m Omega[v, v]) (5.14), U_i = Phi_i v (5.9).
-    ``orientation`` is the mean sign of det dg/dX: +1 or -1 while (5.5) holds along a motion.
+
+@lru_cache(maxsize=256)
+def interaction_of(model: Model) -> int:
+    """Return how the particles interact; if V is a quadratic form, as if all of them were at their mean."""
+    if model.V is None:
+        return NONE
+    return BY_MEAN if is_affine(model.expressions.K, model.expressions.r) else BY_PAIRS
+
+
+@lru_cache(maxsize=256)
+def _integrands(model: Model) -> Program:
+    ca, e, interaction = library(), model.expressions, interaction_of(model)
+    K, mean = (ca.SX.sym(name, model.nx if interaction == kind else 0) for name, kind in (("K", 2), ("mean", 1)))
+    pull = {NONE: 0, BY_MEAN: ca.substitute(e.K, e.r, mean - e.X) if interaction == BY_MEAN else 0, BY_PAIRS: K}
+    force = e.F1 - model.m * e.omega + pull[interaction]
+    integrands = [model.m * ca.mtimes(e.phi.T, e.phi), ca.mtimes(e.phi.T, force)]
+    outputs = [ca.mtimes(e.phi, e.v), *integrands, e.determinant, e.F0]
+    return program(e.X, K, ca.vertcat(e.y, e.v, mean), outputs)
+
+
+def _pairs(model: Model, name: str) -> Pairs:
+    return Pairs(_pair_program(model, name).with_workspace(), _nodes(), np.empty((3, DEGREES[-1] + 1)))
+
+
+@lru_cache(maxsize=256)
+def _pair_program(model: Model, name: str) -> Program:
+    ca, e = library(), model.expressions
+    return program(e.r, ca.SX(0, 1), ca.SX(0, 1), [getattr(e, name)])
+
+
+@cache
+def _nodes() -> Floats:
+    """Return T_j at the Chebyshev points of all degrees that may be used."""
+    found = np.zeros((len(DEGREES), DEGREES[-1] + 1, DEGREES[-1] + 1))
+    for level, degree in enumerate(DEGREES):
+        found[level, : degree + 1, : degree + 1] = chebyshev.chebvander(chebyshev.chebpts1(degree + 1), degree)
+    return found
+
+
+def forces(model: Model, X: Floats, weights: Floats | None) -> Floats:
+    """Compute sum_k w_k K(X_k, X_i), K(X_k, X_i) = grad V(X_k - X_i), for each particle i, exact to rounding: (Q, nx).
+
+    Raises
+    ------
+    StepFailure
+        if a force is not finite.
+
+    Source: (5.4), (5.6a).
     """
-
-    mass: NDArray[np.float64]
-    force: NDArray[np.float64]
-    U: NDArray[np.float64]
-    orientation: float
-
-    def acceleration(self) -> NDArray[np.float64]:
-        """Compute y'' = mass^{-1} force (5.11a); NaN if it is not determined."""
-        return solve_mass(self.mass, self.force)
-
-
-def solve_mass(mass: NDArray[np.float64], force: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Compute mass^{-1} force for a mass (n, n) and a force (n,); NaN if not finite or too ill-conditioned.
-
-    An effective mass is the identity plus a positive semidefinite matrix. If that matrix is about 1e14 in one direction
-    and zero in another, the identity is lost to rounding.
-    """
-    if np.isfinite(mass).all() and np.isfinite(force).all():
-        try:
-            if np.abs(mass).max() < UNCHECKED_MASS or np.linalg.cond(mass) < 100 * UNCHECKED_MASS:
-                return np.asarray(np.linalg.solve(mass, force))
-        except np.linalg.LinAlgError:
-            pass
-    return np.full_like(force, np.nan)
-
-
-def field(
-    model: Model,
-    X: NDArray[np.float64],
-    weights: NDArray[np.float64] | None,
-    y: NDArray[np.float64],
-    v: NDArray[np.float64],
-) -> Field:
-    """Compute effective mass and force in one compiled pass over the particles, after ``forces`` with interaction.
-
-    If the moment equations close, the pass sums the moments only. For fewer than 64 particles NumPy computes the same
-    without compilation.
-
-    Parameters
-    ----------
-    X, weights
-        positions (Q, nx) and their weights (Q,) that sum to 1; None: 1/Q each.
-
-    Returns
-    -------
-    Field
-        its numbers may be infinite or NaN if the model is singular; callers must check.
-
-    Source: (5.13)-(5.17), (5.41).
-    """
-    if len(X) < MIN_COMPILED:
-        return field_by_numpy(model, X, weights, y, v)
-    closed = closure(model)
-    interaction = _NONE if model.V is None or closed else forces(model, X, weights)
-    U = np.empty_like(X)
-    kernel = _kernel(model, weighted=weights is not None)
-    with np.errstate(all="ignore"):
-        sums = kernel(X, interaction, _NONE if weights is None else weights, y, v, U)
-        if closed:
-            rho, sigma = sums[: model.nx], sums[model.nx : -1]
-            sums = np.array([*closed.integrals(rho, sigma, y, v), sums[-1]])
-        return _assemble(model, sums, U, y)
-
-
-def field_by_numpy(
-    model: Model,
-    X: NDArray[np.float64],
-    weights: NDArray[np.float64] | None,
-    y: NDArray[np.float64],
-    v: NDArray[np.float64],
-) -> Field:
-    """Compute the same as ``field`` to rounding, by NumPy, summing the integrands of (5.13), (5.14)."""
-    values = [X, y, v] if model.V is None else [X, forces(model, X, weights), y, v]
     w = full_weights(weights, len(X))
-    with np.errstate(all="ignore"):
-        elements = [np.broadcast_to(element, len(X)) for element in _integrands(model)(*values)]
-        sums = np.array([*(w @ element for element in elements[model.nx : -1]), elements[-1].mean()])
-        return _assemble(model, sums, np.column_stack(elements[: model.nx]), y)
+    if interaction_of(model) == BY_MEAN:
+        return model.K(w @ X - X)
+    return _sums(model, "K", X, w)
 
 
-def _symbols_and_outputs(model: Model) -> tuple[list[Any], list[Any]]:
-    """Return symbols of one particle, and its velocity, m Phi^T Phi, Phi^T (F1 + K - m Omega) and sign of det dg/dX."""
-    ca = library()
-    e: Expressions = model.expressions
-    P = ca.SX.sym("P", model.nx)
-    interacting = model.V is not None
-    force = e.F1 - model.m * e.omega + (P if interacting else 0)
-    integrands = [model.m * ca.mtimes(e.phi.T, e.phi), ca.mtimes(e.phi.T, force), ca.sign(e.determinant)]
-    flow = ca.mtimes(e.phi, e.v)
-    return [e.X, P, e.y, e.v] if interacting else [e.X, e.y, e.v], [flow, *integrands]
+def pair_energy(model: Model, X: Floats, weights: Floats | None) -> float:
+    """Compute sum_ik w_i w_k V(X_k - X_i): twice the energy of the pairs in (5.37)."""
+    w = full_weights(weights, len(X))
+    if interaction_of(model) == BY_MEAN:
+        # The mean of a quadratic form over pairs is twice its mean over the deviations from the mean.
+        return 2 * float(w @ model.pair_energy(X - w @ X))
+    return float(w @ _sums(model, "V", X, w)[:, 0])
 
 
-@lru_cache(maxsize=256)
-def _integrands(model: Model) -> Callable[..., list[NDArray[np.float64]]]:
-    symbols, outputs = _symbols_and_outputs(model)
-    names = ["X", "P", "y", "v"] if model.V is not None else ["X", "y", "v"]
-    return vectorised(program(symbols, outputs), names, [name in ("X", "P") for name in names])
+def _sums(model: Model, name: str, X: Floats, w: Floats) -> Floats:
+    found = np.empty((len(X), model.nx if name == "K" else 1))
+    sums_over_pairs(_pairs(model, name), np.array(X, order="C"), np.array(w), found)
+    if not np.isfinite(found).all():
+        raise StepFailure(Status.NON_FINITE, "The force of a pair of particles is not finite.")
+    return found
 
 
-@lru_cache(maxsize=256)
-def _kernel(model: Model, *, weighted: bool) -> Callable[..., NDArray[np.float64]]:
-    interacting = model.V is not None
-    if closure(model) is None:
-        operations = program(*_symbols_and_outputs(model))
-        return compile_loop(operations, model.nx, interacting=interacting, weighted=weighted, plain_last=True)
-    ca = library()
-    e = model.expressions
-    outputs = [ca.mtimes(e.phi, e.v), e.X, ca.vec(ca.mtimes(e.X, e.X.T)), ca.sign(e.determinant)]
-    operations = program([e.X, e.y, e.v], outputs)
-    return compile_loop(operations, model.nx, interacting=False, weighted=weighted, plain_last=True)
-
-
-def _assemble(model: Model, sums: NDArray[np.float64], U: NDArray[np.float64], y: NDArray[np.float64]) -> Field:
-    ny = model.ny
-    mass = np.eye(ny) + sums[: ny * ny].reshape(ny, ny)
-    return Field(mass, model.F0(y) + sums[ny * ny : -1], U, float(sums[-1]))
+def full_weights(weights: Floats | None, particles: int) -> Floats:
+    """Return the weights of Q particles, shape (Q,): the given ones, or 1/Q each for None."""
+    return np.full(particles, 1 / particles) if weights is None else weights

@@ -4,25 +4,58 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from dincl.checks import describe, integer, number, shaped
 from dincl.errors import FunctionFailed, InvalidProblem, StepFailure
 from dincl.status import Status
-from meanfield.model.functions import PARTICLE, SIGNATURES, numpy_function
-from meanfield.model.symbolic import Expressions, casadi_functions, expressions
+from meanfield.kernels.program import evaluated
+from meanfield.model.symbolic import Expressions, casadi_functions, depends, expressions, library, program
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import ArrayLike, NDArray
+
+    from meanfield.kernels.program import Program
 
 # Inverses of dg/dX are written out by minors, whose number grows fast with the dimension.
 MAX_DIMENSIONS = 3
 MAX_MACROSCOPIC = 12
 FLOAT = np.dtype(np.float64)
+# Inputs, those of particles first, and outputs of each function of a model.
+SIGNATURES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+    "level": (("X", "y"), ("level",)),
+    "jacobians": (("X", "y"), ("gX", "gy")),
+    "phi": (("X", "y"), ("phi",)),
+    "omega": (("X", "y", "v"), ("omega",)),
+    "curvature": (("X", "U", "y", "v"), ("curvature",)),
+    "determinant": (("X", "U", "y", "v"), ("determinant", "turning")),
+    "watched": (("X", "U", "y", "v"), ("determinant", "turning", "W1", "W0")),
+    "F0": (("y",), ("F0",)),
+    "F1": (("X",), ("F1",)),
+    "K": (("r",), ("K",)),
+    "W0": (("y",), ("W0",)),
+    "W1": (("X",), ("W1",)),
+    "V": (("r",), ("V",)),
+}
+PARTICLE, MATRICES = ("X", "U", "r"), ("gX", "gy", "phi")
+MAY_BE_SINGULAR = ("phi", "omega", "level", "jacobians", "determinant")
+NO_INPUTS = np.empty((1, 0))
+
+
+class _Function(NamedTuple):
+    """Program of a function of a model; the first ``particles`` of its inputs belong to particles.
+
+    ``parts`` has, for each output, its columns among those of the program and its shape for one particle; ``status`` is
+    that of a value that is not finite.
+    """
+
+    program: Program
+    inputs: tuple[str, ...]
+    particles: int
+    parts: list[tuple[slice, tuple[int, ...]]]
+    status: Status
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,9 +115,14 @@ class Model:
         return expressions({"g": self.g, "W0": self.W0, "W1": self.W1, "V": self.V}, self.nx, self.ny)
 
     @cached_property
-    def _functions(self) -> dict[str, Callable[..., list[NDArray[np.float64]]]]:
-        """NumPy functions built so far, by their names in SIGNATURES."""
+    def _functions(self) -> dict[str, _Function]:
+        """Functions built so far, by their names in SIGNATURES."""
         return {}
+
+    @cached_property
+    def jacobian_varies(self) -> bool:
+        """Whether dg/dX depends on X."""
+        return depends(self.expressions.gX, self.expressions.X)
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Lambdas do not pickle, and expressions that are pickled one by one no longer share their symbols.
@@ -114,19 +152,26 @@ class Model:
 
     def curvature(self, X: ArrayLike, y: ArrayLike, U: ArrayLike, v: ArrayLike) -> NDArray[np.float64]:
         """Compute D^2 g[(U, v), (U, v)] of shape (Q, nx): g'' = dg/dX X'' + dg/dy y'' + curvature."""
-        (curvature,) = self._evaluate("curvature", X, y, U, v)
+        (curvature,) = self._evaluate("curvature", X, U, y, v)
         return curvature
 
     def determinant(
         self, X: ArrayLike, y: ArrayLike, U: ArrayLike, v: ArrayLike
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Compute det dg/dX of shape (Q,), and its rate of change along the velocities U, v."""
-        determinant, turning = self._evaluate("determinant", X, y, U, v)
+        determinant, turning = self._evaluate("determinant", X, U, y, v)
         return determinant[:, 0], turning[:, 0]
+
+    def watched(
+        self, X: ArrayLike, y: ArrayLike, U: ArrayLike, v: ArrayLike
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], float]:
+        """Compute what a run watches: det dg/dX and its rate, see ``determinant``, W1 of each particle, and W0."""
+        determinant, turning, W1, W0 = self._evaluate("watched", X, U, y, v)
+        return determinant[:, 0], turning[:, 0], W1[:, 0], float(W0[0, 0])
 
     def F0(self, y: ArrayLike) -> NDArray[np.float64]:
         """Compute -grad W0(y) of shape (ny,)."""
-        (force,) = self._evaluate("F0", np.zeros((1, self.nx)), y)
+        (force,) = self._evaluate("F0", y)
         return np.asarray(force[0])
 
     def F1(self, X: ArrayLike) -> NDArray[np.float64]:
@@ -141,7 +186,7 @@ class Model:
 
     def energy0(self, y: ArrayLike) -> float:
         """Compute W0(y)."""
-        (energy,) = self._evaluate("W0", np.zeros((1, self.nx)), y)
+        (energy,) = self._evaluate("W0", y)
         return float(energy[0, 0])
 
     def energy1(self, X: ArrayLike) -> NDArray[np.float64]:
@@ -156,16 +201,32 @@ class Model:
 
     def _evaluate(self, name: str, *values: ArrayLike) -> list[NDArray[np.float64]]:
         """Evaluate a function of SIGNATURES; FunctionFailed if a value is not finite."""
-        arrays = [self._argument(*given) for given in zip(SIGNATURES[name][0], values, strict=False)]
         if name not in self._functions:
-            self._functions[name] = numpy_function(self.expressions, name)
-        found = self._functions[name](*arrays)
-        if not all(np.isfinite(part).all() for part in found):
-            status = (
-                Status.SINGULAR if name in ("phi", "omega", "level", "jacobians", "determinant") else Status.NON_FINITE
-            )
-            raise FunctionFailed(status, f"{name} of the model has no finite value.")
-        return found
+            self._functions[name] = self._built(name)
+        f = self._functions[name]
+        particles, common = [NO_INPUTS, NO_INPUTS], [NO_INPUTS[0]]
+        arrays = [self._argument(*given) for given in zip(f.inputs, values, strict=True)]
+        particles[: f.particles], common[1:] = arrays[: f.particles], arrays[f.particles :]
+        found = evaluated(f.program, particles[0], particles[1], np.concatenate(common))
+        if not np.isfinite(found).all():
+            raise FunctionFailed(f.status, f"{name} of the model has no finite value.")
+        return [found[:, place].reshape(len(found), *shape) for place, shape in f.parts]
+
+    def _built(self, name: str) -> _Function:
+        """Build the program of a function; elements of matrices become outputs row by row."""
+        inputs, outputs = SIGNATURES[name]
+        e, ca = self.expressions, library()
+        particles = [getattr(e, i) for i in inputs if i in PARTICLE]
+        X, F = (*particles, ca.SX(0, 1), ca.SX(0, 1))[:2]
+        common = ca.vertcat(ca.SX(0, 1), *(getattr(e, i) for i in inputs if i not in PARTICLE))
+        values, parts, begin = [getattr(e, output) for output in outputs], [], 0
+        for output, value in zip(outputs, values, strict=True):
+            shape = value.shape if output in MATRICES else value.shape[:1]
+            parts.append((slice(begin, begin + value.numel()), shape))
+            begin += value.numel()
+        status = Status.SINGULAR if name in MAY_BE_SINGULAR else Status.NON_FINITE
+        made = program(X, F, common, [value.T for value in values])
+        return _Function(made, inputs, len(particles), parts, status)
 
     def _argument(self, name: str, value: ArrayLike) -> NDArray[np.float64]:
         """Return an argument as an array of the right shape.

@@ -13,7 +13,7 @@ from dincl.conversions import plain
 from dincl.errors import FunctionFailed, InvalidProblem
 from dincl.extras import needs
 from dincl.status import Status
-from meanfield.model.translate import Instruction
+from meanfield.kernels.program import BLOCK, OPERATIONS, Program
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -122,6 +122,18 @@ def affine(expression: Any, X: Any) -> Any:
     return ca.densify(ca.reshape(straight, *expression.shape))
 
 
+def depends(expression: Any, symbols: Any) -> bool:
+    """Return whether an expression depends on symbols."""
+    ca = library()
+    return bool(ca.jacobian(ca.vec(expression), symbols).nnz() > 0)
+
+
+def is_affine(expression: Any, symbols: Any) -> bool:
+    """Return whether the second derivative of an expression vanishes symbolically."""
+    ca = library()
+    return bool(ca.jacobian(ca.jacobian(ca.vec(expression), symbols), symbols).nnz() == 0)
+
+
 def _derivative_along(value: Any, symbols: tuple[Any, Any], direction: tuple[Any, Any]) -> Any:
     """Differentiate an expression in (X, y) along a direction."""
     ca = library()
@@ -191,19 +203,57 @@ def _shaped(expression: Any, name: str, rows: int) -> Any:
     return ca.densify(ca.vec(expression))
 
 
-def program(inputs: Sequence[Any], outputs: Sequence[Any]) -> tuple[Instruction, ...]:
-    """List the elementary operations that compute outputs from inputs, in order; common subexpressions appear once."""
+def program(X: Any, F: Any, common: Any, outputs: Sequence[Any]) -> Program:
+    """List the elementary operations that compute outputs from X, other particle inputs F, and common inputs.
+
+    Outputs are matrices, whose elements are outputs of the program, column by column. Common subexpressions are
+    computed once.
+
+    Raises
+    ------
+    InvalidProblem
+        if a function of the model has an operation that the interpreter does not know.
+    """
     ca = library()
-    function = ca.Function("f", list(inputs), ca.cse([ca.densify(e) for e in outputs]))
+    function = ca.Function("f", [common, X, F], ca.cse([ca.densify(ca.vec(e)) for e in outputs]))
     names = {getattr(ca, n): n.removeprefix("OP_").lower() for n in dir(ca) if re.fullmatch(r"OP_[A-Z0-9_]+", n)}
-    instructions = []
-    for k in range(function.n_instructions()):
+    steps = range(function.n_instructions())
+    constants = [function.instruction_constant(k) for k in steps if names[function.instruction_id(k)] == "const"]
+    first = np.cumsum([len(constants), common.numel(), X.numel(), F.numel()])
+    # Slots of the values in CasADi's places, which it uses again, and the inputs that they depend on.
+    at: dict[int, tuple[int, frozenset[int]]] = {}
+    code: list[tuple[int, tuple[int, int, int, int]]] = []
+    found: dict[tuple[int, int], int] = {}
+    used, slot = 0, int(first[-1])
+    for k in steps:
         operation = names[function.instruction_id(k)]
-        result, arguments = function.instruction_output(k), tuple(function.instruction_input(k))
+        result, arguments = function.instruction_output(k), function.instruction_input(k)
         if operation == "output":
-            instructions.append(Instruction(operation, result[1], arguments, place=result[0]))
+            found[result[0], result[1]] = at[arguments[0]][0]
         elif operation == "const":
-            instructions.append(Instruction(operation, result[0], (), constant=function.instruction_constant(k)))
+            at[result[0]], used = (used, frozenset()), used + 1
+        elif operation == "input":
+            at[result[0]] = int(first[arguments[0]]) + arguments[1], frozenset(arguments[:1])
         else:
-            instructions.append(Instruction(operation, result[0], arguments))
-    return tuple(instructions)
+            if operation not in OPERATIONS:
+                raise InvalidProblem(
+                    f"the operation {operation} in a function of the model: allowed are {', '.join(OPERATIONS)}"
+                )
+            read = [at[place] for place in arguments]
+            inputs = frozenset().union(*(inputs for _, inputs in read))
+            group = 0 if inputs <= {0} else 1 if inputs == {1} else 2
+            code.append((group, (OPERATIONS.index(operation), slot, read[0][0], read[-1][0])))
+            at[result[0]], slot = (slot, inputs), slot + 1
+    common_slots = {*range(int(first[1])), *(line[1] for group, line in code if group == 0)}
+    needed = {line[k] for group, line in code if group > 0 for k in (2, 3)} | {*found.values()}
+    ends = np.cumsum([sum(group == k for group, _ in code) for k in (0, 1)])
+    return Program(
+        code=np.array([line for _, line in sorted(code, key=lambda pair: pair[0])], dtype=np.int64).reshape(-1, 4),
+        parts=np.array([*ends, *first[:3]], dtype=np.int64),
+        constants=np.array(constants, dtype=np.float64),
+        outputs=np.array([found[place] for place in sorted(found)], dtype=np.int64),
+        spread=np.array(sorted(needed & common_slots), dtype=np.int64),
+        values=np.empty((0, slot, BLOCK)),
+        common=np.empty((slot, 1)),
+        none=np.empty((0, 0)),
+    )

@@ -10,7 +10,7 @@ from dincl import checks
 from dincl.errors import InvalidProblem
 from meanfield.density.density import Density
 from meanfield.model.model import Model
-from meanfield.model.state import State
+from meanfield.model.state import FullState, State
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -23,11 +23,6 @@ TIGHTEST, LOOSEST = 1e-13, 1e-1
 def check_model(value: Any) -> None:
     """Raise InvalidProblem unless the argument is a Model."""
     checks.instance("model", value, Model, "a meanfield.Model")
-
-
-def check_state(value: Any) -> None:
-    """Raise InvalidProblem unless the argument is a State."""
-    checks.instance("start", value, State, "a meanfield.State")
 
 
 def check_density(value: Any) -> None:
@@ -49,6 +44,20 @@ def tolerance(value: Any) -> float:
     if not TIGHTEST <= tol <= LOOSEST:
         raise InvalidProblem(f"tol = {tol:g}: must be from {TIGHTEST:g} to {LOOSEST:g}")
     return tol
+
+
+def particles_and_times(model: Model, start: State, t: ArrayLike, tol: float) -> tuple[FullState, NDArray[np.float64]]:
+    """Return the complete state from which particles start, which may miss the constraint by 10 tol, and times (K,).
+
+    Raises
+    ------
+    InvalidProblem
+        if an argument is invalid, or the state does not fit the model.
+    """
+    check_model(model)
+    checks.instance("start", start, State, "a meanfield.State")
+    times = output_times(t)
+    return start.complete(model, tol), times
 
 
 def checked_start(

@@ -3,30 +3,26 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
-from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from dincl.checks import flag
 from dincl.status import Status
-from meanfield import plotting
 from meanfield.density.density import MAX_NODES_PER_AXIS
-from meanfield.errors import SolveFailed
 from meanfield.model.state import State
 from meanfield.solvers.arguments import checked_start, tolerance
-from meanfield.solvers.motion import Motion
 from meanfield.solvers.ode import solve_weighted
-from meanfield.solvers.result import PLOTTED_DENSITIES, spread_indices
+from meanfield.solvers.result import Motion, delivered
 from meanfield.transport.wasserstein import Weighted
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import ArrayLike, NDArray
 
     from meanfield.density.density import Density
     from meanfield.model.model import Model
+
+    Floats = NDArray[np.float64]
 
 # Gauss points per axis and smooth piece of the density in the first run, and largest total number of nodes.
 FIRST_NODES, MAX_NODES = 8, 200_000
@@ -49,9 +45,9 @@ class Flow(Motion):
     """
 
     quadrature_error: float
-    level_density: NDArray[np.float64]
+    level_density: Floats
 
-    def density(self, k: int) -> NDArray[np.float64]:
+    def density(self, k: int) -> Floats:
         """Compute f(X^t(x), t) at the nodes and the output time k, (Q,).
 
         Differentiating g(X^t(x), y(t)) = g(x, y0) gives  DX^t = dg/dX(X^t, y(t))^{-1} dg/dX(x, y0).  Mass is conserved,
@@ -66,25 +62,13 @@ class Flow(Motion):
         gX, _ = self.model.jacobians(self.X[k], self.y[k])
         return np.asarray(self.level_density * np.abs(np.linalg.det(gX)))
 
-    def _size(self) -> str:
-        return f"{len(self.level_density)} nodes, nx = {self.model.nx}, ny = {self.model.ny}"
-
-    def _plots(self) -> list[Callable[[Any], None]]:
-        if not self._has_plane():
-            return []
-        if self.model.nx == 2:
-            title = f"Density at the nodes, t = {self.t[-1]:.3g}"
-            return [partial(plotting.draw_nodes, x=self.X[-1], f=self.density(-1), title=title)]
-        lines = {}
-        for k in spread_indices(len(self.t), PLOTTED_DENSITIES):
-            order = np.argsort(self.X[k, :, 0])
-            lines[float(self.t[k])] = self.X[k, order, 0], self.density(k)[order]
-        return [partial(plotting.draw_densities, lines=lines)]
-
     def measure(self, k: int) -> Weighted:
         """Return the nodes at the output time k and their weights, for ``w1``."""
         k = self._output_index(k)
         return Weighted(self.X[k], np.asarray(self.weights))
+
+    def _size(self) -> str:
+        return f"{len(self.level_density)} nodes, nx = {self.model.nx}"
 
 
 def solve_characteristics(
@@ -132,20 +116,11 @@ def solve_characteristics(
     if not converged and flow.status:
         detail = f"{len(flow.level_density)} nodes give the integrals over the density to {flow.quadrature_error:.1e}."
         flow = replace(flow, status=Status.NOT_CONVERGED, detail=detail)
-    if raises and not flow.status:
-        raise SolveFailed(flow.status, flow.detail, flow)
-    return flow
+    return delivered(flow, raises)
 
 
 def _flow(
-    model: Model,
-    density: Density,
-    y: NDArray[np.float64],
-    v: NDArray[np.float64],
-    t: NDArray[np.float64],
-    tol: float,
-    n: int,
-    coarser: Flow | None,
+    model: Model, density: Density, y: Floats, v: Floats, t: Floats, tol: float, n: int, coarser: Flow | None
 ) -> Flow:
     """Compute the flow of n nodes per axis and piece, and its change from a coarser flow."""
     nodes, weights = density.nodes(n)

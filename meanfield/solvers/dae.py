@@ -13,19 +13,20 @@ import numpy as np
 from dincl.checks import describe, flag
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.status import Status
-from meanfield.errors import SolveFailed
 from meanfield.model.state import FullState, State, orientation_at
 from meanfield.model.symbolic import library
-from meanfield.solvers.arguments import check_model, check_state, output_times, tolerance
+from meanfield.solvers.arguments import particles_and_times, tolerance
 from meanfield.solvers.index_one import accelerations, consistent_values, index_one_system
 from meanfield.solvers.integrate import FAR
-from meanfield.solvers.motion import Motion, SolverWork
 from meanfield.solvers.ode import solve_ode
+from meanfield.solvers.result import Motion, SolverWork, delivered
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from meanfield.model.model import Model
+
+    Floats = NDArray[np.float64]
 
 # IDAS bounds the error of a step; over a run the errors add up to some tens of that bound.
 SAFETY = 30.0
@@ -100,20 +101,15 @@ def solve_dae(model: Model, start: State, t: ArrayLike, tol: float, *, throw: bo
 
     Source: (5.6), (5.7); Mattsson and Soederlind, SIAM J. Sci. Comput. 14 (1993) 677.
     """
-    check_model(model)
-    check_state(start)
-    times, tol, raises = output_times(t), tolerance(tol), flag("throw", throw)
+    tol, raises = tolerance(tol), flag("throw", throw)
+    first, times = particles_and_times(model, start, t, tol)
     gaps = np.diff(times, prepend=0.0)
     if (gaps[gaps > 0] < MIN_SPACING * times[-1]).any():
         raise InvalidProblem(f"t = {describe(times)}: times must differ by at least {MIN_SPACING:g} of the last one")
-    first = start.complete(model, tol)
     most = MAX_INTERACTING_COORDINATES // model.nx
     if model.V is not None and len(first.X) > most:
         raise InvalidProblem(f"N = {len(first.X)} particles with interaction: must be at most {most} for solve_dae")
-    motion = _solve(model, first, times, tol)
-    if raises and not motion.status:
-        raise SolveFailed(motion.status, motion.detail, motion)
-    return motion
+    return delivered(_solve(model, first, times, tol), raises)
 
 
 class _Run(NamedTuple):
@@ -122,12 +118,12 @@ class _Run(NamedTuple):
     ``far`` is positive from the first step on at which det dg/dX of a particle was far from its value at the start.
     """
 
-    y: NDArray[np.float64]
-    v: NDArray[np.float64]
-    X: NDArray[np.float64]
-    U: NDArray[np.float64]
-    multipliers: NDArray[np.float64]
-    far: NDArray[np.float64]
+    y: Floats
+    v: Floats
+    X: Floats
+    U: Floats
+    multipliers: Floats
+    far: Floats
     message: str
     counters: dict[str, Any]
 
@@ -145,9 +141,7 @@ class _Problem:
         self.x, self.z = np.concatenate(parts[:2]), np.concatenate(parts[2:])
         self._shape, self._duration = X.shape, duration
         orientation_at(model, start)
-        system = index_one_system(model, start.level, np.linalg.det(gX), FAR)
-        self._equations = {"x": system.differential, "z": system.algebraic, "ode": duration * system.rates}
-        self._equations |= {"alg": system.residuals, "quad": system.far}
+        self._equations = index_one_system(model, start.level, np.linalg.det(gX), FAR, duration)
         self._options = {
             "reltol": tol / SAFETY,
             "abstolv": list(tol / SAFETY * np.concatenate(sizes)),
@@ -157,7 +151,7 @@ class _Problem:
             "show_eval_warnings": False,
         }
 
-    def run(self, times: NDArray[np.float64]) -> _Run:
+    def run(self, times: Floats) -> _Run:
         """Integrate to the last output time without restarts.
 
         When IDAS fails, CasADi raises and its results are lost. Results up to the failure remain in our buffers.
@@ -178,7 +172,7 @@ class _Problem:
                 message = f"{error} {log.getvalue()}"
         return self._split(results, message, integrator.stats(MEMORY))
 
-    def _split(self, results: list[NDArray[np.float64]], message: str, counters: dict[str, Any]) -> _Run:
+    def _split(self, results: list[Floats], message: str, counters: dict[str, Any]) -> _Run:
         reached = int(np.isfinite(results[2]).sum())
         x, z, far = (result[:reached] for result in results)
         ny, size = x.shape[1] // 2, int(np.prod(self._shape))
@@ -186,7 +180,7 @@ class _Problem:
         return _Run(x[:, :ny], x[:, ny:], X, U, multipliers, far[:, 0], message, counters)
 
 
-def _solve(model: Model, start: FullState, times: NDArray[np.float64], tol: float) -> Motion:
+def _solve(model: Model, start: FullState, times: Floats, tol: float) -> Motion:
     """Compute the motion until the last output time, or the last one reached without a violation of (5.5)."""
     try:
         problem = _Problem(model, start, times[-1], tol)
@@ -220,23 +214,10 @@ def _changes_little(model: Model, start: FullState, motion: Motion) -> bool:
     return bool(ratio.min() > BLAMELESS and ratio.max() < 1 / BLAMELESS)
 
 
-def _motion(
-    model: Model, start: FullState, t: NDArray[np.float64], run: _Run, unknowns: int, status: Status, detail: str
-) -> Motion:
-    return Motion(
-        model=model,
-        t=t,
-        y=run.y[: len(t)],
-        v=run.v[: len(t)],
-        X=run.X[: len(t)],
-        U=run.U[: len(t)],
-        multipliers=run.multipliers[: len(t)],
-        level=start.level,
-        weights=None,
-        status=status,
-        detail=detail,
-        work=SolverWork(unknowns, *(int(run.counters.get(name, 0)) for name in ("nsteps", "nfevals", "nniters"))),
-    )
+def _motion(model: Model, start: FullState, t: Floats, run: _Run, unknowns: int, status: Status, detail: str) -> Motion:
+    work = SolverWork(unknowns, *(int(run.counters.get(name, 0)) for name in ("nsteps", "nfevals", "nniters")))
+    y, v, X, U, multipliers = (getattr(run, name)[: len(t)] for name in VALUES)
+    return Motion(model, t, y, v, status, detail, work, X, U, multipliers, start.level, None)
 
 
 def _cause(message: str, duration: float) -> tuple[Status, str, float]:

@@ -14,8 +14,7 @@ import numpy as np
 
 from dincl.errors import StepFailure
 from dincl.status import Status
-from meanfield.forces.field import solve_mass
-from meanfield.forces.interaction import forces
+from meanfield.forces.field import forces
 from meanfield.model.symbolic import library
 
 if TYPE_CHECKING:
@@ -23,22 +22,24 @@ if TYPE_CHECKING:
 
     from meanfield.model.model import Model
 
+    Floats = NDArray[np.float64]
+
 # Newton's method converges quadratically: after a correction of this relative size the next one is below rounding.
 NEWTON_TOLERANCE = 1e-9
 MAX_NEWTON_ITERATIONS = 20
+# Largest entry of an effective mass (the mass of y alone is 1) up to which its condition number is not checked.
+UNCHECKED_MASS = 1e12
 
 
 class Accelerations(NamedTuple):
     """Accelerations X_i'' (N, nx) and y'' (ny,), and multipliers lambda_i (N, nx), of one state."""
 
-    X: NDArray[np.float64]
-    y: NDArray[np.float64]
-    multipliers: NDArray[np.float64]
+    X: Floats
+    y: Floats
+    multipliers: Floats
 
 
-def accelerations(
-    model: Model, X: NDArray[np.float64], U: NDArray[np.float64], y: NDArray[np.float64], v: NDArray[np.float64]
-) -> Accelerations:
+def accelerations(model: Model, X: Floats, U: Floats, y: Floats, v: Floats) -> Accelerations:
     """Solve (5.6a), (5.6b) and g'' = 0 for the accelerations and multipliers, which enter linearly::
 
         m X_i'' = F1 + 1/N sum_k K(X_k, X_i) - g_X^T lambda_i
@@ -70,13 +71,7 @@ def accelerations(
     return Accelerations(found, w, multipliers)
 
 
-def consistent_values(
-    model: Model,
-    X: NDArray[np.float64],
-    y: NDArray[np.float64],
-    v: NDArray[np.float64],
-    level: NDArray[np.float64],
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def consistent_values(model: Model, X: Floats, y: Floats, v: Floats, level: Floats) -> tuple[Floats, Floats]:
     """Solve g(X_i, y) = level_i for X near the given X, to rounding, and g_X U_i + g_y v = 0 for U: shapes (N, nx).
 
     Raises
@@ -94,7 +89,22 @@ def consistent_values(
     raise StepFailure(Status.NOT_CONVERGED, "No positions that satisfy the constraint were found near the start.")
 
 
-def solve_blocks(matrices: NDArray[np.float64], right: NDArray[np.float64]) -> NDArray[np.float64]:
+def solve_mass(mass: Floats, force: Floats) -> Floats:
+    """Compute mass^{-1} force for a mass (n, n) and a force (n,); NaN if not finite or too ill-conditioned.
+
+    An effective mass is the identity plus a positive semidefinite matrix. If that matrix is about 1e14 in one direction
+    and zero in another, the identity is lost to rounding.
+    """
+    if np.isfinite(mass).all() and np.isfinite(force).all():
+        try:
+            if np.abs(mass).max() < UNCHECKED_MASS or np.linalg.cond(mass) < 100 * UNCHECKED_MASS:
+                return np.asarray(np.linalg.solve(mass, force))
+        except np.linalg.LinAlgError:
+            pass
+    return np.full_like(force, np.nan)
+
+
+def solve_blocks(matrices: Floats, right: Floats) -> Floats:
     """Solve one small system per particle, (N, n, n) with (N, n, k); StepFailure if one is singular."""
     try:
         with np.errstate(all="ignore"):
@@ -106,28 +116,16 @@ def solve_blocks(matrices: NDArray[np.float64], right: NDArray[np.float64]) -> N
     return np.asarray(found)
 
 
-class IndexOneSystem(NamedTuple):
-    """Semi-explicit system ``differential' = rates``, ``0 = residuals``, as CasADi expressions.
-
-    ``differential`` is (y, v), ``algebraic`` is (X_1 ... X_N, U_1 ... U_N, lambda_1 ... lambda_N, y'', s_1 ... s_N).
-    ``far`` counts the particles for which det g_X is far from its value at the start: (5.5) may be violated near by.
-    """
-
-    differential: Any
-    algebraic: Any
-    rates: Any
-    residuals: Any
-    far: Any
-
-
 def index_one_system(
-    model: Model, level: NDArray[np.float64], determinants: NDArray[np.float64], least: float
-) -> IndexOneSystem:
-    """Build (5.6) with g = level, g' = 0 and g'' = 0, and the sum of (5.6b) as a chain of partial sums s_j.
+    model: Model, level: Floats, determinants: Floats, least: float, duration: float
+) -> dict[str, Any]:
+    """Build (5.6) with g = level, g' = 0 and g'' = 0 for CasADi's integrator, in the time t/duration.
 
-    The chain s_j = s_{j-1} + g_y(X_j, y)^T lambda_j / N keeps all rows of the Newton matrix short. With a plain sum,
-    one row depends on all particles, and computing the matrix takes N differentiations instead of a few. det g_X is far
-    from ``determinants`` (N,), its values at the start, if their ratio is below ``least`` or above its inverse.
+    Differential unknowns are (y, v), algebraic ones X, U, lambda of all particles, y'' and s_1 ... s_N.
+    The sum of (5.6b) is a chain s_j = s_{j-1} + g_y(X_j, y)^T lambda_j / N, which keeps all rows of the Newton matrix
+    short. With a plain sum, one row depends on all particles, and the matrix takes N differentiations instead
+    of a few. The quadrature counts the particles for which (5.5) may be violated near by: the ratio of det g_X to its
+    value at the start, ``determinants`` (N,), is below ``least`` or above its inverse.
     """
     ca = library()
     N, nx, ny = len(level), model.nx, model.ny
@@ -140,13 +138,13 @@ def index_one_system(
     before = ca.horzcat(ca.SX.zeros(ny, 1), sums[:, : N - 1])
     F0 = ca.Function("F0", [model.expressions.y], [model.expressions.F0])(y)
     residuals = [g - ca.DM(level.T), dg, ddg, w - F0 + sums[:, N - 1], sums - before - reaction / N]
-    return IndexOneSystem(
-        differential=ca.vertcat(y, v),
-        algebraic=_stack([X, U, multipliers, w, sums]),
-        rates=ca.vertcat(v, w),
-        residuals=_stack(residuals),
-        far=ca.sum2(ca.logic_or(ratio <= least, ratio >= 1 / least)),
-    )
+    return {
+        "x": ca.vertcat(y, v),
+        "z": _stack([X, U, multipliers, w, sums]),
+        "ode": duration * ca.vertcat(v, w),
+        "alg": _stack(residuals),
+        "quad": ca.sum2(ca.logic_or(ratio <= least, ratio >= 1 / least)),
+    }
 
 
 def _stack(blocks: list[Any]) -> Any:

@@ -41,8 +41,9 @@ def push_forward(model: Model, density: Density, y0: ArrayLike, y: ArrayLike) ->
     if model.nx != 1 or density.nx != 1:
         raise InvalidProblem(f"nx = {model.nx} of the model, {density.nx} of the density: both must be 1")
     before, after = shaped("y0", y0, (model.ny,)), shaped("y", y, (model.ny,))
-    ends = np.sort(origins(model, np.array([density.lower, density.upper]), before, after)[:, 0])
-    return Density(_PushedForward(model, density, before, after), ends[:1], ends[1:])
+    places = np.array([density.lower[0], *density.breaks, density.upper[0]])
+    ends = np.sort(origins(model, places[:, None], before, after)[:, 0])
+    return Density(_PushedForward(model, density, before, after), ends[:1], ends[-1:], breaks=tuple(ends[1:-1]))
 
 
 def origins(

@@ -11,20 +11,20 @@ import numpy as np
 from dincl.checks import describe, flag, integer, number
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.status import Status
-from meanfield.errors import SolveFailed
-from meanfield.forces.field import solve_mass
-from meanfield.forces.interaction import forces
+from meanfield.forces.field import forces
 from meanfield.model.state import FullState, State, orientation_at
-from meanfield.solvers.arguments import check_model, check_state, output_times
-from meanfield.solvers.index_one import MAX_NEWTON_ITERATIONS, NEWTON_TOLERANCE, accelerations, solve_blocks
-from meanfield.solvers.motion import Motion, SolverWork
+from meanfield.solvers.arguments import particles_and_times
+from meanfield.solvers.index_one import MAX_NEWTON_ITERATIONS, NEWTON_TOLERANCE, accelerations, solve_blocks, solve_mass
 from meanfield.solvers.ode import solve_ode
-from meanfield.solvers.singular import unresolved_dip
+from meanfield.solvers.result import Motion, SolverWork, delivered
+from meanfield.solvers.singular import End, end_of_step, unresolved_dip
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from meanfield.model.model import Model
+
+    Floats = NDArray[np.float64]
 
 # Lengths of the substeps for each order, up to the middle substep; the others follow by symmetry.
 # Order 4: Suzuki, Phys. Lett. A 146 (1990) 319. Orders 6 and 8: Kahan and Li, Math. Comp. 66 (1997) 1089, s9odr6a and
@@ -98,129 +98,112 @@ def solve_rattle(model: Model, start: State, t: ArrayLike, dt: float, order: int
 
     Source: (5.6); Andersen, J. Comput. Phys. 52 (1983) 24; Hairer, Lubich and Wanner, VII.1.4.
     """
-    check_model(model)
-    check_state(start)
-    raises = flag("throw", throw)
-    times, dt = output_times(t), number("dt", dt, positive=True)
+    raises, dt = flag("throw", throw), number("dt", dt, positive=True)
+    first, times = particles_and_times(model, start, t, START_TOLERANCE)
     if integer("order", order, least=2, most=8) not in SUBSTEPS:
         raise InvalidProblem(f"order = {describe(order)}: must be one of {', '.join(map(str, SUBSTEPS))}")
     if times[-1] > MAX_RATTLE_STEPS * dt:
         least = times[-1] / MAX_RATTLE_STEPS
         raise InvalidProblem(f"dt = {dt:g}: must be at least {least:g}, for {MAX_RATTLE_STEPS} steps at most")
-    first = start.complete(model, START_TOLERANCE)
-    run = _Run(model, first, SUBSTEPS[order])
     status, detail = Status.SUCCESS, ""
-    try:
-        with np.errstate(all="ignore"):
+    with np.errstate(all="ignore"):
+        run = _Run(model, first, SUBSTEPS[order])
+        try:
             run.integrate(times, dt)
-    except StepFailure as error:
-        status, detail = error.status, f"{error.detail.rstrip('.')}, after t = {run.time:.6g}."
-    motion = run.motion(times, status, detail)
-    if raises and not motion.status:
-        raise SolveFailed(motion.status, motion.detail, motion)
-    return motion
+        except StepFailure as error:
+            status, detail = error.status, f"{error.detail.rstrip('.')}, after t = {run.time:.6g}."
+    return delivered(run.motion(times, status, detail), raises)
 
 
 class _Point(NamedTuple):
-    """Positions and velocities, derivatives of g, ratio = g_X^{-1} g_y, and accelerations a of X and w of y.
+    """State with the derivatives of g, ratio = g_X^{-1} g_y, and the accelerations a of X and w of y.
 
     The accelerations are those of the forces; at the end of a step they include the multipliers mu. As initial guess of
     the next step they save an iteration. The result is the same, because lambda_i acts in the same directions as mu_i.
     """
 
-    X: NDArray[np.float64]
-    y: NDArray[np.float64]
-    U: NDArray[np.float64]
-    v: NDArray[np.float64]
-    gX: NDArray[np.float64]
-    gy: NDArray[np.float64]
-    ratio: NDArray[np.float64]
-    a: NDArray[np.float64]
-    w: NDArray[np.float64]
+    X: Floats
+    y: Floats
+    U: Floats
+    v: Floats
+    gX: Floats
+    gy: Floats
+    ratio: Floats
+    a: Floats
+    w: Floats
 
 
 class _Run:
     """Steps of one run, and its states at the output times reached."""
 
     def __init__(self, model: Model, start: FullState, lengths: tuple[float, ...]) -> None:
-        self._model, self._level, self._lengths = model, start.level, lengths
-        self._start = start
+        self._model, self._start, self._level, self._lengths = model, start, start.level, lengths
         self._sign = orientation_at(model, start)
-        self._outputs: list[tuple[_Point, NDArray[np.float64]]] = []
+        self._outputs: list[tuple[Floats, ...]] = []
         self._steps = self._newton = 0
         self.time = 0.0
 
-    def integrate(self, times: NDArray[np.float64], dt: float) -> None:
+    def integrate(self, times: Floats, dt: float) -> None:
         """Step to the last output time."""
-        start = self._start
-        point = self._point(start.X, start.y, start.U, start.v)
+        self._point = self._at(*self._start[:4])
+        self._end = self._end_of(self._point)
         for before, time in pairwise([0.0, *times]):
             steps = math.ceil((time - before) / dt * (1 - INTERVAL_ROUNDING))
             for k in range(steps):
                 self.time = before + (time - before) * k / steps
-                last, h = point, (time - before) / steps
+                h, last = (time - before) / steps, self._point
                 for length in self._lengths:
-                    point = self._step(point, length * h)
-                self._check_dips(last, point, h)
+                    self._point = self._step(self._point, length * h)
+                self._check_dips(last, h)
                 self._steps += 1
-            self._outputs.append((point, accelerations(self._model, point.X, point.U, point.y, point.v).multipliers))
+            X, y, U, v = self._point[:4]
+            self._outputs.append((y, v, X, U, accelerations(self._model, X, U, y, v).multipliers))
 
-    def motion(self, times: NDArray[np.float64], status: Status, detail: str) -> Motion:
+    def motion(self, times: Floats, status: Status, detail: str) -> Motion:
         """Return the states at the output times reached."""
-        shape, ny = self._start.X.shape, self._model.ny
-        points = [point for point, _ in self._outputs]
-        evaluations = self._steps * len(self._lengths)
-        return Motion(
-            model=self._model,
-            t=times[: len(points)],
-            y=np.array([p.y for p in points]).reshape(-1, ny),
-            v=np.array([p.v for p in points]).reshape(-1, ny),
-            X=np.array([p.X for p in points]).reshape(-1, *shape),
-            U=np.array([p.U for p in points]).reshape(-1, *shape),
-            multipliers=np.array([multipliers for _, multipliers in self._outputs]).reshape(-1, *shape),
-            level=self._level,
-            weights=None,
-            status=status,
-            detail=detail,
-            work=SolverWork(2 * (ny + shape[0] * shape[1]), self._steps, evaluations, self._newton),
+        count, shape, ny = len(self._outputs), self._level.shape, self._model.ny
+        columns = zip(*self._outputs, strict=True) if count else [()] * 5
+        y, v, X, U, multipliers = (
+            np.array(part).reshape(count, *((ny,) if k < 2 else shape)) for k, part in enumerate(columns)
         )
+        evaluations = self._steps * len(self._lengths)
+        work = SolverWork(2 * (ny + self._level.size), self._steps, evaluations, self._newton)
+        return Motion(self._model, times[:count], y, v, status, detail, work, X, U, multipliers, self._level, None)
 
     def _step(self, old: _Point, h: float) -> _Point:
         """Make one step of RATTLE; the corrections by lambda are part of the velocities after its first half."""
         U, v = old.U + h / 2 * old.a, old.v + h / 2 * old.w
         for _ in range(MAX_NEWTON_ITERATIONS):
             X, y = old.X + h * U, old.y + h * v
-            _check_finite(X, y)
+            size = 1 + max(np.abs(X).max(), np.abs(y).max())
+            if not np.isfinite(size):
+                raise StepFailure(Status.NON_FINITE, "The positions are not finite.")
             gX, gy = self._model.jacobians(X, y)
             dX, dy = self._correction(gX, gy, self._model.level(X, y) - self._level, old.ratio)
             U, v = U + dX / h, v + dy / h
             self._newton += 1
-            size = 1 + max(np.abs(X).max(), np.abs(y).max())
             if max(np.abs(dX).max(), np.abs(dy).max()) <= NEWTON_TOLERANCE * size:
                 break
         else:
             raise StepFailure(Status.NOT_CONVERGED, f"The constraint was not met in a step of length {h:.3g}.")
-        new = self._point(old.X + h * U, old.y + h * v, U, v)
+        new = self._at(old.X + h * U, old.y + h * v, v, U)
         U, v = U + h / 2 * new.a, v + h / 2 * new.w
         residual = (new.gX @ U[:, :, None])[:, :, 0] + new.gy @ v
         dU, dv = self._correction(new.gX, new.gy, residual, new.ratio)
         return new._replace(U=U + dU, v=v + dv, a=new.a + 2 / h * dU, w=new.w + 2 / h * dv)
 
-    def _check_dips(self, last: _Point, point: _Point, h: float) -> None:
+    def _check_dips(self, last: _Point, h: float) -> None:
         """Raise StepFailure if det dg/dX touches zero in a step: where it may, ``solve_ode`` repeats the step."""
-        before, after = ((np.append(p.y, p.X), np.append(p.v, p.U)) for p in (last, point))
-        if unresolved_dip(self._model, before, after, h) is not None:
+        before, self._end = self._end, self._end_of(self._point)
+        if unresolved_dip(self._model, before, self._end, h) is not None:
             passed = solve_ode(self._model, State(X=last.X, y=last.y, v=last.v), [h], START_TOLERANCE, throw=False)
             if passed.status is Status.SINGULAR:
                 raise StepFailure(Status.SINGULAR, "det dg/dX is zero or infinite.")
 
-    def _correction(
-        self,
-        gX: NDArray[np.float64],
-        gy: NDArray[np.float64],
-        residual: NDArray[np.float64],
-        ratio: NDArray[np.float64],
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _end_of(self, point: _Point) -> End | None:
+        return end_of_step(self._model, point.X, point.y, point.U, point.v)
+
+    def _correction(self, gX: Floats, gy: Floats, residual: Floats, ratio: Floats) -> tuple[Floats, Floats]:
         """Solve g_X dX_i + g_y dy = -residual_i for corrections (dX, dy) that multipliers can cause.
 
         Multipliers l_i cause m dX_i = -G_X^T l_i, dy = -1/N sum_j G_y^T l_j with the Jacobians G where they act, hence
@@ -235,17 +218,10 @@ class _Run:
             raise StepFailure(Status.NON_FINITE, "A correction of y is not finite.")
         return -fixed - slope @ dy, dy
 
-    def _point(
-        self, X: NDArray[np.float64], y: NDArray[np.float64], U: NDArray[np.float64], v: NDArray[np.float64]
-    ) -> _Point:
+    def _at(self, X: Floats, y: Floats, v: Floats, U: Floats) -> _Point:
         model = self._model
         gX, gy = model.jacobians(X, y)
         if (np.sign(np.linalg.det(gX)) != self._sign).any():
             raise StepFailure(Status.SINGULAR, "det dg/dX changes its sign.")
         force = model.F1(X) if model.V is None else model.F1(X) + forces(model, X, None)
         return _Point(X, y, U, v, gX, gy, solve_blocks(gX, gy), force / model.m, model.F0(y))
-
-
-def _check_finite(X: NDArray[np.float64], y: NDArray[np.float64]) -> None:
-    if not (np.isfinite(X).all() and np.isfinite(y).all()):
-        raise StepFailure(Status.NON_FINITE, "The positions are not finite.")

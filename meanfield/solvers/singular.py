@@ -8,7 +8,7 @@ shorter step; a zero is resolved by none, which locates it.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -27,49 +27,60 @@ RESOLVED_DIP = 0.25
 PARTS, POINTS = 4, 9
 
 
-def unresolved_dip(model: Model, before: tuple[Floats, Floats], after: tuple[Floats, Floats], h: float) -> float | None:
+class End(NamedTuple):
+    """One end of a step: (y, X) as an array (ny + Q nx,), its rate, det dg/dX of the particles (Q,), and its rate."""
+
+    values: Floats
+    rates: Floats
+    determinant: Floats
+    turning: Floats
+
+
+def end_of_step(model: Model, X: Floats, y: Floats, U: Floats, v: Floats) -> End | None:
+    """Return one end of a step; None where the determinant is not finite."""
+    try:
+        determinant, turning = model.determinant(X, y, U, v)
+    except StepFailure:
+        return None
+    return End(np.concatenate([y, X.ravel()]), np.concatenate([v, U.ravel()]), determinant, turning)
+
+
+def unresolved_dip(model: Model, before: End | None, after: End | None, h: float) -> float | None:
     """Return the place in a step, 0 to 1, of the first dip of |det| or 1/|det| that it does not resolve; None if none.
 
-    Parameters
-    ----------
-    before, after
-        values ((y, X) as an array (ny + Q nx,)) and their rates at both ends of the step.
-    h
-        length of the step; between its ends the values follow the cubic that meets both ends.
+    Between its ends, h apart, the particles follow the cubic that meets both ends.
     """
-    (z, rate), (end, end_rate) = before, after
-    try:
-        ends = [_determinant(model, values, rates) for values, rates in (before, after)]
-        close = _may_dip(ends[0], ends[1], h)
-        if not close.any():
-            return None
-        chosen = np.concatenate([np.ones(model.ny, dtype=bool), np.repeat(close, model.nx)])
-        z, rate, end, end_rate = z[chosen], h * rate[chosen], end[chosen], h * end_rate[chosen]
-        s = np.linspace(0, 1, PARTS + 1)[1:-1, None]
-        path, speed = _cubic(s, z, rate, end, end_rate), _cubic_slope(s, z, rate, end, end_rate) / h
-        inside = [_determinant(model, values, rates) for values, rates in zip(path, speed, strict=True)]
-    except StepFailure:
+    if before is None or after is None:
         return 0.5
-    first, last = ((det[close], slope[close]) for det, slope in ends)
+    close = _may_dip(before, after, h)
+    if not close.any():
+        return None
+    ny, nx = model.ny, model.nx
+    chosen = np.concatenate([np.ones(ny, dtype=bool), np.repeat(close, nx)])
+    z, rate, end, end_rate = (part[chosen] for part in (before.values, h * before.rates, after.values, h * after.rates))
+    s = np.linspace(0, 1, PARTS + 1)[1:-1, None]
+    path, speed = _cubic(s, z, rate, end, end_rate), _cubic_slope(s, z, rate, end, end_rate) / h
+    inside = []
+    for at, by in zip(path, speed, strict=True):
+        found = end_of_step(model, at[ny:].reshape(-1, nx), at[:ny], by[ny:].reshape(-1, nx), by[:ny])
+        if found is None:
+            return 0.5
+        inside.append((found.determinant, found.turning))
+    first, last = ((one.determinant[close], one.turning[close]) for one in (before, after))
     det, slope = np.array([first, *inside, last]).swapaxes(0, 1)
     with np.errstate(all="ignore"):
         places = [_first(det, h / PARTS * slope), _first(1 / det, -h / PARTS * slope / det**2)]
     return min((place for place in places if place is not None), default=None)
 
 
-def _determinant(model: Model, values: Floats, rates: Floats) -> tuple[Floats, Floats]:
-    y, v, X, U = values[: model.ny], rates[: model.ny], values[model.ny :], rates[model.ny :]
-    return model.determinant(X.reshape(-1, model.nx), y, U.reshape(-1, model.nx), v)
-
-
-def _may_dip(before: tuple[Floats, Floats], after: tuple[Floats, Floats], h: float) -> NDArray[np.bool_]:
+def _may_dip(before: End, after: End, h: float) -> NDArray[np.bool_]:
     """Return the particles (Q,) whose determinant may fall or rise by a factor of two inside of a step.
 
     A cubic leaves the range of its ends by at most 4/27 of the sum of its slopes.
     """
-    sign = np.sign(before[0])
-    a, b = sign * before[0], sign * after[0]
-    beyond = 4 / 27 * h * (np.abs(before[1]) + np.abs(after[1]))
+    sign = np.sign(before.determinant)
+    a, b = sign * before.determinant, sign * after.determinant
+    beyond = 4 / 27 * h * (np.abs(before.turning) + np.abs(after.turning))
     low, high = np.minimum(a, b), np.maximum(a, b)
     return ~((low - beyond >= high / 2) & (high + beyond <= 2 * low))
 

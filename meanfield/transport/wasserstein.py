@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.spatial.distance import cdist
 
 from dincl import checks
 from dincl.errors import InvalidProblem
 from dincl.extras import needs
+from dincl.status import Status
 from meanfield.density.density import Density
 from meanfield.density.panels import DEGREE, Panels
-from meanfield.weights import checked_weights
+from meanfield.errors import SolveFailed
+from meanfield.model.reduction import checked_weights
 
 Floats = NDArray[np.float64]
 
@@ -27,6 +31,12 @@ TO_SERIES *= (np.arange(DEGREE + 2) + 0.5)[:, None]
 NEGLIGIBLE_PIECE, MAX_PIECE_HALVINGS = 1e-17, 60
 # Pieces that are integrated together, for memory.
 PIECES_PER_BLOCK = 100_000
+# Pairs of points in two and three dimensions: 0.8 GB of distances, of which POT needs three times as much.
+MAX_PAIRS = 100_000_000
+# POT's default limit of 1e5 pivots is reached at a thousand points; the simplex method terminates without a limit.
+MAX_PIVOTS = 10**9
+# Largest gap between cost and lower bound, in units of the largest distance: the simplex method's accuracy is 1e-12.
+GAP = 1e-11
 
 
 class Weighted(NamedTuple):
@@ -48,7 +58,7 @@ def w1(a: Measure, b: Measure) -> float:
     """Compute W1(a, b) = sup { int phi d(a - b) : Lip(phi) <= 1 }; in one dimension int |F_a(x) - F_b(x)| dx.
 
     In one dimension the value is exact to rounding, for points and densities. In two and three dimensions a and b must
-    be points; the value is exact to 1e-11 of their diameter, which ``meanfield.transport.discrete`` proves.
+    be points; the value is exact to 1e-11 of their diameter, which the dual variables of POT prove.
 
     Parameters
     ----------
@@ -60,7 +70,8 @@ def w1(a: Measure, b: Measure) -> float:
     ------
     InvalidProblem
         if a or b is no measure, their dimensions differ, or one is a density in two or three dimensions: draw points by
-        ``sample()`` then, or use ``Weighted(*density.nodes(n))``.
+        ``sample()`` then, or use ``Weighted(*density.nodes(n))``; or if two and three dimensions have more than 1e8
+        pairs of points.
     SolveFailed
         if the linear program of exact transport was not solved.
 
@@ -78,10 +89,7 @@ def w1(a: Measure, b: Measure) -> float:
         return _w1_points_panels(one, other)
     if dimensions[0] == 1:
         return _w1_points(one, other)
-    with needs("w1 of points in d >= 2", "transport"):
-        from meanfield.transport import discrete
-
-    return discrete.bounds(one.at, one.mass, other.at, other.mass).upper
+    return _w1_space(one, other)
 
 
 def _measure(name: str, value: Measure) -> _Points | Panels:
@@ -116,7 +124,12 @@ def _levels(points: _Points) -> tuple[Floats, Floats]:
 
 
 def _w1_points(a: _Points, b: _Points) -> float:
-    """Integrate |F_a - F_b|, which is constant between consecutive points."""
+    """Integrate |F_a - F_b|, which is constant between consecutive points.
+
+    Equal numbers of equal weights are matched in their order.
+    """
+    if len(a.mass) == len(b.mass) and (a.mass == a.mass[0]).all() and (b.mass == a.mass[0]).all():
+        return float(np.abs(np.sort(a.at[:, 0]) - np.sort(b.at[:, 0])).mean())
     (x, F_x), (y, F_y) = _levels(a), _levels(b)
     cuts = np.sort(np.concatenate([x, y]))
     F_a, F_b = (
@@ -177,3 +190,29 @@ def _w1_panels(a: Panels, b: Panels) -> float:
         if not low.size:
             break
     return total
+
+
+def _w1_space(a: _Points, b: _Points) -> float:
+    """Solve the linear program  min sum_ij P_ij |x_i - y_j|  over all plans by POT.
+
+    Its dual variables u, v are made feasible by lowering u: their value is a lower bound, the cost an upper one.
+    """
+    with needs("w1 of points in d >= 2", "transport"):
+        import ot
+    if len(a.at) * len(b.at) > MAX_PAIRS:
+        raise InvalidProblem(
+            f"{len(a.at)} and {len(b.at)} points: must be at most {MAX_PAIRS} pairs for exact transport in d >= 2"
+        )
+    middle = b.at.mean(axis=0)
+    costs = cdist(a.at - middle, b.at - middle)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # the same message is in the log
+        cost, log = ot.emd2(a.mass, b.mass, costs, numItermax=MAX_PIVOTS, log=True, center_dual=False)
+    u, v = np.asarray(log["u"]), np.asarray(log["v"])
+    size = float(costs.max())
+    costs -= u[:, None]
+    costs -= v
+    lower = a.mass @ (u + np.minimum(costs.min(axis=1), 0.0)) + b.mass @ v
+    if log["warning"] is not None or not cost - lower <= GAP * size:
+        raise SolveFailed(Status.NOT_CONVERGED, f"(POT: {log['warning']}, gap {cost - lower:.1e})", None)
+    return float(cost)

@@ -20,8 +20,7 @@ SETS = (
     ),
 )
 LISTS = ((), [SETS[0]], list(SETS[:2]), [FLOOR], [SETS[5], SETS[0]], (SETS[6],))
-PROJECTIONS = tuple(kind(1e-8) for kind in (dincl.ActiveSet, dincl.Daqp, dincl.Piqp, dincl.Clarabel, dincl.GaussSeidel))
-PROJECTIONS += (dincl.ProjectedCG(1e-8), dincl.ProjectedNewton(1e-8), dincl.ClosedForm())
+PROJECTIONS = tuple(kind(1e-8) for kind in (dincl.ActiveSet, dincl.Daqp, dincl.Piqp, dincl.Clarabel, dincl.ProjectedCG))
 STEPS = tuple(kind(0.1, PROJECTIONS[0]) for kind in (dincl.CatchUp, dincl.LinearisedCatchUp, dincl.MidpointCatchUp))
 SCHEMES = (dincl.PBD(0.1), dincl.SecondOrderPBD(0.1), dincl.Penalty(0.1, 1.0), dincl.EventDriven(1e-6), *STEPS)
 STOPS = (dincl.Stationary(1e-6), dincl.RelativeMove(1e-6))
@@ -33,16 +32,6 @@ MINIMISERS = (
 RUN = dincl.solve(PROBLEMS[1], SCHEMES[0], [0.5, 1.0])
 TIMES = ([1.0], [0.1, 0.3], 0.5, [0.0, 0.2])
 AT = {"problem": PROBLEMS, "t": (0.0, 1.0), "x": X0, "tol": (1e-9, 0.6)}
-LOOK = {"problem": PROBLEMS, "points": X0, "distance": (0.1,), "samples": (2, 20), "tol": (1e-9,)}
-LOOK |= {"rng": (np.random.default_rng(0),), "t": (0.0,)}
-
-
-def looked(problem, points, distance, samples, tol, rng, t=0.0):
-    """Both of the searches for the worst pair."""
-    return [
-        search(problem, points, distance=distance, samples=samples, tol=tol, rng=rng, t=t)
-        for search in (geometry.prox_regularity, geometry.hypomonotonicity)
-    ]
 
 
 def asked(problem, t, x, tol, u):
@@ -132,10 +121,6 @@ CALLS = (
     Call("cone", asked, {**AT, "u": X0}),
     Call("tangent_velocity", geometry.tangent_velocity, {**AT, "u": X0, "spacing": SMALL}, ("u", "spacing")),
     Call("support", geometry.support, {**AT, "direction": X0, "radius": POSITIVE}, ("radius",)),
-    Call("prox_regularity", looked, LOOK, ("t",)),
-    Call("printed_constant", geometry.printed_constant, {"count": NATURAL, "radius": POSITIVE, "d": (1, 2, 3)}),
-    Call("proved_constant", geometry.proved_constant, {"count": NATURAL, "radius": POSITIVE}),
-    Call("chain_constant", geometry.chain_constant, {"count": (2, 3, 5), "radius": POSITIVE}),
     Call("pile", scenes.pile, {"n": NATURAL, "seed": NATURAL}, ("seed",)),
     Call("ball_pile", scenes.ball_pile, {"n": NATURAL, "seed": NATURAL}, ("seed",)),
     Call("radii", dincl.shapes.radii, {"problem": PROBLEMS}),

@@ -111,10 +111,10 @@ def pushed_forward(model, density, y0, y):
     return meanfield.push_forward(model, density, y0, y).quantiles(3)
 
 
-def reduction_values(model, particles):
+def reduction_values(model):
     """Evaluate all methods of a reduction."""
     reduction = meanfield.reduce(model)
-    return [reduction.positions, reduction.degrees_of_freedom(particles), reduction.moment_unknowns()]
+    return [reduction.positions, reduction.obstacle]
 
 
 CALLS = (
@@ -152,7 +152,7 @@ CALLS = (
     ),
     Call("sample_moments", meanfield.sample_moments, {"X": POINTS, "weights": (None, [0.25, 0.75])}),
     Call("push_forward", pushed_forward, {"model": MODELS, "density": DENSITIES, "y0": MACRO, "y": MACRO}),
-    Call("reduce", reduction_values, {"model": MODELS, "particles": NATURAL}),
+    Call("reduce", reduction_values, {"model": MODELS}),
     *(
         Call("model_values", partial(model_values, model), {"X": POINTS, "y": MACRO, "v": VELOCITY})
         for model in MODELS[2:]

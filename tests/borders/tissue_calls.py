@@ -18,7 +18,6 @@ from tests.borders.tissue_things import (
     FRAMES,
     PARAMETERS,
     QUIET,
-    RATIOS,
     RESULTS,
     RUNS,
     SMALL,
@@ -41,20 +40,17 @@ from tests.borders.tissue_uses import (
     plotted,
     pushed,
     registered,
-    results_plotted,
     slopes,
     studied,
 )
 from tests.borders.values import ABSURD
 from tissue.files.keys import all_keys
 from tissue.files.parameter_files import flat
-from tissue.pictures.picture import picture
-from tissue.quasi_steady.daha import TissueArrowHurwicz
-from tissue.quasi_steady.frozen import frozen_problem
-from tissue.quasi_steady.minimiser import Judge
-from tissue.quasi_steady.run import simulate_quasi_steady
-from tissue.study.answers import scenario_differences
 from tissue.study.read import Results
+from verification.thesis.quasi_steady.daha import TissueArrowHurwicz
+from verification.thesis.quasi_steady.frozen import frozen_problem
+from verification.thesis.quasi_steady.minimiser import Judge
+from verification.thesis.quasi_steady.run import simulate_quasi_steady
 
 KEYS = tuple(all_keys(tissue.Parameters))
 PRESENT = flat(SMALL.as_dict())
@@ -90,7 +86,7 @@ CHANGES = varied(np.random.default_rng(0), 2000)
 SEEDS, FLAG, STRENGTH = (0, 1), (True, False), (0, 0.5, 1, 1e5)
 TIMES = ("0.1 h", "0.1 h to 0.3 h", "0.2 h, 50 %", "never")
 PATHS = ("built.npz", FOLDER / "again.npz", FOLDER / "no" / "folder.npz", FOLDER)
-SCHEMES = (dincl.PBD(1e-3), dincl.Penalty(1e-3, 1.0), dincl.CatchUp(1e-3, dincl.GaussSeidel(1e-6)))
+SCHEMES = (dincl.PBD(1e-3), dincl.Penalty(1e-3, 1.0), dincl.CatchUp(1e-3, dincl.Daqp(1e-6)))
 NAMES, TEXTS = ("generated", "my_force", "x2"), ("what it means", "")
 AFTER, UNITS, COLUMNS = (None, "a", "b", "generated"), ("", "um", "h"), (["replicate"], None, ("cell", "inm"))
 CELLS, LAYERS = tuple(frame.cells for frame in FRAMES), tuple(frame.layers for frame in FRAMES)
@@ -222,16 +218,10 @@ CALLS = (
     Call("Results", Results, {"folder": (FOLDER / "results", str(FOLDER / "results"), FOLDER)}),
     Call("Results.cells", RESULTS.cells, {"scenario": SCENARIOS, "columns": COLUMNS}, ("columns",)),
     Call("Results.runs", RESULTS.runs, {"scenario": SCENARIOS, "columns": (["seed"], None)}, ("columns",)),
+    Call("Results.values", RESULTS.values, {"scenario": SCENARIOS, "outcome": ("basal", "height_um")}),
     Call("Results.parameters", RESULTS.parameters, {"scenario": SCENARIOS}),
     Call("Results.trajectory", RESULTS.trajectory, {"scenario": SCENARIOS, "replicate": (0, 1)}),
     Call("answers", answers, {"results": (RESULTS,)}),
-    Call("scenario_differences", scenario_differences, {"ratios": (RATIOS,), "replicates": (2, 32)}),
     Call("Run.plot", plotted, {"ax": (None,), "t": (None, 0.2, 0)}, ("ax", "t")),
     Call("Run.animate", animated, {"file": ("run.gif", FOLDER / "run.webp", "run.txt", FOLDER)}),
-    Call(
-        "picture",
-        picture,
-        {"frames": (FRAMES[:1], list(FRAMES[1:2])), "parameters": PARAMETERS[1:2], "path": ("a.png", FOLDER / "b.svg")},
-    ),
-    Call("Results.plot", results_plotted, {"scenario": SCENARIOS}),
 )

@@ -6,7 +6,6 @@ import tempfile
 from pathlib import Path
 
 import tissue
-from tissue.study.answers import scenario_ratios
 
 FOLDER = Path(tempfile.mkdtemp())
 atexit.register(shutil.rmtree, FOLDER, ignore_errors=True)
@@ -43,4 +42,3 @@ for name, content in FILES.items():
 RUNS[0].final.save(FOLDER / "kept.npz")
 (FOLDER / "damaged.npz").write_bytes((FOLDER / "kept.npz").read_bytes()[:900])
 RESULTS = tissue.run_study(FOLDER / "study.toml", FOLDER / "results")
-RATIOS = scenario_ratios(RESULTS)

@@ -1,6 +1,7 @@
 """What users do with tissue in more than one call; what they register is taken off the shelves again."""
 
 from contextlib import contextmanager
+from dataclasses import replace
 
 import dincl
 import tissue
@@ -10,18 +11,17 @@ from tests.borders.tissue_things import (
     FRAMES,
     LONGER,
     QUICK,
-    RESULTS,
     RUNS,
     SMALL,
     TYPES,
 )
 from tissue.plugins import registry
-from tissue.quasi_steady.daha import TissueArrowHurwicz
-from tissue.quasi_steady.frozen import frozen_problem, made_feasible
 from tissue.runs.registration import KINDS
-from tissue.study.answers import control_shares, scenario_changes, scenario_ratios
+from tissue.study.answers import answer_table, scenario_changes, scenario_means
+from verification.thesis.quasi_steady.daha import TissueArrowHurwicz
+from verification.thesis.quasi_steady.frozen import frozen_problem, made_feasible
 
-PROJECTION = dincl.ProjectedNewton(1e-9)
+PROJECTION = dincl.ActiveSet(1e-9)
 THING = tissue.Force("mine", own.push, "mine")
 
 
@@ -57,7 +57,14 @@ def forms(changes):
 def simulated(parameters, seed):
     """A run and its tables."""
     run = tissue.simulate(parameters, seed, throw=False)
-    return run, run.table().select_dtypes(float).to_numpy(), run.summary().to_numpy(float), repr(run)
+    if run.summary()["folded"].ne("no").any():  # which is why heights and positions are missing
+        run = replace(run, parameters=run.parameters.changed({"numerics.folded": "keep"}))
+    return (
+        run,
+        run.table().select_dtypes(float).to_numpy(),
+        run.summary().select_dtypes("number").to_numpy(float),
+        repr(run),
+    )
 
 
 def pushed(push, energy, strength, seed):
@@ -108,7 +115,7 @@ def altered(name, value):
 def resumed(parameters, start):
     """A run from a state, and its tables."""
     run = tissue.simulate(parameters, 1, start, throw=False)
-    return run, run.summary().to_numpy(float)
+    return run, run.summary().select_dtypes("number").to_numpy(float)
 
 
 def frozen(cells, layers, numbers, scheme):
@@ -130,7 +137,7 @@ def studied(study, out, executor):
 def answers(results):
     """All that is asked of a study's results."""
     scenario_changes(results)
-    return scenario_ratios(results).to_numpy(), control_shares(results).to_numpy()
+    return scenario_means(results).to_numpy(), answer_table(results)["p"].to_numpy()
 
 
 def plotted(ax=None, t=None):
@@ -141,8 +148,3 @@ def plotted(ax=None, t=None):
 def animated(file):
     """A movie of two states."""
     RUNS[1].animate(file)
-
-
-def results_plotted(scenario):
-    """A chart is made, and thrown away."""
-    RESULTS.plot(scenario=scenario)

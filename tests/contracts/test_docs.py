@@ -20,7 +20,7 @@ from dincl.schemes import event_driven
 from docs.building import gallery, notebooks, reference, shown
 from meanfield.model import model
 from meanfield.solvers import characteristics, dae
-from meanfield.transport import discrete
+from meanfield.transport import wasserstein
 from tests.commands import PROGRAMS, exists
 from tests.executors import Here
 from tests.installing import copy_sources, pip
@@ -28,12 +28,11 @@ from tests.optional import need_module
 from tests.pages import ROOT, blocks, links, run
 from tests.verification.explore.site import served
 from tests.verification.thesis.shortened import few_claims, shorten
-from tissue.files import cell_types, fields
+from tissue.files import quantities, sections
 from tissue.files.parameter_files import PRESETS
 from tissue.runs import registration
 from verification import cli
-from verification.page import chapters
-from verification.thesis import register
+from verification.thesis import chapters, register
 
 PAGE, DOCS = ROOT / "README.md", ROOT / "docs"
 README = PAGE.read_text("utf-8")
@@ -55,9 +54,9 @@ LIMITS = {
     "and {} macroscopic": model.MAX_MACROSCOPIC,
     "{} coordinates in `solve_dae`": dae.MAX_INTERACTING_COORDINATES,
     "{:,} nodes in `solve_characteristics`": characteristics.MAX_INTERACTING_NODES,
-    "up to {:,} different points": discrete.MAX_TRANSPORT_POINTS,
-    "{:,} cells,": fields.MOST_CELLS,
-    "{} types of cells": cell_types.MOST_TYPES,
+    "up to {:,} pairs": wasserstein.MAX_PAIRS,
+    "{:,} cells,": quantities.MOST_CELLS,
+    "{} types of cells": sections.MOST_TYPES,
     "{} registered functions": registration.MOST,
 }
 # Runs all pages with the installed packages: notebooks with their files and commands, the others their Python.

@@ -33,7 +33,7 @@ LONGEST = 0.5  # seconds until a process is killed
 PAUSE = 0.015  # seconds before a piece of work, at most
 EARLY = 4  # each fourth counted from its start, the others from the first piece of work they begin
 RUNS = tuple({"method": f"method {m}", "dt": 0.5**k} for m in range(20) for k in range(20))
-REPLICATES = 21 * 128  # in two scenarios: 42 parts
+REPLICATES = 21 * 32  # in two scenarios: 42 parts
 
 
 class OneByOne(Inline):
@@ -87,8 +87,8 @@ def _rows(folder: Path) -> int:
     return len(pd.read_parquet(file)) if file.exists() else 0
 
 
-def _notes(folder: Path) -> int:
-    return sum(name.startswith("parts") and PARTIAL not in name for name in stored(folder / "out"))
+def _parts(folder: Path) -> int:
+    return sum(name.startswith("runs") and PARTIAL not in name for name in stored(folder / "out"))
 
 
 STORES = {
@@ -99,7 +99,7 @@ STORES = {
         lambda folder: {name: (folder / name).read_bytes() for name in ("runs.parquet", "runs.csv")},
         len(RUNS) // KILLS - 1,
     ),
-    "folder of parts": Store(parts, _notes, 42, lambda folder: stored(folder / "out"), 2),
+    "folder of parts": Store(parts, _parts, 42, lambda folder: stored(folder / "out"), 2),
 }
 
 

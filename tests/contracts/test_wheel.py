@@ -13,6 +13,7 @@ import pytest
 import yaml  # comes with bokeh
 
 from tests.installing import (
+    AUDIT,
     BESIDE,
     LEFTOVERS,
     PACKAGES,
@@ -90,12 +91,7 @@ if __name__ == "__main__":
     assert results.summary()["runs"].tolist() == [4, 4]
 """
 HERE = """results = tissue.run_study("study.toml", "out")"""
-DASK = """
-    from distributed import Client
 
-    with Client(n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None) as client:
-        results = tissue.run_study("study.toml", "out", client.get_executor())
-"""
 EXPLORE = """
 import subprocess, sys
 from pathlib import Path
@@ -113,7 +109,7 @@ finally:
 VIEW = """
 import tissue
 
-sheet = tissue.preset("published").changed({"tissue.dimension": 3, "numerics.t_end": "0.2 h"})
+sheet = tissue.preset("published").changed({"tissue.dimension": 3, "tissue.cells": 196, "numerics.t_end": "0.2 h"})
 tissue.simulate(sheet, seed=1).view("sheet.png")
 """
 MODEL = """
@@ -139,7 +135,6 @@ EXTRAS = {
     "proofs": PROOF,
     "yardsticks": PROGRAMS["dincl"].replace(".to_frame().shape", ".x.shape"),
     "explore": EXPLORE,
-    "cluster": STUDY.replace("EXECUTOR", DASK),
     "views": VIEW,
     "thesis": PROOF + PROGRAMS["verification"] + PROGRAMS["tissue"] + MODEL,
 }
@@ -180,18 +175,18 @@ def interpreter(version):
 
 
 @pytest.mark.slow
-def test_the_wheel_has_every_file_of_the_packages_and_no_tables_of_studies(wheel):
+def test_the_wheel_has_every_file_of_the_packages_and_nothing_of_the_audit(wheel):
     names = contents(wheel)
-    assert names == {name for name in sources() if not name.startswith(TABLES)}
+    assert names == {name for name in sources() if not name.startswith(AUDIT)}
     assert [name for name in names if "test" in Path(name).stem.split("_") or name.endswith(".parquet")] == []
     assert wheel.stat().st_size < LARGEST["packages"]
 
 
 @pytest.mark.slow
-def test_the_tables_are_a_wheel_of_their_own(wheels):
+def test_the_audit_is_a_wheel_of_its_own(wheels):
     tables = wheels[1]
-    ours = {name.replace(TABLES, "dincl_testbed_data") for name in sources() if name.startswith(TABLES)}
-    assert contents(tables) == {name for name in ours if not name.endswith(".toml")}
+    ours = {name.replace(TABLES, "dincl_testbed_data") for name in sources() if name.startswith(AUDIT)}
+    assert contents(tables) == ours - {"dincl_testbed_data/pyproject.toml"}
     assert tables.stat().st_size < LARGEST["tables"]
     ours, theirs = (tomllib.loads((ROOT / f).read_text("utf-8"))["project"] for f in FILES)
     assert theirs["name"] == f"{ours['name']}-data"
@@ -205,7 +200,7 @@ def test_the_source_archive_has_what_builds_the_wheel_and_neither_tests_nor_tabl
         names = {name.partition("/")[2] for name in archive.getnames() if archive.getmember(name).isfile()}
     made = {"PKG-INFO", "setup.cfg"}
     found = {name for name in names if ".egg-info/" not in name}
-    assert found == made | set(BESIDE) | {name for name in sources() if not name.startswith(TABLES)}
+    assert found == made | set(BESIDE) | {name for name in sources() if not name.startswith(AUDIT)}
 
 
 def contents(wheel):

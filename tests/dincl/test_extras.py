@@ -26,7 +26,7 @@ import dincl, meanfield, tissue, verification
 scene = dincl.scenes.four_disks()
 wall = dincl.Problem([[1.0, 0.0]], lambda t, x: -x, [dincl.Smooth(lambda x: x[:, 0] - 0.5, lambda x: [[1.0, 0.0]])])
 paths = [dincl.solve(wall, dincl.PBD(0.1), [1.0])]
-projections = (dincl.Daqp(1e-9), dincl.GaussSeidel(1e-9), dincl.ActiveSet(1e-9))
+projections = (dincl.Daqp(1e-9), dincl.ProjectedCG(1e-9), dincl.ActiveSet(1e-9))
 for scheme in (dincl.PBD(0.05), dincl.EventDriven(1e-9), *(dincl.CatchUp(0.05, one) for one in projections)):
     paths.append(dincl.solve(scene, scheme, [0.1]))
 said = {}
@@ -35,7 +35,6 @@ asked = {
     "CvxpyQP": lambda: dincl.solve(scene, dincl.CatchUp(0.05, dincl.CvxpyQP(1e-9)), [0.1]),
     "Ipopt": lambda: dincl.project(scene, scene.x0 / 2, dincl.Ipopt(1e-9)),
     "Piqp": lambda: dincl.solve(scene, dincl.CatchUp(0.05, dincl.Piqp(1e-9)), [0.1]),
-    "ProjectedNewton": lambda: dincl.solve(scene, dincl.CatchUp(0.05, dincl.ProjectedNewton(1e-9)), [0.1]),
     "plot": paths[1].plot,
     "to_frame": paths[1].to_frame,
     "model": lambda: meanfield.StraightFibre(m=0.5, k0=1.0, y_rest=1.0, k1=0.5),
@@ -58,7 +57,6 @@ MESSAGES = {
     "CvxpyQP": "CvxpyQP needs cvxpy-base, not installed here; in a clone: pip install '.[yardsticks]'",
     "Ipopt": "Ipopt needs casadi, not installed here; in a clone: pip install '.[yardsticks]'",
     "Piqp": "Piqp needs piqp, not installed here; in a clone: pip install '.[yardsticks]'",
-    "ProjectedNewton": "ProjectedNewton needs qdldl, not installed here; in a clone: pip install '.[yardsticks]'",
     "plot": "A picture needs matplotlib, not installed here; in a clone: pip install '.[report]'",
     "to_frame": "to_frame needs pandas, not installed here; in a clone: pip install '.[report]'",
     "model": "A model of meanfield needs casadi, not installed here; in a clone: pip install '.[meanfield]'",
@@ -139,9 +137,7 @@ def test_what_the_thesis_needs_names_all_that_are_missing(monkeypatch):
 def test_missing_tables_of_studies_are_named(monkeypatch):
     for package in ("verification.data", "dincl_testbed_data"):
         monkeypatch.setitem(sys.modules, package, None)
-    with pytest.raises(
-        MissingTables, match=r"^the report needs dincl-testbed-data, .*: pip install ./verification/data$"
-    ):
+    with pytest.raises(MissingTables, match=r"^the report needs dincl-testbed-data, .*: pip install -e '.\[thesis\]'$"):
         need_thesis("the report")
 
 

@@ -1,14 +1,25 @@
-"""The run: times, steps, output, and the residuals of its result."""
+"""The run: times, steps, output, residuals of its result; what comes back from pickle; what is no start."""
+
+import copy
+import pickle
+import re
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
 
 import dincl
-from dincl.steps.grid import TimeGrid, divide_time
+from dincl import scenes
+
+DISCS = dincl.NonOverlap(0.5)
 
 
 def decay(x0=((1.0, -2.0),), constraints=()):
     return dincl.Problem(x0, lambda t, x: -x, constraints)
+
+
+def fall(constraints=()):
+    return dincl.Problem([[0.0]], lambda t, x: np.full_like(x, -1.0), constraints)
 
 
 def test_euler_without_constraints():
@@ -17,104 +28,52 @@ def test_euler_without_constraints():
     assert path.x.shape == (2, 1, 2)
     assert path.final.tolist() == path.x[-1].tolist()
     assert path.x[:, 0, 0] == pytest.approx([0.9**5, 0.9**10])
-    assert path.status is dincl.Status.SUCCESS
-    assert path.detail == ""
-    assert path.violation().tolist() == [0.0, 0.0]
+    assert (path.status, path.detail, path.violation().tolist()) == (dincl.Status.SUCCESS, "", [0.0, 0.0])
     assert path.stats.degrees_of_freedom == 2
     assert path.stats.drift_evaluations == path.stats.steps == 10
+    start = dincl.solve(decay(), dincl.PBD(0.1), t=[0.0])
+    assert start(0.0).tolist() == start.x[0].tolist() == [[1.0, -2.0]]
 
 
-def test_kept_times_do_not_change_the_steps():
-    few = dincl.solve(decay(), dincl.PBD(0.1), t=[1.0])
-    many = dincl.solve(decay(), dincl.PBD(0.1), t=[0.0, 0.123, 0.3, 0.777, 1.0])
-    assert many.final.tolist() == few.final.tolist()
-    assert many.stats.steps == few.stats.steps
-
-
-def test_between_two_steps_on_the_straight_line():
-    path = dincl.solve(decay(), dincl.PBD(0.1), t=[0.0, 0.25, 0.3, 1.0])
-    ends = 0.9 ** np.array([2, 3])
-    assert path.x[:, 0, 0] == pytest.approx([1.0, ends.mean(), ends[1], 0.9**10])
-    assert path(0.25) == pytest.approx(path.x[1], abs=1e-15)
-
-
-def test_the_path_is_piecewise_linear_between_steps_that_were_not_kept():
+def test_output_times_lie_on_straight_lines_and_change_no_step():
     every = dincl.solve(decay(), dincl.PBD(0.1), t=np.arange(0, 11) / 10)
-    last = dincl.solve(decay(), dincl.PBD(0.1), t=[0.7, 1.0])
+    some = dincl.solve(decay(), dincl.PBD(0.1), t=[0.0, 0.123, 0.25, 0.7, 1.0])
+    assert some.final.tolist() == every.final.tolist()
+    assert some.stats.steps == every.stats.steps
     times = np.array([[0.0, 0.05, 1.0], [0.61, 0.7, 0.33]])
-    assert last(times).shape == (2, 3, 1, 2)
-    linear = np.interp(times, every.t, every.x[:, 0, 1])
-    assert last(times)[..., 0, 1] == pytest.approx(linear, abs=1e-15)
-    assert last(0.4).shape == (1, 2)
-
-
-def test_the_path_of_a_second_order_run_knows_its_velocity():
-    fall = dincl.Problem([[0.0]], lambda t, x: np.full_like(x, -1.0))
-    path = dincl.solve(fall, dincl.SecondOrderPBD(0.1), t=[0.5, 1.0])
+    for path in (every, some):
+        assert path(times).shape == (2, 3, 1, 2)
+        assert path(times)[..., 0, 1] == pytest.approx(np.interp(times, every.t, every.x[:, 0, 1]), abs=1e-15)
+        assert path(path.t) == pytest.approx(path.x, abs=1e-15)
+    path = dincl.solve(fall(), dincl.SecondOrderPBD(0.1), t=[0.5, 1.0])
     assert path(0.7)[0, 0] == pytest.approx(-0.01 * 7 * 8 / 2)
 
 
 @pytest.mark.parametrize(
-    ("t_end", "dt", "steps"),
+    ("end", "dt", "steps"),
     [(1.0, 0.1, 10), (1.0, 0.3, 4), (3.0, 1e-3, 3000), (0.7, 0.1, 7), (1.0, 5.0, 1), (0.0, 0.1, 0)],
 )
-def test_equal_steps_no_longer_than_dt(t_end, dt, steps):
-    made = divide_time(t_end, dt)
-    assert made.steps == steps
-    assert made.h <= dt * (1 + 1e-12)
-    assert made.time(steps) == t_end
-
-
-def test_grid_times_come_from_their_number():
-    made = TimeGrid(0.7, 7)
-    assert [int(k) for k in made.before(np.array([made.time(k) for k in range(1, 8)]))] == list(range(7))
-    assert made.before(0.0) == 0
-    assert made.before(0.05) == 0
-    assert made.before(0.15) == 1
-
-
-def test_only_the_start():
-    path = dincl.solve(decay(), dincl.PBD(0.1), t=[0.0])
-    assert path.x.tolist() == [[[1.0, -2.0]]]
-    assert path(0.0).tolist() == [[1.0, -2.0]]
-
-
-def test_a_start_in_contact_up_to_decimal_digits_is_accepted():
-    discs = dincl.Problem([[0.1 + 0.2], [1.3]], lambda t, x: -x, [dincl.NonOverlap(0.5)])
-    assert dincl.solve(discs, dincl.PBD(0.1), t=[1.0]).status
-
-
-@pytest.mark.parametrize(("overlap", "accepted"), [(1e-10, True), (3e-9, False), (1e-6, False)])
-def test_what_a_start_may_miss(overlap, accepted):
-    """Up to 1e-9 of the largest coordinate, here 1."""
-    x0 = [[0.0], [1.0 - overlap]]
-    if accepted:
-        dincl.Problem(x0, lambda t, x: -x, [dincl.NonOverlap(0.5)])
-        return
-    with pytest.raises(dincl.InvalidProblem, match="x0 violates NonOverlap"):
-        dincl.Problem(x0, lambda t, x: -x, [dincl.NonOverlap(0.5)])
+def test_equal_steps_no_longer_than_dt(end, dt, steps):
+    path = dincl.solve(fall(), dincl.PBD(dt), t=end)
+    assert path.stats.steps == steps
+    assert path.final[0, 0] == pytest.approx(-end, abs=1e-12)
 
 
 def test_catch_up_proves_its_velocity():
     """Two discs pressed together on a wall: the velocity differs from the drift by a normal vector only."""
-    problem = dincl.Problem(
-        [[0.0, 0.5], [0.7, 1.4]],
-        lambda t, x: np.array([[0.0, -1.0], [-0.3, -1.0]]),
-        [dincl.NonOverlap(0.5), dincl.HalfSpace((0, 1), radius=0.5)],
-    )
-    times = [0.0, 0.2, 0.4]
-    catch_up = dincl.solve(problem, dincl.CatchUp(0.01, dincl.Daqp(1e-12)), t=times)
-    pbd = dincl.solve(problem, dincl.PBD(0.01), t=times)
-    assert catch_up.normal_cone_residual()[0] == np.inf
-    assert (catch_up.normal_cone_residual()[1:] < 1e-9).all()
+    drift, floor = np.array([[0.0, -1.0], [-0.3, -1.0]]), dincl.HalfSpace((0, 1), radius=0.5)
+    problem = dincl.Problem([[0.0, 0.5], [0.7, 1.4]], lambda t, x: drift, [DISCS, floor])
+    schemes = dincl.CatchUp(0.01, dincl.Daqp(1e-12)), dincl.PBD(0.01)
+    exact, pbd = (dincl.solve(problem, scheme, t=[0.0, 0.2, 0.4]) for scheme in schemes)
+    assert exact.normal_cone_residual()[0] == np.inf
+    assert (exact.normal_cone_residual()[1:] < 1e-9).all()
     assert (pbd.normal_cone_residual()[1:] > 1e-4).all()
-    assert (catch_up.violation() < 1e-12).all()
+    assert (exact.violation() < 1e-12).all()
 
 
 def test_a_failed_run_says_when_and_what_to_try():
-    blow_up = dincl.Problem([[1.0]], lambda t, x: x**3)
     with pytest.raises(dincl.StepFailed, match=r"smaller dt.*step from t = ") as caught:
-        dincl.solve(blow_up, dincl.PBD(1.0), t=[100.0])
+        dincl.solve(dincl.Problem([[1.0]], lambda t, x: x**3), dincl.PBD(1.0), t=[100.0])
     path = caught.value.trajectory
     assert path.status is dincl.Status.DRIFT_FAILED
     assert np.isfinite(path.x).all()
@@ -122,17 +81,15 @@ def test_a_failed_run_says_when_and_what_to_try():
 
 
 def test_what_is_not_defined_is_infinite():
-    fall = dincl.Problem([[0.0]], lambda t, x: np.full_like(x, -1.0))
-    assert dincl.solve(fall, dincl.SecondOrderPBD(0.1), t=[0.5]).normal_cone_residual().tolist() == [np.inf]
+    assert dincl.solve(fall(), dincl.SecondOrderPBD(0.1), t=[0.5]).normal_cone_residual().tolist() == [np.inf]
     late = dincl.Smooth(lambda x: np.array([1.0 if x[0, 0] > -0.95 else np.nan]), lambda x: np.zeros((1, 1)))
-    path = dincl.solve(dincl.Problem([[0.0]], fall.drift, [late]), dincl.PBD(0.1), t=[0.9, 1.0], throw=False)
+    path = dincl.solve(fall([late]), dincl.PBD(0.1), t=[0.9, 1.0], throw=False)
     assert path.status is dincl.Status.CONSTRAINT_FAILED
-    assert fall.violation(0.0, fall.x0) == 0.0
     assert path.problem.violation(1.0, np.array([[-1.0]])) == np.inf
 
 
 def test_reprs_are_short():
-    scene = dincl.scenes.pile(500)
+    scene = scenes.pile(500)
     path = dincl.solve(scene, dincl.PBD(0.1), t=[0.1, 0.2])
     assert repr(scene) == "Scene(N = 500, d = 2, constraints = [NonOverlap, HalfSpace, HalfSpace, HalfSpace])"
     assert repr(path) == "Trajectory(SUCCESS, PBD, 2 output times to t = 0.2, N = 500, d = 2)"
@@ -154,3 +111,78 @@ def test_a_start_in_contact_is_judged_alike_wherever_the_origin_is(contact, out,
     dincl.Problem([[c]], lambda t, x: 0 * x, [contact(c)])
     with pytest.raises(dincl.InvalidProblem, match=r"x0 violates .* the nearest point that is feasible"):
         dincl.Problem([[c + 1e-3 * out]], lambda t, x: 0 * x, [contact(c)])
+
+
+def test_a_start_may_overlap_by_a_billionth_of_the_largest_coordinate():
+    decay([[0.1 + 0.2], [1.3]], [DISCS])
+    decay([[0.0], [1.0 - 1e-10]], [DISCS])
+    with pytest.raises(dincl.InvalidProblem, match="x0 violates NonOverlap"):
+        decay([[0.0], [1.0 - 3e-9]], [DISCS])
+
+
+def pull(t, x):
+    return -x
+
+
+@dataclass(frozen=True)
+class Weighted(dincl.FixedStep):
+    """Euler with a weight from a function."""
+
+    weight: object = None
+
+    def stepper(self, problem):
+        return Euler(problem)
+
+
+class Euler(dincl.Stepper):
+    """x + h F."""
+
+    def step(self, t, h, state):
+        return dincl.StepState(state.x + h * self.velocity(t, state.x))
+
+
+@pytest.mark.parametrize("scene", [scenes.two_disks(), scenes.sweeping_interval()], ids=lambda scene: scene.name)
+@pytest.mark.parametrize(
+    "scheme", [dincl.PBD(0.05), dincl.MidpointCatchUp(0.05, dincl.Daqp(1e-9)), dincl.EventDriven(1e-8)]
+)
+def test_a_trajectory_comes_back_from_pickle(scheme, scene):
+    path = dincl.solve(scene, scheme, t=[0.5, 1.3])
+    back = pickle.loads(pickle.dumps(path))
+    np.testing.assert_array_equal(back(0.77), path(0.77))
+    np.testing.assert_array_equal(back.violation(), path.violation())
+    np.testing.assert_array_equal(back.normal_cone_residual(), path.normal_cone_residual())
+    assert back.stats == path.stats
+    np.testing.assert_array_equal(back.problem.exact(1.0), scene.exact(1.0))
+
+
+def shift(t):
+    return (t,)
+
+
+WALL = dincl.HalfSpace((1,), -9.0)
+BAD = {
+    "drift": dincl.Problem([[1.0]], lambda t, x: -x, [WALL]),
+    "constraints[1].path": dincl.Problem([[1.0]], pull, [WALL, dincl.Moving(WALL, lambda t: (t,))]),
+    "constraints[0].constraint.g": dincl.Problem(
+        [[1.0]], pull, [dincl.Moving(dincl.Smooth(lambda x: x[0] + 9, np.ones_like), shift)]
+    ),
+}
+
+
+@pytest.mark.parametrize("part", BAD)
+def test_a_part_that_cannot_be_pickled_is_named_and_can_be_copied(part):
+    problem = BAD[part]
+    message = re.escape(part) + r" = <function .*<lambda>.*define it at module level, or keep path.to_frame\(\)"
+    for scheme in (dincl.PBD(0.1), dincl.EventDriven(1e-6)):
+        path = dincl.solve(problem, scheme, t=[1.0])
+        for item in (problem, path):
+            with pytest.raises(pickle.PicklingError, match=message):
+                pickle.dumps(item)
+        assert copy.copy(problem) is problem
+        assert np.array_equal(copy.deepcopy(path)(0.5), path(0.5))
+
+
+def test_a_scheme_that_cannot_be_pickled_is_named():
+    path = dincl.solve(scenes.two_disks(), Weighted(0.1, lambda: 1), t=[0.2])
+    with pytest.raises(pickle.PicklingError, match=r"^scheme.weight = <function"):
+        pickle.dumps(path)

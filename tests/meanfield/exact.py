@@ -1,4 +1,4 @@
-"""Starts, solutions in closed form to 40 digits and NumPy formulas of the models, for tests of all particle solvers."""
+"""Starts, and solutions in closed form to 40 digits, for tests of all particle solvers."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import mpmath
 import numpy as np
 
-from meanfield import LinearFibre, Model, State, StraightFibre, TissueElement, WavyFibre
+from meanfield import LinearFibre, State, StraightFibre
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -24,10 +24,6 @@ TIMES = np.linspace(0.0, 4.0, 9)
 
 def fibre_start(n: int = 20) -> State:
     return State(X=0.2 + 1.3 * np.random.default_rng(3).random((n, 1)), y=[Y0], v=[V0])
-
-
-def element_start(n: int = 20) -> State:
-    return State(X=np.random.default_rng(4).normal(size=(n, 2)), y=[1.2, 0.9, 0.1], v=[0.3, -0.2, 0.1])
 
 
 class Exact(NamedTuple):
@@ -90,39 +86,3 @@ def worst(motion: Motion, other: Any) -> float:
 
 
 CLOSED = {"straight": (StraightFibre, straight), "linear": (LinearFibre, linear)}
-
-
-# Formulas of the models that accept complex numbers, for derivatives by complex steps, independent of CasADi.
-def g_element(X: Any, y: Any) -> Any:
-    return np.linalg.solve(np.array([[y[0], y[2]], [y[2], y[1]]]), X)
-
-
-def g_askew(X: Any, y: Any) -> Any:
-    """Evaluate a constraint whose Jacobians are not symmetric, with det dg/dX = 1 + X_0^2 + X_0/2 > 0."""
-    return [X[0] + X[1] / 2 + X[0] ** 3 / 3 - y[0], X[1] - X[0] ** 2 / 2 - y[1] * (1 + y[0] / 4)]
-
-
-PLAIN: dict[str, tuple[Any, Any]] = {
-    "straight": (lambda: StraightFibre(**FIBRE), lambda X, y: X / y),
-    "linear": (lambda: LinearFibre(**FIBRE), lambda X, y: X - y),
-    "wavy": (lambda: WavyFibre(**FIBRE), lambda X, y: X + np.sin(X) / 2 - y),
-    "element": (lambda: TissueElement(m=M, k0=K0, y_rest=[1.0, 1.1, 0.1], k1=K1), g_element),
-    "askew": (
-        lambda: Model(
-            g=g_askew,
-            W0=lambda y: K0 / 2 * ((y[0] - REST) ** 2 + (y[1] - REST) ** 2),
-            W1=lambda X: K1 / 2 * (X[0] ** 2 + X[1] ** 2),
-            V=lambda r: (r[0] ** 2 + r[1] ** 2) / (1 + r[0] ** 2 + r[1] ** 2),
-            m=M,
-            nx=2,
-            ny=2,
-        ),
-        lambda X, y: np.array(g_askew(X, y)),
-    ),
-}
-
-
-def start_of(name: str, n: int = 20) -> State:
-    if name == "askew":
-        return State(X=np.random.default_rng(5).normal(size=(n, 2)) / 2, y=[1.2, 0.7], v=[0.3, -0.2])
-    return element_start(n) if name == "element" else fibre_start(n)

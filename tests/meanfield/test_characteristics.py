@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 import meanfield
 from dincl import InvalidProblem, Status
-from meanfield import Density, SolveFailed, State, solve_characteristics, solve_ode, solve_pde, w1
+from meanfield import Density, SolveFailed, State, solve_characteristics, solve_pde
 from meanfield.solvers import characteristics
 from meanfield.solvers.ode import solve_weighted
 
@@ -38,27 +38,6 @@ def test_density_at_the_nodes_is_mass_over_length() -> None:
     np.testing.assert_allclose(
         flow.density(2) * positions.deriv()(nodes[:, 0]), BUMP.density(nodes), rtol=1e-6, atol=1e-8
     )
-
-
-@pytest.mark.slow
-def test_many_particles_converge_to_the_flow() -> None:
-    density = Density.uniform(-0.7, 1.3)
-    flow = solve_characteristics(WAVY, density, [0.2], [0.5], TIMES, 1e-11)
-    errors = []
-    for n in (500, 2000):
-        motion = solve_ode(WAVY, State(X=density.quantiles(n), y=[0.2], v=[0.5]), TIMES, 1e-11)
-        errors.append(np.abs(motion.y - flow.y).max())
-    # Quantiles of the midpoints of [(i-1)/n, i/n] are a quadrature rule of second order here.
-    assert errors[1] < 1e-7
-    assert errors[0] / errors[1] == pytest.approx(16.0, rel=0.1)
-
-
-def test_energy_is_conserved() -> None:
-    drifts = []
-    for tol in (1e-5, 1e-10):
-        flow = solve_characteristics(WAVY, BUMP, [0.2], [0.5], [0.0, *TIMES], tol)
-        drifts.append(np.ptp(flow.energy()))
-    assert drifts[1] < 1e-9 < drifts[0] < 1e-3
 
 
 @pytest.mark.slow_with("0.001")
@@ -92,17 +71,6 @@ def test_attraction_stiffens_the_fibre() -> None:
     grid = solve_pde(model, BUMP, [1.0], [0.4], TIMES, cells=100)
     np.testing.assert_allclose(grid.y[:, 0], y, rtol=0, atol=2e-5)
     assert np.ptp(grid.energy()) < 1e-4
-
-
-@pytest.mark.slow
-def test_measure_meets_the_density_of_the_grid() -> None:
-    flow = solve_characteristics(WAVY, BUMP, [0.2], [0.5], TIMES, 1e-11)
-    grid = solve_pde(WAVY, BUMP, [0.2], [0.5], TIMES, cells=100)
-    for k in range(len(TIMES)):
-        points, weights = flow.measure(k)
-        assert weights.sum() == pytest.approx(1.0, abs=1e-14)
-        assert weights @ points[:, 0] == pytest.approx(grid.mean()[k, 0], abs=3e-4)
-        assert w1(flow.measure(k), grid.density(k)) < np.diff(points[:, 0]).max() / 2
 
 
 def test_too_few_nodes_end_the_run(monkeypatch: pytest.MonkeyPatch) -> None:

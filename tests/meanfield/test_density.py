@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from scipy import stats
 
 from dincl import InvalidProblem
 from meanfield import Density, Panels
@@ -42,11 +41,6 @@ def test_samples_follow_the_density(name, rng):
     np.testing.assert_allclose(x.T @ x / len(x), second, rtol=0, atol=0.04 * np.diag(second).max())
 
 
-def test_samples_on_a_line_pass_the_kolmogorov_smirnov_test(rng):
-    x = KINK.sample(rng, 20_000)[:, 0]
-    assert stats.kstest(x, KINK.panels.distribution).pvalue > 0.01
-
-
 def test_rejection_draws_from_the_density_even_where_its_first_bound_is_too_low(rng, monkeypatch):
     monkeypatch.setattr("meanfield.density.density.CHECK_NODES", 2)  # there f is below a tenth of its largest value
     bump = MOMENTS["bump 3"][0]
@@ -77,22 +71,6 @@ def test_quantiles_invert_the_distribution(density):
     x = density.quantiles(1001)
     assert x.shape == (1001, 1)
     np.testing.assert_allclose(density.panels.distribution(x[:, 0]), (np.arange(1001) + 0.5) / 1001, rtol=0, atol=1e-15)
-
-
-def test_quantiles_of_a_normal_density_are_those_of_scipy():
-    p = (np.arange(1000) + 0.5) / 1000
-    np.testing.assert_allclose(NORMAL.quantiles(1000)[:, 0], stats.norm.ppf(p, 1, 2), rtol=0, atol=1e-13)
-
-
-def test_a_density_is_zero_outside_its_box():
-    assert BUMP.density([[-1.6], [0.5], [2.6]]).tolist() == [0.0, 315 / 512, 0.0]
-    assert BUMP.panels.density(np.array([-1.6, 0.5, 2.6])) == pytest.approx([0.0, 315 / 512, 0.0], abs=1e-15)
-
-
-def test_an_unlisted_jump_is_resolved():
-    density = Density(lambda x: np.where(x[:, 0] < 0.3, 0.5 / 0.3, 0.5 / 0.7), [0.0], [1.0])
-    x = np.array([0.15, 0.3, 0.65])
-    np.testing.assert_allclose(density.panels.distribution(x), [0.25, 0.5, 0.75], rtol=0, atol=1e-14)
 
 
 def test_distribution_of_a_piecewise_constant_density_is_linear_on_cells():

@@ -9,7 +9,6 @@ import pytest
 
 import meanfield
 from meanfield import Positions, Status
-from tests.meanfield.exact import CLOSED, FIBRE, TIMES, fibre_start, worst
 from tests.meanfield.models import EVERY, MODELS, start
 
 
@@ -19,15 +18,6 @@ def time_in(detail: str) -> float:
 
 
 FOLD = meanfield.Model(g=lambda X, y: X + 1.5 * ca.sin(X) - y, W0=lambda y: y**2 / 2, W1=lambda X: X**2)
-
-
-@pytest.mark.parametrize("reduced", [False, True])
-@pytest.mark.parametrize("name", CLOSED)
-def test_against_closed_forms(name, reduced):
-    make, closed = CLOSED[name]
-    model = make(**FIBRE)
-    motion = meanfield.solve_ode(meanfield.reduce(model) if reduced else model, fibre_start(), TIMES, tol=1e-12)
-    assert worst(motion, closed(fibre_start(), TIMES)) < 5e-11
 
 
 @pytest.mark.parametrize("name", EVERY)
@@ -49,15 +39,6 @@ def test_solves_the_constrained_equations(name):
     assert motion.velocity_drift().max() < 1e-13
 
 
-@pytest.mark.parametrize("name", EVERY)
-def test_energy_is_conserved_to_tolerance(name):
-    drifts = []
-    for tol in (1e-5, 1e-11):
-        motion = meanfield.solve_ode(MODELS[name], start(name, 5), t=[0.0, 1.0, 3.0], tol=tol)
-        drifts.append(np.ptp(motion.energy()) / tol)
-    assert max(drifts) < 50
-
-
 def test_reductions():
     found = {name: meanfield.reduce(model) for name, model in MODELS.items()}
     assert {name: (r.positions, r.obstacle) for name, r in found.items()} == {
@@ -69,15 +50,6 @@ def test_reductions():
         "bending": (Positions.FLOW, "Phi is not affine in X"),
         "attracting": (Positions.FLOW, "Phi is not affine in X"),
     }
-    assert [found[name].degrees_of_freedom(100) for name in ("linear", "element", "wavy", "bending")] == [
-        2,
-        6,
-        102,
-        204,
-    ]
-    assert [found[name].moment_unknowns() for name in ("linear", "element", "spatial")] == [4, 11, 13]
-    with pytest.raises(meanfield.NotClosed, match="Phi is not affine"):
-        found["wavy"].moment_unknowns()
     with pytest.raises(meanfield.NotClosed, match="no reduction holds"):
         meanfield.solve_ode(found["wavy"], start("wavy", 3), t=[1.0], tol=1e-6)
 
@@ -90,16 +62,6 @@ def test_reduced_motion_is_the_motion(name):
     assert reduced.work.unknowns == 2 * MODELS[name].ny < whole.work.unknowns
     for part in ("y", "v", "X", "U", "multipliers"):
         np.testing.assert_allclose(getattr(reduced, part), getattr(whole, part), atol=1e-9)
-
-
-def test_shift_with_nonlinear_forces_sums_all_particles_but_integrates_y_alone():
-    model = meanfield.Model(g=lambda X, y: X - y, W0=lambda y: y**2, W1=lambda X: X**4 / 4)
-    reduction = meanfield.reduce(model)
-    assert (reduction.positions, reduction.obstacle) == (Positions.SHIFT, "F1 is not affine in X")
-    state = start("linear", 7)
-    whole, reduced = (meanfield.solve_ode(m, state, t=[1.5], tol=1e-11) for m in (model, reduction))
-    np.testing.assert_allclose(reduced.X, whole.X, atol=1e-9)
-    assert reduced.work.unknowns == 2
 
 
 @pytest.mark.parametrize("name", ["straight", "linear", "element", "spatial"])
@@ -116,7 +78,8 @@ def test_moments_are_those_of_the_particles(name):
         np.testing.assert_allclose(closed.mean[k], mean, atol=1e-9)
         np.testing.assert_allclose(closed.second[k], second, atol=1e-9)
     np.testing.assert_allclose(closed.energy(), whole.energy(), atol=1e-9)
-    assert closed.work.unknowns == meanfield.reduce(MODELS[name]).moment_unknowns()
+    nx, ny = MODELS[name].nx, MODELS[name].ny
+    assert closed.work.unknowns == 2 * ny + nx + nx * (nx + 1) // 2
 
 
 def test_moments_that_do_not_close():
@@ -125,15 +88,6 @@ def test_moments_that_do_not_close():
         meanfield.solve_moments(MODELS["wavy"], moments, [0.0], [1.0], t=[1.0], tol=1e-6)
     with pytest.raises(meanfield.InvalidModel, match=r"moments0.second = .*: must be symmetric"):
         meanfield.solve_moments(MODELS["linear"], meanfield.Moments([1.0], [[0.5]]), [0.0], [1.0], t=[1.0], tol=1e-6)
-
-
-def test_a_restarted_run_continues_the_motion():
-    model, state = MODELS["wavy"], start("wavy", 4)
-    whole = meanfield.solve_ode(model, state, t=[1.0, 2.0], tol=1e-11)
-    rest = meanfield.solve_ode(model, whole.state(0), t=[1.0], tol=1e-11)
-    np.testing.assert_allclose(rest.X[0], whole.X[1], atol=1e-9)
-    assert rest.level is not None
-    np.testing.assert_array_equal(rest.level, whole.level)
 
 
 @pytest.mark.parametrize("reduced", [False, True])
@@ -155,15 +109,6 @@ def test_fibre_that_is_pushed_through_zero_ends_there(reduced):
     assert motion.t[-1] < crossing < motion.t[-1] + 0.1
     again = meanfield.solve_ode(model, state, t=np.linspace(0, 3, 31), tol=1e-9, throw=False)
     np.testing.assert_array_equal(again.X, motion.X)
-
-
-def test_moments_through_zero():
-    moments = meanfield.Moments([0.0], [[1.0]])
-    motion = meanfield.solve_moments(MODELS["straight"], moments, [1.0], [-3.0], t=[1.0], tol=1e-9, throw=False)
-    rest, rate = 1 / 1.5, 1.0  # stiffness and mass are both 3/2
-    crossing = mpmath.findroot(lambda t: rest + (1 - rest) * mpmath.cos(t) - 3 / rate * mpmath.sin(t), 0.34)
-    assert motion.status is Status.SINGULAR
-    assert time_in(motion.detail) == pytest.approx(float(crossing), abs=1e-6)
 
 
 ELEMENT = {"model": MODELS["element"], "y0": [1.2, 0.9, 0.1], "v0": [0.0, 0.0, 0.0], "t": [1e-6], "tol": 1e-3}
@@ -191,13 +136,6 @@ def test_moments_that_no_density_has_are_refused_at_every_size(size):
         meanfield.solve_moments(moments0=meanfield.Moments([0.0, 0.0], skew), **ELEMENT)
 
 
-def test_fold_ends_the_motion():
-    """Test a fold: X + 1.5 sin X has a maximum at X = 2.30, y = 3.42, which no particle can pass."""
-    motion = meanfield.solve_ode(FOLD, meanfield.State([[0.1]], [0.2], [8.0]), t=[0.1, 9.0], tol=1e-8, throw=False)
-    assert motion.status is Status.SINGULAR
-    assert len(motion.t) == 1
-
-
 @pytest.mark.parametrize(
     ("model", "state", "message"),
     [
@@ -211,26 +149,6 @@ def test_fold_ends_the_motion():
 def test_bad_starts(model, state, message):
     with pytest.raises(meanfield.InvalidModel, match=message):
         meanfield.solve_ode({**MODELS, "fold": FOLD}[model], state, t=[1.0], tol=1e-8)
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"t": [1.0, 0.5]}, "t = .*increasing"),
-        ({"t": [0.0]}, "the last one > 0"),
-        ({"tol": 1e-15}, "tol = 1e-15: must be from 1e-13"),
-        ({"tol": np.nan}, "tol = nan"),
-    ],
-)
-def test_bad_arguments(change, message):
-    with pytest.raises(meanfield.InvalidModel, match=message):
-        meanfield.solve_ode(MODELS["wavy"], start("wavy", 2), **{"t": [1.0], "tol": 1e-6, **change})
-
-
-@pytest.mark.parametrize("arrays", [([[np.nan]], [0.0], [1.0]), ([0.0], [0.0], [1.0]), ([[0.0]], [0.0], [1.0, 2.0])])
-def test_bad_states(arrays):
-    with pytest.raises(meanfield.InvalidModel, match="must be finite real numbers of shape"):
-        meanfield.State(*arrays)
 
 
 def test_force_that_is_not_finite():

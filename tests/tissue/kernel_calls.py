@@ -11,14 +11,16 @@ from tests.twins.tissue import steps as twins
 from tests.twins.tissue.state import Tissue
 from tissue.events.known import settled
 from tissue.kernels import kernel
+from tissue.kernels.curve import evaluate, foot_of, height_of
 from tissue.kernels.workspace import Workspaces
-from tissue.model import scale
+from tissue.model import measures
 from tissue.model.basal_layer import order_basal
 from tissue.model.discs import separate
 from tissue.rules.slice import in_plane
 from tissue.runs.compiled_rules import rules_pointer
 from tissue.runs.group import Group
 from tissue.state import running as store
+from tissue.state.basal_curve import curve_numbers
 from tissue.state.cells import Emt, Forces, emt_cells
 from tissue.state.numbers import numbers_pointer
 from tissue.step import advance
@@ -80,9 +82,9 @@ def steps(tissue, made, wanted, numbers, draws, noise, named=()):
     return taken(group.states[0])
 
 
-def measure(tissue, positions, controls):
-    """Fills positions of the EMT cells and what is measured of the controls."""
-    scale.measure(held(tissue), positions, controls)
+def measured(tissue):
+    """All measurements of a tissue."""
+    return measures.measure(held(tissue))
 
 
 def together(states, wanted, given_numbers, seeds, named=()):
@@ -113,6 +115,33 @@ def swept(states, given_numbers, curve=store.STRAIGHT):
     places = np.array([one.address for one in kept])
     _sweeps(places, np.zeros(width, np.int64), workspaces.flat, workspaces.wide, numbers_pointer(given_numbers))
     return [taken(one).cells for one in kept]
+
+
+@kernel
+def _on_curve(curve, s, found):
+    for k in range(len(s)):
+        found[0, k], found[1, k], found[2, k], found[3, k] = evaluate(curve, s[k])
+
+
+def on_curve(curve, s):
+    """The points of a curve at arclengths s (m,), and its tangents: (4, m)."""
+    found = np.empty((4, len(s)))
+    _on_curve(curve_numbers(curve), s, found)
+    return found
+
+
+@kernel
+def _feet_and_heights(curve, x, y, found):
+    for k in range(len(x)):
+        found[0, k] = foot_of(curve, x[k], y[k]) if curve.bent else x[k]
+        found[1, k] = height_of(curve, x[k], y[k])
+
+
+def feet_and_heights(curve, x, y):
+    """The arclengths of the nearest points of a curve, and the distances to it: (2, m)."""
+    found = np.empty((2, len(x)))
+    _feet_and_heights(curve_numbers(curve), x, y, found)
+    return found
 
 
 def generators(seed, count=2):

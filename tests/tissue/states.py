@@ -6,7 +6,7 @@ from tissue.files.parameters import preset
 from tissue.state.cells import CellLayers, Cells, empty
 
 # The thesis, with cells without INM as in the published program.
-THESIS = preset("thesis").numbers()._replace(resting_enlarge=True)
+THESIS = preset("thesis").numbers()._replace(resting_cells_enlarge=True)
 HEIGHT = 8.0
 SPACING = 1 / 6  # of basal and apical points of random tissues: half of the maximal basal distance
 PATIENCE = 500  # throws of a nucleus near its place
@@ -100,7 +100,7 @@ def _thrown(rng, place, radius):
     return centres
 
 
-def divided(mother, cell, offset=THESIS.division_offset):
+def divided(mother, cell, offset=THESIS.offset):
     """The tissue right after a division: ``cell`` is two, both ``offset`` from where it was, overlapping  (3.7).
 
     The second daughter follows the first in the arrays; ``layers(n + 1)`` are its layers.

@@ -1,5 +1,6 @@
 """The commands of the tissue: what they write, what they say when something is wrong, and how they end."""
 
+import re
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
@@ -12,10 +13,15 @@ from typer.testing import CliRunner
 
 import dincl.study.execute
 import tissue
-from dincl.errors import InvalidProblem
 from dincl.status import Status
+from dincl.study import StudyStopped
+from tests.tissue.study import stand_in
 from tissue.cli.app import app
-from tissue.pictures.picture import picture
+from tissue.cli.studies import failures
+from tissue.files.keys import all_keys, sections
+from tissue.files.parameters import Parameters
+from tissue.pictures.sheet import write
+from tissue.study.read import Results
 
 HOME = import_module("tissue.runs.simulate")  # the commands import from it
 FILES = ["final.npz", "parameters.toml", "picture.png", "summary.csv", "table.parquet"]
@@ -30,35 +36,39 @@ keep = "0.25 h"
 """
 CHANGES = {"tissue.cells": 8, "tissue.width": "20 um", "numerics.t_end": "1 h", "numerics.keep": "0.25 h"}
 PARAMETERS = tissue.preset("published").changed(CHANGES)
+BARE = """title = "bare"
+base = "published"
+replicates = 2
+seed = 1
+
+[factors.event]
+no = {}
+yes = { emt.a = "2 h" }
+
+[compare]
+outcomes = ["basal", "height_um"]
+effect = "event"
+"""
+KEYS = all_keys(Parameters)
 
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path, monkeypatch):
-    """An own folder to work in, with a parameter file."""
+    """A folder to work in, with a parameter file and a study that takes no time."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("tissue.pictures.picture.DPI", 20)
     monkeypatch.setattr("tissue.pictures.picture.MOVIE_DPI", 20)
-    Path("small.toml").write_text(SMALL, "utf-8")
+    monkeypatch.setattr("tissue.study.outcomes.outcomes", stand_in.outcomes)
+    Path("tissue.toml").write_text(SMALL, "utf-8")
+    stand_in.study_file(".")
     return tmp_path
-
-
-@pytest.mark.parametrize("command", [[], ["run"], ["movie"], ["study"], ["summary"], ["parameters"], ["explore"]])
-def test_help_may_be_asked_for_in_short(command):
-    short, long = (CliRunner().invoke(app, [*command, option]) for option in ("-h", "--help"))
-    assert (short.exit_code, short.stdout) == (0, long.stdout)
 
 
 @pytest.fixture
 def simulated(monkeypatch):
     """Count the simulations."""
-    calls = []
-    real = HOME.simulate
-
-    def counted(*args, **options):
-        calls.append(args)
-        return real(*args, **options)
-
-    monkeypatch.setattr(HOME, "simulate", counted)
+    calls, real = [], HOME.simulate
+    monkeypatch.setattr(HOME, "simulate", lambda *args, **options: calls.append(args) or real(*args, **options))
     return calls
 
 
@@ -88,210 +98,209 @@ def listed(path):
 
 
 def test_run_writes_what_the_run_holds():
-    result = call("run", "small.toml", "--seed", 7, "--out", "deep/results")
+    result = call("run", "tissue.toml", "--seed", 7, "--out", "deep/results")
     assert result.exit_code == 0, result.stderr
     assert listed("deep/results") == FILES
     run = tissue.simulate(PARAMETERS, 7)
     pd.testing.assert_frame_equal(pd.read_parquet("deep/results/table.parquet"), run.table())
     pd.testing.assert_frame_equal(pd.read_csv("deep/results/summary.csv"), run.summary())
-    assert "1 h in " in result.stdout
     assert f"8 cells became {len(run.final.cells.x)}" in result.stdout
     assert result.stdout.splitlines()[-1].startswith("deep/results: table.parquet")
-    with Image.open("deep/results/picture.png") as drawn:
-        assert 90 < drawn.size[0] < 184  # of 9.2 inches
-    picture([run.final], PARAMETERS, "last.png")
+    write(run.plot().figure, "last.png")
     assert Path("deep/results/picture.png").read_bytes() == Path("last.png").read_bytes()
 
 
 def test_the_written_parameters_repeat_the_run():
-    assert call("run", "small.toml", "--seed", 3, "--out", "one").exit_code == 0
-    assert tissue.load("one/parameters.toml") == PARAMETERS
-    head = Path("one/parameters.toml").read_text("utf-8").splitlines()[:2]
-    assert head[0] == "# All parameters of: tissue run 'small.toml' --seed 3"
+    assert call("run", "tissue.toml", "--seed", 3).exit_code == 0
+    one = Path("results/tissue_seed3")
+    assert tissue.load(one / "parameters.toml") == PARAMETERS
+    head = (one / "parameters.toml").read_text("utf-8").splitlines()[:2]
+    assert head[0] == "# All parameters of: tissue run 'tissue.toml' --seed 3"
     assert "numba" in head[1]
-    assert call("run", "one/parameters.toml", "--seed", 3, "--out", "two").exit_code == 0
+    assert call("run", one / "parameters.toml", "--seed", 3, "--out", "two").exit_code == 0
     for name in ("table.parquet", "summary.csv", "picture.png"):
-        assert Path("one", name).read_bytes() == Path("two", name).read_bytes()
+        assert Path(one, name).read_bytes() == Path("two", name).read_bytes()
 
 
 @pytest.mark.filterwarnings("default:nothing to grow")
 def test_a_run_goes_on_from_the_last_state_of_another():
     Path("short.toml").write_text(SMALL.replace('"1 h"', '"0.5 h"'), "utf-8")
-    assert call("run", "short.toml", "--seed", 3, "--out", "one").exit_code == 0
-    result = call("run", "small.toml", "--seed", 3, "--start", "one/final.npz", "--out", "two")
-    assert result.exit_code == 0, result.stderr
-    assert call("run", "small.toml", "--seed", 3, "--out", "whole").exit_code == 0
+    for args in (("short.toml", "one"), ("tissue.toml", "two", "--start", "one/final.npz"), ("tissue.toml", "whole")):
+        file, out, *start = args
+        assert call("run", file, "--seed", 3, "--out", out, *start).exit_code == 0
     assert Path("two/final.npz").read_bytes() == Path("whole/final.npz").read_bytes()
     assert "--seed 3 --start 'one/final.npz'" in Path("two/parameters.toml").read_text("utf-8").splitlines()[0]
-    again = call("run", "small.toml", "--seed", 3, "--start", "two/final.npz", "--out", "again")
+    again = call("run", "tissue.toml", "--seed", 3, "--start", "two/final.npz", "--out", "again")
     assert "Warning: nothing to grow: the start is at t = 1 h, and numerics.t_end = 1 h\n" in again.stderr
     late = call("run", "short.toml", "--start", "two/final.npz")
     assert late.exit_code == 2
     assert "numerics.t_end" in late.stderr
 
 
-def test_the_folder_is_named_by_file_and_seed():
-    assert call("run", "small.toml", "--seed", 12).exit_code == 0
-    assert listed("results") == ["small_seed12"]
-    assert listed("results/small_seed12") == FILES
-
-
-@pytest.mark.parametrize("name", ["thesis", "published"])
-def test_a_preset_is_run_by_its_name(monkeypatch, name):
-    seen = []
-    real = HOME.simulate
-
-    def shortened(parameters, seed, **options):
-        seen.append(parameters)
-        return real(PARAMETERS, seed, **options)
-
-    monkeypatch.setattr(HOME, "simulate", shortened)
-    assert call("run", name).exit_code == 0
-    assert seen == [tissue.preset(name)]
-    assert tissue.load(f"results/{name}_seed0/parameters.toml") == tissue.preset(name)
-
-
-@pytest.mark.parametrize("command", ["run", "movie"])
-@pytest.mark.parametrize(
-    ("text", "messages"),
-    [
-        ("base = ", ["bad.toml: must be a readable TOML file: Invalid value (at end of document)"]),
-        (
-            'base = "thesys"',
-            ['bad.toml: base = \'thesys\': must be "thesis", "corrected", "published", "chick", "gastrulation" or'],
-        ),
-        (
-            'base = "thesis"\n[numerics]\nmuu = "1 h"\ndt = "3 um"',
-            ["bad.toml: 2 errors", "numerics.dt = '3 um': must be a duration", "numerics.muu = '1 h': unknown key"],
-        ),
-        (
-            'base = "thesis"\n[tissue]\ntwo_daughters = 1.5',
-            ["tissue.two_daughters = 1.5: must be a number from 0 to 1"],
-        ),
-        ('base = "thesis"\n[tissue]\ncells = 60000', ["tissue.cells = 60000: must be at most"]),
-    ],
-)
-def test_a_bad_file_gets_one_message_and_nothing_is_written(simulated, command, text, messages):
-    Path("bad.toml").write_text(text, "utf-8")
-    result = call(command, "bad.toml")
-    assert result.exit_code == 2
-    lines = result.stderr.splitlines()
-    assert len(lines) == len(messages)
-    assert lines[0].startswith("Error: bad.toml: ")
-    assert all(message in line for message, line in zip(messages, lines, strict=True))
-    assert result.stdout == ""
-    assert simulated == []
-    assert listed(".") == ["bad.toml", "small.toml"]
-
-
-@pytest.mark.parametrize("command", ["run", "movie"])
-def test_a_name_that_is_neither_file_nor_preset(command):
-    result = call(command, "thesiss")
-    assert result.exit_code == 2
-    assert (
-        result.stderr == "Error: thesiss: there is no such file; must be a TOML file, or a preset, "
-        '"thesis", "corrected", "published", "chick", "gastrulation" or "cuboidal"\n'
-    )
-
-
-def test_a_start_that_can_not_be_made_is_told(monkeypatch):
-    def crowded(*args, **options):
-        raise InvalidProblem("tissue.cells = 170: more than fit")
-
-    monkeypatch.setattr(HOME, "simulate", crowded)
-    result = call("run", "small.toml", "--out", "x")
-    assert (result.exit_code, result.stderr) == (2, "Error: tissue.cells = 170: more than fit\n")
+def test_the_folder_of_another_run_is_refused():
+    assert call("run", "tissue.toml", "--seed", 3, "--out", "one").exit_code == 0
+    before = {file.name: file.read_bytes() for file in Path("one").iterdir()}
+    Path("other.toml").write_text(SMALL.replace('"0.25 h"', '"0.5 h"'), "utf-8")
+    for args in (
+        ("tissue.toml", "--seed", 4),
+        ("other.toml", "--seed", 3),
+        ("tissue.toml", "--start", "one/final.npz"),
+    ):
+        result = call("run", *args, "--out", "one")
+        assert (result.exit_code, result.stdout) == (2, "")
+        assert result.stderr.startswith("Error: one: must be new, or the folder of the same run; it holds final.npz, ")
+    Path("one/table.parquet").unlink()
+    assert call("run", "tissue.toml", "--seed", 3, "--out", "one").exit_code == 0  # the same run
+    assert {file.name: file.read_bytes() for file in Path("one").iterdir()} == before
 
 
 @pytest.mark.parametrize(
-    "args",
+    ("args", "message"),
     [
-        ("run", "small.toml", "--out", "small.toml"),
-        ("run", "small.toml", "--out", "small.toml/x"),
-        ("movie", "small.toml", "--out", "small.toml/x.gif"),
-        ("movie", "small.toml", "--out", "taken.gif"),
+        (("run", "thesiss"), 'thesiss: there is no such file; must be a TOML file, or a preset, "thesis", "corrected"'),
+        (("movie", "bad.toml"), "bad.toml: must be a readable TOML file: Invalid value (at end of document)"),
+        (
+            ("run", "parameters.toml", "--out", "."),
+            ".: must be new, or the folder of the same run; it holds ",
+        ),
+        (("run", "tissue.toml", "--out", "tissue.toml"), "--out cannot be written to: "),
+        (("run", "tissue.toml", "--out", "tissue.toml/x"), "--out cannot be written to: "),
+        (("movie", "tissue.toml", "--out", "tissue.toml/x.gif"), "--out cannot be written to: "),
+        (("movie", "tissue.toml", "--out", "taken.gif"), "--out cannot be written to: "),
+        (("movie", "tissue.toml", "--out", "movie.mp4"), "movie.mp4: must end in .gif or .webp"),
+        (("movie", "tissue.toml", "--keep", "5 um"), "changed parameters: numerics.keep = '5 um'"),
+        (("study", "figure9", "--out", "x"), "figure9: there is no such file; must be a TOML file, or a study: curved"),
+        (("study", "small.toml"), "--out is missing: must be the folder of the results, or --plan"),
+        (("study", "small.toml", "--out", "small.toml"), "small.toml: must be a folder that can be written to"),
+        (("study", "small.toml", "--out", "."), ".: must be new, empty or the folder of this study; it holds "),
+        (("study", "bare.toml", "--plan"), "bare.toml: compare.outcomes = ['basal']: must have EMT cells to count"),
+        (("study", "bare.toml", "--out", "x"), "bare.toml: compare.outcomes = ['basal']: must have EMT cells to count"),
+        (("parameters", "mu"), "mu: unknown key; the nearest known one is numerics.mu"),
+        (("parameters", ""), ": unknown key; the nearest known one is "),
+        (("summary", "nowhere"), "nowhere: must be the results of a study, or a folder with such folders in it"),
     ],
 )
-def test_a_place_that_can_not_be_written_to_is_told_before_the_run(simulated, args):
+def test_bad_input_gets_one_message_and_nothing_is_written(simulated, args, message):
     Path("taken.gif").mkdir()
+    for name, text in (("bad.toml", "base = "), ("bare.toml", BARE), ("parameters.toml", SMALL)):
+        Path(name).write_text(text, "utf-8")
+    before = {path: path.read_bytes() for path in Path.cwd().rglob("*") if path.is_file()}
     result = call(*args)
-    assert result.exit_code == 2
+    assert (result.exit_code, result.stdout) == (2, "")
     (line,) = result.stderr.splitlines()
-    assert line.startswith("Error: --out cannot be written to: ")
+    assert line.startswith(f"Error: {message}")
     assert simulated == []
-    assert Path("small.toml").read_text("utf-8") == SMALL
+    assert {path: path.read_bytes() for path in Path.cwd().rglob("*") if path.is_file()} == before
 
 
-def test_the_file_that_is_read_is_not_overwritten(simulated):
-    Path("parameters.toml").write_text(SMALL, "utf-8")
-    result = call("run", "parameters.toml", "--out", ".")
-    assert result.exit_code == 2
-    assert "would be overwritten" in result.stderr
-    assert Path("parameters.toml").read_text("utf-8") == SMALL
-    assert simulated == []
-
-
-def test_a_run_that_fails_writes_what_there_is(failing):
-    result = call("run", "small.toml", "--out", "x")
+@pytest.mark.usefixtures("failing")
+def test_a_run_that_fails_writes_what_there_is():
+    result = call("run", "tissue.toml", "--out", "x")
     assert result.exit_code == 1
     assert listed("x") == FILES[1:]  # nothing goes on from a state that failed
     assert pd.read_parquet("x/table.parquet")["time_h"].unique().tolist() == [0.0, 0.25, 0.5]
     assert pd.read_csv("x/summary.csv")["time_h"].tolist() == [0.0, 0.25, 0.5]
-    (line,) = result.stderr.splitlines()
-    assert line == f"Failed: {Status.NON_FINITE.value} t = 0.75 h: cell 2 has a coordinate that is not finite."
-
-
-def test_a_movie_of_a_run_that_fails_shows_what_there_is(failing):
-    result = call("movie", "small.toml")
-    assert result.exit_code == 1
-    assert "cell 2 has a coordinate" in result.stderr
+    line = f"Failed: {Status.NON_FINITE.value} t = 0.75 h: cell 2 has a coordinate that is not finite.\n"
+    assert result.stderr == line
+    shown = call("movie", "tissue.toml")
+    assert (shown.exit_code, shown.stderr) == (1, line)
     with Image.open("movie.gif") as movie:
         assert movie.n_frames == 3
 
 
 def test_movie_shows_the_kept_states_or_those_asked_for():
-    result = call("movie", "small.toml", "--out", "new/x.webp")
+    result = call("movie", "tissue.toml", "--out", "new/x.webp")
     assert result.exit_code == 0, result.stderr
     assert "new/x.webp: 5 pictures" in result.stdout
-    with Image.open("new/x.webp") as movie:
-        assert movie.n_frames == 5
-    assert call("movie", "small.toml", "--keep", "30 min").exit_code == 0
-    with Image.open("movie.gif") as movie:
-        assert movie.n_frames == 3
-
-
-@pytest.mark.parametrize(
-    ("option", "value", "message"),
-    [
-        ("--out", "movie.mp4", "movie.mp4: must end in .gif or .webp"),
-        ("--keep", "0.07 h", "numerics.keep"),
-        ("--keep", "5 um", "numerics.keep"),
-    ],
-)
-def test_a_bad_option_of_movie(simulated, option, value, message):
-    result = call("movie", "small.toml", option, value)
-    assert result.exit_code == 2
-    assert len(result.stderr.splitlines()) == 1
-    assert message in result.stderr
-    assert simulated == []
-    assert listed(".") == ["small.toml"]
-
-
-@pytest.mark.parametrize("seed", ["-1", "x", "1.5"])
-def test_a_bad_seed(seed):
-    result = call("run", "small.toml", "--seed", seed)
-    assert result.exit_code == 2
-    assert "--seed" in result.stderr
+    assert call("movie", "tissue.toml", "--keep", "30 min").exit_code == 0
+    for name, count in (("new/x.webp", 5), ("movie.gif", 3)):
+        with Image.open(name) as movie:
+            assert movie.n_frames == count
 
 
 def test_progress_is_told_in_lines_where_there_is_no_terminal(monkeypatch):
     monkeypatch.setattr(dincl.study.execute, "INTERVAL", -1.0)
-    result = call("run", "small.toml", "--out", "x")
-    lines = result.stderr.splitlines()
+    lines = call("run", "tissue.toml", "--out", "x").stderr.splitlines()
     assert [line.split(" h,")[0] for line in lines] == [f"growing: {t} of 1" for t in (0.25, 0.5, 0.75, 1)]
+    lines = call("study", "small.toml", "--out", "out").stderr.splitlines()
+    assert re.fullmatch(r"small: 0 of 140 runs, \d+ s", lines[0])
+    rate = r"small: \d+ of 140 runs, \d+ s, \S+ runs/s, \d:\d\d:\d\d left"
+    assert all(re.fullmatch(rate, line) for line in lines[1:])
+    assert lines[-1].startswith("small: 140 of 140 runs, ")
+    assert lines[-1].endswith(", 0:00:00 left")
 
 
-def test_the_watch_is_told_every_kept_time():
-    seen = []
-    tissue.simulate(PARAMETERS, 0, watch=seen.append)
-    assert seen == [0.25, 0.5, 0.75, 1.0]
+def test_a_study_ends_with_one_line_on_what_was_done():
+    result = call("study", "small.toml", "--out", "out")
+    assert result.exit_code == 0
+    number = r"[0-9.e+]+"
+    assert re.fullmatch(rf"140 runs, 140 of them now in {number} s, {number} runs/s; 2 failed; out\n", result.stdout)
+    results = Results("out")
+    assert results.complete
+    failed = [(scenario, "NON_FINITE", "1") for scenario in results.study.scenarios]
+    assert list(failures(results, results.summary())) == failed  # of each Status that there is
+    again = call("study", "small.toml", "--out", "out")
+    assert again.stdout.startswith("140 runs, 0 of them now in ")
+
+
+def test_remarks_come_first():
+    text = Path("small.toml").read_text("utf-8").replace("inm = 0", 'b = "9 h", p = "6 h"')
+    Path("small.toml").write_text(text, "utf-8")
+    lines = call("study", "small.toml", "--out", "out").stdout.splitlines()
+    assert lines[0] == "scenario '[A] no INM': [P] at 6 h waits for [B] at 9 h"
+    assert len(lines) == 2
+    Path("bare.toml").write_text(BARE.replace('"basal", ', ""), "utf-8")
+    said = call("study", "bare.toml", "--plan").stdout
+    assert said.startswith("scenario 'yes': [A] has no cells: emt.cells = 0\n")
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "message"),
+    [
+        (StudyStopped("the disk is full"), 3, "Stopped: the disk is full; what was computed is kept, and the same "),
+        (KeyboardInterrupt(), 130, "Interrupted: what was computed is kept, and the same command goes on from there"),
+    ],
+)
+def test_a_study_that_stops_says_so_and_goes_on_later(error, code, message, monkeypatch):
+    def stops(parameters, replicates, *rest):
+        if replicates[0] == 64:
+            raise error
+        return stand_in.outcomes(parameters, replicates, *rest)
+
+    with monkeypatch.context() as patch:
+        patch.setattr("tissue.study.outcomes.outcomes", stops)
+        result = call("study", "small.toml", "--out", "out")
+    assert result.exit_code == code
+    (line,) = result.stderr.splitlines()
+    assert line.startswith(message)
+    result = call("study", "small.toml", "--out", "out")
+    assert result.exit_code == 0
+    assert int(re.search(r"runs, (\d+) of them now", result.stdout)[1]) < 140
+
+
+def test_parameters_lists_all_keys_with_meaning_unit_and_values():
+    lines = [line.rstrip() for line in call("parameters").stdout.splitlines()]
+    rows = {line.split()[0]: line for line in lines if line.split()[:1] and line.split()[0] in KEYS}
+    assert list(rows) == list(KEYS)
+    assert all(facts.meaning in rows[name] for name, facts in KEYS.items())
+    assert (
+        rows["numerics.mu"]
+        .split("  ")[-1]
+        .startswith('"0.15 h" (thesis, corrected); "0.2 h" (published, chick, sheet); ')
+    )
+    assert " um or R_soft " in rows["tissue.height"]
+    assert rows["emt.a"].endswith(' "never" (default)')
+    assert [line.split()[0] for line in lines if line.startswith("[")] == [f"[{name}]" for name in sections(Parameters)]
+
+
+def test_parameters_tells_all_of_a_key_and_of_a_section():
+    lines = call("parameters", "numerics.mu").stdout.splitlines()
+    assert [line.split()[0] for line in lines] == ["numerics.mu", "meaning", "symbol", "source", "allowed", "value"]
+    assert call("parameters", "emt.b").stdout.endswith('  value    "never" (default)\n')
+    told = call("parameters", "types.soft.alpha_ax").stdout
+    assert told.startswith("types.NAME.alpha_ax\n")
+    assert "that of cell.alpha_ax" in told
+    section = call("parameters", "emt").stdout
+    assert section.startswith("[emt]: the group of cells")
+    names = [line for line in section.splitlines() if line in KEYS]
+    assert names == [name for name in KEYS if name.startswith("emt.")]

@@ -10,9 +10,6 @@ from tests.tissue import kernel_calls as kernels
 from tests.tissue.kernel_calls import STILL, aged, both, compared, upright, with_emt
 from tissue.events.known import bit, row, settled
 from tissue.files.parameters import load, preset
-from tissue.frames.frame import Frame
-from tissue.frames.observables import ab_positions
-from tissue.quasi_steady.frozen import frozen_problem
 from tissue.runs.compiled_rules import rules_pointer
 from tissue.runs.simulate import simulate
 from tissue.runs.start import started
@@ -21,6 +18,7 @@ from tissue.state.cells import emt_cells
 from tissue.state.checkpoint import streams
 from tissue.state.numbers import numbers_pointer
 from tissue.step.advance import apply_rules
+from verification.thesis.quasi_steady.frozen import frozen_problem
 
 NEVER = np.inf
 GROUP = {"cells": 4, "place": 0.8, "ac": "1 h to 9 h"}
@@ -117,15 +115,6 @@ def test_a_chain_pulls_itself_together(model):
 
 
 @both
-def test_positions_are_measured_by_the_layer_that_remains(model):
-    """Its apical point is low; y_AB = 5/8 all the same."""
-    state = with_emt(upright(4), [1], ac=0.0)
-    state.cells.ay[1] = 2.0
-    after = ruled(model, state, 0.0)
-    assert ab_positions(Frame(0.0, *after[:2])).tolist() == [0.625] * 4
-
-
-@both
 def test_a_daughter_belongs_to_the_chain_of_its_mother(model):
     """Cells of the EMT do not divide; what is let divide splits within its chain, by a junction as any other's."""
     state = with_emt(upright(4, rest_aa=0.5), [1, 2], ac=0.0)
@@ -203,15 +192,6 @@ def test_a_whole_type_constricts_at_the_time_of_its_first_cell(section):
     np.testing.assert_array_equal(one[others], whole[others])
     assert chains(runs[1].final) == [np.flatnonzero(runs[1].final.cells.emt >= 0).tolist()]
     assert len(chains(runs[0].final)) > 1
-
-
-def test_types_constrict_each_at_its_own_first_time():
-    both_types = {f"types.{name}.{key}": value for name in ("one", "two") for key, value in GROUP.items()}
-    given = preset("published").changed(both_types | {"types.one.place": 0.2, "events.together": ["ac"]})
-    held, _ = started(given, streams(1))
-    times = held.emt.at[row("ac")]
-    assert len(set(times[:4])) == len(set(times[4:])) == 1
-    assert times[0] != times[4]
 
 
 def test_nobody_constricts_where_the_first_never_does():

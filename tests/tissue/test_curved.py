@@ -1,85 +1,159 @@
-"""Tissue on a curved basal layer: against circles by sine and cosine, the line as their limit, and symmetries."""
+"""Tissue on a curved basal layer: the curve itself, then runs against circles by sine and cosine, the line as their
+limit, and symmetries.
+"""
 
 import math
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 
 from dincl.status import Status
+from tests.tissue import kernel_calls as kernels
 from tests.tissue import states
 from tests.twins.tissue import steps as twins
+from tests.twins.tissue.state import Tissue
 from tissue.files.parameters import preset
-from tissue.frames.observables import ab_positions, areas, height, nucleus_height
 from tissue.model.energy import forces
-from tissue.model.extents import measure_extents
-from tissue.model.scale import measure
 from tissue.rules.slice import in_plane
 from tissue.runs.group import Group
 from tissue.runs.simulate import simulate
-from tissue.state.basal_curve import curve_numbers, ellipse
-from tissue.state.running import contents, new_state
-from tissue.study.outcomes import EXTENTS
+from tissue.state.basal_curve import LINE, curve_numbers, ellipse, through
+from tissue.state.running import STRAIGHT, contents, new_state
 
 QUIET = {"tissue.diffusion": "0 um^2/h", "tissue.two_daughters": 0}
 RING = {"layer.shape": "circle", "layer.closed": True, "layer.perimeter": "60 R_soft", "tissue.cells": 180}
+R = 60 / (2 * np.pi)
+PLACES = np.linspace(-70.0, 70.0, 401)
+WAVE = np.array([[-10.0, 0.0], [-5.0, 1.0], [0.0, 0.0], [5.0, -1.0], [10.0, 0.0]])
+CIRCLE = ellipse(60.0, 1.0, inside=True, ring=True)
+CURVES = {
+    "line": LINE,
+    "open": through(WAVE, around=False),
+    "closed": through(np.array([[-4.0, 0.0], [0.0, -5.0], [6.0, 0.0], [0.0, 4.0], [-4.0, 0.0]]), around=True),
+    "ring": ellipse(60.0, 1.5, inside=True, ring=True),
+    "arc": ellipse(90.0, 1.0, inside=False, ring=False),
+}
 
 
 def published(**changes):
     return preset("published").changed({"numerics.t_end": "6 h", "numerics.keep": "3 h", **changes})
 
 
-class Circle:
-    """The formulas of a circle with the tissue inside."""
-
-    def __init__(self, perimeter):
-        self.r, self.length = perimeter / (2 * math.pi), perimeter
-
-    def at(self, s):
-        return self.r * np.sin(s / self.r), self.r * (1 - np.cos(s / self.r))
-
-    def tangents(self, s):
-        return np.cos(s / self.r), np.sin(s / self.r)
+# The curve against formulas of circles and ellipses, and quadrature of another library
 
 
-def substep(cells, layers, numbers, circle, closed):
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_circle(side):
+    """gamma = (R sin(s/R), +-R (1 - cos(s/R))), the tissue on the left: towards the centre, or away from it."""
+    curve, angle = ellipse(60.0, 1.0, inside=side > 0, ring=True), PLACES / R
+    position, tangent, bend = curve.evaluate(PLACES)
+    np.testing.assert_allclose(position, [R * np.sin(angle), side * R * (1 - np.cos(angle))], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(tangent, [np.cos(angle), side * np.sin(angle)], rtol=0, atol=1e-11)
+    np.testing.assert_allclose(bend, np.array([-np.sin(angle), side * np.cos(angle)]) / R, rtol=0, atol=1e-9)
+    assert curve.area == pytest.approx(side * np.pi * R**2, rel=1e-13)
+    assert curve.largest_curvature == pytest.approx(1 / R if side > 0 else 0.0, rel=1e-9, abs=1e-15)
+
+
+@pytest.mark.parametrize("aspect", [0.4, 2.5])
+@pytest.mark.parametrize("inside", [True, False])
+def test_ellipse(aspect, inside):
+    curve = ellipse(80.0, aspect, inside=inside, ring=True)
+    (x, y), tangent, _ = curve.evaluate(PLACES)
+    a = 80.0 / quad(lambda t: np.hypot(np.cos(t), aspect * np.sin(t)), 0, 2 * np.pi, epsabs=1e-13, limit=200)[0]
+    b = a * aspect
+    centre = b if inside else -b
+    np.testing.assert_allclose((x / a) ** 2 + ((y - centre) / b) ** 2, 1.0, rtol=0, atol=1e-11)
+    np.testing.assert_allclose(np.hypot(*tangent), 1.0, rtol=0, atol=1e-10)
+    assert curve.area == pytest.approx((1 if inside else -1) * np.pi * a * b, rel=1e-11)
+    if inside:
+        assert curve.largest_curvature == pytest.approx(max(a / b**2, b / a**2), rel=1e-4)
+
+
+@pytest.mark.parametrize("height", [-0.5, 0.0, 0.7])
+@pytest.mark.parametrize("name", CURVES)
+def test_feet_and_heights_are_along_the_normal(name, height):
+    """By Python and by kernels."""
+    curve, s = CURVES[name], np.linspace(-20.0, 20.0, 41)
+    if curve.pieces:
+        s = np.linspace(-0.45, 0.45, 41) * curve.length
+    x, y = curve.above(s, np.full(41, height))
+    np.testing.assert_allclose(curve.heights(x, y), height, rtol=0, atol=1e-10)
+    np.testing.assert_allclose(curve.feet(x, y), s, rtol=0, atol=1e-10)
+    feet, heights = kernels.feet_and_heights(curve, x, y)
+    away = feet - s
+    if curve.around:
+        away -= curve.length * np.round(away / curve.length)
+    np.testing.assert_allclose(away, 0.0, rtol=0, atol=1e-8)
+    np.testing.assert_allclose(heights, height, rtol=0, atol=1e-8)
+
+
+@pytest.mark.parametrize("name", [name for name in CURVES if name != "line"])
+def test_kernels_have_the_points_and_tangents_of_the_curve(name):
+    """Open or closed, also beyond the ends."""
+    places = np.linspace(-1.3, 1.3, 101) * CURVES[name].length
+    position, tangent, _ = CURVES[name].evaluate(places)
+    np.testing.assert_allclose(kernels.on_curve(CURVES[name], places), (*position, *tangent), rtol=0, atol=1e-10)
+
+
+def test_a_curve_through_points_passes_them_and_goes_on_straight():
+    curve = CURVES["open"]
+    assert np.abs(curve.heights(*WAVE.T)).max() < 1e-6
+    position, tangent, bend = curve.evaluate(np.array([0.0, curve.length / 2, curve.length / 2 + 7.0]))
+    np.testing.assert_allclose(position[:, :2], [[0.0, 10.0], [0.0, 0.0]], rtol=0, atol=1e-6)
+    np.testing.assert_allclose(position[:, 2] - position[:, 1], 7.0 * tangent[:, 1], rtol=0, atol=1e-12)
+    assert not bend[:, 2].any()
+
+
+# Blocks of cells are compared by boxes
+
+
+@pytest.mark.parametrize("curve", [curve_numbers(CIRCLE), STRAIGHT], ids=["ring", "straight"])
+@pytest.mark.parametrize("width", [1, 8])
+def test_the_pairs_that_are_looked_at_are_counted(width, curve):
+    """Of a row those that are near, at most all; in a company they are those of the widest window of all."""
+    n, numbers = 160, states.numbers()
+    cells = states.cells(n, 0)._replace(x=0.6 * np.arange(n), y=np.zeros(n), radius=np.full(n, 1 / 3))
+    group = Group([kernels.held(Tissue(cells, states.layers(n), n), curve=curve) for _ in range(width)], numbers)
+    assert group.make_substeps()
+    assert n - 1 <= group.pairs / numbers.substeps < n * (n - 1) / 4
+
+
+# Runs
+
+
+def substep(cells, layers, numbers, closed):
     """Z - (h/mu) grad W, basal points along the circle, then one sweep of projections; in plain NumPy."""
-    step = numbers.dt / numbers.substeps / numbers.mu
-    curve = ellipse(circle.length, 1.0, inside=True, ring=closed)
-    force, b = forces(cells, layers, numbers, curve), layers.basal
-    along = cells.along.copy()
-    tx, ty = circle.tangents(along[b])
-    along[b] += step * (force.bx[b] * tx + force.by[b] * ty)
-    ordered = twins.limit(twins.order(along[b]), numbers.max_basal)
+    step, b, along = numbers.dt / numbers.substeps / numbers.mu, layers.basal, cells.along.copy()
+    force = forces(cells, layers, numbers, ellipse(60.0, 1.0, inside=True, ring=closed))
+    along[b] += step * (force.bx[b] * np.cos(along[b] / R) + force.by[b] * np.sin(along[b] / R))
+    ordered = twins.limit(twins.order(along[b]), numbers.max_basal_distance)
     if closed:
-        gap = ordered[0] + circle.length - ordered[-1]
+        gap = ordered[0] + 60.0 - ordered[-1]
         push = max(-gap / 2, 0.0)
-        pull = max((gap + 2 * push - numbers.max_basal) / 2, 0.0)
+        pull = max((gap + 2 * push - numbers.max_basal_distance) / 2, 0.0)
         ordered[0], ordered[-1] = ordered[0] + push - pull, ordered[-1] - push + pull
     along[b] = ordered
     bx, by = cells.bx.copy(), cells.by.copy()
-    bx[b], by[b] = circle.at(ordered)
+    bx[b], by[b] = R * np.sin(ordered / R), R * (1 - np.cos(ordered / R))
     x, y = twins.separate(cells.x + step * force.x, cells.y + step * force.y, cells.radius)
-    return cells._replace(
-        x=x, y=y, ax=cells.ax + step * force.ax, ay=cells.ay + step * force.ay, bx=bx, by=by, along=along
-    )
+    ax, ay = cells.ax + step * force.ax, cells.ay + step * force.ay
+    return cells._replace(x=x, y=y, ax=ax, ay=ay, bx=bx, by=by, along=along)
 
 
 def distance(a, b):
-    return max(
-        np.abs(getattr(a, name) - getattr(b, name)).max() for name in ("x", "y", "ax", "ay", "bx", "by", "along")
-    )
+    names = ("x", "y", "ax", "ay", "bx", "by", "along")
+    return max(np.abs(getattr(a, name) - getattr(b, name)).max() for name in names)
 
 
 @pytest.mark.parametrize("closed", [True, False])
-@pytest.mark.parametrize("seed", [0, 1])
-def test_substeps_on_a_circle(closed, seed):
+def test_substeps_on_a_circle(closed):
     numbers = states.numbers(variance=0.0)
     parameters = published(**RING if closed else {**RING, "layer.closed": False, "tissue.cells": 60})
-    run = simulate(parameters, seed)
-    cells, layers = run.final.cells, run.final.layers
-    circle, expected = Circle(60.0), cells
+    cells, layers = simulate(parameters, 0).final[1:3]
+    expected = cells
     for _ in range(numbers.substeps):
-        expected = substep(expected, layers, numbers, circle, closed)
+        expected = substep(expected, layers, numbers, closed)
     held = new_state(cells, layers, capacity=len(cells.x), curve=curve_numbers(parameters.curve()), space=in_plane())
     group = Group([held], numbers)
     assert group.make_substeps()
@@ -98,96 +172,35 @@ def test_a_large_circle_is_nearly_a_line():
     assert 8 < away[1] / away[2] < 12.5
 
 
-def _symmetric(n, perimeter, turned=0.0):
-    """A tube of n equal cells, the first one at the arclength ``turned``, and its numbers."""
-    curve = ellipse(perimeter, 1.0, inside=True, ring=True)
+def tube(seed, turned=0.0, dts=5):
+    """The points (3, 2, n) of a tube of equal cells, or with random springs, after some dt, turned back."""
+    n, perimeter = 60, 120.0
+    curve, radius = ellipse(perimeter, 1.0, inside=True, ring=True), perimeter / (2 * math.pi)
     s = turned + perimeter / n * np.arange(n)
     points = [np.column_stack(curve.above(s, np.full(n, height))) for height in (4.0, 8.0, 0.0)]
-    cells = states.tissue(*points, along=s)
-    return new_state(cells, capacity=n, curve=curve_numbers(curve), space=in_plane()), states.numbers(
-        variance=0.0, max_basal=2.0
-    )
-
-
-def _turned_back(cells, angle, radius):
-    """The points, (3, 2, n), turned by the angle around the centre of a circle that touches (0, 0) from above."""
-    c, s = math.cos(angle), math.sin(angle)
-    points = np.array([[cells.x, cells.y - radius], [cells.ax, cells.ay - radius], [cells.bx, cells.by - radius]])
-    return np.einsum("ij,kjn->kin", [[c, s], [-s, c]], points)
-
-
-def test_a_symmetric_tube_stays_symmetric():
-    n, perimeter = 60, 120.0
-    held, numbers = _symmetric(n, perimeter)
-    group = Group([held], numbers)
-    for _ in range(50):
+    held = new_state(states.tissue(*points, along=s), capacity=n, curve=curve_numbers(curve), space=in_plane())
+    if seed is not None:
+        held.cells.stiff_ax[:n] *= np.random.default_rng(seed).uniform(0.5, 2.0, n)
+    group = Group([held], states.numbers(variance=0.0, max_basal_distance=2.0))
+    for _ in range(dts):
         assert group.make_substeps()
-    cells = contents(group.states[0])[0]
-    radius = perimeter / (2 * math.pi)
-    for x, y in ((cells.x, cells.y), (cells.ax, cells.ay), (cells.bx, cells.by)):
-        far = np.hypot(x, y - radius)
-        assert np.ptp(far) < 1e-12
-    assert np.ptp(np.diff(cells.along)) < 1e-12
-    moved = np.hypot(cells.ax, cells.ay - radius)[0] - (radius - 8.0)
-    assert abs(moved) > 0.1  # so the tube did not just stand still
+    cells, c, sine = contents(group.states[0])[0], math.cos(turned / radius), math.sin(turned / radius)
+    found = np.array([[cells.x, cells.y - radius], [cells.ax, cells.ay - radius], [cells.bx, cells.by - radius]])
+    return np.einsum("ij,kjn->kin", [[c, sine], [-sine, c]], found)
 
 
-def test_turning_the_tube_turns_the_run():
-    n, perimeter, by = 60, 120.0, 17.3
-    found = []
-    for turned in (0.0, by):
-        held, numbers = _symmetric(n, perimeter, turned)
-        held.cells.stiff_ax[:n] *= np.random.default_rng(3).uniform(0.5, 2.0, n)
-        held.cells.rest_aa[:n] *= np.random.default_rng(4).uniform(0.5, 2.0, n)
-        group = Group([held], numbers)
-        for _ in range(5):
-            assert group.make_substeps()
-        radius = perimeter / (2 * math.pi)
-        found.append(_turned_back(contents(group.states[0])[0], turned / radius, radius))
-    assert np.abs(found[0] - found[1]).max() < 1e-10
-
-
-@pytest.mark.parametrize("side", ["inside", "outside"])
-def test_sections_of_a_tube(side):
-    """At the start the apical layer is a circle, too: areas by its radius, but for the polygon."""
-    frame = simulate(
-        published(**RING | {"layer.side": side, "layer.perimeter": "100 R_soft", "tissue.cells": 300})
-    ).frames[0]
-    r = 100 / (2 * math.pi)
-    apical = r - 8 if side == "inside" else r + 8
-    found = areas(frame)
-    expected = math.pi * min(r, apical) ** 2, math.pi * abs(r**2 - apical**2)
-    assert found == pytest.approx(expected, rel=2e-3)
-    assert ab_positions(frame).min() > 0
-    assert ab_positions(frame).max() < 1
-
-
-@pytest.mark.parametrize("side", ["inside", "outside"])
-def test_kernels_measure_what_tables_do(side):
-    """y_AB of EMT cells, the lowest of the others and how many are outside; heights of the layers."""
-    emt = {"emt.cells": 3, "emt.a": "1 h", "emt.b": "2 h"}
-    run = simulate(published(**RING | emt | {"layer.side": side, "layer.perimeter": "100 R_soft", "tissue.cells": 300}))
-    frame, past = run.final, run.final.past
-    curve = curve_numbers(frame.curve)
-    held = new_state(
-        frame.cells, frame.layers, emt=past.emt, capacity=len(frame.cells.x), curve=curve, space=in_plane()
-    )
-    positions, controls, extents = np.zeros(3), np.zeros(4), np.zeros(len(EXTENTS))
-    measure(held, positions, controls)
-    measure_extents(held, extents)
-    expected, mine = ab_positions(frame), frame.cells.emt >= 0
-    np.testing.assert_allclose(positions, expected[mine], rtol=0, atol=1e-10)
-    others = expected[~mine]
-    np.testing.assert_allclose(
-        controls, [len(others), (others > 1).sum(), (others < 0).sum(), others.min()], rtol=0, atol=1e-10
-    )
-    np.testing.assert_allclose(extents[:2], [height(frame), nucleus_height(frame)], rtol=0, atol=1e-10)
+def test_a_symmetric_tube_stays_symmetric_and_a_turned_one_turns():
+    far = np.hypot(*tube(None, dts=50).transpose(1, 0, 2))
+    assert np.ptp(far, axis=1).max() < 1e-12
+    assert abs(far[1, 0] - (120 / (2 * math.pi) - 8.0)) > 0.1  # so the tube did not just stand still
+    assert np.abs(tube(3) - tube(3, turned=17.3)).max() < 1e-10
 
 
 def test_a_lumen_that_closes_ends_the_run():
-    run = simulate(published(**RING | {"numerics.t_end": "24 h"}), throw=False)
+    run = simulate(published(**RING | {"numerics.t_end": "24 h", "numerics.keep": "24 h"}), throw=False)
     assert run.status is Status.LUMEN_CLOSED
     assert "opposite parts of the apical layer" in run.detail
     assert 0 < run.final.t < 24
+    assert run.folded == f"t = {run.final.t:g} h: {run.summary()['folded'].iloc[-1]}" != ""
     outside = simulate(published(**RING, **{"layer.side": "outside"}), throw=False)
     assert outside.status is Status.SUCCESS

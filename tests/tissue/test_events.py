@@ -8,11 +8,8 @@ import pytest
 from tests.tissue import kernel_calls as kernels
 from tests.tissue.kernel_calls import STILL, aged, both, compared, upright, with_emt
 from tests.tissue.states import layers
-from tests.twins.tissue import steps as twins
 from tissue.events.known import bit, row, settled
 from tissue.files.parameters import preset
-from tissue.frames.frame import Frame
-from tissue.frames.observables import ab_positions
 from tissue.state.cells import emt_cells
 
 NEVER = math.inf
@@ -100,23 +97,7 @@ def test_b_leaves_the_basal_layer(model):
     assert moved.bx[2] - moved.bx[0] < 1.0  # they were 2 apart, 1/3 is allowed
 
 
-@both
-@pytest.mark.parametrize(("given", "stiffness"), [(RELAX, 2.0), (PUBLISHED, 0.2)])
-def test_b_and_the_stiffness_of_the_freed_spring(model, given, stiffness):
-    state = with_emt(upright(2), [0], b=0.1)
-    assert ruled(model, state, 0.0, given).cells.stiff_bx.tolist() == [2.0, 2.0]
-    assert ruled(model, state, 0.1, given).cells.stiff_bx.tolist() == [stiffness, 2.0]
-
-
 # Loss of straightness [S]
-
-
-@both
-@pytest.mark.parametrize(("given", "stiffness"), [(RELAX, 0.0), (PUBLISHED, 1.0)])
-def test_s_weakens_the_bending_spring(model, given, stiffness):
-    state = with_emt(upright(2), [1], s=0.3)
-    assert ruled(model, state, 0.2, given).cells.stiff_axb.tolist() == [15.0, 15.0]
-    assert ruled(model, state, 0.31, given).cells.stiff_axb.tolist() == [15.0, stiffness]
 
 
 # Protrusive activity, [P]
@@ -181,19 +162,6 @@ def test_p_at_its_depth(model, given, way):
         assert steps_of(model, free(-1.9999), given).cells.by[0] == pytest.approx(-2.0999, abs=1e-10)
 
 
-@pytest.mark.slow
-@both
-@pytest.mark.parametrize("given", [STILL, PUBLISHED._replace(rate_ax=0.0, rate_bx=0.0)])
-def test_p_pulls_a_lonely_cell_out(model, given):
-    """With a free apical point the nucleus passes the basal line, and it is kept when and where."""
-    state = with_emt(upright(3, spacing=4.0, rest_ax=0.0), [1], a=0.0, b=0.0, p=0.0)
-    end = steps_of(model, state, given._replace(junction_factor=0.0), 200)
-    assert end.cells.y[1] < 0.0
-    assert end.emt.side.tolist() == [-1]
-    assert 0.0 < end.emt.since[0] < 20.0
-    assert end.emt.since_x[0] == pytest.approx(4.0, abs=0.2)
-
-
 # Where the nuclei are
 
 
@@ -253,31 +221,3 @@ def eventful(n, seed):
     state.cells.emt[middle], state.cells.divides[middle] = np.arange(8), False
     state.cells.moves[middle] = np.arange(8) % 3 > 0
     return state._replace(emt=emt_cells(settled(dict(zip("absp", times, strict=True)))))
-
-
-def test_positions_equal_those_of_the_table(rng):
-    """ab_position of each nucleus, by the kernel and by the twin in NumPy; what the controls are compared with."""
-    state = eventful(40, 1)
-    state = state._replace(layers=layers(40, apical=[i for i in range(40) if i % 3]))
-    state.cells.y[:] += rng.uniform(-3.0, 3.0, 40)
-    expected = ab_positions(Frame(0.0, *state[:2]))
-    positions, controls = np.zeros(8), np.zeros(4)
-    kernels.measure(state, positions, controls)
-    emt = state.cells.emt >= 0
-    np.testing.assert_allclose(positions, expected[emt], rtol=1e-12)
-    others = expected[~emt]
-    assert (others > 1.0).any()
-    assert (others < 0.0).any()
-    assert controls.tolist() == [32, (others > 1).sum(), (others < 0).sum(), pytest.approx(others.min(), rel=1e-12)]
-    above = state._replace(cells=state.cells._replace(y=np.abs(state.cells.y) + 0.1))
-    kernels.measure(above, positions, controls)
-    assert controls[3] == pytest.approx(ab_positions(Frame(0.0, *above[:2]))[~emt].min(), rel=1e-12)
-
-
-def test_twins_and_kernels_agree_without_emt():
-    """A control tissue is what it was: no field of it is touched."""
-    state = aged(20, 5)
-    end = compared(state, preset("thesis").numbers(), 3)
-    assert (end.cells.emt == -1).all()
-    assert not end.cells.events.any()
-    assert twins.watch_sides(end, 1.0).emt.side.shape == (0,)

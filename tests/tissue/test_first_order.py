@@ -10,14 +10,14 @@ from tests.tissue.bits import same_cells
 from tests.tissue.states import cells, layers
 from tests.twins.tissue.state import Tissue
 from tissue.files.parameters import preset
+from tissue.kernels.lanes import WIDTH
 from tissue.kernels.workspace import LOST
 from tissue.runs.group import Group
 from tissue.runs.run import RunFailed
-from tissue.runs.simulate import simulate
+from tissue.runs.simulate import simulate, simulate_many
 from tissue.runs.start import started
 from tissue.state.cells import Forces
 from tissue.state.checkpoint import streams
-from tissue.state.running import COUNTERS
 from tissue.step.advance import DONE
 
 SHORT = {name: preset(name).changed({"numerics.t_end": "6 h"}) for name in ("thesis", "published")}
@@ -41,9 +41,22 @@ def finite(frame):
 def test_bad_seed(seed):
     with pytest.raises(dincl.InvalidProblem, match="seed"):
         simulate(SHORT["thesis"], seed)
+    with pytest.raises(dincl.InvalidProblem, match="seeds"):
+        simulate_many(SHORT["thesis"], [0, seed])
 
 
-# Streams do not depend on positions
+def test_no_seeds_no_runs():
+    assert simulate_many(SHORT["thesis"], []) == ()
+
+
+def test_a_lost_tissue_leaves_the_others_alone():
+    states, given = [kernels.aged(20, k) for k in range(WIDTH)], kernels.tissue_states.numbers()
+    sound, _ = kernels.together(states, 6, given, range(WIDTH))
+    states[2].cells.y[7] = np.nan
+    made, ended = kernels.together(states, 6, given, range(WIDTH))
+    assert ended.tolist() == [0, 0, 1, 0, 0, 0, 0, 0]
+    for k in range(WIDTH):
+        assert k == 2 or all(a.tobytes() == b.tobytes() for a, b in zip(made[k].cells, sound[k].cells, strict=True))
 
 
 def test_listed_times_are_kept_besides_start_and_end():
@@ -81,38 +94,6 @@ def test_draws_do_not_depend_on_positions(name):
 # What is kept
 
 
-@each_preset
-def test_frames(name):
-    run = simulate(SHORT[name].changed(LIVELY))
-    dt = SHORT[name].numerics.dt.value
-    steps_in_an_hour = round(1 / dt)
-    assert [frame.t for frame in run.frames] == [steps_in_an_hour * k * dt for k in range(7)]
-    assert run.status is Status.SUCCESS
-    assert run.detail == ""
-    assert run.final is run.frames[-1]
-    assert run.final.cells.birth.max() <= 6.0
-    births = run.final.cells.birth[run.final.cells.birth > 0]
-    assert len(births) > 40
-    assert set(births) <= {k * dt for k in range(steps_in_an_hour * 6 + 1)}
-    sizes = [len(frame.cells.x) for frame in run.frames]
-    assert sizes[-1] - sizes[0] == run.stats["divisions"] > 5
-    assert all(finite(frame) for frame in run.frames)
-
-
-def test_the_last_time_is_kept_although_it_is_no_multiple():
-    run = simulate(SHORT["thesis"].changed({"numerics.keep": "0.7 h", "numerics.t_end": "1.6 h"}))
-    np.testing.assert_allclose([frame.t for frame in run.frames], [0.0, 0.7, 1.4, 1.6], rtol=1e-15)
-    once = simulate(SHORT["thesis"].changed({"numerics.keep": "5 h", "numerics.t_end": "1.6 h"}))
-    assert [frame.t for frame in once.frames] == [0.0, 1.6]
-
-
-@each_preset
-def test_basal_points_are_one_number(name):
-    run = simulate(SHORT[name].changed(LIVELY))
-    for frame in run.frames:
-        assert frame.cells.by.tobytes() == np.zeros(len(frame.cells.x)).tobytes()
-
-
 # Failure
 
 
@@ -146,35 +127,7 @@ def test_a_failed_run_raises_with_all_frames_so_far():
     np.testing.assert_allclose([frame.t for frame in run.frames], 0.1 * np.arange(len(run.frames)), rtol=1e-12)
 
 
-def test_a_tissue_that_collapses_is_followed():
-    """Sixty nuclei without repulsion, pulled to the middle of cells a hundredth apart: every pair is near."""
-    collapse = {
-        **SMALL_DISCS,
-        "start.nuclei": "own_basal",
-        "tissue.basal_spacing": "0.01 R_soft",
-        "tissue.apical_spacing": "0.01 R_soft",
-        "cell.alpha_xx": 0,
-        "cell.rate_ax": "0 1/h",
-        "cell.rate_bx": "0 1/h",
-        "numerics.mu": "2 h",
-    }
-    run = simulate(preset("thesis").changed(collapse), throw=False)
-    assert run.status is Status.SUCCESS
-    assert finite(run.final)
-    assert np.ptp(run.final.cells.x) < 2.0
-
-
 # Work
-
-
-@each_preset
-def test_counters(name):
-    run = simulate(SHORT[name])
-    steps = round(6 / SHORT[name].numerics.dt.value)
-    assert tuple(run.stats) == COUNTERS
-    assert run.stats["substeps"] == steps * SHORT[name].numerics.substeps
-    assert run.stats["corrections"] > 0
-    assert run.stats["basal_corrections"] > 0
 
 
 @each_preset
@@ -222,9 +175,37 @@ def test_repulsion_that_is_off_looks_at_no_pair(company):
     assert group.pairs == 0
 
 
-def test_noise_that_is_off_draws_nothing():
-    kept, numbers = kernels.held(Tissue(cells(5, 0), layers(5), 5)), preset("thesis").numbers()
-    cycle, noise = kernels.generators(0)
-    before = noise.bit_generator.state
-    Group([kept], numbers._replace(variance=0.0), [kernels.Random(cycle, noise)]).call(0, 3)
-    assert noise.bit_generator.state == before
+# Without hard cores nuclei overlap as they like, in all of a tissue or in one type
+
+NONE = {"cell.hard_radius": "0 um", "cell.enlarged_radius": "0 um"}
+SOFT = {"types.soft.cells": 20, "types.soft.hard_radius": "0 um", "types.soft.enlarged_radius": "0 um"}
+# Without soft repulsion nothing else parts nuclei.
+NO_REPULSION = {"numerics.t_end": "2 h", "numerics.keep": "1 h", "cell.alpha_xx": 0}
+
+
+def gaps(cells, mine):
+    """Distances of the nearest nuclei among some cells."""
+    x, y = cells.x[mine], cells.y[mine]
+    apart = np.hypot(x[:, None] - x, y[:, None] - y)
+    return apart[np.triu_indices(len(x), 1)].min()
+
+
+@pytest.mark.parametrize("name", ["thesis", "published", "chick", "gastrulation"])
+def test_no_pair_is_corrected(name):
+    given = preset(name).changed(NONE | NO_REPULSION)
+    runs = simulate_many(given, range(2))
+    for run in runs:
+        assert run.status
+        assert run.stats["corrections"] == 0
+        assert run.separation.sweeps == 0
+    hard = simulate(preset(name).changed(NO_REPULSION), 0).final
+    assert gaps(runs[0].final.cells, slice(None)) < 0.5 * gaps(hard.cells, slice(None))
+
+
+def test_a_type_without_cores_among_others():
+    """Its nuclei overlap one another, but not the cores of others."""
+    final = simulate(preset("thesis").changed(SOFT | NO_REPULSION), 1).final
+    soft = final.cells.kind == 2
+    assert gaps(final.cells, soft) < 0.4
+    assert gaps(final.cells, ~soft) > 0.5
+    assert (final.cells.radius[soft] == 0).all()

@@ -14,16 +14,13 @@ import pytest
 from tests.tissue import kernel_calls as kernels
 from tests.tissue import states
 from tests.tissue.kernel_calls import both, generators
-from tests.tissue.mirrored import compare, mirrored, turned
 from tests.twins.tissue.state import Tissue
 from tissue.events.known import row, settled
-from tissue.files.cell_types import first_of
-from tissue.files.parameters import preset
-from tissue.runs.cell_groups import _middles
+from tissue.files.groups import first_of
+from tissue.model.junctions import pairs
 from tissue.runs.group import Group
-from tissue.runs.simulate import simulate_many
 from tissue.state.basal_curve import curve_numbers, ellipse
-from tissue.state.cells import CONTROL, NAMED, emt_cells
+from tissue.state.cells import CONTROL, NAMED, CellLayers, Emt, emt_cells
 
 # All cells divide at the age of 1 h, and no number is drawn that matters; hard discs are small, neighbours are free.
 GIVEN = states.numbers(
@@ -35,7 +32,7 @@ GIVEN = states.numbers(
     mitosis=0.1,
     hard_radius=0.0,
     enlarged_radius=0.0,
-    max_basal=50.0,
+    max_basal_distance=50.0,
     g2_stiffening=2.0,
     freed_stiffness=0.5,
     contraction=0.3,
@@ -48,6 +45,61 @@ NAMED_NUMBERS = (
     GIVEN._replace(rate_aa=0.4, two_daughters=0.0, rate_bx=2.0),
 )
 STEPS = 8
+# Coordinates along the tissue, which change their sign.
+ALONG = ("x", "ax", "bx", "along")
+# Names of cells: of two daughters the left one keeps that of the mother.
+NAMES = ("id", "mother", "chain")
+
+
+def mirrored(tissue, closed=False):
+    """The same tissue from right to left: each number stays with its cell, each rest length with its junction."""
+    n, order = len(tissue.cells.x), slice(None, None, -1)
+    made = type(tissue.cells)(*(array[order].copy() for array in tissue.cells))
+    for name in ALONG:
+        getattr(made, name)[:] *= -1.0
+    made = _with_junctions(tissue, made, lambda i: n - 1 - i, closed)
+    made.emt.since_x[:] *= -1.0
+    return made
+
+
+def turned(tissue, first, length):
+    """The same ring of this length, counted from cell ``first``: the cells before it come behind all others."""
+    n = len(tissue.cells.x)
+    made = type(tissue.cells)(*(np.roll(array, -first) for array in tissue.cells))
+    made.along[n - first :] += length
+    return _with_junctions(tissue, made, lambda i: (i - first) % n, closed=True)
+
+
+def _with_junctions(tissue, made, place, closed):
+    """Cells that are in other places now, with the rest lengths of their junctions, their layers and EMT cells."""
+    layers = CellLayers(*(np.sort(place(layer)) for layer in tissue.layers))
+    rest = {frozenset(place(np.array(ends))): length for *ends, length in junctions(tissue, closed)}
+    made.rest_aa[:] = 0.0
+    for i, j in zip(*pairs(made, layers, closed), strict=True):
+        made.rest_aa[i] = rest[frozenset((i, j))]
+    number = made.emt[made.emt >= 0]
+    made.emt[made.emt >= 0] = np.arange(len(number))
+    emt = Emt(*(np.ascontiguousarray(array[..., number]) for array in tissue.emt))
+    return Tissue(made, layers, tissue.next_id, emt)
+
+
+def junctions(tissue, closed=False):
+    """The cells i and j of each junction, and its rest length, from left to right."""
+    i, j = pairs(tissue.cells, tissue.layers, closed)
+    return sorted(zip(i.tolist(), j.tolist(), tissue.cells.rest_aa[i].tolist(), strict=True))
+
+
+def compare(one, other, closed=False, rounding=1e-10):
+    """Fail unless two tissues are the same to rounding, whatever their cells are called."""
+    for a, b in zip(one.layers, other.layers, strict=True):
+        np.testing.assert_array_equal(a, b)
+    for name, a, b in zip(one.cells._fields, one.cells, other.cells, strict=True):
+        if name not in (*NAMES, "rest_aa"):
+            np.testing.assert_allclose(a, b, rtol=0.0, atol=rounding, err_msg=name)
+    for a, b in zip(junctions(one, closed), junctions(other, closed), strict=True):
+        np.testing.assert_allclose(a, b, rtol=0.0, atol=rounding, err_msg="junctions")
+    for name, a, b in zip(one.emt._fields, one.emt, other.emt, strict=True):
+        np.testing.assert_allclose(a, b, rtol=0.0, atol=rounding, err_msg=name)
 
 
 def tissue_of(n, seed, names=("a", "b", "s", "p", "ac")):
@@ -76,11 +128,6 @@ def run(model, state, given=GIVEN):
     return model.steps(state, 0, STEPS, given, *generators(0), NAMED_NUMBERS)
 
 
-def test_twice_in_the_mirror_is_the_tissue_itself():
-    state = run(kernels, tissue_of(20, 1))
-    compare(mirrored(mirrored(state)), state, rounding=0.0)
-
-
 @both
 @pytest.mark.parametrize("bridge", [False, True])
 @pytest.mark.parametrize("seed", range(6))
@@ -102,14 +149,6 @@ def test_groups_at_mirrored_places_mirror_each_other():
     assert first_of(45, 10, 0.5) == 17
 
 
-def test_cells_that_are_apart_mirror_themselves():
-    for cells, m in product(range(1, 40), range(1, 8)):
-        chosen = _middles(np.arange(cells), m)
-        mirrored_ones = cells - 1 - chosen[::-1]
-        in_the_middle = (m - 1) / 2 if m % 2 and cells % 2 == 0 else None  # of two cells one is chosen
-        assert (mirrored_ones == chosen).sum() == m - (in_the_middle is not None), (cells, m)
-
-
 def test_what_is_on_both_sides_of_a_type_relaxes_alike():
     """A junction has the mean rate of its two cells; between like cells, and none, its own to the last bit."""
     given, slow = GIVEN._replace(rate_aa=1.0), GIVEN._replace(rate_aa=0.01)
@@ -117,21 +156,6 @@ def test_what_is_on_both_sides_of_a_type_relaxes_alike():
     after = kernels.apply_rules(state, 0.1, given, *generators(0), [slow]).cells.rest_aa
     kept = {rate: math.exp(-rate * given.dt) for rate in (1.0, 0.505, 0.01)}
     assert after.tolist() == [0.7 * kept[rate] for rate in (1.0, 0.505, 0.01, 0.505, 1.0, 1.0)]
-
-
-@pytest.mark.slow
-def test_in_crowds_the_junctions_on_both_sides_of_a_type_are_as_long():
-    """Noise, sweeps and all: with the rate of the left cell they differ by 0.24, and by 17 errors."""
-    slow = {"types.slow.cells": 9, "types.slow.rate_aa": "0.01 1/h", "numerics.t_end": "5 h", "numerics.keep": "5 h"}
-    gaps = []
-    for one in simulate_many(preset("chick").changed(slow), range(160)):
-        cells, layer = one.final.cells, one.final.layers.apical
-        borders = np.flatnonzero(np.diff(cells.kind[layer]))
-        i, j = layer[borders], layer[borders + 1]
-        gaps.append(np.hypot(cells.ax[j] - cells.ax[i], cells.ay[j] - cells.ay[i]))
-    left, right = np.array(gaps).T
-    error = np.std(left - right, ddof=1) / math.sqrt(len(gaps))
-    assert abs(np.mean(left - right)) < 3 * error < 0.06
 
 
 # Rings

@@ -12,13 +12,12 @@ import pytest
 
 import tissue
 from dincl.errors import InvalidProblem
-from tissue.events.known import EVENTS, acting, bit, built_in, events, row, settled
-from tissue.plugins import DivisionRule, registry
+from tissue.events.known import EVENTS, acting, bit, events, row, settled
+from tissue.files.own_modules import imported
+from tissue.plugins import DivisionRule, registered, registry
 from tissue.runs.start import started
-from tissue.runs.tables import summary_columns
 from tissue.state.checkpoint import streams
-from tissue.statistics.categories import by_order, by_selection
-from tissue.study import identity
+from tissue.study import store
 
 # Tests import copies of it.
 SQUEEZE = Path(__file__).with_name("own_squeeze.py")
@@ -57,17 +56,6 @@ def own(tmp_path):
         one.update(kept)
 
 
-def test_a_built_in_event_is_one_file():
-    """Its name and its module are in no other; [P], [B] and the like are named where the thesis speaks of them."""
-    folder = Path(tissue.__file__).parent
-    texts = {path.relative_to(folder).as_posix(): path.read_text("utf-8") for path in folder.rglob("*.py")}
-    assert [name for name, text in texts.items() if '"ac"' in text or "constrict" in text] == ["events/constriction.py"]
-    modules = {Path(sys.modules[(event.begin or event.last).__module__].__file__).stem for event in built_in()}
-    assert modules == {"apical", "basal", "straightness", "protrusion", "constriction"}
-    imports = [f"tissue.events.{stem}" for stem in modules]
-    assert [name for name, text in texts.items() if any(words in text for words in imports)] == []
-
-
 def test_an_event_of_ones_own_is_one_file(own):
     """Nothing but the file, and its name in the parameters: the tissue, tables and columns know of it."""
     parameters = tissue.load(own)
@@ -93,13 +81,6 @@ def test_what_others_draw_is_not_changed(own):
     third, _ = started(with_own.changed({"emt.a": "never", "emt.s": "2 h"}), streams(3))
     np.testing.assert_array_equal(one.emt.at[row("squeeze")], third.emt.at[row("squeeze")])
     assert not np.isinf(third.emt.at[row("squeeze")]).all()
-
-
-def test_a_rule_of_divisions(own):
-    parameters = tissue.load(own).changed({"division.rule": "always", "emt.cells": 0})
-    cells = tissue.simulate(parameters, seed=1).final.cells
-    usual = tissue.simulate(parameters.changed({"division.rule": "beside"}), seed=1).final.cells
-    assert (cells.mother >= 0).sum() > 1.5 * (usual.mother >= 0).sum() > 0
 
 
 def test_parameters_are_written_and_pickled_with_their_modules(own):
@@ -129,13 +110,10 @@ def test_studies_on_other_processes(own, tmp_path):
     cells, never = found.cells("one"), found.cells("two")
     assert cells["t_squeeze_h"].between(1, 4).all()
     assert "t_squeeze_h" not in never
-    assert set(by_order(cells, 5.0)) <= {"[ASqueeze]", "[SqueezeA]"}
-    assert set(by_selection(never, 5.0)) == {"A"}
     assert (found.runs("one")["stiffest_5h"] == 3 * found.parameters("one").cell.alpha_bx).all()
-    assert NAME in identity.code()
-    assert NAME not in identity.house_code()
+    assert store.code().keys() == {"dincl-testbed", NAME}
     (own.parent / f"{NAME}.py").write_text(SQUEEZE.read_text("utf-8") + "MORE = 1\n", "utf-8")
-    with pytest.raises(InvalidProblem, match=rf"holds results of another study[^$]*{NAME}: \w+ -> \w+"):
+    with pytest.raises(InvalidProblem, match=rf"holds results of another study[^$]*{NAME}: '\w+' -> '\w+'"):
         tissue.run_study(study, tmp_path / "out")
 
 
@@ -145,6 +123,7 @@ def test_studies_on_other_processes(own, tmp_path):
         ("own.modules = [3]", r"own.modules = \[3\]: must be a list of files of Python"),
         ('own.modules = ["none.py"]', r"own.modules = .*none.py: must be a file of Python"),
         ('own.modules = ["broken.py"]', r"own.modules = .*broken.py: cannot be imported: ZeroDivisionError"),
+        ('own.modules = ["broken.py"]\nemt.squeeze = "1 h"', r"broken.py: cannot be imported: [^\n]*$"),
         ('own.modules = ["json.py"]', r"own.modules = .*json.py: must have another name"),
         ('emt.bb = "3 h"', r"emt.bb = '3 h': unknown key; the nearest known one is emt.b"),
         ('division.rule = "never"', r'division.rule = \'never\': must be "beside"'),
@@ -159,16 +138,24 @@ def test_what_is_wrong_is_named(own, text, message):
         tissue.load(file)
 
 
-def test_a_module_that_cannot_be_imported_is_named_before_the_keys_it_lacks(own):
-    (own.parent / "broken.py").write_text("1 / 0", "utf-8")
-    file = own.parent / "bad.toml"
-    file.write_text('base = "thesis"\nown.modules = ["broken.py"]\nemt.squeeze = "1 h"\n', "utf-8")
-    with pytest.raises(InvalidProblem) as caught:
-        tissue.load(file)
-    _, first, second = str(caught.value).split("\n  ")
-    assert first.startswith("own.modules = ")
-    assert "cannot be imported: ZeroDivisionError" in first
-    assert second.startswith("emt.squeeze = '1 h': unknown key")
+@pytest.mark.parametrize(
+    ("text", "raised"),
+    [
+        ("raise SystemExit(3)", InvalidProblem),
+        ("1 / 0", InvalidProblem),
+        ("raise KeyboardInterrupt", KeyboardInterrupt),
+    ],
+)
+def test_what_ran_half_is_no_module(text, raised, tmp_path):
+    file = tmp_path / "half_module.py"
+    file.write_text(f"first = 1\n{text}\n")
+    for _ in range(2):
+        with pytest.raises(raised):
+            imported(file)
+        assert "half_module" not in sys.modules
+    file.write_text("first = 1\n# whole, and longer than before, so that no compiled form of it is taken\n")
+    imported(file)
+    assert sys.modules.pop("half_module").first == 1
 
 
 @pytest.mark.parametrize(
@@ -186,6 +173,9 @@ def test_a_module_that_cannot_be_imported_is_named_before_the_keys_it_lacks(own)
         (lambda: tissue.register(tissue.Observable("cells", "", not_a_number)), "cells: must have another"),
         (lambda: tissue.register(tissue.EmtEvent("x", "", "", lambda *_: None)), "must stand at top level of a file"),
         (lambda: tissue.register(tissue.EmtEvent("stiffest", "", "", pytest.fixture)), "stiffest: must have another"),
+        (lambda: tissue.Force("Two words", nothing, ""), "name = 'Two words': must be lower-case letters, digits and"),
+        (lambda: tissue.Force("f", 3, ""), "Force f: push = 3: must be a function"),
+        (lambda: tissue.Force("f", nothing, "", "", 3), "Force f: energy = 3: must be a function, or None"),
     ],
 )
 @pytest.mark.usefixtures("own")
@@ -202,7 +192,7 @@ def test_the_order_of_registration_does_not_matter():
         tissue.register(tissue.EmtEvent(name, "", "", nothing), tissue.Observable(name, "", not_a_number))
     assert bit("one") == 2 * bit("two")
     assert EVENTS[bit("a") + bit("one") + bit("two")] == "AOneTwo"
-    assert [one.column for one in summary_columns(tube=False)][-2:] == ["one", "two"]
+    assert [one.column for one in registered(tissue.Observable)] == ["one", "two"]
     assert [events()[k].name for k in acting()][-2:] == ["one", "two"]
 
 

@@ -1,15 +1,16 @@
-"""A run goes on from each saved state with the bits that it has without a stop, or with other parameters from there."""
+"""A run goes on from each saved state with the bits that it has without a stop, or with other numbers from there."""
 
 import numpy as np
 import pytest
 
-import tissue
 from dincl.errors import InvalidProblem
-from tests.tissue.bits import same, same_end
-from tissue.events.known import bit, row
+from tests.tissue.bits import same_end
+from tests.tissue.test_types import MIXED
+from tissue.events.known import bit
 from tissue.files.parameters import preset
 from tissue.frames.frame import Frame
 from tissue.runs.simulate import simulate, simulate_many
+from tissue.state.cells import NAMED
 
 # A run that goes on later may end before an event.
 pytestmark = pytest.mark.filterwarnings("ignore:.* never begins")
@@ -25,42 +26,23 @@ EVENTS = {
     "emt.p": "2 h",
 }
 LENGTHS = {"numerics.t_end": "4 h", "numerics.keep": "0.5 h", "tissue.cells": 30, "tissue.width": "8 R_soft"}
-SETTINGS = {
-    "thesis": ("thesis", {}),
-    "published": ("published", {}),
-    "thesis, EMT": ("thesis", EVENTS),
-    "published, EMT": ("published", EVENTS),
-    "noise in substeps": ("published", {**EVENTS, "numerics.noise": "substep"}),
-}
-each_setting = pytest.mark.parametrize("setting", SETTINGS)
 
 
-def parameters_of(setting):
-    name, changes = SETTINGS[setting]
-    return preset(name).changed({**LENGTHS, **LIVELY, **changes})
+def parameters_of(name, changes=()):
+    return preset(name).changed({**LENGTHS, **LIVELY, **dict(changes)})
 
 
 # The same bits
 
 
-@each_setting
-def test_abreast_the_same_bits(setting):
+def test_abreast_the_same_bits():
     """Three runs abreast, and one of them alone, go on from states made alone."""
-    parameters = parameters_of(setting)
+    parameters = parameters_of("published", EVENTS)
     whole = simulate_many(parameters, range(3))
     short = simulate_many(parameters.changed({"numerics.t_end": "1.5 h"}), range(3))
     rest = simulate_many(parameters, range(3), [run.final for run in short])
     assert all(map(same_end, whole, rest))
     assert same_end(whole[1], simulate(parameters, 1, short[1].final))
-
-
-def test_stopping_twice_and_ending_at_once():
-    parameters = parameters_of("published, EMT")
-    whole, at = simulate(parameters, 3), None
-    for end in ("1 h", "2.5 h", "4 h", "4 h"):
-        at = simulate(parameters.changed({"numerics.t_end": end}), 3, at).final
-    assert same(at, whole.final)
-    assert [frame.t for frame in simulate(parameters, 3, at).frames] == [4.0]
 
 
 # Branches
@@ -94,16 +76,6 @@ def test_a_control_tissue_gets_its_emt_cells_in_the_middle_when_it_branches():
     assert start.cells.emt.max() == -1
 
 
-def test_what_has_begun_stays_and_what_has_not_has_new_times():
-    parameters = parameters_of("published").changed({"emt.cells": 3, "emt.a": "1 h", "emt.s": "3 h"})
-    start = simulate(parameters, 3).frames[4]
-    run = simulate(parameters.changed({"emt.a": "never", "emt.s": "never", "emt.b": "3.5 h"}), 3, start)
-    ends = run.final.cells.emt >= 0
-    assert (run.final.cells.events[ends] == bit("a") | bit("b")).all()
-    assert (run.final.checkpoint.emt.at[row("a")] == 1.0).all()
-    assert np.isinf(run.final.checkpoint.emt.at[row("s")]).all()
-
-
 def test_stiffnesses_are_those_of_the_new_parameters():
     parameters = parameters_of("published").changed({"emt.cells": 1, "emt.a": "1 h", "emt.b": "1 h", "emt.s": "1 h"})
     start = simulate(parameters, 3).frames[4]
@@ -115,57 +87,54 @@ def test_stiffnesses_are_those_of_the_new_parameters():
         assert (values[cells.emt < 0] == other).all()
 
 
-def test_another_step_after_the_start():
-    parameters = parameters_of("thesis")
-    start = simulate(parameters, 3).frames[4]
-    finer = simulate(parameters.changed({"numerics.dt": "0.05 h"}), 3, start)
-    assert [frame.t for frame in finer.frames] == pytest.approx([2.0, 2.5, 3.0, 3.5, 4.0])
+def test_numbers_of_a_type_may_change_from_a_state_on():
+    half = simulate(MIXED.changed({"numerics.t_end": "3 h"}), 7).final
+    assert half.past.types == ("stiff", "quick", "leaving")
+    assert same_end(simulate(MIXED, 7), simulate(MIXED, 7, half))
+    cells = simulate(MIXED.changed({"types.stiff.alpha_ax": 2}), 7, half).final.cells
+    assert (cells.stiff_ax[cells.kind == NAMED] == 2.0).all()
 
 
 # What makes no sense
 
+GROUPED = {"emt.cells": 3, "emt.a": "1 h"}
+SAME = "must be that of the start, "
+
 
 @pytest.mark.parametrize(
-    ("changes", "message"),
+    ("before", "changes", "message"),
     [
-        ({"numerics.t_end": "2 h"}, r'numerics\.t_end = "2 h": must be at least the time of the start, t = 2\.5 h'),
+        ({}, {"numerics.t_end": "2 h"}, r'numerics\.t_end = "2 h": must be at least the time of the start, t = 2\.5 h'),
         (
+            {},
             {"numerics.dt": "0.2 h", "numerics.keep": "1 h", "numerics.substeps": 40},
             r"numerics\.dt = .* must divide the time of the start",
         ),
-        ({"emt.cells": 4}, r"emt\.cells = 4: must be 3, as many as there are at the start"),
-        ({"emt.b": "2 h"}, r'emt\.b = "2 h": must be after the time of the start, t = 2\.5 h, for cell \d+, in which'),
+        (
+            {},
+            {"emt.cells": 1, "emt.b": "2 h"},
+            r'emt\.b = "2 h": must be after the time of the start, t = 2\.5 h; this',
+        ),
+        (
+            {},
+            {"emt.cells": 190, "tissue.cells": 200, "tissue.width": "300 um"},
+            r"emt\.cells = 190: must be at most \d+",
+        ),
+        (GROUPED, {"emt.cells": 4}, rf"emt\.cells = 4: {SAME}3"),
+        (GROUPED, {"emt.b": "3 h"}, rf"emt\.b = '3 h': {SAME}'never'"),
+        (GROUPED, {"types.more.cells": 1, "types.more.place": 0.9}, rf"types\.more\.cells = 1: {SAME}left out"),
+        (GROUPED, {"cell.soft_radius": "4 um"}, rf"cell\.soft_radius = '4 um': {SAME}'5 um'"),
+        ({}, {"cell.soft_radius": "5.001 um"}, rf"cell\.soft_radius = '5.001 um': {SAME}'5 um'"),
+        ({}, {"layer.shape": "circle", "layer.perimeter": "600 um"}, rf"layer\.shape = 'circle': {SAME}'line'"),
     ],
 )
-def test_changes_that_make_no_sense(changes, message):
-    parameters = parameters_of("thesis").changed({"emt.cells": 3, "emt.a": "1 h"})
-    start = simulate(parameters, 3).frames[5]
-    with pytest.raises(InvalidProblem, match=message):
-        simulate(parameters.changed(changes), 3, start)
-
-
-@pytest.mark.parametrize("radius", ["5.001 um", "10 um", "4 um"])
-def test_a_state_knows_its_unit(radius, tmp_path):
-    """Lengths of a state are over R_soft: with another one 38.85 um would be 77.7 um at the same time."""
-    parameters = parameters_of("thesis")
-    run = simulate(parameters, 3)
-    run.frames[2].save(tmp_path / "state")
-    later = parameters.changed({"cell.soft_radius": radius, "numerics.substeps": 40})
-    for start in (run.frames[2], Frame.load(tmp_path / "state")):
-        with pytest.raises(InvalidProblem, match=rf'cell\.soft_radius = "{radius}": must be that of the start, 5 um'):
-            simulate(later, 3, start)
-    with pytest.raises(InvalidProblem, match=r'cell\.soft_radius = "6 um": must be that of the start'):
-        simulate(preset("gastrulation"), 3, start)
-    same = simulate(parameters, 3, Frame.load(tmp_path / "state"))
-    assert same.summary().iloc[0].height_um == run.summary().iloc[2].height_um
-
-
-def test_a_group_that_is_larger_than_the_tissue():
-    start = simulate(parameters_of("thesis"), 3).frames[0]
-    with pytest.raises(InvalidProblem, match=r"emt\.cells = 40: must be at most 28"):
-        simulate(
-            parameters_of("thesis").changed({"tissue.cells": 60, "tissue.width": "50 um", "emt.cells": 40}), 3, start
-        )
+def test_changes_that_make_no_sense(before, changes, message, tmp_path):
+    parameters = parameters_of("thesis").changed(before)
+    start = simulate(parameters.changed({"numerics.t_end": "2.5 h"}), 3).final
+    start.save(tmp_path / "state")
+    for one in (start, Frame.load(tmp_path / "state")):
+        with pytest.raises(InvalidProblem, match=message):
+            simulate(parameters.changed(changes), 3, one)
 
 
 def test_a_state_that_failed_is_no_start(tmp_path):
@@ -201,19 +170,3 @@ def test_starts_of_many_runs_are_one_for_each_and_of_one_time():
             InvalidProblem, match=r"start = \d frames at t = .* h: must be 2, one for each seed, of one time"
         ):
             simulate_many(parameters, range(2), starts)
-
-
-def test_frames_of_the_quasi_steady_model_are_starts():
-    parameters = parameters_of("thesis").changed({"numerics.t_end": "0.2 h", "numerics.keep": "0.1 h"})
-    found = tissue_quasi_steady(parameters)
-    assert simulate(parameters, 3, found.frames[1]).status
-
-
-def tissue_quasi_steady(parameters):
-    from tissue.quasi_steady.run import simulate_quasi_steady
-
-    return simulate_quasi_steady(parameters, 3, throw=False)
-
-
-def test_names():
-    assert tissue.Frame is Frame

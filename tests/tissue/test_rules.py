@@ -1,7 +1,6 @@
 """The rules of sections 2.2.1 to 2.2.4 on single cells, worked out by hand; kernels and twins alike."""
 
 import math
-from concurrent.futures import ThreadPoolExecutor
 from fractions import Fraction
 
 import numpy as np
@@ -16,9 +15,6 @@ from tests.tissue.states import layers, tissue
 from tests.twins.tissue import steps as twins
 from tests.twins.tissue.state import Tissue
 from tissue.events.known import bit, settled
-from tissue.model.energy import forces
-from tissue.rules.sheet import sheet_rules
-from tissue.rules.slice import slice_rules
 from tissue.state.cells import emt_cells
 
 # With fixed seeds a test either passes always or never; a sound one fails for one seed in a thousand.
@@ -108,20 +104,13 @@ def test_from_g2_on_the_springs_rest_with_the_nucleus_at_the_apical_side(model, 
 
 
 @both
-def test_a_nucleus_below_the_apical_point_rests_in_g2(model):
-    state = upright(nucleus=7.0, birth=-11.5)
-    cells = ruled(model, state, 0.0, STILL._replace(rate_ax=FAST, rate_bx=FAST))
-    np.testing.assert_allclose(forces(cells, state.layers, STILL), 0.0, atol=1e-14)
-
-
-@both
 @pytest.mark.parametrize(("floor", "wanted"), [(False, (-0.75, -0.25)), (True, (0.0, 0.0))])
 def test_floor_of_rest_lengths(model, floor, wanted):
     """A cell of height 1: the nucleus is nearer than R_soft to both ends."""
     state = upright(height=1.0, nucleus=0.75)
-    cells = ruled(model, state, 0.0, STILL._replace(rate_ax=FAST, rate_bx=FAST, floor_rest=floor))
+    cells = ruled(model, state, 0.0, STILL._replace(rate_ax=FAST, rate_bx=FAST, floor_rest_length=floor))
     assert (cells.rest_ax[0], cells.rest_bx[0]) == wanted
-    cells = ruled(model, state, 11.5, STILL._replace(rate_ax=FAST, rate_bx=FAST, floor_rest=floor))
+    cells = ruled(model, state, 11.5, STILL._replace(rate_ax=FAST, rate_bx=FAST, floor_rest_length=floor))
     assert (cells.rest_ax[0], cells.rest_bx[0]) == (0.0, 0.0 if floor else -1.0)
 
 
@@ -184,10 +173,10 @@ def test_rest_lengths_relax_exponentially(model):
         (True, {}, (1 / 3, 5.0), (1 / 3, 5.0), (0.7, 5.0)),
         (True, {"enlarge_in_g2": True}, (1 / 3, 5.0), (0.7, 5.0), (0.7, 5.0)),
         (True, {"g2_stiffening": 2.0}, (1 / 3, 5.0), (1 / 3, 10.0), (0.7, 10.0)),
-        (False, {"resting_enlarge": True, "g2_stiffening": 2.0}, (1 / 3, 5.0), (1 / 3, 10.0), (0.7, 10.0)),
-        (False, {"resting_enlarge": False, "g2_stiffening": 2.0}, (1 / 3, 5.0), (1 / 3, 5.0), (1 / 3, 5.0)),
-        (False, {"resting_enlarge": True, "enlarge_in_g2": True}, (1 / 3, 5.0), (0.7, 5.0), (0.7, 5.0)),
-        (False, {"resting_enlarge": False, "enlarge_in_g2": True}, (1 / 3, 5.0), (1 / 3, 5.0), (1 / 3, 5.0)),
+        (False, {"resting_cells_enlarge": True, "g2_stiffening": 2.0}, (1 / 3, 5.0), (1 / 3, 10.0), (0.7, 10.0)),
+        (False, {"resting_cells_enlarge": False, "g2_stiffening": 2.0}, (1 / 3, 5.0), (1 / 3, 5.0), (1 / 3, 5.0)),
+        (False, {"resting_cells_enlarge": True, "enlarge_in_g2": True}, (1 / 3, 5.0), (0.7, 5.0), (0.7, 5.0)),
+        (False, {"resting_cells_enlarge": False, "enlarge_in_g2": True}, (1 / 3, 5.0), (1 / 3, 5.0), (1 / 3, 5.0)),
     ],
 )
 def test_radius_and_stiffness_by_phase(model, moving, variant, at_rest, in_g2, in_mitosis):
@@ -207,11 +196,3 @@ def test_rules_leave_alone_what_they_do_not_mention(model):
     cells = ruled(model, state, 0.0, STILL._replace(rate_aa=1.0))
     for name, after, before in zip(cells._fields, cells, state.cells, strict=True):
         np.testing.assert_array_equal(after, before * math.exp(-0.1) if name == "rest_aa" else before, err_msg=name)
-
-
-@pytest.mark.parametrize("rules", [slice_rules, sheet_rules])
-def test_two_threads_that_come_first_have_whole_rules(rules):
-    """``functools.cache`` lets both make them; each has machine code for every rule."""
-    with ThreadPoolExecutor(2) as threads:
-        for made in threads.map(lambda _: rules.__wrapped__(), range(2)):
-            assert all(made)

@@ -1,14 +1,11 @@
 """Steps that are too long: refused where the parameters tell, else the run ends with the Status UNSTABLE."""
 
-import math
-
 import numpy as np
 import pytest
 
 import tissue
 from dincl.errors import InvalidProblem
 from dincl.status import Status
-from tissue.model.stiffness import LIMIT, cell_stiffness, junction_stiffness
 from tissue.runs.batch import Batch
 from tissue.runs.stability import swings
 from tissue.state.running import JUMPED
@@ -37,18 +34,6 @@ def test_the_fewest_substeps_of_parameters(preset, changes, least):
     with pytest.raises(InvalidProblem, match=rf"numerics\.substeps = {least - 1}: must be at least {least}: dt/"):
         given.changed({"numerics.substeps": least - 1})
     assert given.changed({"numerics.substeps": least}).numerics.substeps == least
-
-
-def test_a_file_with_steps_that_are_too_long(tmp_path):
-    (tmp_path / "one.toml").write_text('base = "published"\nnumerics.substeps = 1\n')
-    with pytest.raises(InvalidProblem, match=r"one\.toml: numerics\.substeps = 1: must be at least 4"):
-        tissue.load(tmp_path / "one.toml")
-
-
-def test_all_presets_are_stable():
-    for name in ("thesis", "corrected", "published", "chick", "gastrulation", "cuboidal"):
-        runs = tissue.simulate_many(tissue.preset(name).changed(SHORT), range(8))
-        assert all(run.status is Status.SUCCESS for run in runs)
 
 
 @pytest.mark.parametrize(
@@ -110,12 +95,3 @@ def test_a_point_that_jumps_is_noted():
             assert run.summary()["height_um"].iloc[-1] < 60.0
     batch = Batch(tissue.preset("published").changed(SHORT), range(2))
     assert all(batch.state(k).sizes[JUMPED] == 0 for k in range(2))
-
-
-def test_the_formulas():
-    assert cell_stiffness(15.0, 2.0, 2.0, 0.5, 2, 1.0) == 30.0
-    assert cell_stiffness(0.0, 2.0, 5.0, 0.5, 1, 0.5) == 20.0
-    assert junction_stiffness(1.25, 1, in_space=False) == 0.0
-    assert math.isclose(junction_stiffness(1.25, 10**6, in_space=False), 5.0)
-    assert junction_stiffness(1.25, 100, in_space=True) == 7.5
-    assert LIMIT == 2.0

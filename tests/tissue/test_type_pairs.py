@@ -5,12 +5,9 @@ import pytest
 
 from tests.tissue import kernel_calls as kernels
 from tests.tissue import states
-from tests.tissue.bits import same_cells
 from tests.tissue.kernel_calls import aged, generators
-from tests.tissue.mirrored import compare, mirrored
 from tissue.files.parameters import preset
 from tissue.runs.group import Group
-from tissue.runs.simulate import simulate, simulate_many
 from tissue.state.basal_curve import curve_numbers, ellipse
 from tissue.state.cells import NAMED
 
@@ -24,7 +21,7 @@ STILL = dict.fromkeys(("stiff_ax", "stiff_bx", "stiff_axb"), 0.0)
 
 def kinds(power):
     """The numbers of control cells and of two types, by their power of the springs."""
-    given = PUSHES._replace(power=power, repulsion=0.8)
+    given = PUSHES._replace(spring_power=power, repulsion=0.8)
     named = given._replace(soft_radius=1.6, repulsion=2.0), given._replace(soft_radius=0.4, repulsion=0.5)
     return given, named
 
@@ -44,7 +41,7 @@ def moved_by_pairs(cells, given, named):
             arrow = np.array((cells.x[i] - cells.x[j], cells.y[i] - cells.y[j]))
             d, reach = np.hypot(*arrow), one.soft_radius + other.soft_radius
             if 0 < d < reach:
-                k = (one.repulsion + other.repulsion) / 2 * (2 / reach) ** given.power
+                k = (one.repulsion + other.repulsion) / 2 * (2 / reach) ** given.spring_power
                 x[:, i] += scale * k * (reach - d) * arrow / d
     return x
 
@@ -69,8 +66,8 @@ def test_pairs_of_different_soft_discs(power, bent):
 @pytest.mark.parametrize("closed", [False, True])
 def test_basal_neighbours_are_at_most_the_mean_of_both_apart(closed):
     """One cell of each pair is far away: by half of the excess each, one pair after the other."""
-    named = [PUSHES._replace(max_basal=2.0)]
-    given = PUSHES._replace(repulsion=0.0, max_basal=1.0)
+    named = [PUSHES._replace(max_basal_distance=2.0)]
+    given = PUSHES._replace(repulsion=0.0, max_basal_distance=1.0)
     kind = np.array([0, NAMED, NAMED, 0, 0, NAMED])
     allowed = [1.5, 2.0, 1.5, 1.0, 1.5]
     b = np.cumsum([0.0, 1.6, 1.9, 1.7, 0.9, 3.0])
@@ -92,22 +89,9 @@ def test_basal_neighbours_are_at_most_the_mean_of_both_apart(closed):
     np.testing.assert_allclose(found.along if closed else found.bx, b, atol=1e-12)
 
 
-def test_a_mirrored_tissue_of_such_types_has_the_mirrored_run():
-    rng = np.random.default_rng(3)
-    state = kernels.upright(
-        20, spacing=1.0, kind=rng.choice([0, NAMED, NAMED + 1], 20), rest_aa=rng.uniform(0.1, 1.0, 20)
-    )
-    state.cells.y[:] = rng.uniform(3.0, 6.0, 20)
-    given, named = kinds(2)
-    given = given._replace(substeps=40, max_basal=50.0, junction_factor=0.25)
-    named = [one._replace(max_basal=40.0) for one in named]
-    ends = [kernels.steps(one, 0, 8, given, *generators(0), named) for one in (state, mirrored(state))]
-    compare(ends[1], mirrored(ends[0]))
-
-
 def test_springs_and_rest_lengths_have_the_radius_of_the_type():
     """l = R_soft + eta, and eta tends to d - R_soft; in G2 the basal one to |A - B| - 2 R_soft."""
-    given = states.numbers(dt=20.0, floor_rest=False)
+    given = states.numbers(dt=20.0, floor_rest_length=False)
     named = [given._replace(soft_radius=1.6)]
     state = kernels.upright(2, kind=NAMED, birth=[0.0, -11.3], rest_ax=0.5, rest_bx=0.5)
     after = kernels.apply_rules(state, 0.0, given, *generators(0), named).cells
@@ -122,32 +106,6 @@ def test_springs_and_rest_lengths_have_the_radius_of_the_type():
 
 
 # From files
-
-
-def test_a_type_like_control_cells_changes_no_bit():
-    plain = preset("published").changed(SHORT)
-    like = {"types.big.soft_radius": "5 um", "types.big.alpha_xx": 1, "types.big.max_basal_distance": "1/3 R_soft"}
-    one, two = simulate(plain, 3), simulate(plain.changed(BIG | like), 3)
-    assert (two.final.cells.kind == NAMED).sum() >= 9
-    assert same_cells(one.final, two.final._replace(cells=two.final.cells._replace(kind=one.final.cells.kind)))
-
-
-@pytest.mark.parametrize("key", OWN)
-def test_each_key_has_its_effect_in_a_run(key):
-    """Larger discs and stronger ones push nuclei of the type apart, larger distances widen its basal layer."""
-    wide = {"tissue.max_basal_distance": "1/3 R_soft"}
-    given = preset("published").changed(SHORT | BIG | wide | {f"types.big.{key}": OWN[key]})
-    runs = simulate_many(given, range(4))
-    for run in runs:
-        assert run.status
-
-    def width(of):
-        """Of the nuclei, or of the basal points of the type, in the mean."""
-        name = "bx" if key == "max_basal_distance" else "x"
-        spans = [getattr(run.final.cells, name)[run.final.cells.kind == NAMED] for run in of]
-        return np.mean([np.ptp(span) / len(span) for span in spans])
-
-    assert width(runs) > 1.05 * width(simulate_many(preset("published").changed(SHORT | BIG), range(4)))
 
 
 def test_the_unit_of_length_stays():

@@ -5,14 +5,13 @@ import math
 import numpy as np
 import pytest
 
-from tests.tissue.bits import same, same_cells
+from tests.tissue.bits import same
 from tests.tissue.kernel_calls import aged, compared, freed, with_emt
 from tests.tissue.states import layers, numbers
 from tissue.events.known import row
-from tissue.files.cell_types import OWN_KEYS
 from tissue.files.parameters import preset
+from tissue.files.sections import OWN_KEYS
 from tissue.frames.observables import PHASES, phases
-from tissue.quasi_steady.run import simulate_quasi_steady
 from tissue.runs.simulate import simulate
 from tissue.runs.start import started
 from tissue.state.cells import EMT, NAMED
@@ -108,35 +107,7 @@ def test_what_the_start_has_of_each_type():
     assert np.ptp(scattered) > len(scattered)
     longer = MIXED.changed({"types.stiff.initial_rest_length": "1 R_soft"})
     rest = started(longer, streams(2))[0].cells.rest_bx[:n]
-    assert (rest == np.where(kind == NAMED, 1.0, MIXED.start_numbers().rest_length)).all()
-
-
-def test_a_type_with_short_cycles_grows_faster():
-    """Of control cells no division brings two; each cell of the type ends its cycle of 1.95 h in the 20th step."""
-    grown = SHORT.changed(
-        {"tissue.two_daughters": 0, "types.quick.cells": 6, "types.quick.place": 0.25, "types.quick.two_daughters": 1}
-        | {"types.quick.min_cycle": "1.95 h", "types.quick.max_cycle": "1.95 h", "numerics.dt": "0.1 h"}
-    )
-    run = simulate(grown, 4)
-    first = run.frames[0].cells
-    steps = np.ceil((first.birth + first.cycle)[first.kind == NAMED] / 0.1)
-    for frame in run.frames:
-        made = round(frame.t / 0.1)
-        rounds = np.where(steps <= made, 1 + (made - steps) // 20, 0)
-        assert (frame.cells.kind == NAMED).sum() == (2**rounds).sum()
-        assert (frame.cells.kind == 0).sum() == 39
-    assert rounds.min() >= 2
-
-
-def test_a_type_that_all_cells_are_is_another_tissue():
-    """Cells of a stiffer type are those of a tissue that is stiffer as a whole, bit for bit."""
-    stiff = {"alpha_axb": 2 * SHORT.cell.alpha_axb, "alpha_aa": 2 * SHORT.cell.alpha_aa, "hard_radius": "0.2 R_soft"}
-    every = SHORT.changed({f"types.stiff.{name}": value for name, value in stiff.items()} | {"types.stiff.cells": 45})
-    whole = SHORT.changed({f"cell.{name}": value for name, value in stiff.items()})
-    one, two = simulate(every, 0).final, simulate(whole, 0).final
-    assert (one.cells.kind == NAMED).all()
-    assert same_cells(one._replace(cells=one.cells._replace(kind=two.cells.kind)), two)
-    assert not np.array_equal(one.cells.x[:45], simulate(SHORT, 0).final.cells.x[:45])
+    assert (rest == np.where(kind == NAMED, 1.0, MIXED.start_numbers().initial_rest_length)).all()
 
 
 # Events
@@ -191,15 +162,6 @@ def test_tables_and_phases_know_the_types():
     age, cycle = 6.0 - run.final.cells.birth, run.final.cells.cycle
     assert (found == (age >= cycle - g2 - 0.4).astype(int) + (age >= cycle - 0.4)).all()
     assert (last["phase"] == np.array(PHASES)[found]).all()
-
-
-def test_the_quasi_steady_model_has_types_without_events():
-    small = preset("thesis").changed(
-        {"tissue.cells": 8, "tissue.width": "25 um", "numerics.t_end": "0.3 h", "types.stiff.cells": 3}
-        | {"types.stiff.alpha_ax": 9}
-    )
-    final = simulate_quasi_steady(small, throw=False).final
-    assert (final.cells.stiff_ax == np.where(final.cells.kind == NAMED, 9.0, small.cell.alpha_ax)).all()
 
 
 def test_a_group_that_is_apart_is_spread_evenly():

@@ -1,126 +1,139 @@
-"""Functions of users are looked at before they are compiled: fields that there are not, changes that are lost."""
+"""Functions of users: what numba refuses, what they leave of a cell, and indices beyond arrays."""
 
+import math
 import re
 
-import numpy as np
 import pytest
 
+import dincl
 import tissue
-from dincl.errors import InvalidProblem
-from tests.pages import ROOT
-from tissue.files.parameters import preset
-from tissue.model.cycle import adapt_rest_lengths, set_phases
-from tissue.rules.slice import in_plane
-from tissue.runs.compiled_rules import rules_pointer
-from tissue.runs.user_code import OVERWRITTEN, PAGE, check_code
-from tissue.state.cells import KINDS, Cells, empty
-from tissue.state.numbers import numbers_pointer
-from tissue.state.running import new_state
+from dincl.compiled import inner
+from tests.borders.tissue_uses import shelves
 
-ROWS = re.findall(r"^\| (`.*?) \|.*\| (.*?) \|$", (ROOT / PAGE).read_text("utf-8"), re.MULTILINE)
+QUICK = tissue.preset("published").changed(
+    {"emt.cells": 3, "numerics.t_end": "1 h", "numerics.dt": "0.1 h", "numerics.keep": "0.5 h"}
+)
+
+
+@pytest.fixture(autouse=True)
+def aside():
+    with shelves():
+        yield
 
 
 def misspelt(state, i, bit, numbers):
     state.cells.radios[i] = 1.0
 
 
-def misspelt_number(state, i, bit, given):
-    state.cells.rest_ax[i], _ = given.hard_radus, bit
+def radius(state, i, rest_ax, rest_bx, numbers):
+    state.cells.radius[i] = -1.0
 
 
-def misspelt_part(held, i, numbers):
-    cells = held.cels
-    cells.x[i] += 1.0
+def stiff(state, i, bit, numbers):
+    state.cells.stiff_axb[i] = -2.0
 
 
-def lost(state, i, bit, numbers):
-    radius, cells = 0.5, state.cells
-    cells.radius[i] *= radius
+def junction(state, i, bit, numbers):
+    state.cells.rest_aa[i] = math.inf
 
 
-def lost_behind(state, i, numbers):
-    stiffness = state.cells.stiff_aa
-    stiffness[i + 1] = 0.0
+def no_number(state, i, rest_ax, rest_bx, numbers):
+    state.cells.stiff_ax[i] = math.nan
 
 
-def moving(state, on, strength, numbers):
-    state.cells.y[0] = 0.0
+def neighbour(state, i, rest_ax, rest_bx, numbers):
+    state.cells.radius[i + 3] = -0.25
 
 
-def third(state, on, strength, numbers):
-    on.z[0] += strength
+def short(state, i, rest_ax, rest_bx, numbers):
+    state.cells.rest_bx[i] = -0.5 * numbers.soft_radius
+    state.cells.radius[i] = state.cells.stiff_ax[i] = 0.0
 
 
-def kept(state, i, rest_ax, rest_bx, numbers):
-    cells = state.cells
-    cells.radius[i] = cells.stiff_aa[i] = 0.5 * numbers.hard_radius
+def nothing(state, i, bit, numbers):
+    state.cells.stiff_ax[i] *= 1.0
 
 
-def right(state, i, bit, numbers):
-    for points in (state.cells.x, state.cells.ax):
-        points[i] += state.motion.held[i] * numbers.dt
-    state.cells.rest_bx[i] = state.emt.at.shape[0] + state.layers.apical[0]
+def far(state, i, numbers):
+    state.cells.stiff_bx[i] = -1.0
 
 
-def splits(state, i, number, numbers):
+def often(state, i, number, numbers):
     return True
 
 
+def beyond(state, i, rest_ax, rest_bx, numbers):
+    state.cells.radius[i + 1000] = 1.0
+
+
+@inner
+def read_beyond(values, i):
+    return values[i + 1000]
+
+
+def helped(state, i, bit, numbers):
+    state.cells.stiff_ax[i] = read_beyond(state.cells.stiff_ax, i)
+
+
+def pushing(state, on, strength, numbers):
+    on.x[len(on.x)] = strength
+
+
+def ended(thing, **changes):
+    """The run with what a user registers, which may fail."""
+    tissue.register(thing)
+    return tissue.simulate(QUICK.changed(changes), 1, throw=False)
+
+
+def event(begin=None, last=None):
+    return ended(tissue.EmtEvent("mine", "", "", begin, last), **{"emt.mine": "0.3 h"})
+
+
 @pytest.mark.parametrize(
-    ("thing", "message"),
+    ("begin", "last", "said"),
     [
-        (
-            tissue.EmtEvent("one", "", "", misspelt),
-            r"begin in test_user_code.py, line \d+: state.cells.radios is unknown",
-        ),
-        (tissue.EmtEvent("one", "", "", misspelt), "the nearest is radius of x, y, ax, .*, az, bz; see docs"),
-        (tissue.EmtEvent("one", "", "", misspelt_number), "given.hard_radus is unknown; the nearest is hard_radius of"),
-        (tissue.DivisionRule("one", "", "", splits, misspelt_part), "place in .* held.cels is unknown; .* is cells of"),
-        (tissue.EmtEvent("one", "", "", lost), r"changes state.cells.radius: must be in last, .* in each dt; see docs"),
-        (tissue.DivisionRule("one", "", "", splits, lost_behind), "changes state.cells.stiff_aa: must be in last"),
-        (tissue.Force("one", moving, ""), "push in .* changes state.cells.y: must change nothing of the state"),
-        (tissue.Force("one", third, ""), "on.z is unknown; the nearest is y of x, y, ax, ay, bx, by; see"),
+        (None, radius, "last set cells.radius of cell {first} to -1, until t = 0.5 h: must be finite and at least 0."),
+        (None, neighbour, "last set cells.radius of cell {third} to -0.25, until t = 0.5 h: must be finite and at"),
+        (stiff, None, "begin set cells.stiff_axb of cell {first} to -2, until t = 0.5 h: must be finite and at least"),
+        (None, no_number, "last set cells.stiff_ax of cell {first} to nan, until t = 0.5 h: must be finite and at"),
+        (nothing, beyond, r"begin or EmtEvent mine: last(...) raised IndexError: index is out of bounds."),
+        (helped, None, "begin(state, i, bit, numbers) raised IndexError: index is out of bounds."),
+        (misspelt, None, "begin(state, i, bit, numbers) cannot be compiled: TypingError: Failed in nopython mode"),
     ],
 )
-def test_what_is_wrong_is_said_before_it_is_compiled(thing, message):
-    with pytest.raises(InvalidProblem, match=f"{type(thing).__name__} one: .*{message}"):
-        tissue.register(thing)
+def test_a_bad_event_ends_the_run_with_one_message(begin, last, said):
+    """Of several functions all are named: machine code does not say which of them it was."""
+    if begin is misspelt:
+        with pytest.raises(dincl.FunctionFailed, match=r"(?s)Unknown attribute 'radios'.*test_user_code.py") as caught:
+            event(begin, last)
+        detail = str(caught.value)
+    else:
+        run = event(begin, last)
+        assert run.status is dincl.Status.FUNCTION_FAILED
+        detail = run.detail
+        cells = run.frames[0].cells
+        first = cells.id[cells.emt >= 0].min()
+        said = said.replace("{first}", str(first)).replace("{third}", str(first + 3))
+    assert f"EmtEvent mine: {said}" in detail
 
 
-@pytest.mark.parametrize("thing", [tissue.EmtEvent("one", "", "", right, kept)])
-def test_what_is_right_is_not_refused(thing):
-    check_code(thing)
+def test_where_points_are_lost_by_it_the_run_says_so():
+    run = event(begin=junction)
+    assert run.status is dincl.Status.NON_FINITE
+    assert "has a coordinate that is not finite" in run.detail
 
 
-def after_rules(changes):
-    """The cells behind the rules of one dt, from cells that ``changes`` are made to."""
-    numbers = preset("thesis").numbers()
-    cells = empty(3)
-    for name, k in ((name, k) for name in ("x", "ax", "bx") for k in range(3)):
-        getattr(cells, name)[k] = float(k)
-    cells.y[:], cells.ay[:], cells.cycle[:], cells.stiff_aa[:] = 3.0, 8.0, 10.0, 5.0
-    for name, value in changes.items():
-        getattr(cells, name)[1] = value
-    state = new_state(cells, capacity=3, space=in_plane())
-    given, rules = numbers_pointer(numbers), rules_pointer([state])
-    set_phases(state, 5.0, given)
-    adapt_rest_lengths(state, 5.0, given, rules)
-    return Cells._make(array.copy() for array in state.cells)
+def test_lengths_down_to_zero_are_allowed():
+    """A rest length is without R_soft: one of -0.5 R_soft leaves 0.5 R_soft."""
+    assert event(last=short).status
 
 
-def test_two_fields_are_overwritten():
-    """Of a cell that an event changes, behind the rules of the same dt."""
-    same = after_rules({})
-    lost = set()
-    for name in (name for name in Cells._fields if KINDS.get(name) is None):
-        found = after_rules({name: 0.125})
-        if np.array_equal(getattr(found, name), getattr(same, name)):
-            lost.add(f"state.cells.{name}")
-    assert lost == OVERWRITTEN
+def test_bad_rules_of_divisions_and_forces_end_the_run():
+    run = ended(tissue.DivisionRule("mine", "", "", often, far), **{"division.rule": "mine"})
+    assert run.status is dincl.Status.FUNCTION_FAILED
+    assert re.search(r"DivisionRule mine: splits or .*place set cells.stiff_bx of cell \d+ to -1, until", run.detail)
+    run = ended(tissue.Force("mine", pushing, ""), **{"forces.mine": 1})
+    assert run.detail.startswith("Force mine: push(state, on, strength, numbers) raised IndexError")
 
 
-def test_the_page_has_all_fields():
-    fields = [name for names, _ in ROWS for name in re.findall(r"`(\w+)`", names) if name in Cells._fields]
-    assert sorted(fields) == sorted(Cells._fields)
-    late = [name for names, change in ROWS if change == "in `last` only" for name in re.findall(r"`(\w+)`", names)]
-    assert {f"state.cells.{name}" for name in late} == OVERWRITTEN
+# The page on the fields of a cell

@@ -3,8 +3,6 @@
 They loop over Python floats in the order of the kernels, because a sum taken in another order may round differently.
 """
 
-import math
-
 import numpy as np
 
 from dincl.compiled.arrays import Floats, Indices, Offsets
@@ -30,35 +28,3 @@ def neighbour_pairs(x: Floats, radius: Floats) -> tuple[Offsets, Indices]:
     ]
     start = np.cumsum([0, *map(len, rows)], dtype=np.int64)
     return start, np.array([j for row in rows for j in row], dtype=np.int32)
-
-
-def dual_sweeps(
-    z: Floats,
-    indptr: Offsets,
-    indices: Offsets,
-    data: Floats,
-    bound: Floats,
-    norm2: Floats,
-    multipliers: Floats,
-    max_sweeps: int,
-    tol: float,
-) -> tuple[int, float]:
-    """Reference implementation of ``dual_sweeps.dual_sweeps``."""
-    residual = math.inf
-    for sweep in range(max_sweeps):
-        residual = 0.0
-        for row in range(len(bound)):
-            entries = range(indptr[row], indptr[row + 1])
-            missing = float(bound[row])
-            for p in entries:
-                missing -= float(data[p] * z[indices[p]])
-            delta = max(-float(multipliers[row]), missing / float(norm2[row]))
-            if delta == 0.0:
-                continue
-            multipliers[row] += delta
-            for p in entries:
-                z[indices[p]] += delta * data[p]
-            residual = max(residual, abs(delta) * math.sqrt(norm2[row]))
-        if residual <= tol:
-            return sweep + 1, residual
-    return max_sweeps, residual

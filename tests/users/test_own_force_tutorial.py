@@ -8,7 +8,7 @@ import tissue
 from dincl.errors import InvalidProblem
 from tests.pages import ROOT, play
 from tissue.plugins import registry
-from tissue.quasi_steady.run import simulate_quasi_steady
+from verification.thesis.quasi_steady.run import simulate_quasi_steady
 
 pytestmark = pytest.mark.slow
 

@@ -58,9 +58,6 @@ def test_own_constraint_is_refused_in_words(own):
         own["InsideEllipse"](-1, 1.0)
     with pytest.raises(dincl.InvalidProblem, match="in the plane"):
         dincl.Problem([[0.0]], lambda t, x: x, [ellipse])
-    flat = dincl.Problem([[0.0, 0.0]], lambda t, x: x, [ellipse])
-    with pytest.raises(dincl.InvalidProblem, match="no formula for InsideEllipse"):
-        dincl.solve(flat, dincl.CatchUp(0.1, dincl.ClosedForm()), t=[1.0])
 
 
 def test_own_constraint_is_drawn(own):

@@ -8,7 +8,7 @@ import tissue
 from docs.building import notebooks
 from tests.optional import need_module
 from tests.pages import ROOT, blocks, play
-from tissue.study.comparing import planned_answers
+from tissue.study.answers import answer_table
 from verification.claims import Verdict
 
 PAGES, HOW_TO = ROOT / "docs" / "tutorials", ROOT / "docs" / "howto"
@@ -50,7 +50,7 @@ def test_tissue(tmp_path):
 @pytest.mark.slow
 def test_a_small_study_is_planned_run_and_drawn(tmp_path):
     found = play(PAGES / "emt_study.md", tmp_path)
-    words = ("6 comparisons, planned", "Least effect that is shown", "Answers: 6 planned comparisons", "page.html")
+    words = ("6 comparisons, planned", "Least effect that is shown", "Answers: 6 comparisons", "page.html")
     assert [word for word in words if word not in found["printed"]] == []
     answers = tmp_path / "results" / "constriction" / "figures" / "answer_3.png"
     assert answers.read_bytes().startswith(b"\x89PNG")
@@ -60,9 +60,9 @@ def test_a_small_study_is_planned_run_and_drawn(tmp_path):
 @pytest.mark.slow
 def test_the_simplest_model_is_found(tmp_path):
     found = play(HOW_TO / "simplify.md", tmp_path)
-    words = ("height_um of [A] at 36 h, within 6 um", "within 3 um", "Left out", "no noise", "counted work")
+    words = ("within 6;", "within 3;", "Left out", "no noise", "times less work")
     assert [word for word in words if word not in found["printed"]] == []
-    assert (tmp_path / "results" / "height" / "bias.png").read_bytes().startswith(b"\x89PNG")
+    assert found["found"].saving > 2
 
 
 @pytest.mark.xslow
@@ -73,7 +73,7 @@ def test_the_large_study_has_the_answers_of_the_text(tmp_path):
     (study,) = [block for block in blocks(text, "toml") if "replicates = 40" in block]
     (tmp_path / "constriction.toml").write_text(study.replace("replicates = 40", "replicates = 400"))
     results = tissue.run_study(tmp_path / "constriction.toml", tmp_path / "out")
-    table = planned_answers(results).set_index(["question", "measure"])
+    table = answer_table(results).set_index(["question", "measure"])
     rows = {
         "on a line": "early - late, line",
         "inside an arc": "early - late, arc",

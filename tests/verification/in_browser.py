@@ -13,11 +13,10 @@ import pytest
 from tests.browser import HEIGHT, WIDTHS, draw_all, fits, visit
 from tests.verification.live import cheapest, choose, listed
 from tests.verification.page import Page
-from verification.beyond.chart import work_precision
-from verification.beyond.chart.figures import COSTS
-from verification.beyond.chart.references import SCENES
-from verification.page.chapters import CHAPTERS
-from verification.page.parts import VERDICTS
+from verification.methods.chart import work_precision
+from verification.methods.chart.references import SCENES
+from verification.site.parts import VERDICTS
+from verification.thesis.chapters import CHAPTERS
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page as BrowserPage
@@ -187,13 +186,12 @@ class PagesInABrowser:
                 tells(page, width)
 
     def test_chart_names_the_cheapest_methods_that_the_instrument_names(self, made, browser):
-        table = made[1].tables["work_precision"]
+        charts = work_precision.charts(made[1].tables["work_precision"])
         with visit(browser, made[0].parent / "speed.html") as page:
             draw_all(page)
-            for scene in SCENES:
-                one = work_precision.chart(table, scene, work_precision.FULL)
+            for scene, one in charts.items():
                 for error in work_precision.ERRORS:
-                    for cost in COSTS:
+                    for cost in work_precision.COSTS:
                         choose(page, scene, error, cost)
                         assert listed(page) == cheapest(one, error, cost), (scene, error, cost)
                 choose(page, scene, "largest", "cpu_seconds", ["event-driven"])

@@ -37,13 +37,11 @@ def listed(page: Page) -> Listed:
     return [(target, word, _ordered(tied), _rounded(cost)) for target, word, tied, cost in page.evaluate(ROWS)]
 
 
-def cheapest(
-    one: WorkPrecision, error: str, cost: str, without: Collection[str] = (), certain: float | None = None
-) -> Listed:
+def cheapest(one: WorkPrecision, error: str, cost: str, without: Collection[str] = ()) -> Listed:
     """Return what the instrument says, as ``listed``."""
     kept = [label for label, look in one.looks.items() if look["family"] not in without]
     found = costs(one.table, DECADES, error, cost)
-    limit = (one.budget.certain() if certain is None else certain) if cost == "cpu_seconds" else float("inf")
+    limit = one.budget.certain() if cost == one.budget.column else float("inf")
     return [
         (row.target, row.cheapest if row.cheapest in UNDECIDED else "", _ordered(row.tied), _rounded(row.cost))
         for row in rank(found[found["method"].isin(kept)], limit).itertuples()

@@ -1,5 +1,8 @@
 """What ships is shown; parts of it are made again, laid over it, and what differs is said."""
 
+import datetime
+from dataclasses import replace
+from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
@@ -8,9 +11,9 @@ import pytest
 
 from dincl.study import Key, Row, Study, write
 from tests.executors import Here, Nowhere
-from verification.page.agreement import Agreement, compare_studies
-from verification.page.context import Context
-from verification.page.made_again import made_again
+from verification.site.agreement import Agreement, compare_studies
+from verification.site.context import Context
+from verification.site.made_again import made_again
 
 
 def rows_of(key: Key) -> list[Row]:
@@ -43,18 +46,17 @@ def test_what_ships_is_shown_and_nothing_is_run(tmp_path: Path) -> None:
     pd.testing.assert_frame_equal(context.rows_of(STUDY, STUDY), table)
     assert (tmp_path / "report" / "tables" / "few.csv").exists()
     assert len(context.waiting) == 1
-    assert context.pace("few") == 1.0
 
 
 def test_a_part_is_made_again_once_and_laid_over_it(tmp_path: Path) -> None:
     table = shipped(tmp_path / "ships").assign(seconds=0.25)
     write(table, tmp_path / "ships" / "few.parquet")
     context = Context(tmp_path / "report", False, Here(), complete=tmp_path / "ships")
-    context.rows_of(STUDY, STUDY.only(lambda key: key["n"] == 2))
+    context.rows_of(STUDY, replace(STUDY, runs=({"n": 2},)))
     for repeat in context.waiting:
         repeat()
-    assert context.agreements["few"] == Agreement("Few", 1, 3, 2, 0, "", 2.0, changed=0)
-    assert context.paced("few", table)["seconds"].tolist() == [0.5] * 6
+    said = f"{version('dincl-testbed')}, {datetime.datetime.now(datetime.UTC).date()}"
+    assert context.agreements["few"] == Agreement("Few", 1, 3, 2, 0, "", 2.0, made=said)
     context.waiting.clear()
     context.rows_of(STUDY, STUDY)
     assert context.waiting == []
@@ -67,11 +69,17 @@ def test_anew_the_complete_study_is_made_and_what_ships_is_laid_beside_it(tmp_pa
     old = shipped(tmp_path / "ships").assign(error=7.0)
     write(old, tmp_path / "ships" / "few.parquet")
     context = Context(tmp_path / "report", True, Here(), complete=tmp_path / "ships")
-    assert context.rows_of(STUDY, STUDY.some(1))["error"].tolist() == [1.0, 2.0, 2.0, 4.0, 3.0, 6.0]
+    assert context.rows_of(STUDY, replace(STUDY, runs=STUDY.runs[:1]))["error"].tolist() == [
+        1.0,
+        2.0,
+        2.0,
+        4.0,
+        3.0,
+        6.0,
+    ]
     context.waiting[0]()
     found = context.agreements["few"]
     assert (found.runs, found.of, found.rows, found.apart) == (3, 3, 6, 6)
-    assert context.paced("few", old)["seconds"].tolist() == old["seconds"].tolist()
 
 
 @pytest.mark.parametrize(
@@ -111,14 +119,7 @@ def test_rows_that_the_complete_study_lacks_are_not_counted() -> None:
     assert compare_studies(table, table.iloc[:1], STUDY).rows == 1
 
 
-def test_some_runs_are_spread_over_all() -> None:
-    many = Study("many", "Many", ("n",), tuple({"n": n} for n in range(10)), rows_of)
-    assert [key["n"] for key in many.some(3).runs] == [0, 4, 8]
-    assert len(many.some(100).runs) == 10
-    assert many.only(lambda _: False).some(3).runs == ()
-
-
 def test_of_no_runs_nothing_is_compared(tmp_path: Path) -> None:
-    nothing = STUDY.only(lambda _: False).complete(tmp_path, Here())
+    nothing = replace(STUDY, runs=()).complete(tmp_path, Here())
     found = compare_studies(nothing, pd.DataFrame(rows_of(STUDY.runs[0])), STUDY)
     assert (found.runs, found.rows, found.apart) == (0, 0, 0)

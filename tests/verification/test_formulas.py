@@ -7,7 +7,7 @@ import pytest
 from markupsafe import escape
 
 from verification.claims import Claim
-from verification.page.formulas import FORMULA, marked, plain, typeset
+from verification.site.formulas import FORMULA, marked, plain, typeset
 from verification.thesis.register import register
 from verification.thesis.text.errata import errata
 
@@ -42,7 +42,7 @@ def test_formulas_are_found_in_plain_text(text: str) -> None:
     "text",
     [
         "Seed 0. Runs needed: 1. A step of 0.05 h, that is 3 ms, i.e. nothing",
-        "emt_complete_ratios.csv, catch_up_ipopt and NOT_CONVERGED of (5.6a) and (3.10)",
+        "emt_ratios.csv, catch_up_ipopt and NOT_CONVERGED of (5.6a) and (3.10)",
         "proved by z3 5.4.1: k > 0 and t*(p + k*D) <= 2*a and x == y",
         "9.4·10⁻³ s, 40 μm, 20 % of [P] and [A], 1e-12",
         "a, A and I; as printed: nothing; Proved: so it is",

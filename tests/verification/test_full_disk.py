@@ -12,7 +12,7 @@ from tests.full_disk import full_disk
 from tissue.pictures.movie import write_images
 from tissue.pictures.sheet import Figure
 from tissue.pictures.sheet import write as write_figure
-from verification.page.sheet import sheet
+from verification.site.sheet import sheet
 
 TABLE = pd.DataFrame({"x": np.arange(100.0)})
 IMAGE = np.random.default_rng(0).integers(0, 255, (40, 40, 3), dtype=np.uint8)

@@ -9,14 +9,12 @@ import pytest
 from dincl.study import write
 from tests.executors import Here, Nowhere
 from verification.claims import Verdict
-from verification.page import parts
-from verification.page.context import Context
-from verification.page.parts import Grid, Section, Text, cell, number
-from verification.page.prose import duration
-from verification.page.report import Card, Chapter, Finding, write_report
-from verification.thesis.chapter2 import page as experiments
-from verification.thesis.chapter3.growth import GrowthForm
-from verification.thesis.chapter5.drift import DriftForm
+from verification.methods import page as experiments
+from verification.site import parts
+from verification.site.context import Context
+from verification.site.parts import Grid, Section, Text, cell, number
+from verification.site.prose import duration
+from verification.site.report import Card, Chapter, Finding, write_report
 
 
 def test_the_first_page_fills_as_chapters_become_ready(tmp_path: Path) -> None:
@@ -32,7 +30,7 @@ def test_the_first_page_fills_as_chapters_become_ready(tmp_path: Path) -> None:
         def sections(context: Context) -> list[Section]:
             return [Section("Only", [Text("said")])]
 
-        return Chapter(f"c{number}", f"Chapter {number}", f"asked {number}", run, sections, findings, number)
+        return Chapter(f"c{number}", f"Chapter {number}", f"asked {number}", run, sections, findings)
 
     last = write_report([chapter(1), chapter(2)], Context(tmp_path, False, Here())).read_text("utf-8")
     before, between = seen
@@ -52,7 +50,7 @@ def test_cards_stand_in_their_order_with_a_sentence_each(tmp_path: Path) -> None
         found = [Finding(f"found {number}", "Only", card)]
         sections = [Section("Only", [Text("said")])]
         name = f"c{number}"
-        return Chapter(name, name, "asked", lambda _: None, lambda _: sections, lambda _: found, number)
+        return Chapter(name, name, "asked", lambda _: None, lambda _: sections, lambda _: found)
 
     cards = [Card(tmp_path / "grows.webp", "last", 3), Card(tmp_path / "b.png", "second", 2)]
     cards.append(Card(tmp_path / "a.png", "first", 1))
@@ -68,18 +66,18 @@ def test_cards_stand_in_their_order_with_a_sentence_each(tmp_path: Path) -> None
 def test_a_finding_has_the_numbers_of_its_tables(tmp_path: Path) -> None:
     """Of the finest step that both methods have, and not of the last time, where catch-up has come to rest."""
     context = Context(tmp_path, False, Nowhere())
-    methods = {experiments.PBD.name: 6.0, experiments.CATCH_UP.name: 2.0}
+    methods = {experiments.PBD.label: 6.0, experiments.CATCH_UP.label: 2.0}
     rows = [
-        {"scene": experiments.CROWD, "method": method, "dt": dt, "t": t, "error": error * dt * (1 + t * (error > 5))}
+        {"problem": experiments.CROWD, "method": method, "setting": dt}
+        | {f"t = {t:g}": error * dt * (1 + t * (error > 5)) for t in (0.5, 1.0, 2.0)}
         for method, error in methods.items()
         for dt in (0.1, 0.05)
-        for t in (0.5, 1.0, 2.0)
     ]
-    finer = {"scene": experiments.CROWD, "method": experiments.PBD.name, "dt": 0.01, "t": 0.5, "error": 1.0}
-    orders = {"method": [experiments.PBD.name] * 2 + ["other"], "low": [0.9, 0.95, 0.1], "high": [1.0, 1.1, 9.0]}
-    context.tables |= {"convergence": pd.DataFrame([*rows, finer]), "orders": pd.DataFrame(orders)}
+    rows.append({"problem": experiments.CROWD, "method": experiments.PBD.label, "setting": 0.01, "t = 0.5": 1.0})
+    fits = {"method": [experiments.PBD.label] * 2 + ["other"], "low": [0.9, 0.95, 0.1], "high": [1.0, 1.1, 9.0]}
+    context.tables |= {"orders": pd.DataFrame(rows), "order_fits": pd.DataFrame(fits).assign(error="t = 1")}
     (found,) = experiments.findings(context)
-    assert "[0.9, 1.1] over the intervals" in found.html
+    assert "[0.9, 1.1] over the ranges" in found.html
     assert "4.5 to 6 times the error of catch-up" in found.html
 
 
@@ -88,12 +86,6 @@ def test_what_is_empty_is_not_printed() -> None:
     grid = Grid(rows, "", "few")
     assert list(grid.shown) == ["a", "text"]
     assert [[text for text, _ in row] for row in grid.cells] == [["1", "x"]]
-
-
-def test_form_is_the_one_given_for_its_class_or_else_the_usual_one(tmp_path: Path) -> None:
-    usual, other = GrowthForm(3, 0.1), GrowthForm(4, 0.1)
-    assert Context(tmp_path, False, Nowhere(), [DriftForm(1.0)]).form(usual) is usual
-    assert Context(tmp_path, False, Nowhere(), [DriftForm(1.0), other]).form(usual) is other
 
 
 def test_kept_table_is_written(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from PIL import Image
 
-from verification.page.context import Context
+from verification.site.context import Context
 
 
 def draw_nothing(patch: pytest.MonkeyPatch) -> None:

@@ -2,8 +2,6 @@
 
 from dincl.extras import command
 
-MAKES_NO_NUMBERS = True
-
 __all__ = ["main"]
 
 

@@ -18,7 +18,7 @@ from dincl.study import progress
 from tissue.cli.messages import RUN_FAILED, messages
 from tissue.cli.parameters import list_parameters
 from tissue.cli.simplify import simplify
-from tissue.cli.studies import figures, idle_events, page, study, summarise
+from tissue.cli.studies import idle_events, page, study, summarise
 from tissue.files.parameter_files import BASES, PRESETS
 
 if TYPE_CHECKING:
@@ -26,17 +26,16 @@ if TYPE_CHECKING:
     from tissue.frames.frame import Frame
     from tissue.runs.run import Run
 
-MAKES_NO_NUMBERS = True
 
 # The page shows tissues and inclusions, so it stands above this package, which knows nothing of it but this name.
 PAGE = "verification.explore.command:explore"
+WRITTEN = ("table.parquet", "summary.csv", "parameters.toml", "picture.png", "final.npz")
 HELP = {"help_option_names": ["-h", "--help"]}
 app = typer.Typer(
     help="Grow a tissue, and look at it.", no_args_is_help=True, rich_markup_mode="markdown", context_settings=HELP
 )
 app.command()(resolve_name(PAGE))
 app.command()(study)
-app.command()(figures)
 app.command()(page)
 app.command()(simplify)
 app.command("parameters")(list_parameters)
@@ -49,7 +48,10 @@ Seed = Annotated[int, typer.Option(min=0, help="The run is a function of the par
 def run(
     file: File,
     seed: Seed = 0,
-    out: Annotated[Path | None, typer.Option(help="Folder to write to.", show_default="results/FILE_seedSEED")] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(help="Folder to write to: new, or of the same run.", show_default="results/FILE_seedSEED"),
+    ] = None,
     start: Annotated[
         Path | None, typer.Option(help="The final.npz of a run to go on from.", show_default="t = 0")
     ] = None,
@@ -60,15 +62,24 @@ def run(
     The first run on a machine takes longer: the kernels are compiled.
     """
     from tissue.frames.frame import Frame
+    from tissue.frames.observables import measurable
+    from tissue.pictures.picture import drawing
+    from tissue.pictures.sheet import write
 
     with messages():
         parameters = _parameters(file)
         folder = out or Path("results") / f"{Path(file).stem}_seed{seed}"
         first = Frame.load(start) if start else None
         after = f" --start {str(start)!r}" if start else ""
-        _write_parameters(parameters, f"{file!r} --seed {seed}{after}", file, folder)
+        _write_parameters(parameters, file, f"--seed {seed}{after}", folder)
         grown = _simulated(parameters, seed, first)
-        _write_results(grown, folder)
+        with replacing(folder / "table.parquet") as partial:
+            grown.table().to_parquet(partial, index=False)
+        with replacing(folder / "summary.csv") as partial:
+            grown.summary().to_csv(partial, index=False)
+        write(drawing(measurable(grown.frames)[-1:], parameters), folder / "picture.png")
+        if grown.status:  # from the state that failed no run goes on
+            grown.final.save(folder / "final.npz")
     print(f"{folder}: table.parquet, summary.csv, parameters.toml, picture.png{', final.npz' if grown.status else ''}")
     _stop_if_failed(grown)
 
@@ -82,35 +93,34 @@ def movie(
         str | None,
         typer.Option(metavar="TIME", help='Time between two pictures, such as "0.5 h".', show_default="as in FILE"),
     ] = None,
-    flat: Annotated[bool, typer.Option("--section", help="In three dimensions: the section alone.")] = False,
+    flat: Annotated[bool, typer.Option("--section", help="In three dimensions: a section in place of a view.")] = False,
 ) -> None:
-    """Simulate, and write an animation of the saved states; in three dimensions of nuclei, apical surface and section.
+    """Simulate, and write an animation of the saved states; in three dimensions of nuclei below the apical surface.
 
-    The surface needs the extra "views"; without it the movie shows the section.
+    The view needs the extra "views"; without it the movie shows a section.
     """
     from tissue.frames.observables import measurable
     from tissue.pictures import movie as film
-    from tissue.pictures.scene import load_library
-    from tissue.pictures.view import view
+    from tissue.pictures import space
 
     with messages():
         film.ending(out)
         parameters = _parameters(file)
         if keep is not None:
             parameters = parameters.changed({"numerics.keep": keep})
-        flat = flat or not parameters.in_space
-        try:
-            if not flat:
-                load_library()
-        except InvalidProblem as missing:
-            warn(f"{missing}; the movie shows the section", stacklevel=1)
-            flat = True
+        draw = film.movie if flat or not parameters.in_space else space.view
+        if draw is space.view:
+            try:
+                space.load_library()
+            except InvalidProblem as missing:
+                warn(f"{missing}; the movie shows a section", stacklevel=1)
+                draw = film.movie
         out.parent.mkdir(parents=True, exist_ok=True)
         check_writable(out)
         grown = _simulated(parameters, seed)
         frames = measurable(grown.frames)
         with progress("drawing", len(frames), "pictures") as watch:
-            (film.movie if flat else view)(frames, parameters, out, watch)
+            draw(frames, parameters, out, watch)
     print(f"{out}: {len(frames)} pictures, {out.stat().st_size / 1e6:.1f} MB")
     _stop_if_failed(grown)
 
@@ -125,51 +135,37 @@ def _parameters(file: str) -> Parameters:
     return load(file)
 
 
-def _write_parameters(parameters: Parameters, words: str, file: str, folder: Path) -> None:
-    """Write the complete parameters, and what else it takes to repeat the run."""
+def _write_parameters(parameters: Parameters, file: str, given: str, folder: Path) -> None:
+    """Write the complete parameters, and what else it takes to repeat the run; refuse the folder of another run.
+
+    ``given``: the options on which the run depends.
+    """
     folder.mkdir(parents=True, exist_ok=True)
-    path = folder / "parameters.toml"
-    if path.exists() and Path(file).exists() and path.samefile(file):
-        raise InvalidProblem(f"{folder}: must be another folder: {path} is read, and would be overwritten")
+    path, text = folder / "parameters.toml", parameters.as_toml()
+    if names := sorted(set(WRITTEN) & {one.name for one in folder.iterdir()}):
+        before = path.read_text("utf-8", "replace") if path.is_file() else ""
+        if f" {given}\n" not in before.partition("# Made by")[0] or not before.endswith(f"\n\n{text}"):
+            allowed = "must be new, or the folder of the same run"
+            raise InvalidProblem(f"{folder}: {allowed}; it holds {', '.join(names)} of another one")
     made_by = ", ".join(f"{name} {version(name)}" for name in ("dincl-testbed", "numpy", "numba"))
-    write_text(
-        path,
-        f"# All parameters of: tissue run {words}\n"
-        f"# Made by {made_by}, Python {platform.python_version()} on {platform.machine()}\n\n{parameters.as_toml()}",
-    )
+    made_on = f"# Made by {made_by}, Python {platform.python_version()} on {platform.machine()}"
+    write_text(path, f"# All parameters of: tissue run {file!r} {given}\n{made_on}\n\n{text}")
 
 
 def _simulated(parameters: Parameters, seed: int, first: Frame | None = None) -> Run:
-    from tissue.files.unread import idle_keys
     from tissue.runs.simulate import simulate
 
-    for line in [*(idle_events(parameters) if first is None else ()), *idle_keys(parameters)]:
+    for line in idle_events(parameters) if first is None else ():
         warn(line, stacklevel=1)
     if first is not None and abs(parameters.t_end - first.t) < parameters.numerics.dt.value / 2:
-        warn(
-            f"nothing to grow: the start is at t = {first.t:g} h, and numerics.t_end = {parameters.t_end:g} h",
-            stacklevel=1,
-        )
+        end = f"the start is at t = {first.t:g} h, and numerics.t_end = {parameters.t_end:g} h"
+        warn(f"nothing to grow: {end}", stacklevel=1)
     began = time.monotonic()
     with progress("growing", parameters.t_end, "h") as watch:
         grown = simulate(parameters, seed, start=first, throw=False, watch=watch)
-    seconds = time.monotonic() - began
     counts = f"{len(grown.frames[0].cells.x)} cells became {len(grown.final.cells.x)}"
-    print(f"{grown.final.t:g} h in {seconds:.2f} s, {counts}")
+    print(f"{grown.final.t:g} h in {time.monotonic() - began:.2f} s, {counts}")
     return grown
-
-
-def _write_results(grown: Run, folder: Path) -> None:
-    from tissue.frames.observables import measurable
-    from tissue.pictures.picture import picture
-
-    with replacing(folder / "table.parquet") as partial:
-        grown.table().to_parquet(partial, index=False)
-    with replacing(folder / "summary.csv") as partial:
-        grown.summary().to_csv(partial, index=False)
-    picture(measurable(grown.frames)[-1:], grown.parameters, folder / "picture.png")
-    if grown.status:  # from the state that failed no run goes on
-        grown.final.save(folder / "final.npz")
 
 
 def _stop_if_failed(grown: Run) -> None:

@@ -12,20 +12,18 @@ import typer
 from dincl.errors import InvalidProblem
 from dincl.study import StudyStopped
 
-MAKES_NO_NUMBERS = True
-
 # Exit codes: a run that failed; bad input; a study that stopped early, and one that was interrupted from the keyboard.
 RUN_FAILED, BAD_INPUT, STOPPED, INTERRUPTED = 1, 2, 3, 130
 # Of a list that goes to a file: no value is broken.
-WIDE = 200
+WIDE = 320
 GOES_ON = "what was computed is kept, and the same command goes on from there"
 
 
 @contextmanager
-def messages() -> Iterator[None]:
+def messages(*, resumes: bool = False) -> Iterator[None]:
     """End the command with one message for bad input, files that cannot be written, and what stops a study.
 
-    Warnings are a line each.
+    Warnings are a line each. ``resumes``: whether the same command goes on after Ctrl-C.
     """
     try:
         with warnings.catch_warnings():
@@ -34,6 +32,10 @@ def messages() -> Iterator[None]:
     except (InvalidProblem, OSError) as error:
         what = "--out cannot be written to: " if isinstance(error, OSError) else ""
         raise _end(f"Error: {what}{error}", BAD_INPUT) from error
+    except KeyboardInterrupt:
+        if not resumes:
+            raise
+        raise _end(f"Interrupted: {GOES_ON}", INTERRUPTED) from None
     except StudyStopped as error:
         raise _end(f"Stopped: {error}; {GOES_ON}", STOPPED) from error
 

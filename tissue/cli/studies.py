@@ -1,18 +1,16 @@
-"""The commands ``tissue study``, ``tissue summary``, ``tissue page`` and ``tissue figures``."""
+"""The commands ``tissue study``, ``tissue summary`` and ``tissue page``."""
 
 from __future__ import annotations
 
 import time
-from contextlib import nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
 from dincl.errors import InvalidProblem
 from dincl.study import progress
-from tissue.cli.forecast import forecast_text
-from tissue.cli.messages import GOES_ON, INTERRUPTED, messages, table
+from tissue.cli.messages import messages, table
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -22,31 +20,35 @@ if TYPE_CHECKING:
     from tissue.files.parameters import Parameters
     from tissue.study.read import Results
 
-MAKES_NO_NUMBERS = True
 
 SHIPPED = ", ".join(sorted(file.stem for file in (Path(__file__).parents[1] / "studies").glob("*.toml")))
+# Of layers that bend.
+STEEP = """Inside an arc the apical layer is steep near the ends, and y_AB = h(X) / h(A) takes the nearest point A:
+cells that the layer covers count as apical there. docs/howto/explore.md has the numbers.
+"""
 File = Annotated[
     str, typer.Argument(metavar="FILE", help=f"A study file, or one that comes with the program: {SHIPPED}.")
 ]
 Out = Annotated[Path | None, typer.Option(help="Folder of the results: new, empty, or of this study to go on with it.")]
-Forecast = Annotated[bool, typer.Option("--plan", help="Make no runs; say what the study can decide and its time.")]
-Scheduler = Annotated[str | None, typer.Option(metavar="ADDRESS", help="Of a Dask cluster, such as tcp://host:8786.")]
+Forecast = Annotated[bool, typer.Option("--plan", help="Make no runs; say what the study can decide.")]
 
 
-def study(file: File, out: Out = None, scheduler: Scheduler = None, forecast: Forecast = False) -> None:
-    """Make all runs of a study that are not in its folder yet, on this machine's cores or a Dask cluster.
+def study(file: File, out: Out = None, forecast: Forecast = False) -> None:
+    """Make all runs of a study that are not in its folder yet, on this machine's cores.
 
-    A study file has title, base, replicates and seed, then scenarios or factors, and on request overrides,
-    trajectories, compare and simplify; the tutorial "An EMT study" shows each. The keys of overrides and scenarios are
+    A study file has title, base, replicates and seed, then scenarios or factors, and on request overrides, paired,
+    trajectories and compare; the tutorial "An EMT study" shows each. The keys of overrides and scenarios are
     those that "tissue parameters" lists. After any interruption the same command goes on.
 
     Exit codes: 0 all runs are stored, failed ones with their status; 2 bad input; 3 the study could not go on, as on a
     full disk; 130 Ctrl-C.
     """
+    from tissue.cli.forecast import forecast_text
+    from tissue.study.answers import folded_remarks
     from tissue.study.plan import in_scenarios, load_study
-    from tissue.study.run import carry_out, cluster
+    from tissue.study.run import run_study
 
-    with messages():
+    with messages(resumes=True):
         plan = load_study(file)
         idle = in_scenarios({name: idle_events(one) for name, one in plan.scenarios.items()})
         for remark in [*plan.remarks, *idle]:
@@ -58,28 +60,23 @@ def study(file: File, out: Out = None, scheduler: Scheduler = None, forecast: Fo
             raise InvalidProblem("--out is missing: must be the folder of the results, or --plan")
         start = time.monotonic()
         stored: list[int] = []
-        try:
-            with (
-                cluster(scheduler) if scheduler is not None else nullcontext() as executor,
-                progress(plan.title, plan.runs, "runs") as watch,
-            ):
+        with progress(plan.title, plan.runs, "runs") as watch:
 
-                def told(runs: int) -> None:
-                    stored.append(runs)
-                    watch(runs)
+            def told(runs: int) -> None:
+                stored.append(runs)
+                watch(runs)
 
-                results = carry_out(plan, out, executor, told)
-        except KeyboardInterrupt:
-            typer.echo(f"Interrupted: {GOES_ON}", err=True)
-            raise typer.Exit(INTERRUPTED) from None
-    print(_summary(results, stored[-1] - stored[0], time.monotonic() - start))
+            results = run_study(plan, out, watch=told)
+        for remark in folded_remarks(results):
+            print(f"Folded: {remark}.")
+        print(_summary(results, stored[-1] - stored[0], time.monotonic() - start))
 
 
 def idle_events(parameters: Parameters) -> list[str]:
     """Return a sentence for each event of a group without cells: a file that sets emt.a alone has no EMT cell."""
     from tissue.events.known import events
 
-    empty = {one.section: one.scenario.times for one in parameters.groups() if not one.scenario.cells}
+    empty = {one.section: one.times for one in parameters.groups() if not one.cells}
     return [
         f"[{event.mark}] has no cells: {section}.cells = 0"
         for section, times in empty.items()
@@ -99,6 +96,10 @@ Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Results of a study,
 Trust = Annotated[
     bool, typer.Option("--trust", help="Run the files of Python that the study names: they may do all that you may.")
 ]
+Figures = Annotated[
+    Literal["png", "svg", "pdf"] | None,
+    typer.Option(help="Also write each figure as a file of this kind into the folder figures of each."),
+]
 
 
 def summarise(
@@ -106,66 +107,64 @@ def summarise(
     csv: Annotated[bool, typer.Option("--csv", help="Also write the tables into the folder csv of each.")] = False,
     trust: Trust = False,
 ) -> None:
-    """Say what studies found: answers to their comparisons, ratios of EMT cells with 95 % intervals, control cells."""
-    from tissue.study.export import write_csv
-    from tissue.study.figures.catalogue import found
-
+    """Say what studies found: answers to their comparisons, shares of EMT cells and control cells with intervals."""
     with messages():
-        studies = found(folder, trust=trust)
-        texts = [_said(results) for results in studies.values()]
-        files = [str(file) for results in studies.values() for file in write_csv(results)] if csv else []
+        studies = _found(folder, trust)
+        texts = [_said(results) for results in studies]
+        files = [str(file) for results in studies for file in _write_csv(results)] if csv else []
     print("\n".join([*texts, *files]))
 
 
-def page(folder: Folder, trust: Trust = False) -> None:
+def page(folder: Folder, figures: Figures = None, trust: Trust = False) -> None:
     """Write one HTML page of each study, page.html in its folder, that opens offline and can be sent to others.
 
-    Answers come first, each with a picture and a small movie of a run of each group; then tables, parameters, origin.
+    Answers come first, each with a picture and a small movie of a run of each group; then tables, figures, examples of
+    stored runs, parameters, origin.
     """
-    from tissue.study.figures.catalogue import found
-    from tissue.study.figures.page import write_page
+    from tissue.report.page import write_figures, write_page
 
     with messages():
-        for results in found(folder, trust=trust).values():
+        for results in _found(folder, trust):
             path = write_page(results)
             print(f"{path}: {path.stat().st_size / 1e6:.1f} MB", flush=True)
+            for file in write_figures(results, figures) if figures is not None else ():
+                print(file, flush=True)
+
+
+def _found(folder: Path, trust: bool) -> list[Results]:
+    """Open the results in a folder, or in its folders."""
+    from tissue.study.read import Results
+    from tissue.study.store import about
+
+    inside = sorted(path for path in folder.glob("*") if path.is_dir())
+    folders = [path for path in ([folder] if about(folder) is not None else inside) if about(path) is not None]
+    if not folders:
+        raise InvalidProblem(f"{folder}: must be the results of a study, or a folder with such folders in it")
+    return [Results(path, trust=trust) for path in folders]
 
 
 def _said(results: Results) -> str:
     """Return all of one study."""
-    from tissue.study import answers, comparing
-    from tissue.study.figures.page import NOT_SET
+    from tissue.study import answers
 
     study, stored = results.study, results.summary()
     plan = f"{study.replicates} runs of each of {len(study.scenarios)} scenarios, seed {study.seed}"
     there = "" if results.complete else f", {stored['runs'].sum()} of them are stored"
-    said = [f"{study.title} ({results.folder})\n{plan}{there}; {stored['failed'].sum()} failed\n"]
-    changes, ratios = answers.scenario_changes(results), answers.scenario_ratios(results)
-    shown = changes.replace("nan", NOT_SET)
+    if without := ", ".join(stored.loc[stored["runs"] == 0, "scenario"]):
+        there += f", none yet of {without}"
+    remarks = "".join(f"Folded: {remark}.\n" for remark in answers.folded_remarks(results))
+    said = [f"{study.title} ({results.folder})\n{remarks}{plan}{there}; {stored['failed'].sum()} failed\n"]
+    shown = answers.scenario_changes(results).replace("nan", "not set")
     said.append(table("Scenarios", shown.columns, shown.itertuples(index=False)))
     said.append(table("Failed runs", ("scenario", "status", "runs"), failures(results, stored)))
-    if ratios.empty:
-        none = "No run that did not fail." if 0 < stored["runs"].sum() == stored["failed"].sum() else "No EMT cells."
-        return "\n".join([*filter(None, said), f"{none}\n"])
-    if (compare := comparing.plan_of(results)) is not None:
-        found, reason = comparing.answers_or_reason(results)
-        rows = (_answered(row) for row in found.to_dict("records"))
-        heads = ("question", "outcome", "effect [95 %]", "p", "answer", "runs needed")
-        title = f"Answers: {comparing.correction_text(results, compare)}"
-        said.append(f"{reason}\n" if reason else table(title, heads, rows))
-    else:
-        against = (_compared(row) for row in answers.scenario_differences(ratios, study.replicates).to_dict("records"))
-        heads = ("outcome", "first - second", "points [95 %]", "p", "differ", "runs needed")
-        said.append(table("Scenarios against each other; p of all these comparisons together (Holm)", heads, against))
-    sound = {
-        row.scenario: f"; of the runs that did not fail: {row.runs - row.failed} of {row.runs}"
-        for row in stored[stored["failed"] > 0].itertuples()
-    }
-    ends = (_found(row, sound.get(row["scenario"], "")) for row in ratios.to_dict("records"))
-    said.append(table(f"{_emt_cells(results)} at the end", ("scenario", "outcome", "ratio [95 %]", "cells"), ends))
-    shares = (_share(row) for row in answers.control_shares(results).to_dict("records"))
-    sides = ("scenario", "side", "part [95 %]", "runs")
-    said.append(table("Control cells outside of the tissue at the end", sides, shares))
+    if (compare := answers.plan_of(results)) is not None:
+        found = answers.answers_shown(results)
+        said.append(table(f"Answers: {answers.how_text(results, compare)}", found.columns, found.to_numpy()))
+    ends = answers.shares_shown(results)
+    title = f"{_emt_cells(results)} and control cells at the end, mean over runs of the share of a run"
+    said.append(table(title, ends.columns, ends.to_numpy()))
+    if ends.empty:
+        said.append("No run that did not fail.\n" if stored["runs"].any() else "No run yet.\n")
     if any(results.parameters(name).layer.shape != "line" for name in study.scenarios):
         said.append(STEEP)
     return "\n".join(filter(None, said))
@@ -178,60 +177,34 @@ def failures(results: Results, stored: pd.DataFrame) -> Iterator[tuple[str, str,
         yield from ((scenario, status, str(runs)) for status, runs in counts.items() if runs and status != "SUCCESS")
 
 
-# Of layers that bend.
-STEEP = """Inside an arc the apical layer is steep near the ends, and y_AB = h(X) / h(A) takes the nearest point A:
-cells that the layer covers count as apical there. docs/howto/explore.md has the numbers.
-"""
-
-
-def _answered(row: dict[str, Any]) -> tuple[str, ...]:
-    import pandas as pd
-
-    from tissue.study.comparing import effect_text
-
-    p = "" if pd.isna(row["p"]) else f"{row['p']:.2g}"
-    needed = "" if pd.isna(row["needed"]) else str(row["needed"])
-    return row["question"], row["outcome"], effect_text(row), p, row["answer"], needed
-
-
 def _emt_cells(results: Results) -> str:
     """Name the EMT cells, with the types that are pooled."""
     groups = (one for name in results.study.scenarios for one in results.parameters(name).groups())
-    names = dict.fromkeys(one.name for one in groups if one.may_leave and one.scenario.cells)
+    names = dict.fromkeys(one.name for one in groups if one.may_leave and one.cells)
     return "EMT cells" if [*names] == ["emt"] else f"EMT cells ({', '.join(names)})"
 
 
-def _found(row: dict[str, Any], sound: str) -> tuple[str, ...]:
-    part = _part(row["value"], row["low"], row["high"])
-    return row["scenario"], row["outcome"], part, f"{row['count']} of {row['of']}{sound}"
+def _write_csv(results: Results) -> Iterator[Path]:
+    """Write answers, means of scenarios, parameters that differ, runs and EMT cells into the folder csv of a study.
 
-
-def _share(row: dict[str, Any]) -> tuple[str, ...]:
-    return row["scenario"], row["side"], _part(row["mean"], row["low"], row["high"]), str(row["runs"])
-
-
-def _compared(row: dict[str, Any]) -> tuple[str, ...]:
+    A missing value is empty, a time that is never reached is inf. Tables without rows are left out.
+    """
     import pandas as pd
 
-    points = f"{100 * row['difference']:+.1f} [{100 * row['low']:+.1f}, {100 * row['high']:+.1f}]"
-    needed = "" if pd.isna(row["needed"]) else str(row["needed"])
-    names = f"{row['first']} - {row['second']}"
-    return row["outcome"], names, points, f"{row['p']:.2g}", "yes" if row["differ"] else "not shown", needed
+    from dincl.study.table import write_csv
+    from tissue.study.answers import answer_table, scenario_changes, scenario_means
 
-
-def _part(value: float, low: float, high: float) -> str:
-    return f"{100 * value:.1f} % [{100 * low:.1f}, {100 * high:.1f}]"
-
-
-def figures(folder: Folder, trust: Trust = False) -> None:
-    """Draw studies, each into the folder figures in its own: answers, positions, ratios in time, at the end, examples.
-
-    Of studies that come with the program also the counterparts of Figures 10 to 22 of chapter 4, into DIR/figures, both
-    presets beside each other. A line for each file says what it shows, or why it cannot be drawn.
-    """
-    from tissue.study.figures.catalogue import draw_all
-
-    with messages():
-        for one in draw_all(folder, trust=trust):
-            files = f"{one.files[0]} and {one.files[1].suffix}:" if one.files else one.name
-            print(f"{files} {one.message}", flush=True)
+    stored = list(results.summary().query("runs > 0")["scenario"])
+    runs = [results.runs(name).assign(scenario=name) for name in stored]
+    tables = {
+        "answers": answer_table(results),
+        "means": scenario_means(results),
+        "parameters": scenario_changes(results).replace("nan", ""),
+        "runs": pd.concat(runs, ignore_index=True) if runs else pd.DataFrame(),
+        "cells": results.to_frame() if stored else pd.DataFrame(),
+    }
+    for name, rows in tables.items():
+        if len(rows):
+            path = results.folder / "csv" / f"{name}.csv"
+            write_csv(rows, path)
+            yield path

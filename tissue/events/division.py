@@ -19,7 +19,7 @@ def place(state: TissueState, i: int, numbers: Numbers) -> None:
     if curve.bent:
         _, _, along_x, along_y = evaluate(curve, cells.along[i])
     for k in range(2):
-        step = numbers.division_offset if k == 1 else -numbers.division_offset
+        step = numbers.offset if k == 1 else -numbers.offset
         for x, y in ((cells.x, cells.y), (cells.ax, cells.ay), (cells.bx, cells.by)):
             x[i + k] += step * along_x
             if curve.bent:

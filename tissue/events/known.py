@@ -3,32 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import cache
-from importlib import import_module
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from tissue.events import apical, basal, constriction, protrusion, straightness
 from tissue.plugins import EmtEvent, registered, registry
 from tissue.state.cells import Floats
 
-# The events of chapter 4, which tables of studies always have.
-OF_THESIS = ("a", "b", "s", "p")
-# Three orders that have nothing to do with each other, so that a new or a moved event changes no number of others:
-# the bits of the built-in events (``events``), the order in which events act that begin at once (``acting``), and the
-# columns of the random numbers that are drawn together (``tissue.files.scenario.drawn``). Other built-in events follow
-# by name; the random numbers of all others are a function of the seed and of their name.
-BITS = ACT_FIRST = DRAWN_TOGETHER = OF_THESIS
-
-
-@cache
-def built_in() -> tuple[EmtEvent, ...]:
-    """Return the events of this folder, in the order of their bits."""
-    files = sorted(path.stem for path in Path(__file__).parent.glob("*.py"))
-    modules = (import_module(f"tissue.events.{stem}") for stem in files if stem not in ("__init__", "known"))
-    found = {module.EVENT.name: module.EVENT for module in modules if hasattr(module, "EVENT")}
-    return tuple(found[name] for name in (*BITS, *sorted(found.keys() - set(BITS))))
+# The events of this folder in the one order that there is: of bits, of acting, of columns. A new one goes to the end.
+BUILT_IN = (apical.EVENT, basal.EVENT, straightness.EVENT, protrusion.EVENT, constriction.EVENT)
+# The events of chapter 4, which tables of studies always have, and whose random numbers are drawn together.
+OF_THESIS = tuple(event.name for event in BUILT_IN[:4])
 
 
 def events() -> tuple[EmtEvent, ...]:
@@ -36,14 +22,12 @@ def events() -> tuple[EmtEvent, ...]:
 
     Events of users have theirs by when they were registered, so that a bit means the same as long as a process lives.
     """
-    return (*built_in(), *registry(EmtEvent).values())
+    return (*BUILT_IN, *registry(EmtEvent).values())
 
 
 def acting() -> list[int]:
     """Return the rows of the events in the order in which they act and are written: built-in ones, others by name."""
-    names = [event.name for event in built_in()]
-    first = (*ACT_FIRST, *sorted({*names} - {*ACT_FIRST}))
-    return [row(name) for name in (*first, *(event.name for event in registered(EmtEvent)))]
+    return [row(event.name) for event in (*BUILT_IN, *registered(EmtEvent))]
 
 
 def row(name: str) -> int:
@@ -61,7 +45,7 @@ def mark_of(name: str) -> str:
     return next((event.mark for event in events() if event.name == name), name.capitalize())
 
 
-class EventNames(Sequence[str]):
+class NamesOfEvents(Sequence[str]):
     """The events that have begun, by ``Cells.events``: "" for none, "A", "B", "AB", ..., "ABSP", "AC", ..."""
 
     def __len__(self) -> int:
@@ -73,7 +57,7 @@ class EventNames(Sequence[str]):
         return "".join(events()[k].mark for k in acting() if begun >> k & 1)
 
 
-EVENTS = EventNames()
+EVENTS = NamesOfEvents()
 
 
 def settled(times: Mapping[str, Floats]) -> Floats:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from importlib.util import find_spec, module_from_spec, spec_from_file_location
 from pathlib import Path
 from typing import Any
@@ -24,12 +23,6 @@ def read_modules(raw: Any) -> tuple[str, ...]:
     return tuple(map(str, files))
 
 
-def bring(modules: Any) -> None:
-    """Import modules, so that their names are known; errors are raised where their key is checked."""
-    with suppress(ValueError):
-        read_modules(modules or [])
-
-
 def not_imported(values: Mapping[str, Any]) -> list[str]:
     """Return the files of Python that values by their keys name, and that ``Parameters.changed`` of these would run."""
     files = values.get("own.modules")
@@ -40,9 +33,12 @@ def not_imported(values: Mapping[str, Any]) -> list[str]:
 def placed(tables: Mapping[str, Any], folder: Path, before: Sequence[str] = ()) -> dict[str, Any]:
     """Return the tables of a file, its ``own.modules`` relative to its folder and behind those of its base."""
     own = tables.get("own")
-    if not isinstance(own, Mapping) or not isinstance(own.get("modules"), (list, tuple)):
+    if not isinstance(own, Mapping):
         return dict(tables)
-    files = [str((folder / file).resolve()) if isinstance(file, str) else file for file in own["modules"]]
+    given = own.get("modules")
+    if not isinstance(given, (list, tuple)) or not all(isinstance(file, str) for file in given):
+        return dict(tables)  # refused where they are imported
+    files = [str((folder / file).resolve()) for file in given]
     return {**tables, "own": {**own, "modules": list(dict.fromkeys([*before, *files]))}}
 
 

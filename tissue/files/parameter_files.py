@@ -9,10 +9,11 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
+from dincl.checks import describe
 from dincl.errors import InvalidProblem
 
 FOLDER = Path(__file__).parent / "presets"
-PRESETS = ("thesis", "corrected", "published", "chick", "gastrulation", "cuboidal")
+PRESETS = ("thesis", "corrected", "published", "chick", "gastrulation", "cuboidal", "sheet")
 BASES = ", ".join(f'"{name}"' for name in PRESETS[:-1]) + f' or "{PRESETS[-1]}"'
 # What stands for the name of a type of cells in the names of its keys.
 TYPE = "NAME"
@@ -56,14 +57,18 @@ def flat(tables: Mapping[str, Any], section: str = "") -> dict[str, Any]:
 
 
 def nested(values: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the tables of a file that have these values by their keys."""
+    """Return the tables of a file that have these values by their keys; raises InvalidProblem for what is no key."""
     tables: dict[str, Any] = {}
     for key, value in values.items():
-        *sections, name = key.split(".")
+        *sections, name = key.split(".") if isinstance(key, str) else [key]
         table = tables
         for section in sections:
             table = table.setdefault(section, {})
-        table[name] = value
+            if not isinstance(table, dict):
+                raise InvalidProblem(f"{key} = {describe(value)}: must not be given beside a value of {section}")
+        if not isinstance(key, str) or name in table:
+            raise InvalidProblem(f"{describe(key)} = {describe(value)}: must have a key such as numerics.mu, once")
+        table[name] = dict(value) if isinstance(value, Mapping) else value
     return tables
 
 

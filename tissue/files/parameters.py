@@ -2,50 +2,44 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+import math
+from collections.abc import Mapping
 from functools import cache
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict, ValidationError, model_serializer, model_validator
+from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
 
 from dincl.checks import describe
 from dincl.checks import path as checked_path
 from dincl.errors import InvalidProblem
 from tissue.events.division import division_rules
-from tissue.events.known import events
-from tissue.files.cell_types import UNNAMED, TypesSection
-from tissue.files.combinations import broken
-from tissue.files.emt_sections import EmtSection, EventsSection
-from tissue.files.forces import ForcesSection
-from tissue.files.keys import all_keys, optional_sections
-from tissue.files.layer import curve_of
-from tissue.files.messages import known_keys, known_only, problems, refuse, unknown
-from tissue.files.own_modules import bring, imported, placed
-from tissue.files.parameter_files import BASES, FOLDER, PRESETS, general, merged, nested, read, written
-from tissue.files.plain_numbers import to_exchange, to_lattice, to_numbers, to_start_numbers
-from tissue.files.scenario import CellGroup, Scenario
-from tissue.files.sections import (
-    CellSection,
-    DahaSection,
-    DivisionSection,
-    LayerSection,
-    NumericsSection,
-    OwnSection,
-    RulesSection,
-    SpaceSection,
-    StartSection,
-    TissueSection,
-)
-from tissue.files.space_rules import becomes_space, fewest_cells
-from tissue.files.timing import Timing
-from tissue.files.type_rules import broken_types, wrong_names
-from tissue.model.lattice import Lattice
+from tissue.files import sections
+from tissue.files.groups import CellGroup
+from tissue.files.keys import all_keys, problems, refuse
+from tissue.files.own_modules import imported, placed
+from tissue.files.parameter_files import BASES, FOLDER, PRESETS, merged, nested, read, written
+from tissue.files.quantities import Quantity
+from tissue.files.together import check
+from tissue.kernels.workspace import SOFT
+from tissue.network.lattice import Lattice, ball_lattice, flat_lattice, round_lattice, rows_of
 from tissue.plugins import DivisionRule
 from tissue.state.basal_curve import LINE, BasalCurve
 from tissue.state.numbers import Daha, Numbers, StartNumbers
-from tissue.state.space import SPATIAL, Exchange
+from tissue.state.space import MEAN, PRESENT, SPATIAL
+
+# The choices that are yes or no for kernels: the key, and its value that is yes.
+CHOICES = {
+    "noise_in_substeps": ("noise", "substep"),
+    "enlarge_in_g2": ("enlarge_from", "G2"),
+    "bridge_present": ("bridge", "distance"),
+    "spring_gives": ("spring_above", "gives way"),
+    "forced_below": ("at_depth", "forces"),
+}
+# At the boundary of an open sheet neighbours are apart by the range of nuclei at most, or by twice the largest distance
+# of basal points. With 2/3 R_soft the edge of a sheet frays into fingers: its junctions grow longer than that.
+LEAST_EDGE, EDGE = SOFT, 2.0
 
 
 class Parameters(BaseModel):
@@ -57,45 +51,28 @@ class Parameters(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    own: OwnSection = OwnSection()  # the first one: it brings what the others may name
-    tissue: TissueSection
-    cell: CellSection
-    numerics: NumericsSection
-    rules: RulesSection
-    division: DivisionSection
-    start: StartSection
-    emt: EmtSection
-    events: EventsSection
-    forces: ForcesSection
-    daha: DahaSection
-    layer: LayerSection
-    space: SpaceSection
-    types: TypesSection
-
-    @model_validator(mode="before")
-    @classmethod
-    def _with_defaults(cls, tables: Any) -> Any:
-        """Add the sections that are left out as a whole, if all of their keys have a default."""
-        return {**optional_sections(cls), **tables} if isinstance(tables, Mapping) else tables
+    own: sections.Own = sections.Own()  # the first one: it brings what the others may name
+    tissue: sections.Tissue
+    cell: sections.Cell
+    numerics: sections.Numerics
+    rules: sections.Rules
+    division: sections.Division
+    start: sections.Start
+    emt: sections.EmtGroup
+    events: sections.Events
+    forces: sections.Forces = sections.Forces.model_validate({})
+    daha: sections.Daha
+    layer: sections.Layer = sections.Layer()
+    space: sections.Space = sections.Space()
+    types: sections.Types = sections.Types.model_validate({})
 
     @model_validator(mode="after")
     def _together(self) -> Parameters:
-        values: dict[str, Any] = {f"emt.{event.name}": Timing() for event in events()}
-        values |= {f"{section}.{name}": value for section, fields in self for name, value in fields}
-        if lines := [*broken(values), *broken_types(values)]:
-            raise ValueError("; ".join(lines))
+        check(self)
         return self
-
-    @model_serializer(mode="wrap")
-    def _as_file(self, write: Any) -> dict[str, Any]:
-        """Write the sections that are not empty."""
-        return {section: table for section, table in write(self).items() if table}
 
     def changed(self, changes: Mapping[str, Any]) -> Parameters:
         """Return these parameters with other values for some keys, checked anew as a whole.
-
-        A slice of which {"tissue.dimension": 3} makes a tissue in space gets as many cells as it needs there, unless
-        "tissue.cells" is changed, too.
 
         Parameters
         ----------
@@ -105,17 +82,11 @@ class Parameters(BaseModel):
         Raises
         ------
         InvalidProblem
-            If a key is unknown, a value is bad or does not go with the others; all of it in one message.
+            If a key is unknown, a value is bad or does not go with the others.
         """
         if not isinstance(changes, Mapping):
             raise InvalidProblem(f'changes = {describe(changes)}: must map keys such as "numerics.mu" to their values')
-        bring(changes.get("own.modules"))
-        keys = known_keys(Parameters)
-        known = {key: value for key, value in changes.items() if isinstance(key, str) and general(key) in keys}
-        wrong = ((key, value) for key, value in changes.items() if key not in known)
-        lines = [unknown(key if isinstance(key, str) else describe(key), value, keys) for key, value in wrong]
-        base, new = self.as_dict(), nested(known)
-        return _checked(merged(base, new), "changed parameters", lines, widen=becomes_space(base, new))
+        return _checked(merged(self.as_dict(), nested(changes)), "changed parameters")
 
     def __setstate__(self, state: dict[Any, Any]) -> None:
         """Restore the parameters in another process, which imports the modules of users again."""
@@ -123,85 +94,117 @@ class Parameters(BaseModel):
         for file in self.own.modules:
             imported(Path(file))
 
-    def division_rule(self) -> DivisionRule:
-        """Return the rule of what becomes of a cell at the end of its cycle."""
-        return division_rules()[self.division.rule]
-
     def as_dict(self) -> dict[str, Any]:
         """Return all sections as in a file, with quantities as text in um, R_soft and h; equal for equal parameters."""
-        return self.model_dump(mode="json")
+        return {section: table for section, table in self.model_dump(mode="json", exclude_none=True).items() if table}
 
     def as_toml(self) -> str:
         """Write a file without base that ``load`` makes equal parameters of; comments say what each value means."""
         return written(self.as_dict(), {name: facts.comment for name, facts in all_keys(type(self)).items()})
+
+    # What runs compute with
 
     @property
     def t_end(self) -> float:
         """The end of the run [h]."""
         return self.numerics.t_end.value
 
-    def numbers(self) -> Numbers:
-        """Return what kernels compute with: lengths over R_soft, times in h, the variance 2 D of the noise per hour."""
-        return to_numbers(self)
-
-    def named_numbers(self) -> tuple[Numbers, ...]:
-        """Return the numbers of the cells of each named type, in the order of [types]."""
-        named, unit = self.types.named().values(), self.cell.soft_radius
-        pairs = zip(self._of_types(), named, strict=True)
-        return tuple(of.numbers()._replace(soft_radius=one.soft_radius_over(unit)) for of, one in pairs)
-
-    @property
-    def type_names(self) -> tuple[str, ...]:
-        """The types of cells by their numbers, as ``Cells.kind`` has them: control cells, EMT cells, then the named."""
-        return (*UNNAMED, *self.types.named())
-
-    def curve(self) -> BasalCurve:
-        """Return the basal layer; in space it is a surface, and this the line."""
-        layer = self.layer
-        if self.in_space:
-            return LINE
-        shape = layer.shape, layer.perimeter, layer.aspect, layer.points, layer.side, layer.closed
-        return curve_of(*shape, self.cell.soft_radius)
-
     @property
     def in_space(self) -> bool:
         """Whether the tissue is in three dimensions."""
         return self.tissue.dimension == SPATIAL
 
-    def lattice(self) -> Lattice:
-        """Return where the basal points of a tissue in space are at the start, and the surface that holds them."""
-        return to_lattice(self)
+    @property
+    def type_names(self) -> tuple[str, ...]:
+        """The types of cells by their numbers, as ``Cells.kind`` has them: control cells, EMT cells, then the named."""
+        return (*sections.UNNAMED, *self.types.named())
 
-    def exchange(self) -> Exchange:
-        """Return how cells in space exchange neighbours."""
-        return to_exchange(self)
+    def numbers(self) -> Numbers:
+        """Return what kernels compute with: lengths over R_soft, times in h, the variance 2 D of the noise per hour."""
+        return self.numbers_of(self.tissue, self.cell)
+
+    def named_numbers(self) -> tuple[Numbers, ...]:
+        """Return the numbers of the cells of each named type, in the order of [types]."""
+        return tuple(self.numbers_of(*self.of_type(one)) for one in self.types.named().values())
+
+    def of_type(self, one: sections.TypeKeys) -> tuple[sections.Tissue, sections.Cell]:
+        """Return [tissue] and [cell] with what a type has of its own."""
+        own: dict[str, dict[str, Any]] = {"tissue": {}, "cell": {}}
+        for name, value in one.own().items():
+            own[sections.OWN_KEYS[name]][name] = value
+        return self.tissue.model_copy(update=own["tissue"]), self.cell.model_copy(update=own["cell"])
+
+    def _plain(self, *of: BaseModel) -> dict[str, Any]:
+        """Return the values of sections by the names of their keys, quantities over R_soft and in h."""
+        unit, values = self.cell.soft_radius, (pair for section in of for pair in section)
+        return {name: value.over(unit) if isinstance(value, Quantity) else value for name, value in values}
+
+    def numbers_of(self, tissue: sections.Tissue, cell: sections.Cell) -> Numbers:
+        """Fill the numbers by name from all sections, of which these two may be those of a type."""
+        found = self._plain(tissue, cell, self.numerics, self.rules, self.division, self.events)
+        found |= {name: found[key] == yes for name, (key, yes) in CHOICES.items()}
+        found |= {"variance": 2 * found["diffusion"], "repulsion": self.rules.repulsion_factor * cell.alpha_xx}
+        return Numbers(**{name: found[name] for name in Numbers._fields})
 
     def start_numbers(self) -> StartNumbers:
         """Return what the first state is made from, lengths over R_soft. A ring is spread evenly over its layer."""
-        return to_start_numbers(self, self.curve())
-
-    def scenario(self) -> Scenario:
-        """Return what the EMT cells are drawn from, times in h."""
-        emt = self.emt
-        return Scenario(emt.cells, emt.inm, emt.times(), self.events.together)
-
-    def groups(self) -> tuple[CellGroup, ...]:
-        """Return the groups that are no control cells: that of [emt], then each named type."""
-        rest, named = self.start_numbers().rest_length, self.types.named().items()
-        emt = CellGroup(UNNAMED[-1], self.scenario(), 0.5, divides=False, may_leave=True, rest_length=rest)
-        rests = (one.start_numbers().rest_length for one in self._of_types())
-        together = self.events.together
-        return emt, *(one.group(name, rest, together) for (name, one), rest in zip(named, rests, strict=True))
-
-    def _of_types(self) -> Iterator[Parameters]:
-        """Give the parameters of the cells of each type, with the soft radius of [cell]: the unit stays."""
-        for one in self.types.named().values():
-            tables = one.own_tables().items()
-            yield self.model_copy(update={name: getattr(self, name).model_copy(update=table) for name, table in tables})
+        found, curve = self._plain(self.tissue, self.cell, self.division, self.start), self.curve()
+        if curve.ring:
+            found["width"] = curve.length
+            found["apical_spacing"] = found["basal_spacing"] = curve.length / self.tissue.cells
+        low, high = self.start.nuclei_height
+        found |= {"nuclei_low": low * found["height"], "nuclei_high": high * found["height"]}
+        return StartNumbers(**{name: found[name] for name in StartNumbers._fields})
 
     def daha_numbers(self) -> Daha:
         """Return the parameters of the solver of the quasi-steady model."""
         return Daha(**dict(self.daha))
+
+    def division_rule(self) -> DivisionRule:
+        """Return the rule of what becomes of a cell at the end of its cycle."""
+        return division_rules()[self.division.rule]
+
+    def curve(self) -> BasalCurve:
+        """Return the basal layer; in space it is a surface, and this the line."""
+        return LINE if self.in_space else sections.curve_of(self.layer, self.cell.soft_radius)
+
+    def rows(self) -> int:
+        """Return the number of rows of cells of a plane or cylinder; raises InvalidProblem if the cells fill none."""
+        return rows_of(self.tissue.cells, self.space.rows)
+
+    def lattice(self) -> Lattice:
+        """Return where the basal points of a tissue in space are at the start, and the surface that holds them."""
+        found, cells, layer = self._plain(self.tissue, self.layer), self.tissue.cells, self.layer
+        around, inside, periodic = found["perimeter"], layer.side == "inside", self.space.boundary == "periodic"
+        if layer.shape == "sphere":
+            return ball_lattice(cells, around, inside=inside)
+        if layer.shape == "circle":
+            return round_lattice(cells, self.rows(), around, inside=inside, periodic=periodic)
+        return flat_lattice(cells, self.rows(), found["basal_spacing"], periodic=periodic)
+
+    def joining(self) -> tuple[float, int]:
+        """Return the longest edge at a free boundary of a tissue in space [R_soft], inf without one; and the rule of
+        the rest length of new neighbours.
+        """
+        longest = max(LEAST_EDGE, EDGE * self._plain(self.tissue)["max_basal_distance"])
+        free = self.space.boundary == "open" and self.layer.shape != "sphere"
+        return longest if free else math.inf, MEAN if self.space.new_rest == "mean" else PRESENT
+
+    def groups(self) -> tuple[CellGroup, ...]:
+        """Return the groups that are no control cells: that of [emt], then each named type."""
+        emt, together, rest = self.emt, self.events.together, self._plain(self.cell)["initial_rest_length"]
+        place, divides, may_leave = 0.5, False, True
+        of_emt = emt.cells, emt.inm, emt.times(), together, place, divides, may_leave, rest
+        found = [CellGroup(sections.UNNAMED[-1], *of_emt)]
+        for name, one in self.types.named().items():
+            rest = self._plain(self.of_type(one)[1])["initial_rest_length"]
+            own = one.place, one.divides, one.has_events, rest
+            found.append(CellGroup(name, one.cells, one.inm, one.times(), together, *own))
+        return tuple(found)
+
+
+class NoBase(InvalidProblem):
+    """Base of a parameter file that cannot be used; the message does not name the file."""
 
 
 def load(path: str | PathLike[str]) -> Parameters:
@@ -217,7 +220,7 @@ def load(path: str | PathLike[str]) -> Parameters:
     ------
     InvalidProblem
         If it cannot be read, lacks a key, has an unknown one, or a value that is bad or does not go with the others;
-        all of it in one message that names the file, each key, its value and what is allowed.
+        the message names the file, the key, its value and what is allowed.
     """
     return _loaded(checked_path("path", path), ())
 
@@ -229,16 +232,10 @@ def _loaded(path: Path, above: tuple[Path, ...]) -> Parameters:
     if base is None:
         return _checked(placed(tables, path.parent), str(path))
     try:
-        changed = based_on(base, path.parent, (*above, path.resolve()))
+        first = based_on(base, path.parent, (*above, path.resolve()))
     except NoBase as error:
-        return _checked(tables, str(path), [str(error)], missing=False)
-    own = placed(tables, path.parent, changed.own.modules)
-    before = changed.as_dict()
-    return _checked(merged(before, own), str(path), widen=becomes_space(before, own))
-
-
-class NoBase(ValueError):
-    """Base of a parameter file that cannot be used; the message is a line for the errors of the file."""
+        raise InvalidProblem(f"{path}: {error}") from None
+    return _checked(merged(first.as_dict(), placed(tables, path.parent, first.own.modules)), str(path))
 
 
 def based_on(base: Any, folder: Path, above: tuple[Path, ...] = ()) -> Parameters:
@@ -262,7 +259,8 @@ def preset(name: str) -> Parameters:
 
     "thesis" is as printed with misprints corrected, but for the energies; "corrected" is "thesis" with the energies
     without dimension, and nothing else; "published" is as in the published runs; "chick", "gastrulation" and "cuboidal"
-    are of the public TypeScript program.
+    are of the public TypeScript program; "sheet" is in three dimensions, with a height and an area of a cell that are
+    published for pseudostratified epithelia.
     """
     if not isinstance(name, str) or name not in PRESETS:
         raise InvalidProblem(f"preset {describe(name)}: must be {BASES}")
@@ -274,26 +272,10 @@ def _preset(name: str) -> Parameters:
     return load(FOLDER / f"{name}.toml")
 
 
-def _checked(
-    tables: Mapping[str, Any], source: str, lines: Iterable[str] = (), *, missing: bool = True, widen: bool = False
-) -> Parameters:
-    """Return the parameters in these tables, or raise one error with ``lines`` and all that is wrong with them.
-
-    ``widen``: a slice becomes a tissue in space, and gets the cells that it needs there.
-    """
-    own = tables.get("own")
-    bring(own.get("modules") if isinstance(own, Mapping) else None)
-    noted: dict[tuple[type[BaseModel], str], Any] = {}
-    tables, unknown_lines = known_only(tables, Parameters)
-    found = [*lines, *unknown_lines, *wrong_names(tables.get("types"))]
+def _checked(tables: Mapping[str, Any], source: str) -> Parameters:
+    """Return the parameters in these tables; raises InvalidProblem with what is wrong with them."""
     try:
-        parameters = Parameters.model_validate(tables, context=noted)
+        return Parameters.model_validate(tables)
     except ValidationError as error:
-        names = {field.annotation: section for section, field in Parameters.model_fields.items()}
-        good = {f"{names[section]}.{name}": value for (section, name), value in noted.items() if section in names}
-        if widen and not found and (cells := fewest_cells(good)):
-            return _checked(merged(tables, {"tissue": {"cells": cells}}), source)
-        found += problems(error, Parameters, missing=missing) + broken(good) + broken_types(good)
-    if found:
-        raise refuse(source, sorted(found, key=lambda line: not line.startswith("own.")))  # others follow from it
-    return parameters
+        lines = problems(error, tables, Parameters)
+    raise refuse(source, lines)

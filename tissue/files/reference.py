@@ -15,7 +15,6 @@ from tissue.files.keys import KeyFacts, all_keys, heading, sections
 from tissue.files.parameter_files import FOLDER, PRESETS, flat, merged, read
 from tissue.files.parameters import Parameters
 
-MAKES_NO_NUMBERS = True
 PAGE = Path(__file__).parents[2] / "docs" / "reference" / "parameters.md"
 COLUMNS = ("key", "meaning", "symbol", "unit, or what is allowed", "value", "source")
 TOP = """# The keys of parameter files
@@ -24,7 +23,7 @@ TOP = """# The keys of parameter files
 section. A value is that of all presets, or of those in brackets. A key with a default may be left out in any file.
 Each value of a preset cites its source in `tissue/files/presets`. The [source](../../SOURCE.md) of a key is
 its place in the thesis, or a row of the table of model variants. `python -m tissue.files.reference` makes this page
-from `tissue/files/sections.py`, `tissue/files/emt_sections.py` and `tissue/files/cell_types.py`.
+from `tissue/files/sections.py`.
 """
 
 
@@ -49,24 +48,18 @@ def spread(facts: KeyFacts, values: Mapping[str, Mapping[str, Any]]) -> str:
 
 def page() -> str:
     """Write the page, in Markdown."""
-    values, keys = presets(), all_keys(Parameters).values()
-    parts = [TOP]
+    values, keys, parts = presets(), all_keys(Parameters).values(), [TOP]
     for section, fields in sections(Parameters).items():
-        rows = [_row(facts, values) for facts in keys if facts.section == section]
-        about = heading(fields)
+        about, rows = heading(fields), [COLUMNS, ("---",) * len(COLUMNS)]
+        for facts in keys:
+            if facts.section == section:
+                symbol = f"`{facts.symbol}`" if facts.symbol else ""
+                value = spread(facts, values)
+                rows.append((f"`{facts.name}`", facts.meaning, symbol, facts.unit, value, facts.source))
         parts += [f"## [{section}]\n", f"{about[0].upper()}{about[1:]}\n"]
-        if rows:
-            parts.append("".join(map(_line, [COLUMNS, ("---",) * len(COLUMNS), *rows])))
+        if len(rows) > 2:
+            parts.append("".join(f"| {' | '.join(cells)} |\n" for cells in rows))
     return "\n".join(parts)
-
-
-def _row(facts: KeyFacts, values: Mapping[str, Mapping[str, Any]]) -> tuple[str, ...]:
-    symbol = f"`{facts.symbol}`" if facts.symbol else ""
-    return f"`{facts.name}`", facts.meaning, symbol, facts.unit, spread(facts, values), facts.source
-
-
-def _line(cells: tuple[str, ...]) -> str:
-    return f"| {' | '.join(cells)} |\n"
 
 
 def _tables(name: str) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from tissue.state.basal_curve import LINE, BasalCurve
 from tissue.state.cells import CellLayers, Cells, Floats
 from tissue.state.checkpoint import TissueCheckpoint
 from tissue.state.mesh import Sheets
-from tissue.state.surface import heights
+from tissue.state.surface import CYLINDER, PLANE, heights
 
 # What a run can be started from, in messages.
 A_START = "a saved state of a run, such as run.final or Frame.load(path)"
@@ -50,6 +50,18 @@ class Frame(NamedTuple):
             return self.curve.heights(x, y)
         return heights(self.sheets.surface, np.column_stack((x, y, z)))
 
+    def along(self, x: Floats, y: Floats) -> Floats | None:
+        """Return the arclength of the point of the basal layer nearest to points (m,), in space around a cylinder.
+
+        It is x above a line; None on a sphere.
+        """
+        if self.sheets is None:
+            return self.curve.feet(x, y)
+        surface = self.sheets.surface
+        if surface.bends == CYLINDER:
+            return surface.radius * np.arctan2(x, surface.side * y)
+        return x.copy() if surface.bends == PLANE else None
+
     def save(self, path: str | PathLike[str]) -> None:
         """Write the whole state, by convention to a file .npz, from which ``load`` reads the same bits.
 
@@ -60,7 +72,7 @@ class Frame(NamedTuple):
         """
         from tissue.frames.frame_files import save
 
-        save((self.t, self.cells, self.layers, self.curve, self.past, self.sheets), path)
+        save(self, path)
 
     @staticmethod
     def load(path: str | PathLike[str]) -> Frame:
@@ -73,4 +85,4 @@ class Frame(NamedTuple):
         """
         from tissue.frames.frame_files import load
 
-        return Frame(*load(path))
+        return load(path)

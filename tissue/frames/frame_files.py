@@ -1,115 +1,166 @@
-"""States of a run on disk: one file, a zip archive of NumPy arrays (npz)."""
+"""States of a run on disk: one file, a zip archive of NumPy arrays (npz), one for each number or array of a frame."""
 
 from __future__ import annotations
 
 import math
-import re
 import struct
 import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
+from dataclasses import fields, is_dataclass
 from os import PathLike
-from typing import Any, BinaryIO
-from zipfile import ZIP_STORED, BadZipFile, ZipFile, is_zipfile
+from types import NoneType
+from typing import Any, BinaryIO, get_args, get_type_hints
+from zipfile import ZIP_STORED, BadZipFile, ZipFile
 
 import numpy as np
 
-from dincl.checks import instance, number
+from dincl.checks import describe
 from dincl.checks import path as checked_path
 from dincl.errors import InvalidProblem
 from dincl.files import open_file, replacing
-from tissue.events.known import events as known
-from tissue.state.basal_curve import ORDER, BasalCurve
-from tissue.state.cells import COORDINATES, DEPTHS, KINDS, NAMED, CellLayers, Cells, Emt
+from tissue.events.known import events
+from tissue.frames.frame import Frame
+from tissue.state.basal_curve import BasalCurve
+from tissue.state.cells import COORDINATES, DEPTHS, NAMED, CellLayers, Cells, Emt
 from tissue.state.checkpoint import DRAWN, WORDS, Separation, TissueCheckpoint
-from tissue.state.mesh import Mesh, Sheets, as_arrays, of_arrays, wrong_mesh
-from tissue.state.network import GHOSTS
+from tissue.state.mesh import Mesh, Sheets, wrong_mesh
 from tissue.state.running import COUNTERS
 from tissue.state.surface import CYLINDER, PLANE, SPHERE, Surface
 
-# In each file; another number with other contents.
-FORMAT = "tissue frame 4"
-# A seed may have more decimals than Python writes.
-_HEXADECIMAL = re.compile("[0-9a-f]+")
-TEXTS = ("format", "seed", "events", "types")
-# What archives and arrays raise that are damaged.
+VERSION = "tissue frame 5"
+# The classes that a frame is made of; none of another name is made of a file.
+PARTS = (Frame, Cells, CellLayers, Emt, BasalCurve, TissueCheckpoint, Separation, Sheets, Mesh, Surface)
+# What archives and arrays raise that are damaged, or are none.
 UNREADABLE = (
-    *(OSError, EOFError, ValueError, LookupError, TypeError, SyntaxError, RuntimeError, MemoryError),
+    *(OSError, EOFError, ValueError, LookupError, TypeError, SyntaxError, RuntimeError, MemoryError, AttributeError),
     *(BadZipFile, zlib.error, struct.error),
 )
 Arrays = dict[str, Any]
-# The fields of a frame.
-Parts = tuple[float, Cells, CellLayers, BasalCurve, TissueCheckpoint, Sheets | None]
 
 
-def save(parts: Parts, path: str | PathLike[str]) -> None:
-    """Save the fields of a frame, see ``Frame.save``."""
-    arrays, file_path = checked("frame", parts), checked_path("path", path)
+def save(frame: Frame, path: str | PathLike[str]) -> None:
+    """Save a frame, see ``Frame.save``."""
+    arrays, file_path = checked("frame", frame), checked_path("path", path)
     try:
         with replacing(file_path) as partial, partial.open("wb") as file:
-            np.savez(file, **arrays)
+            np.savez(file, version=_version(), **arrays)
     except OSError as error:
         raise InvalidProblem(f"{path}: cannot be written: {error}") from error
 
 
-def checked(name: str, parts: Parts) -> Arrays:
-    """Return the fields of a frame as the arrays of a file; raises InvalidProblem where no run can have made them."""
-    _, cells, layers, curve, past, sheets = parts
-    number(f"{name}.t", parts[0], non_negative=True)
-    kinds = (cells, Cells), (layers, CellLayers), (curve, BasalCurve), (past, TissueCheckpoint)
-    for value, kind in kinds:
-        instance(name, value, kind, f"a saved state of a run, with its {kind.__name__}")
-    for group, fields in (("cells", cells), ("layers", layers)):
-        for field, array in fields._asdict().items():
-            instance(f"{name}.{group}.{field}", array, np.ndarray, "an array of numpy")
-    if sheets is not None:
-        _check_sheets(f"{name}.sheets", sheets)
-    arrays = {key: np.asarray(array) for key, array in _arrays(parts).items()}
-    for wrong in _wrong(arrays):
-        raise InvalidProblem(f"{name}: must be a saved state of a run: {wrong}")
-    return arrays
-
-
-def _check_sheets(name: str, sheets: Any) -> None:
-    """Refuse what are no networks of arrays."""
-    instance(name, sheets, Sheets, "those of a saved state of a run in three dimensions")
-    instance(f"{name}.surface", sheets.surface, Surface, "a basal surface")
-    for sheet in ("apical", "basal"):
-        mesh = instance(f"{name}.{sheet}", getattr(sheets, sheet), Mesh, "a network of cells")
-        for field, array in mesh._asdict().items():
-            instance(f"{name}.{sheet}.{field}", array, np.ndarray, "an array of numpy")
-
-
-def _arrays(parts: Parts) -> Arrays:
-    """Read the arrays of a file."""
-    t, cells, layers, curve, past, sheets = parts
-    arrays: Arrays = {"format": FORMAT, "t": float(t), "seed": f"{past.seed:x}", "next_id": past.next_id}
-    arrays |= {"events": _events(), "types": " ".join(past.types)}
-    arrays |= {"counts": past.counts, "generators": past.generators}
-    arrays |= {"parted_sweeps": past.separation.sweeps, "parted_moved": past.separation.moved}
-    arrays |= {"soft_radius_um": float(past.soft_radius)}
-    arrays |= {f"curve.{name}": value for name, value in vars(curve).items()}
-    arrays |= {f"sheets.{name}": array for name, array in as_arrays(sheets).items()}
-    for group, fields in (("cells", cells), ("layers", layers), ("emt", past.emt)):
-        arrays |= {f"{group}.{name}": array for name, array in fields._asdict().items()}
-    return arrays
-
-
-def load(path: str | PathLike[str]) -> Parts:
-    """Load the fields of a frame, see ``Frame.load``."""
+def load(path: str | PathLike[str]) -> Frame:
+    """Load a frame, see ``Frame.load``: no code of the file is run, and it takes no more memory than it has bytes."""
     file_path = checked_path("path", path)
     try:
         with open_file(file_path) as file:
-            if not is_zipfile(file):
-                raise BadZipFile("it is no archive npz")
             _check_sizes(file)
             with np.load(file, allow_pickle=False) as held:
                 arrays = {name: held[name] for name in held.files}
+        if (version := str(arrays.pop("version", "none"))) != _version():
+            raise ValueError(f"its version is {version!r}, here it is {_version()!r}")
+        return _made(arrays)
     except UNREADABLE as error:
-        why = "an array holds Python objects" if "allow_pickle" in str(error) else error
-        raise InvalidProblem(f"{path}: must be a readable file that Frame.save wrote: {why}") from error
-    for wrong in _wrong(arrays):
-        raise InvalidProblem(f"{path}: must be a file that Frame.save wrote: {wrong}")
-    return _parts(arrays)
+        raise InvalidProblem(f"{path}: must be a file that Frame.save wrote: {error}") from error
+
+
+def checked(name: str, frame: Frame) -> Arrays:
+    """Return the arrays of a frame, by their names in a file; raises InvalidProblem for what is no state of a run."""
+    try:
+        arrays = dict(_arrays(frame, ""))
+        _made(dict(arrays))
+    except UNREADABLE as error:
+        raise InvalidProblem(f"{name}: must be a saved state of a run: {error}") from error
+    return arrays
+
+
+def _version() -> str:
+    """Name the version of the file, and the events of this process in the order of their bits."""
+    return f"{VERSION}, {' '.join(event.name for event in events())}"
+
+
+def _arrays(value: Any, name: str) -> Iterator[tuple[str, Any]]:
+    """Yield the arrays of a named tuple or dataclass and of those in it, by their place; None is left out."""
+    if isinstance(value, PARTS):
+        names = [one.name for one in fields(value)] if is_dataclass(value) else value._fields
+        for field in names:
+            yield from _arrays(getattr(value, field), f"{name}.{field}".lstrip("."))
+    elif isinstance(value, int | np.integer) and not isinstance(value, bool):  # a seed may have any size
+        yield name, np.array(f"{value:x}".encode())
+    elif isinstance(value, str):
+        yield name, np.array(value.encode())
+    elif type(value) is np.ndarray or isinstance(value, float | bool | np.generic):
+        yield name, np.asarray(value)
+    elif value is not None:
+        raise TypeError(f"{name} = {describe(value)} is no array, and no number")
+
+
+def _made(arrays: Arrays) -> Frame:
+    """Make a frame of all these arrays; raises one of UNREADABLE for what is none."""
+    frame: Frame = _value(Frame, "", arrays)
+    if arrays:
+        raise ValueError(f"{', '.join(arrays)} is unknown")
+    for wrong in _wrong(frame):
+        raise ValueError(f"{wrong} is not possible")
+    return frame
+
+
+def _value(kind: Any, name: str, arrays: Arrays) -> Any:
+    """Make a value of a type from the arrays of its place, which are taken out."""
+    if NoneType in get_args(kind):
+        kind = get_args(kind)[0]
+        if not any(one.startswith(f"{name}.") for one in arrays):
+            return None
+    if kind in PARTS:
+        hints = {of: hint for of, hint in get_type_hints(kind).items() if of in kind.__annotations__}
+        return kind(**{of: _value(hint, f"{name}.{of}".lstrip("."), arrays) for of, hint in hints.items()})
+    if name not in arrays:
+        raise ValueError(f"{name} is missing")
+    array, text, scalar = arrays.pop(name), kind in (int, str), kind in (int, str, float, bool)
+    fits = array.dtype.kind == "S" if text else array.dtype == (kind if scalar else get_args(get_args(kind)[1])[0])
+    if not fits or scalar != (array.ndim == 0):
+        raise ValueError(f"{name} is of kind {array.dtype} and shape {array.shape}")
+    if text:
+        return int(array.item(), 16) if kind is int else array.item().decode()
+    return array.item() if scalar else array
+
+
+def _wrong(frame: Frame) -> Iterator[str]:
+    """Yield what does not fit together: kernels would read or write elsewhere, or results be NaN without a reason.
+
+    Coordinates may be those of a lost tissue.
+    """
+    cells, emt, past = frame.cells, frame.past.emt, frame.past
+    n, m = len(cells.x), len(emt.side)
+    shapes: dict[str, tuple[Any, tuple[int, ...]]]
+    shapes = {f"cells.{name}": (array, (n,)) for name, array in cells._asdict().items()}
+    shapes |= {f"emt.{name}": (array, (m,)) for name, array in emt._asdict().items()}
+    shapes |= {"emt.at": (emt.at, (len(events()), m)), "counts": (past.counts, (len(COUNTERS),))}
+    shapes |= {"generators": (past.generators, (len(DRAWN), WORDS))}
+    for name, (array, shape) in shapes.items():
+        if array.shape != shape:
+            yield f"the shape {array.shape} of {name}"
+    for name in Cells._fields:
+        if name not in (*COORDINATES, *DEPTHS) and not np.isfinite(getattr(cells, name)).all():
+            yield f"cells.{name}, which is not finite,"
+    among, begun = cells.emt, cells.events
+    fine = {
+        "t": math.isfinite(frame.t) and frame.t >= 0,
+        "cells.id": len({*cells.id.tolist()}) == n > 0 and cells.id.min() >= 0 and cells.id.max() < past.next_id,
+        "cells.emt": among.min() >= -1 and np.array_equal(np.sort(among[among >= 0]), np.arange(m)),
+        "cells.events": ((begun >= 0) & (begun < 1 << len(events())) & ((begun == 0) | (among >= 0))).all(),
+        "cells.kind": cells.kind.min() >= 0 and cells.kind.max() < NAMED + len(past.types),
+        "cells.radius": (cells.radius >= 0).all() and (cells.cycle > 0).all(),
+        "emt.at": not any(np.isnan(array).any() for array in emt),
+        "generators": (past.generators[:, -2:] < (2, 1 << 32)).all(),  # a flag, and half a word
+        "curve": np.isfinite(frame.curve.table).all(),
+    }
+    for name, layer in frame.layers._asdict().items():
+        fine[f"layers.{name}"] = (np.diff(layer) > 0).all() and layer.min(initial=0) >= 0 and layer.max(initial=-1) < n
+    if (sheets := frame.sheets) is not None:
+        fine["sheets.surface"] = sheets.surface.bends in (PLANE, CYLINDER, SPHERE)
+        fine["sheets.longest"] = sheets.longest > 0.0
+        fine |= {f"sheets.{name}": not wrong_mesh(getattr(sheets, name), n) for name in ("apical", "basal")}
+    yield from (name for name, is_fine in fine.items() if not is_fine)
 
 
 def _check_sizes(file: BinaryIO) -> None:
@@ -118,7 +169,6 @@ def _check_sizes(file: BinaryIO) -> None:
     ``save`` does not compress: each array is in the file as it is in memory. Raises BadZipFile or ValueError.
     """
     size, whole = file.seek(0, 2), 0
-    file.seek(0)
     with ZipFile(file) as archive:
         for one in archive.infolist():
             whole += one.file_size
@@ -129,146 +179,6 @@ def _check_sizes(file: BinaryIO) -> None:
                     raise BadZipFile(f"{one.filename} is no array as Frame.save writes it")
                 shape, _, kind = np.lib.format.read_array_header_1_0(member)
                 stated = member.tell() + math.prod(shape) * kind.itemsize
-            if stated != one.file_size:
-                raise BadZipFile(f"{one.filename} states {stated} bytes and has {one.file_size}")
+            if stated != one.file_size or kind.hasobject:
+                raise BadZipFile(f"{one.filename} states {stated} bytes and has {one.file_size}, or holds objects")
     file.seek(0)
-
-
-def _events() -> str:
-    """Return the events of this process, in the order of their bits."""
-    return ", ".join(event.name for event in known())
-
-
-def _parts(arrays: Arrays) -> Parts:
-    """Make a state of the arrays."""
-    cells = Cells(**{name: arrays[f"cells.{name}"] for name in Cells._fields})
-    layers = CellLayers(arrays["layers.apical"], arrays["layers.basal"])
-    emt = Emt(**{name: arrays[f"emt.{name}"] for name in Emt._fields})
-    separation = Separation(int(arrays["parted_sweeps"]), float(arrays["parted_moved"]))
-    seed, next_id = int(str(arrays["seed"]), 16), int(arrays["next_id"])
-    types = tuple(str(arrays["types"]).split())
-    unit = float(arrays["soft_radius_um"])
-    checkpoint = TissueCheckpoint(seed, next_id, emt, arrays["counts"], arrays["generators"], separation, unit, types)
-    table, (length, origin), (around, ring) = (
-        arrays["curve.table"],
-        (float(arrays[f"curve.{name}"]) for name in ("length", "origin")),
-        (bool(arrays[f"curve.{name}"]) for name in ("around", "ring")),
-    )
-    return (
-        float(arrays["t"]),
-        cells,
-        layers,
-        BasalCurve(table, length, origin, around, ring),
-        checkpoint,
-        _sheets(arrays),
-    )
-
-
-def _sheets(arrays: Mapping[str, Any]) -> Sheets | None:
-    """Return the networks of a tissue in space."""
-    return of_arrays({name.partition(".")[2]: array for name, array in arrays.items() if name.startswith("sheets.")})
-
-
-def _shapes(arrays: Mapping[str, Any]) -> dict[str, tuple[Any, tuple[int, ...]]]:
-    """Kind and shape of each array but the texts; how long those of cells, layers and EMT cells are, is free."""
-    n, m = (arrays[name].size if name in arrays else 0 for name in ("cells.x", "emt.side"))
-    expected: dict[str, tuple[Any, tuple[int, ...]]] = {
-        "t": (np.float64, ()),
-        "next_id": (np.int64, ()),
-        "parted_sweeps": (np.int64, ()),
-        "parted_moved": (np.float64, ()),
-        "soft_radius_um": (np.float64, ()),
-        "counts": (np.int64, (len(COUNTERS),)),
-        "generators": (np.uint64, (len(DRAWN), WORDS)),
-        "curve.table": (np.float64, (len(np.atleast_1d(arrays.get("curve.table", 0))), 2 * ORDER)),
-        **dict.fromkeys(("curve.length", "curve.origin"), (np.float64, ())),
-        **dict.fromkeys(("curve.around", "curve.ring"), (np.bool_, ())),
-    }
-    expected |= {f"cells.{name}": (KINDS.get(name, np.float64), (n,)) for name in Cells._fields}
-    for name in CellLayers._fields:
-        expected[f"layers.{name}"] = np.int64, (arrays[f"layers.{name}"].size if f"layers.{name}" in arrays else 0,)
-    expected |= {f"emt.{name}": (np.int64 if name in ("side", "new") else np.float64, (m,)) for name in Emt._fields}
-    if "sheets.surface" in arrays:
-        expected |= _shapes_in_space(arrays, n)
-    return expected | {"emt.at": (np.float64, (len(known()), m))}
-
-
-def _shapes_in_space(arrays: Mapping[str, Any], n: int) -> dict[str, tuple[Any, tuple[int, ...]]]:
-    """Return the shapes of the networks; the number of triangles is free."""
-    expected: dict[str, tuple[Any, tuple[int, ...]]] = {"sheets.surface": (np.float64, (len(Surface._fields),))}
-    for sheet in ("apical", "basal"):
-        half_edges = arrays[f"sheets.{sheet}.corner"].size if f"sheets.{sheet}.corner" in arrays else 0
-        for name in Mesh._fields:
-            kind = np.int64 if name in ("corner", "twin", "out") else np.float64
-            size = half_edges if name in ("corner", "twin", "rest") else n + GHOSTS
-            expected[f"sheets.{sheet}.{name}"] = kind, (size,)
-    return expected
-
-
-def _wrong(arrays: Arrays) -> Iterator[str]:
-    """Yield what is wrong with the contents of a file; in words, the first of which is enough."""
-    found = str(arrays.get("format", "missing"))
-    if found != FORMAT:
-        yield f'its format is "{found}" in place of "{FORMAT}"'
-    expected = _shapes(arrays)
-    wanted = {*expected, *TEXTS}
-    if {*arrays} != wanted:
-        yield f"its arrays differ in {', '.join(sorted({*arrays} ^ wanted))}"
-    if str(arrays["events"]) != _events():
-        yield f"its events are {arrays['events']}, in place of those that are registered, {_events()}"
-    for name, (kind, shape) in expected.items():
-        if arrays[name].dtype != kind or arrays[name].shape != shape:
-            yield f"{name} is of kind {arrays[name].dtype} and shape {arrays[name].shape}"
-    if not _HEXADECIMAL.fullmatch(str(arrays["seed"])):
-        yield f'seed = "{arrays["seed"]}"'
-    yield from _impossible(arrays)
-
-
-def _impossible(arrays: Arrays) -> Iterator[str]:
-    """Yield what no run can have made: kernels would read and write elsewhere. Coordinates may be those of a lost
-    tissue.
-    """
-    n, m = arrays["cells.x"].size, arrays["emt.side"].size
-    for name in (
-        "t",
-        "parted_moved",
-        "soft_radius_um",
-        "curve.table",
-        "curve.length",
-        "curve.origin",
-        *(f"cells.{name}" for name in Cells._fields if name not in (*COORDINATES, *DEPTHS)),
-    ):
-        if not np.isfinite(arrays[name]).all():
-            yield f"{name} is not finite"
-    for name in ("emt.at", "emt.since", "emt.since_x", "emt.onset_ab"):
-        if np.isnan(arrays[name]).any():
-            yield f"{name} is not a number"
-    mothers, words = arrays["cells.mother"], arrays["generators"]
-    ids, among, events = arrays["cells.id"], arrays["cells.emt"], arrays["cells.events"]
-    kinds = len(str(arrays["types"]).split())
-    checks = {
-        "t": arrays["t"] >= 0,
-        "soft_radius_um": arrays["soft_radius_um"] > 0,
-        "cells.x": n > 0,
-        "curve.length": arrays["curve.length"] > 0 or len(arrays["curve.table"]) == 0,
-        "cells.id": len({*ids.tolist()}) == n and ids.min(initial=0) >= 0,
-        "next_id": arrays["next_id"] > ids.max(initial=-1),
-        "cells.mother": ((mothers >= -1) & (mothers < arrays["next_id"]) & (mothers != ids)).all(),
-        "generators": (words[:, -2:] < (2, 1 << 32)).all(),  # a flag, and half a word
-        "cells.radius": (arrays["cells.radius"] >= 0).all(),
-        "cells.cycle": (arrays["cells.cycle"] > 0).all(),
-        "cells.emt": among.min(initial=-1) >= -1 and np.array_equal(np.sort(among[among >= 0]), np.arange(m)),
-        "cells.events": ((events >= 0) & (events < 1 << len(known())) & ((events == 0) | (among >= 0))).all(),
-        "cells.kind": ((arrays["cells.kind"] >= 0) & (arrays["cells.kind"] < NAMED + kinds)).all(),
-        "counts": (arrays["counts"] >= 0).all(),
-    }
-    for name in (f"layers.{layer}" for layer in CellLayers._fields):
-        layer = arrays[name]
-        checks[name] = bool((np.diff(layer) > 0).all() and layer.min(initial=0) >= 0 and layer.max(initial=-1) < n)
-    if sheets := _sheets(arrays):
-        checks |= {
-            "sheets.surface": sheets.surface.bends in (PLANE, CYLINDER, SPHERE)
-            and not np.isnan(arrays["sheets.surface"]).any()
-        }
-        checks |= {f"sheets.{name}.corner": not wrong_mesh(getattr(sheets, name), n) for name in ("apical", "basal")}
-    yield from (f"{name} = {arrays[name]} is not possible" for name, fine in checks.items() if not fine)

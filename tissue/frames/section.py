@@ -13,6 +13,17 @@ from tissue.state.mesh import Mesh
 from tissue.state.surface import PLANE, Surface
 
 
+def in_one_period(surface: Surface, corners: Floats, z: float = 0.0) -> Floats:
+    """Move the corners of polygons (m, k, 3) together, and their middles into the period around x = 0 and this z."""
+    found = corners.copy()
+    for axis, period, middle in ((0, surface.period_x, 0.0), (2, surface.period_z, z)):
+        if math.isfinite(period):
+            x = found[..., axis]  # a view
+            x -= period * np.round((x - x[:, :1]) / period)
+            x -= period * np.round((x.mean(axis=1, keepdims=True) - middle) / period)
+    return found
+
+
 def cut(surface: Surface, mesh: Mesh, points: Floats, z: float = 0.0) -> Floats:
     """Cut the triangles with a plane; return x and y of both ends of each piece, (m, 2, 2).
 
@@ -25,13 +36,7 @@ def cut(surface: Surface, mesh: Mesh, points: Floats, z: float = 0.0) -> Floats:
     z
         Of the plane; along a period, of all its images.
     """
-    corners = points[mesh.triangles]
-    for axis, period in ((0, surface.period_x), (2, surface.period_z)):
-        if math.isfinite(period):
-            apart = corners[:, :, axis] - corners[:, :1, axis]
-            corners[:, :, axis] = corners[:, :1, axis] + apart - period * np.round(apart / period)
-            middle = corners[:, :, axis].mean(axis=1, keepdims=True) - (z if axis == 2 else 0.0)
-            corners[:, :, axis] -= period * np.round(middle / period)
+    corners = in_one_period(surface, points[mesh.triangles], z)
     above = corners[:, :, 2] > z
     count = above.sum(axis=1)
     crossed = (count == 1) | (count == 2)
@@ -51,20 +56,18 @@ def section(frame: Frame, z: float = 0.0) -> Frame:
     """Return the cells whose nuclei, the hard balls, are cut by the plane z = const., from left to right, or around.
 
     A frame of a tissue in the plane is its own section. The layers of a section are these cells in their order, not the
-    neighbours of the networks; ``cut_of`` is the apical layer. Nothing can be started from it.
+    neighbours of the networks; ``cut_of`` is the apical layer. Of a sheet it is one period in x. Nothing can be started
+    from it.
     """
     if frame.sheets is None:
         return frame
-    return section_on(frame, frame.sheets.surface, z)
-
-
-def section_on(frame: Frame, surface: Surface, z: float = 0.0) -> Frame:
-    """Return the section of a frame in space without networks, such as one from a table."""
-    cells = frame.cells
+    cells, surface = frame.cells, frame.sheets.surface
     deep = cells.z - z
     if math.isfinite(surface.period_z):
         deep = deep - surface.period_z * np.round(deep / surface.period_z)
     chosen = np.flatnonzero(np.abs(deep) <= cells.radius)
+    if surface.bends == PLANE:
+        cells = _wrapped(cells, surface.period_x)
     across = cells.bx if surface.bends == PLANE else np.arctan2(surface.side * cells.bx, surface.side * cells.by)
     ordered = chosen[np.argsort(surface.side * across[chosen], kind="stable")]
     kept = Cells._make(array[ordered] for array in cells)
@@ -86,6 +89,15 @@ def cut_of(frame: Frame, z: float = 0.0) -> Floats | None:
     if surface.bends != PLANE:
         pieces[..., 1] -= _down(surface)
     return pieces
+
+
+def _wrapped(cells: Cells, period: float) -> Cells:
+    """Return each cell in the period around x = 0: its nucleus, and the images of its points that are nearest to it."""
+    if not math.isfinite(period):
+        return cells
+    x = cells.x - period * np.round(cells.x / period)
+    ax, bx = (at - period * np.round((at - x) / period) for at in (cells.ax, cells.bx))
+    return cells._replace(x=x, ax=ax, bx=bx)
 
 
 def _down(surface: Surface) -> float:

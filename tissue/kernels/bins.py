@@ -8,12 +8,12 @@ nucleus has gone.
 from __future__ import annotations
 
 from dincl.compiled import inner
-from dincl.compiled.lanes import floored
+from tissue.kernels.lanes import floored
 from tissue.kernels.surface_workspace import MANY, SurfaceWorkspace
 from tissue.state.cells import Floats, Integers
 
 # How much wider than the cutoff a bin is, of rounding: coordinates are below 1e6.
-ROUNDING = 1e-9
+SLACK = 1e-9
 MOST_BINS = 1 << 20
 
 Three = tuple[int, int, int]
@@ -25,7 +25,7 @@ def sort_in_bins(work: SurfaceWorkspace, n: int, cutoff: float) -> Three:
 
     Bins go on along y first, then along z; in a bin the cells keep their order.
     """
-    cutoff *= 1.0 + ROUNDING
+    cutoff *= 1.0 + SLACK
     along_x, along_z = work.along_x.length, work.along_z.length
     many_x, many_y = how_many(work.x, n, along_x, cutoff), how_many(work.y, n, 0.0, cutoff)
     many_z = how_many(work.z, n, along_z, cutoff)

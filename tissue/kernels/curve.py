@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from dincl.compiled import inner
-from dincl.compiled.lanes import floored, fma, gather, maximum
+from tissue.kernels.lanes import floored, fma, gather, maximum
 from tissue.state.basal_curve import NEWTON, CurveNumbers
 from tissue.state.cells import Floats
 
@@ -18,7 +18,7 @@ def evaluate(curve: CurveNumbers, s: Any) -> tuple[Any, Any, Any, Any]:
     # What is not a number becomes 0, so that no place outside of the table is read.
     inside = maximum(v - curve.pieces * floored(v / curve.pieces), begin) if curve.around else maximum(v, begin)
     inside = 0.0 - maximum(0.0 - inside, begin - curve.pieces)
-    piece = floored(inside)
+    piece = 0.0 - maximum(0.0 - floored(inside), begin - (curve.pieces - 1.0))
     u, place = inside - piece, 12.0 * piece
     x, along_x = _polynomial(curve.table, place, 0, u)
     y, along_y = _polynomial(curve.table, place, 6, u)
@@ -52,8 +52,8 @@ def foot_of(curve: CurveNumbers, x: float, y: float) -> float:
     """Return the arclength of the point of a bent curve that is nearest to a point: from the nearest piece by
     Newton.
     """
-    nearest, node, ends = math.inf, 0, int(curve.pieces) + 1 - curve.around
-    for k in range(ends):
+    nearest, node = math.inf, 0
+    for k in range(int(curve.pieces)):
         dx, dy = x - curve.table[12 * k], y - curve.table[12 * k + 6]
         if dx * dx + dy * dy < nearest:
             nearest, node = dx * dx + dy * dy, k

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from dincl.compiled import inner
-from dincl.compiled.lanes import either, load, positive_bits, spread, store
+from tissue.kernels.lanes import either, load, positive_bits, spread, store
 from tissue.state.cells import Cells, Floats, Integers
 
 

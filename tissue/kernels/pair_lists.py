@@ -1,14 +1,14 @@
 """Lists of the pairs of nuclei that may act on each other, which hold until one has gone too far (Verlet, 1967).
 
 A pair is listed if it is nearer than the range and a skin. As long as both nuclei have moved by less than half of the
-skin since, a pair that is not listed is beyond the range. A few nuclei may stray farther: they meet all others.
+skin since, a pair that is not listed is beyond the range.
 """
 
 from __future__ import annotations
 
 from dincl.compiled import inner
-from dincl.compiled.lanes import WIDTH, fma, load, load_from, lowest_bit, positive_bits, where_positive
 from tissue.kernels.bins import find_beside, sort_in_bins
+from tissue.kernels.lanes import WIDTH, fma, load, load_from, lowest_bit, positive_bits, where_positive
 from tissue.kernels.quads import QUAD_WIDTH
 from tissue.kernels.surface_workspace import (
     ALL,
@@ -16,7 +16,6 @@ from tissue.kernels.surface_workspace import (
     FRESH,
     LISTS,
     MANY,
-    OUT_OF_RANGE,
     WHOLE,
     SurfaceWorkspace,
     nearest,
@@ -71,8 +70,6 @@ def end_hard(work: SurfaceWorkspace, n: int) -> None:
 SKIN = 0.4
 # How far a nucleus may move, less some rounding.
 HALF_SKIN = 0.499 * SKIN
-# With more nuclei out of range than these it is time for new lists.
-MOST_OUT_OF_RANGE = 16
 # A margin that finds none.
 NO_BALLS = -1e300
 # load_eight(a, k): entries k to k + 7 of a flat array.
@@ -80,32 +77,25 @@ load_eight = load_from(WIDTH)
 
 
 @inner
-def find_out_of_range(work: SurfaceWorkspace, rows: int, n: int) -> int:
-    """List the cells whose nuclei have moved by half of the skin since the lists were made: how many.
+def refresh_lists(work: SurfaceWorkspace, n: int, wide: SurfaceWorkspace, rows: int) -> None:
+    """Make the lists anew if a nucleus has moved by half of the skin since they were made."""
+    if work.state[FRESH] == 0 or _has_gone_far(wide, rows, n):
+        make_lists(work, n)
 
-    The workspace is in rows, of n cells.
-    """
+
+@inner
+def _has_gone_far(work: SurfaceWorkspace, rows: int, n: int) -> bool:
+    """Return whether a nucleus has moved by half of the skin since the lists were made; the workspace is in rows."""
     x, y, z, made_x, made_y, made_z = work.x, work.y, work.z, work.made_x, work.made_y, work.made_z
-    number = 0
     for i in range(rows):
         dx, dy = load(x, i) - load(made_x, i), load(y, i) - load(made_y, i)
         dz = load(z, i) - load(made_z, i)
         far = positive_bits(fma(dx, dx, fma(dy, dy, dz * dz)) - HALF_SKIN * HALF_SKIN)
-        while far:
-            work.out_of_range[number] = WIDTH * i + lowest_bit(far)
-            number += 1 if work.out_of_range[number] < n else 0
-            far &= far - 1
-    return number
-
-
-@inner
-def refresh_lists(work: SurfaceWorkspace, n: int, wide: SurfaceWorkspace, rows: int) -> None:
-    """Make the lists anew if it is time; else OUT_OF_RANGE are the nuclei that may meet others than those listed."""
-    out_of_range = find_out_of_range(wide, rows, n)
-    if work.state[FRESH] == 0 or out_of_range > MOST_OUT_OF_RANGE:
-        make_lists(work, n)
-        out_of_range = 0
-    work.state[OUT_OF_RANGE] = out_of_range
+        if n - WIDTH * i < WIDTH:
+            far &= (1 << (n - WIDTH * i)) - 1
+        if far:
+            return True
+    return False
 
 
 @inner

@@ -1,7 +1,7 @@
 """Points in space as four doubles that follow one another, x, y, z and nothing: one load, one store.
 
 A sum over pairs that are scattered in memory takes three loads for each point if x, y and z are in three arrays. Four
-doubles are lanes as in ``dincl.compiled.lanes``, with the same bits as one number.
+doubles are lanes as in ``tissue.kernels.lanes``, with the same bits as one number.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import Any
 
 from dincl.compiled import inner
-from dincl.compiled.lanes import integers_from, load_from, packed, shuffle, store_to, twice_rsqrt, where_positive
+from tissue.kernels.lanes import integers_from, load_from, packed, shuffle, store_to, twice_rsqrt, where_positive
 
 QUAD_WIDTH = 4
 Quad = Any  # four doubles

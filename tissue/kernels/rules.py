@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from threading import Lock
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from dincl.compiled import c_function, call, reader, signature, struct_type
-from tissue.state.cells import Floats, Integers
+from tissue.state.cells import Integers
 from tissue.state.numbers import NUMBERS
 from tissue.state.running import STATE
 from tissue.state.space import TissueRules
@@ -19,11 +20,8 @@ LAST: Any = signature(None, STATE, int, float, float, NUMBERS)
 # splits(state, i, number, numbers) and place(state, i, numbers) of a rule of divisions.
 SPLITS: Any = signature(int, STATE, int, float, NUMBERS)
 PLACE: Any = signature(None, STATE, int, NUMBERS)
-# Rules of slices and of surfaces, see ``tissue.rules``: leave(state, i, bridge), position(state, i) and
-# shrink(state, numbers); SPLIT below.
+# Rules of slices and of surfaces, see ``tissue.rules``: leave(state, i, bridge); SPLIT below.
 LEAVE: Any = signature(int, STATE, int, int)
-POSITION: Any = signature(float, STATE, int)
-SHRINK: Any = signature(None, STATE, NUMBERS)
 
 
 class Rules(NamedTuple):
@@ -36,27 +34,32 @@ class Rules(NamedTuple):
     place: int
     frees_apical: int  # the bits of the events after which the apical spring holds nothing
     frees_basal: int
-    users: int  # the bits of the events of users: what these leave of a cell is checked
-    fault: Floats  # (6,): the first bad value, see ``tissue.model.emt.check_cell``; fault[0] is 0 without one
 
 
-_EXAMPLE = Rules(np.zeros(1, np.int64), np.zeros(1, np.int64), np.zeros(1, np.int64), 0, 0, 0, 0, 0, np.zeros(6))
+_EXAMPLE = Rules(np.zeros(1, np.int64), np.zeros(1, np.int64), np.zeros(1, np.int64), 0, 0, 0, 0)
 RULES = struct_type(_EXAMPLE)
 rules_at = reader(_EXAMPLE)
 # The rule split(state, splits, numbers, rules), which makes all daughters of one dt.
 SPLIT: Any = signature(None, STATE, int, NUMBERS, RULES)
 # substeps(flat, wide, n): all substeps of one dt for n cells in the workspace.
-SUBSTEPS: Any = signature(int, int, int, int)
+ALL_SUBSTEPS: Any = signature(int, int, int, int)
 # Calls of these functions by their addresses, with the arguments above.
 call_begin, call_last, call_splits, call_place = call(BEGIN), call(LAST), call(SPLITS), call(PLACE)
-call_substeps = call(SUBSTEPS)
-call_split, call_leave, call_position, call_shrink = call(SPLIT), call(LEAVE), call(POSITION), call(SHRINK)
-# The rules of slices and of surfaces, for the life of the process.
-_COMPILED: list[Any] = []
+call_substeps, call_split, call_leave = call(ALL_SUBSTEPS), call(SPLIT), call(LEAVE)
+# Machine code by function, for the life of the process; threads come one at a time.
+_COMPILED: dict[Callable[..., Any], Any] = {}
+_COMPILING = Lock()
+
+
+def address_of(described: Any, function: Callable[..., Any]) -> int:
+    """Return the address of the machine code of a function of this signature, compiled on first use."""
+    with _COMPILING:
+        if function not in _COMPILED:
+            _COMPILED[function] = c_function(described, function)
+    address: int = _COMPILED[function].address
+    return address
 
 
 def compile_rules(*functions: Callable[..., Any]) -> TissueRules:
-    """Compile the rules split, leave_apical, leave_basal, position and shrink, and return their addresses."""
-    rules = [c_function(*pair) for pair in zip((SPLIT, LEAVE, LEAVE, POSITION, SHRINK), functions, strict=True)]
-    _COMPILED.extend(rules)
-    return TissueRules(*(rule.address for rule in rules))
+    """Compile the rules split, leave_apical and leave_basal, and return their addresses."""
+    return TissueRules(*map(address_of, (SPLIT, LEAVE, LEAVE), functions))

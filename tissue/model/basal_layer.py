@@ -1,4 +1,4 @@
-"""The basal layer holds its points (C3), in order (C4), and neighbours at most max_basal apart (C2): one sweep.
+"""The basal layer holds its points (C3), in order (C4), and neighbours at most d^max-basal apart (C2): one sweep.
 
 Of two neighbours of different types it is the mean of both.
 """
@@ -6,8 +6,8 @@ Of two neighbours of different types it is the mean of both.
 from __future__ import annotations
 
 from dincl.compiled import inner
-from dincl.compiled.lanes import either, fma, load, maximum, spread, store, where_positive
 from tissue.kernels.curve import evaluate
+from tissue.kernels.lanes import either, fma, load, maximum, spread, store, where_positive
 from tissue.kernels.layers import at_ends, move_ends
 from tissue.kernels.workspace import Workspace
 
@@ -17,7 +17,7 @@ NOWHERE = 1e300
 
 @inner
 def order_basal(work: Workspace, n: int) -> None:
-    """0 <= b_{k+1} - b_k (C4) for all neighbours from left to right, then b_{k+1} - b_k <= max_basal (C2) likewise.
+    """0 <= b_{k+1} - b_k (C4) for all neighbours from left to right, then b_{k+1} - b_k <= d^max-basal (C2) likewise.
 
     Each sweep is a chain in which one correction waits for the one before: the second follows one neighbour behind the
     first, so that both are under way at once. So at each point of the layer the end of the last but one before it is

@@ -1,4 +1,4 @@
-"""The rules of the cell cycle, applied once per dt: phases, rest lengths, the cap on the length of a cell.
+"""The rules of the cell cycle, applied once per dt: phases, rest lengths with a cap on the length of a cell, divisions.
 
 Source: sections 2.2.1 to 2.2.5 of chapter 3.
 """
@@ -11,12 +11,15 @@ from numpy.random import Generator
 
 from dincl.compiled import inner
 from tissue.kernels import kernel
-from tissue.kernels.rules import Rules, call_shrink
+from tissue.kernels.rules import Rules, call_split, call_splits
 from tissue.model.emt import last_events
 from tissue.model.springs import apical_length, basal_length, cell_length
+from tissue.rules.sheet import shrink_edges
+from tissue.rules.slice import shrink_junctions
 from tissue.state.cells import Cells
 from tissue.state.numbers import Numbers, numbers_of
 from tissue.state.running import CELLS, TissueState
+from tissue.state.space import SPATIAL
 
 
 @inner
@@ -57,7 +60,7 @@ def set_phases(state: TissueState, t: float, numbers: Numbers) -> None:
     cells = state.cells
     for i in range(state.sizes[CELLS]):
         own = numbers_of(numbers, cells.kind[i])
-        changes = cells.moves[i] or own.resting_enlarge
+        changes = cells.moves[i] or own.resting_cells_enlarge
         late = in_g2(cells, i, t, own)
         mitosis = t - cells.birth[i] >= cells.cycle[i] - own.mitosis
         enlarged = changes and (late if own.enlarge_in_g2 else mitosis)
@@ -76,7 +79,10 @@ def adapt_rest_lengths(state: TissueState, t: float, numbers: Numbers, rules: Ru
     takes the place of these.
     """
     cells, n = state.cells, state.sizes[CELLS]
-    call_shrink(state.space.rules.shrink, state, numbers)
+    if state.space.dimension == SPATIAL:
+        shrink_edges(state, numbers)
+    else:
+        shrink_junctions(state, numbers)
     kind, own, keep_ax, keep_bx = -1, numbers, 0.0, 0.0
     for i in range(n):
         if cells.kind[i] != kind:  # of neighbours it is mostly the same: two exponentials for many cells
@@ -90,10 +96,53 @@ def adapt_rest_lengths(state: TissueState, t: float, numbers: Numbers, rules: Ru
         else:
             wanted_ax = apical_length(cells, i) - own.soft_radius
             wanted_bx = basal_length(cells, i) - own.soft_radius
-        if own.floor_rest:
+        if own.floor_rest_length:
             wanted_ax, wanted_bx = max(0.0, wanted_ax), max(0.0, wanted_bx)
         wanted_ax, wanted_bx = capped(wanted_ax, wanted_bx, cells.events[i], rules, own.max_cytoskeleton)
         cells.rest_ax[i] = wanted_ax + (rest_ax - wanted_ax) * keep_ax
         cells.rest_bx[i] = wanted_bx + (rest_bx - wanted_bx) * keep_bx
         if cells.events[i]:
             last_events(state, i, rest_ax, rest_bx, own, rules)
+
+
+# Division (section 2.2.5 of chapter 3)
+
+
+@inner
+def count_due(state: TissueState, t: float) -> int:
+    """Return how many cells end their cycle by time t: as many may be added."""
+    cells = state.cells
+    count = 0
+    for i in range(state.sizes[CELLS]):
+        count += is_due(cells, i, t)
+    return count
+
+
+@inner
+def is_due(cells: Cells, i: int, t: float) -> bool:
+    """Return whether cell i ends its cycle by time t."""
+    due: bool = t - cells.birth[i] >= cells.cycle[i]
+    return due
+
+
+@kernel
+def divide(state: TissueState, t: float, numbers: Numbers, rules: Rules, draws: Generator) -> None:
+    """End the cycle of each cell that is old enough: it begins a new one, alone or with a second daughter beside it.
+
+    What is drawn for daughters is kept in ``TissueState.daughters``, from which the rule ``split`` makes all of them at
+    once.
+    """
+    cells, splits = state.cells, 0
+    for i in range(state.sizes[CELLS]):
+        if is_due(cells, i, t):
+            own = numbers_of(numbers, cells.kind[i])
+            two = cells.divides[i] and call_splits(rules.splits, state, i, draws.random(), own) != 0
+            cells.birth[i] = t
+            cells.cycle[i] = draw_cycle(own, draws)
+            if two:
+                if state.space.dimension == SPATIAL:  # in a slice there is one direction
+                    state.daughters.turn[i] = draws.random()
+                state.daughters.cycle[i] = draw_cycle(own, draws)
+                splits += 1
+    if splits > 0:
+        call_split(state.space.rules.split, state, splits, numbers, rules)

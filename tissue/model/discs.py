@@ -6,9 +6,10 @@ import math
 from typing import Any
 
 from dincl.compiled import inner
-from dincl.compiled.lanes import load, maximum, positive_bits, root, spread, store, where_positive
 from tissue.kernels import kernel
-from tissue.kernels.near import BLOCK, find_boxes, find_near, list_before, list_ranges, next_window
+from tissue.kernels.lanes import load, maximum, positive_bits, root, spread, store, where_positive
+from tissue.kernels.layout import Plane
+from tissue.kernels.near import BLOCK, find_boxes, list_before, next_window
 from tissue.kernels.workspace import LOST, Workspace, workspace_at
 
 # Pairs with a larger gap before the sweep are not looked at in it at first [R_soft].
@@ -17,8 +18,6 @@ MARGIN = 0.3
 HALF = 0.499
 # By how much the margin grows where a nucleus was pushed farther, and beyond which all pairs are looked at.
 WIDER, WIDEST = 4.0, 1e3
-
-Plane = tuple[Any, Any]
 
 
 @inner
@@ -114,9 +113,9 @@ def separate_all(flat: int, wide: int, n: int, touching: float, most: int) -> in
 def largest_overlap(work: Workspace, n: int) -> float:
     """Compute max R_i + R_j - |X_i - X_j| of one tissue, 0 if no discs overlap."""
     x, y, radius, largest = work.x, work.y, work.radius, 0.0
-    boxes = find_near(work, n, 1.0, 0.0)
+    find_boxes(work, n, BLOCK, 1.0, 0.0)
     for i in range(n):
-        for k in range(list_ranges(work, i, boxes)):
+        for k in range(list_before(work, i)):
             for j in range(work.begin[k], min(work.end[k], i)):
                 largest = max(largest, radius[i] + radius[j] - math.hypot(x[i] - x[j], y[i] - y[j]))
     return largest

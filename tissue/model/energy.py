@@ -24,7 +24,7 @@ from tissue.state.surface import FLAT_SURFACE, Surface
 
 
 class Elastic(NamedTuple):
-    """What the energy depends on beside the points: n cells, m junctions."""
+    """Coefficients and rest lengths of the energy, for n cells and m junctions."""
 
     stiff_ax: Floats  # (n,): alpha of the springs and of the bending energy
     stiff_bx: Floats
@@ -81,16 +81,14 @@ def parts(cells: Cells, layers: CellLayers, numbers: Numbers, curve: BasalCurve 
 def elastic_of(cells: Cells, layers: CellLayers, numbers: Numbers, curve: BasalCurve = LINE) -> Elastic:
     """Collect what the energy of a slice depends on beside its points; arguments are those of ``parts``."""
     i, j = junctions.pairs(cells, layers, curve.ring)
+    l_ax, l_bx = 1 + cells.rest_ax, 1 + cells.rest_bx
+    if not (np.minimum(l_ax, l_bx) > 0).all():
+        least = np.minimum(l_ax, l_bx).min() - 1
+        raise InvalidProblem(f"cells.rest_ax, rest_bx = {least}: must be above -1, the radius R_soft")
     stiff = cells.stiff_ax, cells.stiff_bx, cells.stiff_axb
-    l_ax, l_bx = _spring_lengths("rest_ax", cells.rest_ax), _spring_lengths("rest_bx", cells.rest_bx)
     k_aa = np.asarray(junctions.stiffness(cells, (i, j), numbers.junction_factor))
     joined = np.stack((i, j), axis=1)
-    return Elastic(*stiff, l_ax, l_bx, joined, cells.rest_aa[i], k_aa, numbers.power, numbers.repulsion)
-
-
-def energy_of(x: Floats, a: Floats, b: Floats, elastic: Elastic, surface: Surface = FLAT_SURFACE) -> float:
-    """Compute W, the sum of ``parts_of``, with its arguments and errors; complex for complex coordinates."""
-    return sum(parts_of(x, a, b, elastic, surface))
+    return Elastic(*stiff, l_ax, l_bx, joined, cells.rest_aa[i], k_aa, numbers.spring_power, numbers.repulsion)
 
 
 def parts_of(x: Floats, a: Floats, b: Floats, elastic: Elastic, surface: Surface = FLAT_SURFACE) -> Parts:
@@ -110,13 +108,13 @@ def parts_of(x: Floats, a: Floats, b: Floats, elastic: Elastic, surface: Surface
     InvalidProblem
         For coordinates that are not finite, and for two points that act on each other in one place.
     """
-    arrows, e = _arrows(x, a, b, elastic, surface), elastic
+    (xa, xb, aa, xx), e = _arrows(x, a, b, elastic, surface), elastic
     return Parts(
-        ax=np.sum(springs.energy(arrows.xa.length, e.l_ax, e.stiff_ax, e.power)),
-        bx=np.sum(springs.energy(arrows.xb.length, e.l_bx, e.stiff_bx, e.power)),
-        aa=np.sum(junctions.energy(arrows.aa.length, e.rest, e.k_aa)),
-        axb=np.sum(bending.energy(_cosine(arrows), e.stiff_axb)),
-        xx=np.sum(repulsion.energy(arrows.xx.length, e.repulsion)),
+        ax=np.sum(springs.energy(xa.length, e.l_ax, e.stiff_ax, e.power)),
+        bx=np.sum(springs.energy(xb.length, e.l_bx, e.stiff_bx, e.power)),
+        aa=np.sum(junctions.energy(aa.length, e.rest, e.k_aa)),
+        axb=np.sum(bending.energy((xa.unit * xb.unit).sum(axis=0), e.stiff_axb)),
+        xx=np.sum(repulsion.energy(xx.length, e.repulsion)),
     )
 
 
@@ -138,15 +136,15 @@ def forces_of(
     A junction pulls A_i towards A_j with k_ij (|A_j - A_i| - eta_i^aa), and A_j the opposite way; the repulsion pulls
     X_i towards X_j with k_xx (|X_i - X_j| - 2) < 0. Arguments and errors are those of ``parts_of``.
     """
-    arrows, e = _arrows(x, a, b, elastic, surface), elastic
-    xa, xb, cosine = arrows.xa, arrows.xb, _cosine(arrows)
+    (xa, xb, aa, xx), e = _arrows(x, a, b, elastic, surface), elastic
+    cosine = (xa.unit * xb.unit).sum(axis=0)
     on_a = -springs.tension(xa.length, e.l_ax, e.stiff_ax, e.power) * xa.unit
     on_b = -springs.tension(xb.length, e.l_bx, e.stiff_bx, e.power) * xb.unit
     on_a += bending.force(xa.unit, xb.unit, xa.length, cosine, e.stiff_axb)
     on_b += bending.force(xb.unit, xa.unit, xb.length, cosine, e.stiff_axb)
     on_x = -(on_a + on_b)
-    _pull(on_a, arrows.aa, junctions.tension(arrows.aa.length, e.rest, e.k_aa))
-    _pull(on_x, arrows.xx, repulsion.tension(arrows.xx.length, e.repulsion))
+    _pull(on_a, aa, junctions.tension(aa.length, e.rest, e.k_aa))
+    _pull(on_x, xx, repulsion.tension(xx.length, e.repulsion))
     return on_x, on_a, on_b
 
 
@@ -168,36 +166,27 @@ class _Bundle(NamedTuple):
     unit: Floats
 
 
-class _Arrows(NamedTuple):
-    """All arrows that the energy depends on."""
-
-    xa: _Bundle  # from X_i to A_i
-    xb: _Bundle  # from X_i to B_i
-    aa: _Bundle  # from A_i to A_j, where a junction joins them
-    xx: _Bundle  # from X_i to X_j, j < i, closer than 2
-
-
-def _arrows(x: Floats, a: Floats, b: Floats, elastic: Elastic, surface: Surface) -> _Arrows:
+def _arrows(
+    x: Floats, a: Floats, b: Floats, elastic: Elastic, surface: Surface
+) -> tuple[_Bundle, _Bundle, _Bundle, _Bundle]:
+    """Return all arrows that the energy depends on: from X_i to A_i, from X_i to B_i, from A_i to A_j where a junction
+    joins them, from X_i to X_j, j < i, closer than 2.
+    """
     for name, points in (("x", x), ("a", a), ("b", b)):
         if not bounded(points.real):
             raise InvalidProblem(f"{name} has coordinates that are not finite, or beyond {LARGEST:g} in magnitude")
     each, (i, j) = np.arange(x.shape[1]), elastic.junctions.T
     soft_i, soft_j = _soft_pairs(x, surface)
-    return _Arrows(
-        xa=_bundle("nucleus and apical point", x, a, each, each),
-        xb=_bundle("nucleus and basal point", x, b, each, each),
-        aa=_bundle("apical points", a, a, i, j, surface),
-        xx=_bundle("nuclei", x, x, soft_i, soft_j, surface),
+    return (
+        _bundle("nucleus and apical point", x, a, each, each),
+        _bundle("nucleus and basal point", x, b, each, each),
+        _bundle("apical points", a, a, i, j, surface),
+        _bundle("nuclei", x, x, soft_i, soft_j, surface),
     )
 
 
 def _points(cells: Cells) -> tuple[Floats, Floats, Floats]:
     """X, A, B as arrays of shape (2, n)."""
-    for name in Forces._fields:
-        values = getattr(cells, name)
-        if not bounded(values.real):
-            k = int(np.flatnonzero(~(np.abs(values.real) <= LARGEST))[0])
-            raise InvalidProblem(f"cells.{name}[{k}] = {values[k]}: must be finite, of magnitude at most {LARGEST:g}")
     return np.stack((cells.x, cells.y)), np.stack((cells.ax, cells.ay)), np.stack((cells.bx, cells.by))
 
 
@@ -226,21 +215,6 @@ def _bundle(
         cells = f"cell {i}" if i == j else f"cells {i} and {j}"
         raise InvalidProblem(f"{what} of {cells} lie on one point {heads[:, j]}: must be apart, to have a direction")
     return _Bundle(start, end, length, arrows / length)
-
-
-def _spring_lengths(name: str, rest: Floats) -> Floats:
-    """l = 1 + eta, shape (n,)."""
-    length = 1 + rest
-    wrong = np.flatnonzero(~(length > 0))
-    if wrong.size:
-        raise InvalidProblem(f"cells.{name}[{wrong[0]}] = {rest[wrong[0]]}: must be above -1, the radius R_soft")
-    return length
-
-
-def _cosine(arrows: _Arrows) -> Floats:
-    """cos gamma, shape (n,)."""
-    cosine: Floats = (arrows.xa.unit * arrows.xb.unit).sum(axis=0)
-    return cosine
 
 
 def _pull(on: Floats, arrows: _Bundle, tension: Floats) -> None:

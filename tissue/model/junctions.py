@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from dincl.compiled import inner
-from dincl.compiled.lanes import either, fma, load, spread, store, twice_rsqrt, where_positive
+from tissue.kernels.lanes import either, fma, load, spread, store, twice_rsqrt, where_positive
 from tissue.kernels.layers import at_ends
 from tissue.kernels.surface_workspace import JUNCTIONS, SurfaceWorkspace, nearest, periods
 from tissue.kernels.workspace import Workspace

@@ -5,17 +5,17 @@ from __future__ import annotations
 from typing import Any
 
 from dincl.compiled import inner
-from dincl.compiled.lanes import fma, load, store, twice_rsqrt
+from tissue.kernels.lanes import fma, load, store, twice_rsqrt
+from tissue.kernels.layout import Lane
 from tissue.model.springs import stretched
 from tissue.state.surface import PLANE, SPHERE
 
-Lane = Any  # a double, or eight
 Arrow = tuple[Lane, Lane, Lane]
 Spring = tuple[Lane, Lane]
 
 
 @inner
-def dot(u: Arrow, v: Arrow) -> Lane:
+def lanes_dot(u: Arrow, v: Arrow) -> Lane:
     """Compute u . v."""
     return fma(u[0], v[0], fma(u[1], v[1], u[2] * v[2]))
 
@@ -34,9 +34,9 @@ def pulls(u: Arrow, v: Arrow, ax: Spring, bx: Spring, bending: Lane) -> tuple[Ar
     moves by itself (4.1). With c = u . v / (|u| |v|) the bending energy alpha (c + 1) displaces A by
     alpha (c u / |u|^2 - v / (|u| |v|)), and B likewise.
     """
-    by_u, by_v = 0.5 * twice_rsqrt(dot(u, u)), 0.5 * twice_rsqrt(dot(v, v))
+    by_u, by_v = 0.5 * twice_rsqrt(lanes_dot(u, u)), 0.5 * twice_rsqrt(lanes_dot(v, v))
     across = bending * by_u * by_v
-    turn = across * dot(u, v)
+    turn = across * lanes_dot(u, v)
     along_u = stretched(ax[0], ax[1], by_u, turn * by_u * by_u)
     along_v = stretched(bx[0], bx[1], by_v, turn * by_v * by_v)
     on_a, on_b = combined(u, along_u, v, 0.0 - across), combined(v, along_v, u, 0.0 - across)
@@ -55,8 +55,8 @@ def tangential(work: Any, held: Lane, at: Arrow, force: Arrow) -> Arrow:
     x, y, z = at
     if bends != SPHERE:
         z = 0.0 * z
-    inverse = 0.5 * twice_rsqrt(dot((x, y, z), (x, y, z)))
-    out = 0.0 - held * inverse * inverse * dot((x, y, z), force)
+    inverse = 0.5 * twice_rsqrt(lanes_dot((x, y, z), (x, y, z)))
+    out = 0.0 - held * inverse * inverse * lanes_dot((x, y, z), force)
     return fma(out, x, force[0]), fma(out, y, force[1]), fma(out, z, force[2])
 
 

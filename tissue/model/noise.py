@@ -13,14 +13,14 @@ from typing import Any
 from numpy.random import Generator
 
 from dincl.compiled import inner
-from dincl.compiled.generators import threefry
-from dincl.compiled.lanes import binary_parts, either, fma, load, twice_rsqrt
-from dincl.compiled.lanes import store as put
+from tissue.kernels.generators import threefry
+from tissue.kernels.lanes import binary_parts, either, fma, load, twice_rsqrt
+from tissue.kernels.lanes import store as put
 from tissue.state.cells import Integers
 from tissue.state.running import CELLS, TissueState
 from tissue.state.space import SPATIAL
 
-WORDS = 2.0**32
+WORD_VALUES = 2.0**32
 # Taylor coefficients in x^2 of sin(x)/x and cos x, for |x| <= pi/4, and of artanh(x)/x, for |x| <= 3 - 2 sqrt 2: what
 # they leave out is below 1e-13, the accuracy of ``twice_rsqrt``.
 TERMS = range(8)
@@ -40,19 +40,19 @@ def _series(c: tuple[float, ...], x: Any) -> Any:
 
 
 @inner
-def normals(key: Integers, counter: Integers, place: int, number: int) -> tuple[Any, Any]:
+def normal_pair(key: Integers, counter: Integers, place: int, number: int) -> tuple[Any, Any]:
     """Return two independent N(0, 1), sqrt(-2 ln u) (cos, sin)(2 pi v - pi); arguments as of ``threefry``.
 
     u and v lie in the middle of 2^32 equal parts of (0, 1), so that no number is beyond 6.8.
     """
     word, other = threefry(key, counter, place, number)
-    mantissa, exponent = binary_parts((word + 0.5) * (1 / WORDS))
+    mantissa, exponent = binary_parts((word + 0.5) * (1 / WORD_VALUES))
     above = mantissa - ROOT
     mantissa, exponent = either(above, 0.5 * mantissa, mantissa), either(above, exponent + 1.0, exponent)
     ratio = (mantissa - 1.0) / (mantissa + 1.0)
     square = -2.0 * fma(exponent, LOGARITHM, 2.0 * ratio * _series(ARTANH, ratio * ratio))
     radius = 0.5 * square * twice_rsqrt(square)
-    quarter = fma(other + 0.5, 0.5 * math.pi / WORDS, -0.25 * math.pi)
+    quarter = fma(other + 0.5, 0.5 * math.pi / WORD_VALUES, -0.25 * math.pi)
     sine, cosine = quarter * _series(SINE, quarter * quarter), _series(COSINE, quarter * quarter)
     sine, cosine = 2.0 * sine * cosine, fma(-2.0 * sine, sine, 1.0)  # of half the angle
     return radius * fma(-2.0 * sine, sine, 1.0), radius * (2.0 * sine * cosine)
@@ -78,7 +78,7 @@ def add_noise(state: TissueState, variance: float, noise: Generator) -> None:
 @inner
 def draw_key(noise: Generator, key: Integers) -> None:
     """Draw the two words of the key of the noise in substeps."""
-    key[0], key[1] = int(WORDS * noise.random()), int(WORDS * noise.random())
+    key[0], key[1] = int(WORD_VALUES * noise.random()), int(WORD_VALUES * noise.random())
 
 
 @inner
@@ -90,8 +90,8 @@ def add_substep_noise(work: Any, rows: int, number: int) -> None:
     deviation, x, y, z = work.deviation, work.x, work.y, work.z
     if deviation > 0.0:
         for i in range(rows):
-            along_x, along_y = normals(work.noise_key, work.id, i, number)
-            along_z, _ = normals(work.noise_key, work.id, i, DEPTH + number)
+            along_x, along_y = normal_pair(work.noise_key, work.id, i, number)
+            along_z, _ = normal_pair(work.noise_key, work.id, i, DEPTH + number)
             put(x, i, fma(deviation, along_x, load(x, i)))
             put(y, i, fma(deviation, along_y, load(y, i)))
             put(z, i, fma(deviation, along_z, load(z, i)))

@@ -9,30 +9,23 @@ both are as in the pair energies alpha (R - d)^2/R^p of all variants.
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 from dincl.compiled import inner
-from dincl.compiled.lanes import (
+from tissue.kernels.lanes import (
     WIDTH,
     fma,
     load,
     load_wide,
     maximum,
-    positive_bits,
     spread,
     store,
     twice_rsqrt,
     where_positive,
 )
-from tissue.kernels.near import BLOCK, find_boxes, find_near_rows, list_around, list_before, next_window, window_around
+from tissue.kernels.layout import Lane, Plane
+from tissue.kernels.near import BLOCK, find_boxes, find_near_rows, list_around, list_before, next_window
 from tissue.kernels.workspace import SOFT, Workspace
-
-# A nucleus that is far out of order makes windows long: in longer ones each cell is looked at before it is met.
-LONG = 48
-
-Lane = Any  # a double, or eight
-Plane = tuple[Lane, Lane]
 
 
 def energy(d: Any, k: Any) -> Any:
@@ -49,47 +42,21 @@ def tension(d: Any, k: Any) -> Any:
 def push_in_rows(work: Workspace, n: int, wide: Workspace, rows: int) -> None:
     """Push of the soft discs on each nucleus of one tissue, the sum of (2 / d - 1) (X_i - X_j) over j.
 
-    Where soft discs differ it has the strength of each pair.
-    Eight nuclei in a row meet all that are near one of them, one after the other. Without strength no pair is looked
-    at.
+    Where soft discs differ it has the strength of each pair. Eight nuclei in a row meet all that are near one of them,
+    one after the other. Without strength no pair is looked at.
     """
-    push, pairs, end = (spread(wide.x, 0.0), spread(wide.x, 0.0)), 0, 0
-    boxes = work.repulsion != 0.0 and find_near_rows(work, n, 0.0, work.soft_end)
+    pairs = 0
+    if work.repulsion != 0.0:
+        find_near_rows(work, n, work.soft_end)
     for row in range(rows):
-        total = push
-        if work.repulsion == 0.0:
-            pass
-        elif boxes:
-            for k in range(list_around(work, row)):
-                total = _push_row(work, wide, row, work.begin[k], min(work.end[k], n), total)
-                pairs += WIDTH * (min(work.end[k], n) - work.begin[k])
-        else:
-            begin, end = window_around(work, row, n, end)
-            if end - begin > LONG:
-                total, near = _push_long_row(work, wide, row, n, begin, end, total)
-                pairs += WIDTH * near
-            else:
-                total = _push_row(work, wide, row, begin, end, total)
-                pairs += WIDTH * (end - begin)
-        store(wide.push_x, row, total[0])
-        store(wide.push_y, row, total[1])
+        push = spread(wide.x, 0.0), spread(wide.x, 0.0)
+        for k in range(list_around(work, row, n) if work.repulsion != 0.0 else 0):
+            begin, end = work.begin[k], min(work.end[k], n)
+            push = _push_row(work, wide, row, begin, end, push)
+            pairs += WIDTH * (end - begin)
+        store(wide.push_x, row, push[0])
+        store(wide.push_y, row, push[1])
     work.pairs[0] += pairs // 2  # each twice
-
-
-@inner
-def _push_long_row(
-    work: Workspace, wide: Workspace, row: int, n: int, begin: int, end: int, push: Plane
-) -> tuple[Plane, int]:
-    """Push a row, without cells too far to the left or right; also return how many were met."""
-    low, high, near = math.inf, -math.inf, 0
-    for i in range(WIDTH * row, min(WIDTH * row + WIDTH, n)):
-        low, high = min(low, work.x[i]), max(high, work.x[i])
-    low, high = low - 2.0 * work.soft_end, high + 2.0 * work.soft_end
-    for j in range(begin, end):
-        if not (work.x[j] < low or work.x[j] > high):
-            push = _push_row(work, wide, row, j, j + 1, push)
-            near += 1
-    return push, near
 
 
 @inner
@@ -115,41 +82,24 @@ def _push_row(work: Workspace, wide: Workspace, row: int, begin: int, end: int, 
 @inner
 def push_in_pairs(work: Workspace, n: int) -> None:
     """Push in eight tissues, where each pair is looked at once; sums are added up in the same order."""
-    none, pairs, first, ahead = spread(work.x, 0.0), 0, 0, spread(work.x, -1e300)
-    boxes = work.bent > 0
+    pairs, first, ahead, boxes = 0, 0, spread(work.x, -1e300), work.bent > 0
     if boxes and work.repulsion != 0.0:
         find_boxes(work, n, BLOCK, 0.0, work.soft_end)
     for i in range(n):
-        sum_x, sum_y = none, none
+        push = spread(work.x, 0.0), spread(work.x, 0.0)
         if work.repulsion == 0.0:
             pass
         elif boxes:
             for k in range(list_before(work, i)):
-                sum_x, sum_y = _push_pairs(work, i, work.begin[k], min(work.end[k], i), (sum_x, sum_y))
+                push = _push_pairs(work, i, work.begin[k], min(work.end[k], i), push)
                 pairs += max(0, min(work.end[k], i) - work.begin[k])
         else:
             first, ahead = next_window(work, i, first, ahead, 0.0, work.soft_end)
-            if i - first > LONG // 2:
-                (sum_x, sum_y), near = _push_long_pairs(work, i, first, (sum_x, sum_y))
-                pairs += near
-            else:
-                sum_x, sum_y = _push_pairs(work, i, first, i, (sum_x, sum_y))
-                pairs += i - first
-        store(work.push_x, i, 0.0 - sum_x)
-        store(work.push_y, i, 0.0 - sum_y)
+            push = _push_pairs(work, i, first, i, push)
+            pairs += i - first
+        store(work.push_x, i, 0.0 - push[0])
+        store(work.push_y, i, 0.0 - push[1])
     work.pairs[0] += pairs
-
-
-@inner
-def _push_long_pairs(work: Workspace, i: int, first: int, push: Plane) -> tuple[Plane, int]:
-    """Push the cells from ``first`` to i that are near it along x in some tissue; also return how many."""
-    x_i, near = load(work.x, i), 0
-    for j in range(first, i):
-        away = load(work.x, j) - x_i
-        if positive_bits(2.0 * work.soft_end - maximum(away, 0.0 - away)):
-            push = _push_pairs(work, i, j, j + 1, push)
-            near += 1
-    return push, near
 
 
 @inner

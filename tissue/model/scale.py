@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 
 from dincl.compiled import inner
-from tissue.kernels import kernel
 from tissue.kernels.curve import height_of
-from tissue.kernels.rules import call_position
-from tissue.state.cells import Cells, Floats
+from tissue.state.cells import Cells
+from tissue.state.network import TRIANGLES
 from tissue.state.running import APICAL, CELLS, TissueState
+from tissue.state.space import SPATIAL
 from tissue.state.surface import Surface, differences, height
 
 Point = tuple[float, float, float]
@@ -19,48 +19,48 @@ Point = tuple[float, float, float]
 def position_in_space(state: TissueState, i: int) -> float:
     """y_AB(X_i) = h(X_i) / h(A^ref), A^ref the point of the apical surface nearest to X_i (section 3.3.1 of chapter 4).
 
-    The apical surface is made of the triangles of the network; where there is none, in a row of cells, of its edges. h
-    is the height above the basal surface.
+    The apical surface is made of the triangles of the network, as it is between two renewals, and h is the height above
+    the basal surface. Looks at all triangles: for one cell; ``tissue.model.measures`` has all.
     """
     cells, network, surface = state.cells, state.space.apical, state.space.surface
-    x, y, z = cells.x[i], cells.y[i], cells.z[i]
+    at = cells.x[i], cells.y[i], cells.z[i]
     nearest, reference = math.inf, (math.nan, math.nan, math.nan)
-    for t in range(network.triangles[0]):
-        first, second, third = network.corner[3 * t], network.corner[3 * t + 1], network.corner[3 * t + 2]
-        if first < 0 or second < 0 or third < 0:
-            continue
-        a = _from(surface, cells, (x, y, z), first)
-        b = _from(surface, cells, (x, y, z), second)
-        c = _from(surface, cells, (x, y, z), third)
-        p = nearest_to_origin(a, b, c)
-        square = _dot(p, p)
+    for t in range(network.sizes[TRIANGLES]):
+        a = _beside(surface, cells, at, network.triangles[t, 0])
+        b, c = (
+            _beside(surface, cells, a, network.triangles[t, 1]),
+            _beside(surface, cells, a, network.triangles[t, 2]),
+        )
+        square, point = nearest_on_triangle(at, a, b, c)
         if square < nearest:
-            nearest, reference = square, p
-    if nearest == math.inf:
-        reference = _nearest_of_row(state, (x, y, z))
-    above = height(surface, x + reference[0], y + reference[1], z + reference[2])
-    return height(surface, x, y, z) / above
+            nearest, reference = square, point
+    above = height(surface, reference[0], reference[1], reference[2])
+    return height(surface, at[0], at[1], at[2]) / above
 
 
 @inner
-def _nearest_of_row(state: TissueState, at: Point) -> Point:
-    """Return the arrow to the nearest point of the edges of the apical network."""
-    cells, network, surface = state.cells, state.space.apical, state.space.surface
-    nearest, reference = math.inf, (math.nan, math.nan, math.nan)
-    for h in range(3 * network.triangles[0]):
-        first, second = network.corner[h], network.corner[network.twin[h]]
-        if 0 <= first < second:
-            p = _nearest_on(_from(surface, cells, at, first), _from(surface, cells, at, second))
-            square = _dot(p, p)
-            if square < nearest:
-                nearest, reference = square, p
-    return reference
+def _beside(surface: Surface, cells: Cells, at: Point, j: int) -> Point:
+    """Return the image of the apical point of cell j that is nearest to a point."""
+    away = differences(surface, cells.ax[j] - at[0], cells.ay[j] - at[1], cells.az[j] - at[2])
+    return at[0] + away[0], at[1] + away[1], at[2] + away[2]
 
 
 @inner
-def _from(surface: Surface, cells: Cells, at: Point, j: int) -> Point:
-    """Return the arrow from a point to the apical point of cell j, its nearest image."""
-    return differences(surface, cells.ax[j] - at[0], cells.ay[j] - at[1], cells.az[j] - at[2])
+def nearest_on_triangle(at: Point, a: Point, b: Point, c: Point) -> tuple[float, Point]:
+    """Return the squared distance from a point to a triangle, and the nearest point of the triangle."""
+    p = nearest_to_origin(minus(a, at), minus(b, at), minus(c, at))
+    return dot(p, p), (at[0] + p[0], at[1] + p[1], at[2] + p[2])
+
+
+@inner
+def nearest_on_junction(at: Point, a: Point, b: Point) -> tuple[float, Point]:
+    """Return the squared distance from a point to the line from a to b, and the nearest point of the line."""
+    along, away = minus(b, a), minus(at, a)
+    square, part = dot(along, along), 0.0
+    if square > 0.0:
+        part = min(max(dot(away, along) / square, 0.0), 1.0)
+    away = away[0] - part * along[0], away[1] - part * along[1], away[2] - part * along[2]
+    return dot(away, away), _along(a, along, part)
 
 
 @inner
@@ -69,8 +69,8 @@ def nearest_to_origin(a: Point, b: Point, c: Point) -> Point:
 
     It is the foot of the plane where that lies inside, else the nearest point of the three sides.
     """
-    u, v = _minus(b, a), _minus(c, a)
-    uu, uv, vv, au, av = _dot(u, u), _dot(u, v), _dot(v, v), -_dot(a, u), -_dot(a, v)
+    u, v = minus(b, a), minus(c, a)
+    uu, uv, vv, au, av = dot(u, u), dot(u, v), dot(v, v), -dot(a, u), -dot(a, v)
     area = uu * vv - uv * uv
     p, q = vv * au - uv * av, uu * av - uv * au
     if area > 0.0 and p >= 0.0 and q >= 0.0 and p + q <= area:
@@ -78,7 +78,7 @@ def nearest_to_origin(a: Point, b: Point, c: Point) -> Point:
     best, found = math.inf, a
     for side in ((a, b), (b, c), (c, a)):
         point = _nearest_on(side[0], side[1])
-        square = _dot(point, point)
+        square = dot(point, point)
         if square < best:
             best, found = square, point
     return found
@@ -87,14 +87,15 @@ def nearest_to_origin(a: Point, b: Point, c: Point) -> Point:
 @inner
 def _nearest_on(a: Point, b: Point) -> Point:
     """Return the point of the line from a to b that is nearest to the origin."""
-    u = _minus(b, a)
-    square = _dot(u, u)
-    part = min(max(-_dot(a, u) / square, 0.0), 1.0) if square > 0.0 else 0.0
+    u = minus(b, a)
+    square = dot(u, u)
+    part = min(max(-dot(a, u) / square, 0.0), 1.0) if square > 0.0 else 0.0
     return _along(a, u, part)
 
 
 @inner
-def _minus(a: Point, b: Point) -> Point:
+def minus(a: Point, b: Point) -> Point:
+    """Compute a - b."""
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
@@ -104,41 +105,73 @@ def _along(a: Point, u: Point, part: float) -> Point:
 
 
 @inner
-def _dot(a: Point, b: Point) -> float:
+def dot(a: Point, b: Point) -> float:
+    """Compute a . b."""
     total: float = a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
     return total
 
 
 @inner
 def ab_position(state: TissueState, i: int) -> float:
-    """Compute y_AB(X_i), by the rule of the tissue."""
-    found: float = call_position(state.space.rules.position, state, i)
-    return found
+    """Compute y_AB(X_i)."""
+    if state.space.dimension == SPATIAL:
+        return position_in_space(state, i)
+    return position_in_slice(state, i)
 
 
 @inner
 def position_in_slice(state: TissueState, i: int) -> float:
-    """y_AB(X_i) = h(X_i) / h(A^ref), A^ref the point of the apical path nearest to X_i; as ``ab_positions``.
+    """y_AB(X_i) = h(X_i) / h(A^ref), A^ref the point of the apical path nearest to X_i, of several the first one.
 
-    h is the height above the basal layer, y above a line.
+    h is the height above the basal layer, y above a line. Looks at all junctions: for one cell;
+    ``tissue.model.measures`` has all.
     """
-    cells, layer = state.cells, state.layers.apical
-    x, y = cells.x[i], cells.y[i]
-    nearest, reference, size = math.inf, (cells.ax[layer[0]], cells.ay[layer[0]]), state.sizes[APICAL]
+    cells, layer, size = state.cells, state.layers.apical, state.sizes[APICAL]
+    at = cells.x[i], cells.y[i], 0.0
+    nearest, reference = math.inf, (cells.ax[layer[0]], cells.ay[layer[0]], 0.0)
     for k in range(size if state.curve.ring > 0.0 else size - 1):
-        end = layer[k + 1 if k + 1 < size else 0]
-        from_x, from_y = cells.ax[layer[k]], cells.ay[layer[k]]
-        along_x, along_y = cells.ax[end] - from_x, cells.ay[end] - from_y
-        away_x, away_y = x - from_x, y - from_y
-        square, part = along_x * along_x + along_y * along_y, 0.0
-        if square > 0.0:
-            part = min(max((away_x * along_x + away_y * along_y) / square, 0.0), 1.0)
-        away_x, away_y = away_x - part * along_x, away_y - part * along_y
-        if away_x * away_x + away_y * away_y < nearest:
-            nearest = away_x * away_x + away_y * away_y
-            reference = from_x + part * along_x, from_y + part * along_y
-    position: float = height_of(state.curve, x, y) / height_of(state.curve, reference[0], reference[1])
+        j, end = layer[k], layer[k + 1 if k + 1 < size else 0]
+        square, point = nearest_on_junction(at, (cells.ax[j], cells.ay[j], 0.0), (cells.ax[end], cells.ay[end], 0.0))
+        if square < nearest:
+            nearest, reference = square, point
+    position: float = height_of(state.curve, at[0], at[1]) / height_of(state.curve, reference[0], reference[1])
     return position
+
+
+@inner
+def crossing_of_ray(x: float, y: float, from_x: float, from_y: float, to_x: float, to_y: float) -> int:
+    """Return whether a line crosses the ray from a point to the right: upwards 1, downwards -1, else 0.
+
+    An end on the ray counts as above it, so that of two lines that meet there one crosses it.
+    """
+    if (from_y <= y) == (to_y <= y):
+        return 0
+    left = (to_x - from_x) * (y - from_y) - (x - from_x) * (to_y - from_y)
+    if from_y <= y:
+        return int(left > 0.0)
+    return -int(left < 0.0)
+
+
+@inner
+def junctions_cross(a: Point, b: Point, c: Point, d: Point) -> bool:
+    """Return whether two lines in the plane cross: the ends of each lie on different sides of the other."""
+    one = _hand(a, b, c) * _hand(a, b, d)
+    return one < 0.0 and _hand(c, d, a) * _hand(c, d, b) < 0.0
+
+
+@inner
+def _hand(a: Point, b: Point, c: Point) -> float:
+    """Compute on which side of the line from a to b the point c is: a number with this sign."""
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+
+@inner
+def beyond_apical(state: TissueState, around: int) -> bool:
+    """Return whether a point is beyond the apical layer of a tube, in its lumen or outside of it.
+
+    ``around``: how often the apical layer goes around the point, counterclockwise. It goes around the lumen once.
+    """
+    return around > 0 if state.curve.hollow else around >= 0
 
 
 @inner
@@ -157,12 +190,29 @@ def apical_range(state: TissueState) -> tuple[float, float]:
 
 @inner
 def side_of(state: TissueState, i: int, low: float) -> int:
-    """-1 for y_AB(X_i) < 0, 1 for y_AB(X_i) > 1, else 0 (4.3); ``low`` of ``apical_range``, above the basal line."""
-    y = state.cells.y[i]
+    """-1 for y_AB(X_i) < 0, 1 for y_AB(X_i) > 1, else 0 (4.3); ``low`` of ``apical_range``, above the basal line.
+
+    In a tube a nucleus is at 1 if it is beyond the apical layer as a whole: the layer encloses a lumen.
+    """
+    x, y = state.cells.x[i], state.cells.y[i]
     if 0.0 <= y <= low:
         return 0
+    if state.curve.ring > 0.0:
+        if beyond_apical(state, winding_around(state, x, y)):
+            return 1
+        return -int(height_of(state.curve, x, y) < 0.0)
     position = ab_position(state, i)
     return (position > 1.0) - (position < 0.0)
+
+
+@inner
+def winding_around(state: TissueState, x: float, y: float) -> int:
+    """Return how often the closed apical layer goes around a point, counterclockwise."""
+    cells, layer, size, around = state.cells, state.layers.apical, state.sizes[APICAL], 0
+    for k in range(size):
+        i, j = layer[k], layer[k + 1 if k + 1 < size else 0]
+        around += crossing_of_ray(x, y, cells.ax[i], cells.ay[i], cells.ax[j], cells.ay[j])
+    return around
 
 
 @inner
@@ -178,24 +228,3 @@ def watch_sides(state: TissueState, t: float) -> None:
             side = side_of(state, i, low)
             if side != emt.side[k]:
                 emt.side[k], emt.since[k], emt.since_x[k] = side, t, cells.x[i]
-
-
-@kernel
-def measure(state: TissueState, positions: Floats, controls: Floats) -> None:
-    """y_AB of each EMT cell; of the control cells their number, how many are above 1 and below 0, and the lowest y_AB.
-
-    Most need no look at the apical path: y_AB lies between y / high and y / low.
-    """
-    cells, n, (low, high) = state.cells, state.sizes[CELLS], apical_range(state)
-    controls[0], controls[1], controls[2], controls[3] = 0.0, 0.0, 0.0, math.inf
-    for i in range(n):
-        k = cells.emt[i]
-        if k >= 0:
-            positions[k] = ab_position(state, i)
-            continue
-        controls[0] += 1.0
-        if not 0.0 <= cells.y[i] <= low or cells.y[i] < controls[3] * high:
-            position = ab_position(state, i)
-            controls[1] += position > 1.0
-            controls[2] += position < 0.0
-            controls[3] = min(controls[3], position)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from dincl.compiled import inner
-from dincl.compiled.lanes import floored, fma
+from tissue.kernels.lanes import floored, fma
 from tissue.kernels.pair_lists import row_of
 from tissue.kernels.quads import (
     QUAD_WIDTH,

@@ -9,7 +9,7 @@ import math
 from typing import Any
 
 from dincl.compiled import inner
-from dincl.compiled.lanes import fma
+from tissue.kernels.lanes import fma
 from tissue.state.cells import Cells
 
 

@@ -18,13 +18,16 @@ from __future__ import annotations
 
 import math
 
+from tissue.state.numbers import Numbers
+
 # Of h lambda / mu.
 LIMIT = 2.0
 
 
-def cell_stiffness(bending: float, apical: float, basal: float, repulsion: float, power: int, radius: float) -> float:
-    """Return the largest of these eigenvalues for cells alone and pairs of nuclei."""
-    return max(2.0 * bending / radius**2, max(4.0 * apical, 2.0 * basal, 2.0 * repulsion) / radius**power)
+def cell_stiffness(numbers: Numbers) -> float:
+    """Return the largest of these eigenvalues for cells of these numbers alone, and pairs of their nuclei."""
+    radius, springs = numbers.soft_radius, max(4.0 * numbers.alpha_ax, 2.0 * numbers.alpha_bx, 2.0 * numbers.repulsion)
+    return max(2.0 * numbers.alpha_axb / radius**2, springs / radius**numbers.spring_power)
 
 
 def junction_stiffness(k: float, cells: int, *, in_space: bool) -> float:

@@ -1,5 +1,5 @@
-"""Who is a neighbour of whom on a surface: an oriented triangulation whose edges never cross.
+"""Neighbours of cells in a layer in space: Delaunay's triangulation of its points.
 
-``start`` makes it of points; ``follow`` keeps it while they move, ``exchange`` exchanges neighbours, ``insert`` and
-``remove`` are for cells that come and go.
+``triangulation`` makes it on a plane, a cylinder or a sphere; ``neighbours`` renews it every few dt, and lets cells
+come and go in between; ``lattice`` is where cells stand at the start.
 """

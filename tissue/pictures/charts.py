@@ -1,23 +1,20 @@
-"""Charts of studies: their one style, and the ratios of one scenario against time with their bands."""
+"""Charts of studies: their one style, panels, and ratios with intervals against time and beside each other."""
 
 from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, Literal
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import pandas as pd
 
-from tissue.pictures.sheet import GREY, Axes, Figure, Line2D, Patch, style
-from tissue.statistics.categories import What, in_time, kept_times, time_column, timed
-from tissue.statistics.proportions import LEVEL
-from tissue.statistics.ratios import COLUMNS, ratios
+from tissue.pictures.sheet import GREY, Axes, Figure, Line2D, Patch
+from tissue.study.categories import EXTREME, What, control_shares, kept_times, run_shares_in_time, time_column, timed
+from tissue.study.estimates import estimate
 
-MAKES_NO_NUMBERS = True
-
-WIDTH = 9.2  # inches, as the pictures and the page of the report
+WIDTH, NARROW = 9.2, 4.4  # inches: of figures, and of those for a telephone
 DPI = 200
 CHART_STYLE: Any = {
     "axes.titlesize": 9.5,
@@ -35,28 +32,21 @@ OUTCOMES: dict[What, tuple[str, LineStyle, str]] = {
     "apical": ("#3f7fc1", "--", "apical extrusion"),
     "below": ("#e0a100", "-.", "below all control cells"),
 }
-# Around a cell; the populations of Table 5 of chapter 4 by the study that makes them.
-ENVIRONMENTS = {
-    "individual": ("#808080", "individual"),
-    "homogeneous": ("#8c6bb1", "homogeneous group"),
-    "table5_63": ("#00796b", "heterogeneous, 63 % [P]"),
-    "table5_35": ("#2fa89a", "heterogeneous, 35 % [P]"),
-    "table5_7": ("#7fcabf", "heterogeneous, 7 % [P]"),
-}
-POSITION = "$y_{AB}$"
-PERCENT = f"{100 * LEVEL:g} %"
-INTERVALS = f"{PERCENT} Wilson intervals on the effective number of cells"
-CAPTION_SIZE, CAPTION_LETTERS = 8.0, 155  # points; in a line
-MOST_ENTRIES = 4  # of a legend in a line
+POSITION, TIME, RATIO = "$y_{AB}$", "time [h]", "ratio of EMT cells [%]"
+CONTROLS = "control cells, apical extrusion"
 CAP: dict[str, Any] = {"capsize": 2.5, "elinewidth": 1.0, "capthick": 1.0}
-# Fewer runs laid over complete studies.
-CHECKED = "the runs of this page"
-CHECK: dict[str, Any] = {"marker": "o", "markersize": 7.5, "markerfacecolor": "none", "color": "#9a9a9a", "zorder": 1.5}
+# Inches: of a column of panels at least, what stands around them, of a further line of titles, of a column of a legend.
+COLUMN, AROUND, TITLE_LINE, ENTRY = 2.1, 0.8, 0.16, 2.1
+LETTERS = 12  # of a title in an inch
+NAME_LETTERS = 42  # of a line of a name beside an axis
+APART = 0.34  # of the marks of one line
+STEPS = (0.1, 0.25, 0.5, 1.0, 2.0, 3.0, 6.0, 12.0, 24.0, 48.0)  # [h] between two ticks
+MOST_TICKS = 5
 
 
-def page(height: float) -> Figure:
-    """Draw an empty figure, ``height`` in inches."""
-    return Figure(figsize=(WIDTH, height), layout="constrained", dpi=DPI)
+def page(height: float, width: float = WIDTH) -> Figure:
+    """Make an empty figure, sizes in inches."""
+    return Figure(figsize=(width, height), layout="constrained", dpi=DPI)
 
 
 def verbatim(name: str) -> str:
@@ -64,113 +54,119 @@ def verbatim(name: str) -> str:
     return name.replace("$", r"\$")
 
 
-def caption(figure: Figure, text: str, letters: int = CAPTION_LETTERS) -> None:
-    """Write below the figure what it shows, of how many cells, and what the intervals are; ``letters`` in a line."""
-    whole = text.replace("\n", " ").replace(" %", "\N{NO-BREAK SPACE}%")
-    lines = textwrap.fill(whole, letters)
-    figure.supxlabel(lines, x=0.01, ha="left", fontsize=CAPTION_SIZE, color="#333333")
-
-
 def legend(figure: Figure, handles: Mapping[str, Line2D | Patch]) -> None:
     """Add one legend for all panels, above them."""
-    columns = min(MOST_ENTRIES, len(handles))
+    columns = max(1, min(len(handles), int(figure.get_figwidth() / ENTRY)))
     figure.legend(list(handles.values()), list(handles), loc="outside upper left", ncols=columns)
 
 
-def outcome_lines() -> dict[str, Line2D | Patch]:
-    """Return the legend of lines over time."""
-    return {name: Line2D([], [], color=colour, linestyle=line) for colour, line, name in OUTCOMES.values()}
+def grid(
+    titles: Sequence[str],
+    height: float,
+    *,
+    x: str = "",
+    y: str = "",
+    columns: int | None = None,
+    width: float = WIDTH,
+    **shared: Any,
+) -> tuple[Figure, list[Axes]]:
+    """Make a panel for each title, in rows.
+
+    Parameters
+    ----------
+    titles
+        Of the panels.
+    height
+        Of a row [in].
+    x, y
+        Names of the axes, once for all panels.
+    columns
+        Panels in a row; None: as many as fit.
+    width
+        Of the figure [in].
+    shared
+        Of axes, as matplotlib has it.
+    """
+    columns = columns or min(len(titles), int(width / COLUMN))
+    rows = -(-len(titles) // columns)
+    wrapped = [textwrap.fill(verbatim(title), round(LETTERS * width / columns)) for title in titles]
+    lines = max(title.count("\n") for title in wrapped)
+    figure = page(rows * (height + TITLE_LINE * lines) + AROUND, width)
+    panels = figure.subplots(rows, columns, squeeze=False, **shared).ravel().tolist()
+    for k in range(len(titles), len(panels)):  # nothing is beneath the panel above
+        panels[k].remove()
+        panels[k - columns].tick_params(labelbottom=True)
+    for title, panel in zip(wrapped, panels, strict=False):
+        panel.set_title(title)
+    figure.supxlabel(x, fontsize="medium")
+    figure.supylabel(y, fontsize="medium")
+    return figure, panels[: len(titles)]
+
+
+class RatioSeries(NamedTuple):
+    """One series of ratios."""
+
+    label: str
+    rows: pd.DataFrame  # value, low, high; by the name of their line
+    look: dict[str, Any]
+
+
+def draw_series(panel: Axes, names: Sequence[str], series: Sequence[RatioSeries]) -> None:
+    """Draw ratios [%] with their intervals: a line for each name from above to below, with a mark for each series."""
+    step = min(APART, 0.7 / len(series))
+    for k, (label, rows, look) in enumerate(series):
+        value, low, high = (100 * rows[name].to_numpy(float) for name in ("value", "low", "high"))
+        at = np.array([names.index(name) for name in rows.index]) + step * (k - (len(series) - 1) / 2)
+        marks: dict[str, Any] = {"label": label, "markersize": 4.5, "linestyle": "none"} | CAP | look
+        panel.errorbar(value, at, xerr=(value - low, high - value), **marks)
+    panel.set(yticks=range(len(names)), ylim=(len(names) - 0.5, -0.5), xlim=(-2, 102))
+    panel.set_yticklabels([textwrap.fill(verbatim(name), NAME_LETTERS) for name in names])
+    panel.grid(visible=False, axis="y")
 
 
 def band(panel: Axes, x: pd.Series, table: pd.DataFrame, **look: Any) -> None:
-    """Draw a line of ratios [%] with their intervals; ``table`` as that of ``ratios``."""
+    """Draw a line of ratios [%] with their intervals; ``table`` has value, low and high."""
     low, value, high = (100 * table[name] for name in ("low", "value", "high"))
     panel.fill_between(x, low, high, color=look["color"], alpha=0.18, linewidth=0)
     panel.plot(x, value, **look)
 
 
-def percent_axis(panel: Axes, text: str) -> None:
-    """Set an axis to the whole range of ratios."""
-    panel.set(ylim=(-2, 102), ylabel=text)
-
-
-def counted(numbers: Iterable[int], what: str) -> str:
-    """Write how many there were: "n = 400 runs", or "n = 398 to 400 runs"."""
-    found = sorted(set(numbers))
-    span = f"{found[0]}" if len(found) == 1 else f"{found[0]} to {found[-1]}"
-    return f"n = {span} {what}"
-
-
-STEPS = (0.1, 0.25, 0.5, 1.0, 2.0, 3.0, 6.0, 12.0, 24.0, 48.0)  # [h] between two ticks
-MOST_TICKS = 5
-CONTROLS = "control cells, apical extrusion"
-COMPLETE = "complete studies"
-TIME = "time [h]"
-RATIO = "ratio of EMT cells [%]"
-END_MARK: Any = {"marker": "D", "markersize": 3.0, "linestyle": "none", "clip_on": False, "zorder": 4}
-BEYOND = 0.015  # of the time, by which marks stand behind the end, and the time that they take
-
-
 def ratios_in_time(cells: pd.DataFrame) -> pd.DataFrame:
-    """Compute what ``over_time`` gives of these cells, at least one, for all output times at once."""
-    times, parts = kept_times(cells), []
-    replicate = pd.Series(np.tile(cells["replicate"], len(times)))
-    category = pd.Series(np.repeat(times, len(cells)))
-    for what, hits in in_time(cells).items():
-        found = ratios(pd.Series(hits.ravel()), replicate, category)
-        parts.append(found.rename_axis("time_h").reset_index().assign(what=what))
-    return pd.concat(parts, ignore_index=True)[["what", "time_h", *COLUMNS]]
+    """Compute r(t) of (4.7), the mean over runs of the share of a run, with its interval at each output time alone.
+
+    A row for each outcome and output time: ``what`` (the keys of ``OUTCOMES``), ``time_h``, value, low, high.
+    """
+    parts = []
+    for what, shares in run_shares_in_time(cells).items():
+        mean = estimate([1.0], [shares], EXTREME[what])
+        low, high = mean.interval()
+        columns = {"what": what, "time_h": kept_times(cells), "value": mean.effect, "low": low, "high": high}
+        parts.append(pd.DataFrame(columns))
+    return pd.concat(parts, ignore_index=True)
 
 
-def draw_time_series(panel: Axes, cells: pd.DataFrame, runs: pd.DataFrame) -> pd.DataFrame:
+def draw_time_series(panel: Axes, cells: pd.DataFrame, runs: pd.DataFrame) -> None:
     """Draw r(t) of (4.7) for the three outcomes, and apical extrusion of the control cells.
 
-    Parameters
-    ----------
-    panel
-        Where to draw.
-    cells, runs
-        Tables of one scenario, see ``Results``; there is at least one cell.
-
-    Returns
-    -------
-    pd.DataFrame
-        The ratios of the EMT cells, as ``over_time`` gives them.
+    ``cells``, ``runs``: tables of one scenario, see ``Results``; there is at least one cell.
     """
-    table = ratios_in_time(cells)
+    table, times = ratios_in_time(cells), kept_times(cells)
     for what, (colour, line, name) in OUTCOMES.items():
         mine = table[table["what"] == what]
         band(panel, mine["time_h"], mine, color=colour, linestyle=line, label=name)
-    times = kept_times(cells)
-    panel.plot(times, _of_controls(runs, times), color=GREY, linewidth=0.8, label=CONTROLS)
+    controls = [100 * float(control_shares(runs, "apical", t).mean()) for t in times]
+    panel.plot(times, controls, color=GREY, linewidth=0.8, label=CONTROLS)
     mark_events(panel, cells)
     time_axis(panel, times[-1])
-    percent_axis(panel, RATIO)
-    return table
-
-
-def draw_ends(panel: Axes, rows: pd.DataFrame, end: float) -> None:
-    """Draw the ratios at the end of complete studies beside the end of a line, with their intervals."""
-    for k, row in enumerate(rows.itertuples()):
-        colour, _, _ = OUTCOMES[row.outcome]
-        value, low, high = (100 * number for number in (row.value, row.low, row.high))
-        at = end * (1 + (k + 1) * BEYOND)
-        panel.errorbar(at, value, yerr=[[value - low], [high - value]], color=colour, **END_MARK, **CAP)
-    panel.set_xlim(right=end * (1 + (len(rows) + 1) * BEYOND))
-
-
-def plot_time_series(ax: Axes | None, scenario: str, cells: pd.DataFrame, runs: pd.DataFrame) -> Axes:
-    """Draw ratios against time with a title, into ``ax`` or, if it is None, into a figure of its own with a legend."""
-    with style(**CHART_STYLE):
-        panel = _alone() if ax is None else ax
-        draw_time_series(panel, cells, runs)
-        panel.set(title=f"{scenario}, {len(runs)} run{'s' * (len(runs) != 1)}", xlabel=TIME)
-    return panel
+    panel.set_ylim(-2, 102)
 
 
 def time_series_entries() -> dict[str, Line2D | Patch]:
     """Return the legend of ratios against time."""
-    return outcome_lines() | {CONTROLS: Line2D([], [], color=GREY, linewidth=0.8)}
+    lines: dict[str, Line2D | Patch] = {
+        name: Line2D([], [], color=colour, linestyle=line) for colour, line, name in OUTCOMES.values()
+    }
+    return lines | {CONTROLS: Line2D([], [], color=GREY, linewidth=0.8)}
 
 
 def time_axis(panel: Axes, end: float) -> None:
@@ -190,15 +186,3 @@ def mark_events(panel: Axes, cells: pd.DataFrame) -> None:
     for t, events in found.items():
         panel.axvline(t, color=GREY, linestyle=":", linewidth=1.0)
         panel.annotate(f"[{events}]", (t, 1), (2, -1), ("data", "axes fraction"), "offset points", va="top")
-
-
-def _alone() -> Axes:
-    figure = page(4.0)
-    legend(figure, time_series_entries())
-    return figure.subplots()
-
-
-def _of_controls(runs: pd.DataFrame, times: Sequence[float]) -> list[float]:
-    """Return the share of control cells that are extruded apically [%]."""
-    counts = [(runs[f"controls_apical_{t:g}h"].sum(), runs[f"controls_{t:g}h"].sum()) for t in times]
-    return [100 * float(apical) / float(every) for apical, every in counts]

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from tissue.frames.frame import Frame
     from tissue.state.cells import Flags, Integers
 
-MAKES_NO_NUMBERS = True
 
 # By the events that have begun: lighter than control cells or of another hue, the redder for [P], blue-green for [AC].
 EMT_COLOURS = {
@@ -38,39 +37,9 @@ EMT_COLOURS = {
 OTHER_COLOURS = ("#7cb342", "#ff8fb1", "#5d4037", "#c0ca33", "#a1887f", "#00695c", "#d7a6e8", "#9e0059")
 
 
-class EmtLook(NamedTuple):
-    """Appearance that all pictures of some states share."""
-
-    colours: dict[str, str]  # of the sets of events that are there, in the order of the legend
-    apical: bool  # whether apical points are free, whether basal ones are
-    basal: bool
-    chained: bool  # whether free apical points are joined
-
-
-def look_of(frames: Sequence[Frame]) -> EmtLook:
-    """Return the sets of events that are there, each with a colour of its own as long as there are enough."""
-    begun = {int(k) for frame in frames for k in frame.cells.events[frame.cells.emt >= 0]}
-    free = np.any([[points.any() for points in free_points(frame)] for frame in frames], axis=0)
-    return EmtLook(
-        colours_of(begun), bool(free[0]), bool(free[1]), any(any(True for _ in chains(one)) for one in frames)
-    )
-
-
-def free_points(frame: Frame) -> tuple[Flags, Flags]:
-    """Return whether each cell is an EMT cell whose apical, whose basal point has left its layer."""
-    is_emt = frame.cells.emt >= 0
-    apical, basal = is_emt.copy(), is_emt.copy()
-    apical[frame.layers.apical] = False
-    basal[frame.layers.basal] = False
-    return apical, basal
-
-
-def chains(frame: Frame) -> Iterable[Integers]:
-    """Return the cells of each chain of two or more that have left the apical layer together, in their order."""
-    for number in np.unique(frame.cells.chain[frame.cells.chain > 0]):
-        members = np.flatnonzero(frame.cells.chain == number)
-        if len(members) > 1:
-            yield members
+def event_colours(frames: Sequence[Frame]) -> dict[str, str]:
+    """Return the sets of events that EMT cells of these states have, in the order of the legend, with their colours."""
+    return colours_of({int(k) for frame in frames for k in frame.cells.events[frame.cells.emt >= 0]})
 
 
 def colours_of(begun: set[int]) -> dict[str, str]:
@@ -82,3 +51,25 @@ def colours_of(begun: set[int]) -> dict[str, str]:
         turned = [OTHER_COLOURS[(begin + k) % len(OTHER_COLOURS)] for k in range(len(OTHER_COLOURS))]
         found[name] = next((colour for colour in turned if colour not in found.values()), turned[0])
     return found
+
+
+def label_of(events: str) -> str:
+    """Return the entry of a legend for EMT cells with a set of events."""
+    return f"EMT: {f'[{events}]' if events else 'no event yet'}"
+
+
+def free_points(frame: Frame) -> tuple[Flags, Flags]:
+    """Return whether each cell is an EMT cell whose apical, whose basal point has left its layer."""
+    is_emt = frame.cells.emt >= 0
+    apical, basal = is_emt.copy(), is_emt.copy()
+    apical[frame.layers.apical] = False
+    basal[frame.layers.basal] = False
+    return apical, basal
+
+
+def chains(frame: Frame) -> Iterator[Integers]:
+    """Give the cells of each chain of two or more that have left the apical layer together, in their order."""
+    for number in np.unique(frame.cells.chain[frame.cells.chain > 0]):
+        members = np.flatnonzero(frame.cells.chain == number)
+        if len(members) > 1:
+            yield members

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from io import BytesIO
 from os import PathLike
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,7 @@ from PIL import Image
 from dincl.checks import path as checked_path
 from dincl.errors import InvalidProblem
 from dincl.files import replacing
-from tissue.pictures.emt import look_of
+from tissue.pictures.emt import event_colours
 from tissue.pictures.picture import stills
 from tissue.pictures.sheet import COLOURS as PHASE_COLOURS
 from tissue.pictures.sheet import shades
@@ -23,14 +24,21 @@ if TYPE_CHECKING:
     from tissue.files.parameters import Parameters
     from tissue.frames.frame import Frame
 
-MAKES_NO_NUMBERS = True
 
 ENDINGS = (".gif", ".webp")
-# Milliseconds that each picture and the last one are shown; GIF counts in tens.
-EACH, LAST = 80, 2000
-# Of a GIF, besides those of the discs: more are no better to look at; of a WebP, from 0 to 100.
-COLOURS, QUALITY = 128, 75
-WHITE = 255
+# Of a GIF, besides those of the discs: more are no better to look at.
+COLOURS, WHITE = 128, 255
+
+
+class Pace(NamedTuple):
+    """Milliseconds that each picture and the last one of a movie are shown, and the quality of WebP, 0 to 100."""
+
+    each: int  # GIF counts in tens
+    last: int
+    quality: int
+
+
+MOVIE, PAGE = Pace(80, 2000, 75), Pace(140, 1500, 40)
 
 
 def movie(
@@ -58,41 +66,32 @@ def movie(
         For another ending, no frame at all, or one with coordinates that are not finite.
     """
     kind = ending(path)
-    images = _drawn(frames, parameters, watch)
+
+    def watched() -> Iterator[Image.Image]:
+        for k, still in enumerate(stills(frames, parameters), 1):
+            if watch is not None:
+                watch(k)
+            yield Image.fromarray(still)
+
+    images = watched()
     if kind == ".gif":
         palette = _palette(frames, parameters)
         images = (image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images)
-    _save(images, len(frames), path)
+    with replacing(path) as partial:
+        _save(images, len(frames), partial, kind[1:])
 
 
 def write_images(images: Iterator[NDArray[np.uint8]], count: int, path: str | PathLike[str]) -> None:
     """Write ``count`` images (h, w, 3) by the ending of the path: .png for one, or a movie as ``movie`` does."""
-    _save(map(Image.fromarray, images), count, path)
-
-
-def small_movie(
-    images: Iterable[NDArray[np.uint8]], width: int, times: tuple[int, int], quality: int
-) -> tuple[bytes, float]:
-    """Make a WebP movie for a page: its bytes, and the ratio of its width to its height.
-
-    ``width`` in pixels; ``times`` [ms] that each picture and the last one are shown; ``quality`` from 0 to 100.
-    """
-    found = [Image.fromarray(image) for image in images]
-    size = width, round(found[0].height * width / found[0].width)
-    first, *others = (image.resize(size, Image.Resampling.LANCZOS) for image in found)
-    file, shown = BytesIO(), [times[0]] * len(others) + [times[1]]
-    first.save(file, "webp", save_all=True, append_images=others, duration=shown, loop=0, quality=quality)
-    return file.getvalue(), size[0] / size[1]
-
-
-def _save(images: Iterator[Image.Image], count: int, path: str | PathLike[str]) -> None:
-    first, kind = next(images), checked_path("path", path).suffix.lower()[1:]
     with replacing(path) as partial:
-        if count == 1 and kind == "png":
-            first.save(partial, kind)
-            return
-        shown = [EACH] * (count - 1) + [LAST]
-        first.save(partial, kind, save_all=True, append_images=images, duration=shown, loop=0, quality=QUALITY)
+        _save(map(Image.fromarray, images), count, partial, checked_path("path", path).suffix.lower()[1:])
+
+
+def small_movie(images: Sequence[NDArray[np.uint8]]) -> bytes:
+    """Return the bytes of a WebP movie for a page."""
+    file = BytesIO()
+    _save(map(Image.fromarray, images), len(images), file, "webp", PAGE)
+    return file.getvalue()
 
 
 def ending(path: str | PathLike[str]) -> str:
@@ -103,13 +102,14 @@ def ending(path: str | PathLike[str]) -> str:
     return kind
 
 
-def _drawn(
-    frames: Sequence[Frame], parameters: Parameters, watch: Callable[[int], None] | None
-) -> Iterator[Image.Image]:
-    for k, still in enumerate(stills(frames, parameters), 1):
-        if watch is not None:
-            watch(k)
-        yield Image.fromarray(still)
+def _save(images: Iterator[Image.Image], count: int, file: Path | BytesIO, kind: str, pace: Pace = MOVIE) -> None:
+    """Save images as they come; of a movie the last one is shown for longer."""
+    first = next(images)
+    if count == 1 and kind == "png":
+        first.save(file, kind)
+        return
+    shown = [pace.each] * (count - 1) + [pace.last]
+    first.save(file, kind, save_all=True, append_images=images, duration=shown, loop=0, quality=pace.quality)
 
 
 def _palette(frames: Sequence[Frame], parameters: Parameters) -> Image.Image:
@@ -118,6 +118,6 @@ def _palette(frames: Sequence[Frame], parameters: Parameters) -> Image.Image:
     found = Image.fromarray(still).quantize(COLOURS, method=Image.Quantize.FASTOCTREE)
     colours = np.reshape(found.getpalette() or [], (-1, 3))[:COLOURS]
     colours[colours.sum(axis=1).argmax()] = WHITE  # the paper, which was averaged with the edges of letters
-    discs = shades([*PHASE_COLOURS.values(), *look_of(frames).colours.values()])
+    discs = shades([*PHASE_COLOURS.values(), *event_colours(frames).values()])
     found.putpalette(np.vstack((colours, discs)).ravel().tolist())
     return found

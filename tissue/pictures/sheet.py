@@ -1,8 +1,8 @@
-"""Colours, lines and legend of the pictures of the tissue, and how figures are written. Only here is matplotlib."""
+"""Colours, styles and legend of the pictures of the tissue, and how figures are written. Only here is matplotlib."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from io import BytesIO
 from os import PathLike
@@ -27,9 +27,7 @@ from tissue.events.known import EVENTS
 from tissue.files.parameters import Parameters
 from tissue.frames.frame import Frame
 from tissue.frames.observables import PHASES, phases
-from tissue.pictures.emt import EmtLook
-
-MAKES_NO_NUMBERS = True
+from tissue.pictures.emt import label_of
 
 __all__ = ["Artist", "Axes", "EllipseCollection", "Figure", "FigureCanvasAgg", "Line2D", "LineCollection", "Patch"]
 
@@ -48,15 +46,12 @@ STYLE: Any = {
     "legend.frameon": False,
     "svg.hashsalt": "tissue",  # the same file for the same picture
 }
-DOT: dict[str, Any] = {"marker": "o", "markeredgewidth": 0}
-DOT_SIZE = 3.0
+DOT: dict[str, Any] = {"marker": "o", "markeredgewidth": 0, "markersize": 3.0}
 SOFT = 0.25  # opacity of soft discs
 CROSS: dict[str, Any] = {"marker": "x", "markersize": 4.5, "markeredgewidth": 1.2, "linestyle": "none"}
 CHAIN: dict[str, Any] = {"linewidth": 1.0, "linestyle": (0, (3.0, 1.5))}
-
-
-# Inches of an entry and of a line of a legend.
-ENTRY, LINE = 1.18, 0.34
+# Inches of a column and of a line of the legend.
+ENTRY, LINE = 1.5, 0.22
 
 
 @contextmanager
@@ -73,94 +68,68 @@ def write(figure: Figure, path: str | PathLike[str]) -> None:
         figure.savefig(partial, metadata=dated.get(Path(path).suffix.lower()))
 
 
-def png(figure: Figure) -> bytes:
-    """Write a figure as the bytes of a PNG file, for a page."""
+def webp(figure: Figure, dpi: int = 100) -> bytes:
+    """Return the bytes of a WebP image of a figure, for a page: a quarter of those of a PNG."""
     file = BytesIO()
     with style():
-        figure.savefig(file, format="png", dpi=100)
+        figure.savefig(file, format="webp", dpi=dpi, pil_kwargs={"quality": 85})
     return file.getvalue()
 
 
-def shades(colours: Sequence[str]) -> NDArray[np.uint8]:
+def shades(colours: list[str]) -> NDArray[np.uint8]:
     """Return red, green, blue of hard discs of these colours and of soft ones on paper, (2 n, 3)."""
     hard = 255 * np.array([to_rgb(colour) for colour in colours])
     return np.round(np.vstack((hard, 255 + SOFT * (hard - 255)))).astype(np.uint8)
 
 
-def _dot(colour: str, size: float, **look: Any) -> Line2D:
-    return Line2D([], [], linestyle="none", color=colour, markersize=size, **(DOT | look))
+def legend_entries(events: Mapping[str, str], types: Mapping[str, str]) -> dict[str, Any]:
+    """Return the marks of the legend by name.
 
+    Parameters
+    ----------
+    events
+        Colours of the sets of events that EMT cells have.
+    types
+        Colours of the edges of named types.
+    """
 
-def control_entries() -> dict[str, Any]:
-    """Return the legend of what every picture has."""
+    def dot(colour: str, size: float, **look: Any) -> Line2D:
+        return Line2D([], [], linestyle="none", color=colour, **DOT | {"markersize": size} | look)
 
-    def line(colour: str, width: float, **dots: Any) -> tuple[Line2D]:
-        return (Line2D([], [], color=colour, linewidth=width, markersize=DOT_SIZE, **dots),)
+    def disc(colour: str, **edge: Any) -> tuple[Line2D, Line2D]:
+        return dot(colour, 12, alpha=0.35), dot(colour, 6, **edge)
 
-    phases = {name: (_dot(colour, 12, alpha=0.35), _dot(colour, 6)) for name, colour in COLOURS.items()}
-    return phases | {
-        "soft, hard disc": (_dot(GREY, 12, alpha=0.35), _dot(GREY, 6)),
-        "springs": line(SPRING, 0.9),
-        "apical layer": line(APICAL, 1.5, **DOT),
-        "basal layer": line(BASAL, 1.2, **DOT),
-    }
-
-
-def emt_entries(look: EmtLook) -> dict[str, Any]:
-    """Return the legend of EMT cells that look so; empty if there are none."""
-    edge = {"markeredgecolor": "black", "markeredgewidth": 0.6}
-    found: dict[str, Any] = {}
-    for name, colour in look.colours.items():
-        text = f"[{name}]" if name else "before any event"
-        found[text if found else f"EMT cell: {text}"] = (_dot(colour, 12, alpha=0.35), _dot(colour, 6, **edge))
-    for is_there, layer, colour in ((look.apical, "apical", APICAL), (look.basal, "basal", BASAL)):
-        if is_there:
-            found[f"free {layer} point"] = (Line2D([], [], color=colour, **CROSS),)
-    if look.chained:
-        found["joined apart from the layer"] = (Line2D([], [], color=APICAL, **CHAIN),)
+    found: dict[str, Any] = {name: disc(colour) for name, colour in COLOURS.items()}
+    found["soft, hard disc"] = disc(GREY)
+    found["springs"] = Line2D([], [], color=SPRING, linewidth=0.9)
+    found["apical layer"] = Line2D([], [], color=APICAL, linewidth=1.5, **DOT)
+    found["basal layer"] = Line2D([], [], color=BASAL, linewidth=1.2, **DOT)
+    for name, colour in events.items():
+        found[label_of(name)] = disc(colour, markeredgecolor="black", markeredgewidth=0.6)
+    if events:
+        crosses = (Line2D([], [], color=colour, **CROSS) for colour in (APICAL, BASAL))
+        found |= zip(("free apical point", "free basal point"), crosses, strict=True)
+    if any("AC" in name for name in events):
+        found["joined, left layer"] = Line2D([], [], color=APICAL, **CHAIN)
+    for name, colour in types.items():
+        found[f"type {name}"] = dot(GREY, 6, markeredgecolor=colour, markeredgewidth=1.2)
     return found
 
 
-def type_entries(colours: Mapping[str, str]) -> dict[str, Any]:
-    """Return the legend of named types, by their edges."""
-    return {
-        f"type {name}": (_dot(GREY, 6, markeredgecolor=colour, markeredgewidth=1.2),)
-        for name, colour in colours.items()
-    }
+def add_legend(figure: Figure, entries: Mapping[str, Any], columns: int) -> None:
+    """Add a legend below all panels."""
+    handlers: Any = {tuple: HandlerTuple(ndivide=1)}
+    marks, names = list(entries.values()), list(entries)
+    figure.legend(marks, names, loc="outside lower left", ncols=columns, handler_map=handlers)
 
 
-def legend_lines(groups: Sequence[dict[str, Any]], width: float) -> list[dict[str, Any]]:
-    """Break the entries of a legend into lines that fit into a width [inches], from below to above."""
-    most, lines = max(1, int(width / ENTRY)), []
-    for group in groups:
-        entries = list(group.items())
-        lines += [dict(entries[k : k + most]) for k in reversed(range(0, len(entries), most))]
-    return lines
-
-
-def legend(figure: Figure, lines: Sequence[dict[str, Any]], left: float, low: float) -> None:
-    """Add the lines of a legend; ``left``, ``low``: the corner of the lowest one [inches]."""
-    wide, tall = figure.get_size_inches()
-    for k, entries in enumerate(lines):
-        figure.legend(
-            list(entries.values()),
-            list(entries),
-            handler_map={tuple: HandlerTuple(ndivide=1)},
-            loc="lower left",
-            bbox_to_anchor=(left / wide, (low + k * LINE) / tall),
-            borderaxespad=0.5,
-            borderpad=0.2,
-            ncols=len(entries),
-            handletextpad=0.5,
-            columnspacing=1.6,
-        )
-
-
-def colours_of_cells(frame: Frame, parameters: Parameters, look: EmtLook) -> tuple[NDArray[np.str_], NDArray[np.str_]]:
+def colours_of_cells(
+    frame: Frame, parameters: Parameters, events: Mapping[str, str]
+) -> tuple[NDArray[np.str_], NDArray[np.str_]]:
     """Return the colours of the disc or ball of each cell, and of the edge of its hard disc."""
     cells, is_emt = frame.cells, frame.cells.emt >= 0
     phase = phases(frame, parameters.numbers(), parameters.named_numbers())
     of_phase = np.array([COLOURS[name] for name in PHASES])[phase]
-    of_events = np.array([look.colours[EVENTS[k]] if own else "" for k, own in zip(cells.events, is_emt, strict=True)])
+    of_events = np.array([events[EVENTS[k]] if own else "" for k, own in zip(cells.events, is_emt, strict=True)])
     of_type = np.array(("", "", *TYPE_COLOURS))[cells.kind]
     return np.where(is_emt, of_events, of_phase), np.where(of_type == "", np.where(is_emt, "black", "white"), of_type)

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from tissue.files.parameters import Parameters
 from tissue.frames.frame import Frame
-from tissue.frames.observables import height
+from tissue.frames.observables import state_of
 from tissue.frames.section import cut_of, section
-from tissue.pictures.emt import EmtLook, chains, free_points
+from tissue.model.measures import measure
+from tissue.pictures.emt import chains, free_points
 from tissue.pictures.sheet import (
     APICAL,
     BASAL,
@@ -19,7 +21,6 @@ from tissue.pictures.sheet import (
     CHAIN,
     CROSS,
     DOT,
-    DOT_SIZE,
     SOFT,
     SPRING,
     Artist,
@@ -34,9 +35,18 @@ if TYPE_CHECKING:
     from tissue.state.basal_curve import BasalCurve
     from tissue.state.cells import Floats
 
-MAKES_NO_NUMBERS = True
 
 POINTS = 721  # of a basal layer that bends
+BESIDE, AWAY = 15.0, 4.5  # points from the mark at arclength 0 to its label, along the layer and away from the tissue
+BEGIN: dict[str, Any] = {"marker": "D", "markersize": 6, "color": BASAL, "markerfacecolor": "white", "zorder": 5.5}
+LABEL: dict[str, Any] = {
+    "textcoords": "offset points",
+    "fontsize": 7,
+    "color": BASAL,
+    "ha": "center",
+    "va": "center",
+    "annotation_clip": False,
+}
 FULL, THINNEST = 3.5, 0.25  # points per um from which on lines have their full width; what is left of it at least
 LEAST_CROSS = 0.6  # of the size of the crosses
 
@@ -50,28 +60,41 @@ def draw_basal_layer(panel: Axes, curve: BasalCurve, um: float) -> None:
         return
     x, y = um * curve.evaluate(np.linspace(0.0, curve.length, POINTS) - curve.origin)[0]
     panel.plot(x, y, color=BASAL, linewidth=1.2, zorder=1)
+    # Where the arclength of tables begins; the label is on the side without tissue.
+    (begin_x, begin_y), (along_x, along_y), _ = curve.evaluate(np.zeros(1))
+    begin = um * float(begin_x[0]), um * float(begin_y[0])
+    panel.plot(*begin, **BEGIN)
+    tangent, normal = np.ravel((along_x, along_y)), np.ravel((-along_y, along_x))
+    panel.annotate("s = 0", begin, tuple(BESIDE * tangent - AWAY * normal), **LABEL)
     if curve.around:
         inside = curve.area > 0
         panel.axhspan(low, high, color=BELOW if inside else "white", linewidth=0, zorder=0)
         panel.fill(x, y, color="white" if inside else BELOW, linewidth=0, zorder=0.5)
 
 
-def draw_state(panel: Axes, state: Frame, parameters: Parameters, decimals: int, look: EmtLook) -> list[Artist]:
-    """Draw one state, from below to above; of a tissue in space its section, and the apical layer where it is cut."""
+def draw_state(
+    panel: Axes, state: Frame, parameters: Parameters, decimals: int, events: Mapping[str, str]
+) -> list[Artist]:
+    """Draw one state, from below to above; of a tissue in space its section, and the apical layer where it is cut.
+
+    ``decimals`` of the time; ``events``: colours of the sets of events.
+    """
     frame, cut = section(state), cut_of(state)
     um, cells = parameters.cell.soft_radius.value, frame.cells
-    nuclei, apical, basal = (um * np.column_stack(xy) for xy in _points(frame))
-    colours, edges = colours_of_cells(frame, parameters, look)
-    soft, hard = np.full(len(nuclei), um), um * cells.radius
-    widths = np.where(cells.kind < NAMED, 0.4, 1.2)
+    nuclei, apical, basal = (
+        um * np.column_stack(xy) for xy in ((cells.x, cells.y), (cells.ax, cells.ay), (cells.bx, cells.by))
+    )
+    colours, edges = colours_of_cells(frame, parameters, events)
     thin = _thinner(panel)
+    soft, widths = np.full(len(nuclei), um), np.where(cells.kind < NAMED, 0.4, 1.2)
+    springs = np.stack((apical, nuclei, basal), axis=1)
     collections = [
         _discs(panel, nuclei, soft, facecolors=colours, alpha=SOFT, linewidths=0, zorder=2),
         _discs(panel, nuclei, soft, facecolors="none", edgecolors=colours, linewidths=0.5 * thin, zorder=2),
-        LineCollection(
-            list(np.stack((apical, nuclei, basal), axis=1)), colors=SPRING, linewidths=0.7 * thin, alpha=0.55, zorder=3
+        LineCollection(list(springs), colors=SPRING, linewidths=0.7 * thin, alpha=0.55, zorder=3),
+        _discs(
+            panel, nuclei, um * cells.radius, facecolors=colours, edgecolors=edges, linewidths=thin * widths, zorder=4
         ),
-        _discs(panel, nuclei, hard, facecolors=colours, edgecolors=edges, linewidths=thin * widths, zorder=4),
     ]
     if joined := [apical[members] for members in chains(frame)]:
         collections.append(LineCollection(joined, colors=APICAL, zorder=5, **CHAIN))
@@ -79,21 +102,27 @@ def draw_state(panel: Axes, state: Frame, parameters: Parameters, decimals: int,
         collections.append(LineCollection(list(um * cut), colors=APICAL, linewidths=1.5 * thin, zorder=5))
     for collection in collections:
         panel.add_collection(collection)
-    dots = DOT | {"markersize": DOT_SIZE * thin, "zorder": 5}
-    crosses = CROSS | {"markersize": CROSS["markersize"] * max(thin, LEAST_CROSS)}
+    dots = DOT | {"markersize": DOT["markersize"] * thin, "zorder": 5}
+    crosses = CROSS | {"markersize": CROSS["markersize"] * max(thin, LEAST_CROSS), "zorder": 6}
     free_apical, free_basal = free_points(frame)
     layer = frame.layers.apical
     path = apical[np.append(layer, layer[: frame.curve.ring])]
     line = {"linewidth": 1.5 * thin} if cut is None else {"linestyle": "none"}
     lines = panel.plot(*path.T, color=APICAL, **line, **dots)
     lines += panel.plot(*basal[~free_basal].T, color=BASAL, linestyle="none", **dots)
-    for points, colour in ((apical[free_apical], APICAL), (basal[free_basal], BASAL)):
-        lines += panel.plot(*points.T, color=colour, zorder=6, **crosses) if len(points) else []
-    number = len(state.cells.x)
-    count = f"{'' if cut is None else f'{len(cells.x)} of '}{number} cell{'s' * (number != 1)}"
-    facts = f"t = {frame.t:.{decimals}f} h", count, f"height {um * height(state):.3g} µm"
-    title = ("  ·  " if cut is None else " · ").join(facts)
+    lines += panel.plot(*apical[free_apical].T, color=APICAL, **crosses)
+    lines += panel.plot(*basal[free_basal].T, color=BASAL, **crosses)
+    part = "" if cut is None else f"{len(cells.x)} of "
+    title = title_of(state, parameters, decimals, part)
     return [*collections, *lines, panel.annotate(title, (0, 1), (0, 6), "axes fraction", "offset points", size=9.5)]
+
+
+def title_of(state: Frame, parameters: Parameters, decimals: int, part: str = "") -> str:
+    """Return time, cells, and the height, or that the apical layer is folded; ``part`` stands before the cells."""
+    number, found = len(state.cells.x), measure(state_of(state))
+    height = parameters.cell.soft_radius.value * found.extents.height
+    last = f"folded: {found.fold}" if found.fold else f"height {height:.3g} µm"
+    return f"t = {state.t:.{decimals}f} h · {part}{number} cell{'s' * (number != 1)} · {last}"
 
 
 def _thinner(panel: Axes) -> float:
@@ -103,11 +132,6 @@ def _thinner(panel: Axes) -> float:
         return 1.0
     points = 72 * float(figure.get_size_inches()[0]) * panel.get_position().width
     return min(1.0, max(THINNEST, math.sqrt(points / (right - left) / FULL)))
-
-
-def _points(frame: Frame) -> tuple[tuple[Floats, Floats], ...]:
-    c = frame.cells
-    return (c.x, c.y), (c.ax, c.ay), (c.bx, c.by)
 
 
 def _discs(panel: Axes, centres: Floats, radii: Floats, **look: Any) -> EllipseCollection:

@@ -1,1 +1,1 @@
-"""What differs between a slice, a sheet and a closed surface."""
+"""Rules that differ between a slice, a sheet and a closed surface."""

@@ -1,4 +1,4 @@
-"""The rules of a sheet and of closed surfaces: the layers are networks, and daughters stand behind all cells."""
+"""The rules of a sheet and of closed surfaces: the layers have networks, and daughters stand behind all cells."""
 
 from __future__ import annotations
 
@@ -10,12 +10,9 @@ from dincl.compiled import inner
 from tissue.kernels.layers import find, remove_from
 from tissue.kernels.rules import Rules, compile_rules
 from tissue.model.emt import inherit_events
-from tissue.model.scale import position_in_space
-from tissue.network.halfedges import is_row, set_rest
-from tissue.network.insert import insert
-from tissue.network.remove import remove
+from tissue.network.neighbours import add_daughter, remove_cell
 from tissue.state.cells import Floats, Integers
-from tissue.state.network import Network
+from tissue.state.network import EDGES, Network
 from tissue.state.numbers import Numbers, numbers_of
 from tissue.state.running import APICAL, BASAL, CELLS, DIVISIONS, NEXT_ID, TissueState
 from tissue.state.space import TissueRules
@@ -39,46 +36,33 @@ def split(state: TissueState, splits: int, numbers: Numbers, rules: Rules) -> No
 def split_cell(state: TissueState, i: int, turn: float, numbers: Numbers) -> None:
     """Part cell i from a daughter, the last cell of the arrays, each by the offset (3.7) along the basal surface.
 
-    ``turn`` is the direction, as a part of a whole turn; in a row of cells the daughter is along it. ``torn`` of the
-    tissue is set if a network has no room.
+    ``turn`` is the direction, as a part of a whole turn.
     """
     cells, space, j = state.cells, state.space, state.sizes[CELLS]
-    _copy(state, i, j)
-    t = direction(space.surface, 0.0 if is_row(space.apical) else turn, cells.bx[i], cells.by[i], cells.bz[i])
-    distance = 2.0 * numbers.division_offset
-    x, y, z = along(space.surface, t, cells.x[i], cells.y[i], cells.z[i])
-    _step(state, i, -numbers.division_offset, x, y, z)
-    _step(state, j, numbers.division_offset, x, y, z)
-    a, b = (cells.ax, cells.ay, cells.az), (cells.bx, cells.by, cells.bz)
+    apically, basally = (
+        find(state.layers.apical, state.sizes[APICAL], i) >= 0,
+        find(state.layers.basal, state.sizes[BASAL], i) >= 0,
+    )
+    _copy(state, i, j, apically, basally)
+    t = direction(space.surface, turn, cells.bx[i], cells.by[i], cells.bz[i])
     at_a = along(space.surface, t, cells.ax[i], cells.ay[i], cells.az[i])
-    apical = _part(space.surface, space.apical, a, i, j, at_a, distance, numbers.new_junction)
-    basal = _part(space.surface, space.basal, b, i, j, t, distance, 0.0)
-    if space.basal.out[i] >= 0:
+    at_x = along(space.surface, t, cells.x[i], cells.y[i], cells.z[i])
+    a, b = (cells.ax, cells.ay, cells.az), (cells.bx, cells.by, cells.bz)
+    if apically:
+        add_daughter(space.surface, space.apical, a, i, j, at_a, numbers.new_junction)
+    if basally:
+        add_daughter(space.surface, space.basal, b, i, j, t, 0.0)
+    for points, way in (((cells.x, cells.y, cells.z), at_x), (a, at_a), (b, t)):
+        _step(points, i, -numbers.offset, way)
+        _step(points, j, numbers.offset, way)
+    if basally:
         for k in (i, j):
             cells.bx[k], cells.by[k], cells.bz[k] = onto(space.surface, cells.bx[k], cells.by[k], cells.bz[k])
-    if apical == 0.0 or basal == 0.0:
-        space.torn[0] = 1
 
 
 @inner
-def _part(
-    surface: Surface, network: Network, points: Points, i: int, j: int, t: Vector, distance: float, rest: float
-) -> float:
-    """Part the points of cell i and of her daughter j along a direction, in their network if it has cell i.
-
-    How far they are apart then; 0 if the network has no room.
-    """
-    (px, py, pz), (x, y, z) = points, t
-    if network.out[i] >= 0:
-        return insert(surface, network, px, py, pz, i, j, x, y, z, distance, rest)
-    for k, way in ((i, -0.5 * distance), (j, 0.5 * distance)):
-        px[k], py[k], pz[k] = px[k] + way * x, py[k] + way * y, pz[k] + way * z
-    return distance
-
-
-@inner
-def _copy(state: TissueState, i: int, j: int) -> None:
-    """Make cell j, behind all others, a copy of cell i, with a name of its own and in the same layers."""
+def _copy(state: TissueState, i: int, j: int, apically: bool, basally: bool) -> None:
+    """Make cell j, behind all others, a copy of cell i, with a name of its own and in the layers where cell i is."""
     cells, sizes = state.cells, state.sizes
     _copy_lines(state.blocks.floats, i, j)
     _copy_lines(state.blocks.flags, i, j)
@@ -87,9 +71,8 @@ def _copy(state: TissueState, i: int, j: int) -> None:
     state.motion.moves[j], state.motion.held[j], state.motion.runs[j] = 1.0, state.motion.held[i], 0.0
     sizes[NEXT_ID] += 1
     sizes[CELLS] = j + 1
-    # A cell is in a layer if it is in its network.
-    sizes[APICAL] = _append(state.layers.apical, sizes[APICAL], state.space.apical.out[i] >= 0, j)
-    sizes[BASAL] = _append(state.layers.basal, sizes[BASAL], state.space.basal.out[i] >= 0, j)
+    sizes[APICAL] = _append(state.layers.apical, sizes[APICAL], apically, j)
+    sizes[BASAL] = _append(state.layers.basal, sizes[BASAL], basally, j)
     inherit_events(state, j)
     state.counts[DIVISIONS] += 1
 
@@ -110,10 +93,10 @@ def _append(layer: Integers, size: int, inside: bool, j: int) -> int:
 
 
 @inner
-def _step(state: TissueState, i: int, way: float, x: float, y: float, z: float) -> None:
-    """Move nucleus i along a direction."""
-    cells = state.cells
-    cells.x[i], cells.y[i], cells.z[i] = cells.x[i] + way * x, cells.y[i] + way * y, cells.z[i] + way * z
+def _step(points: Points, i: int, way: float, t: Vector) -> None:
+    """Move a point along a direction."""
+    (x, y, z), (tx, ty, tz) = points, t
+    x[i], y[i], z[i] = x[i] + way * tx, y[i] + way * ty, z[i] + way * tz
 
 
 @inner
@@ -161,37 +144,30 @@ def leave_basal(state: TissueState, i: int, bridge: int) -> int:
 def _leave(
     state: TissueState, layer: Integers, size: int, network: Network, points: Points, i: int, bridge: int
 ) -> int:
-    """Take cell i out of a layer, whose size is at the place ``size``, and of its network; ``torn`` if it cannot."""
+    """Take cell i out of a layer, whose size is at the place ``size``, and of its network."""
     k = find(layer, state.sizes[size], i)
     if k >= 0:
         state.sizes[size] = remove_from(layer, state.sizes[size], k)
-        if remove(state.space.surface, network, points[0], points[1], points[2], i, bridge) < 0:
-            state.space.torn[0] = 1
+        remove_cell(state.space.surface, network, points, i, bridge)
     return int(k >= 0)
 
 
-def position(state: TissueState, i: int) -> float:
-    """Compute y_AB of a cell."""
-    found: float = position_in_space(state, i)
-    return found
-
-
-def shrink(state: TissueState, numbers: Numbers) -> None:
+@inner
+def shrink_edges(state: TissueState, numbers: Numbers) -> None:
     """Relax each rest length towards 0 over one dt, eta <- eta exp(-k dt)  (3.6); k is the mean of both cells."""
     network, kind = state.space.apical, state.cells.kind
     rate, kept = 0.0, 1.0
     for i in range(state.sizes[CELLS]):  # those of cells are not used, but are in tables
         state.cells.rest_aa[i] *= math.exp(-numbers_of(numbers, kind[i]).rate_aa * numbers.dt)
-    for h in range(3 * network.triangles[0]):
-        i, j = network.corner[h], network.corner[network.twin[h]]
-        if 0 <= i < j:
-            own = 0.5 * (numbers_of(numbers, kind[i]).rate_aa + numbers_of(numbers, kind[j]).rate_aa)
-            if own != rate:  # mostly the same: few exponentials for many junctions
-                rate, kept = own, math.exp(-own * numbers.dt)
-            set_rest(network, h, network.rest[h] * kept)
+    for edge in range(network.sizes[EDGES]):
+        i, j = network.edges[edge, 0], network.edges[edge, 1]
+        own = 0.5 * (numbers_of(numbers, kind[i]).rate_aa + numbers_of(numbers, kind[j]).rate_aa)
+        if own != rate:  # mostly the same: few exponentials for many junctions
+            rate, kept = own, math.exp(-own * numbers.dt)
+        network.rest[edge] *= kept
 
 
 @cache
 def sheet_rules() -> TissueRules:
     """Compile the rules of sheets and closed surfaces, on first use."""
-    return compile_rules(split, leave_apical, leave_basal, position, shrink)
+    return compile_rules(split, leave_apical, leave_basal)

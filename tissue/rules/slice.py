@@ -10,14 +10,13 @@ from dincl.compiled import inner
 from tissue.kernels.layers import chained_before, chained_behind, find, remove_from
 from tissue.kernels.rules import Rules, call_place, compile_rules
 from tissue.model.emt import inherit_events
-from tissue.model.scale import position_in_slice
 from tissue.state.cells import Floats, Integers
 from tissue.state.numbers import Numbers, numbers_of
 from tissue.state.running import APICAL, BASAL, CELLS, DIVISIONS, NEXT_ID, TissueState
 from tissue.state.space import SUM, Space, TissueRules, no_space
 
 
-def split(state: TissueState, splits: int, numbers: Numbers, rules: Rules) -> None:
+def split_in_slice(state: TissueState, splits: int, numbers: Numbers, rules: Rules) -> None:
     """Put a copy behind each of the cells that split, in the arrays and in the layers, and part both.
 
     All daughters get their places at once: to shift the arrays for one after the other would cost n^2.
@@ -41,7 +40,11 @@ def split(state: TissueState, splits: int, numbers: Numbers, rules: Rules) -> No
             inherit_events(state, place)
         place += 1
     state.counts[DIVISIONS] += splits
-    _hold_again(state)
+    # Basal points move as forces want, or along the layer: which do is known by index.
+    for i in range(sizes[CELLS]):
+        state.motion.moves[i], state.motion.held[i], state.motion.runs[i] = 1.0, 0.0, 0.0
+    for k in range(sizes[BASAL]):
+        state.motion.held[layers.basal[k]] = 1.0
     place = 0
     for i in range(n):
         if second[i] > 0.0:
@@ -84,16 +87,7 @@ def _spread_layer(layer: Integers, size: int, second: Floats, n: int, splits: in
     return size + added
 
 
-@inner
-def _hold_again(state: TissueState) -> None:
-    """Basal points move as forces want, or along the layer: which do is known by index."""
-    for i in range(state.sizes[CELLS]):
-        state.motion.moves[i], state.motion.held[i], state.motion.runs[i] = 1.0, 0.0, 0.0
-    for k in range(state.sizes[BASAL]):
-        state.motion.held[state.layers.basal[k]] = 1.0
-
-
-def leave_apical(state: TissueState, i: int, bridge: int) -> int:
+def leave_apical_in_slice(state: TissueState, i: int, bridge: int) -> int:
     """Take cell i out of the apical layer, or of its chain, and join its neighbours; return whether it was in one.
 
     The new junction rests at the present distance, or at the sum of the two whose place it takes, by ``bridge``. In a
@@ -120,7 +114,7 @@ def leave_apical(state: TissueState, i: int, bridge: int) -> int:
     return 1
 
 
-def leave_basal(state: TissueState, i: int, bridge: int) -> int:
+def leave_basal_in_slice(state: TissueState, i: int, bridge: int) -> int:
     """Take cell i out of the basal layer, where its neighbours are neighbours now; return whether it was in it."""
     k = find(state.layers.basal, state.sizes[BASAL], i)
     if k >= 0:
@@ -128,13 +122,8 @@ def leave_basal(state: TissueState, i: int, bridge: int) -> int:
     return int(k >= 0)
 
 
-def position(state: TissueState, i: int) -> float:
-    """Compute y_AB of a cell."""
-    found: float = position_in_slice(state, i)
-    return found
-
-
-def shrink(state: TissueState, numbers: Numbers) -> None:
+@inner
+def shrink_junctions(state: TissueState, numbers: Numbers) -> None:
     """Relax each rest length towards 0 over one dt, eta <- eta exp(-k dt)  (3.6); k is the mean of both cells."""
     cells, rate, kept, place = state.cells, 0.0, 1.0, 0
     for i in range(state.sizes[CELLS]):
@@ -162,7 +151,7 @@ def _joined_behind(state: TissueState, i: int, place: int) -> tuple[int, int]:
 @cache
 def slice_rules() -> TissueRules:
     """Compile the rules of a slice, on first use."""
-    return compile_rules(split, leave_apical, leave_basal, position, shrink)
+    return compile_rules(split_in_slice, leave_apical_in_slice, leave_basal_in_slice)
 
 
 @cache

@@ -14,26 +14,25 @@ from dincl.status import Status
 from tissue.files.parameters import Parameters
 from tissue.frames.frame import Frame
 from tissue.kernels.workspace import LOST, RUNNING
-from tissue.model.emt import CHECKED
-from tissue.plugins import DivisionRule, EmtEvent, Force, registered
+from tissue.model.measures import Measures, measure
+from tissue.runs.compiled_rules import together
 from tissue.runs.group import Group
 from tissue.runs.resume import checkpoint_of, resumed, steps_made
 from tissue.runs.run import Run
 from tissue.runs.stability import LOOKS, stability_fault, surely_stable, swings
 from tissue.runs.start import started
-from tissue.state.cells import COORDINATES, DEPTHS, KINDS, Cells
+from tissue.state.cells import COORDINATES, DEPTHS, DTYPES, Cells
 from tissue.state.checkpoint import Separation, Streams, TissueCheckpoint, generator_states, streams
 from tissue.state.mesh import kept
-from tissue.state.running import CELLS, COUNTERS, NEXT_ID, TissueState, contents, copied
+from tissue.state.running import APICAL, CELLS, COUNTERS, NEXT_ID, TissueState, contents, copied
 from tissue.step.advance import find_lost
 
 WATCH = UserFunction("watch", ("t",), Status.FUNCTION_FAILED)
-RULES = UserFunction("a function of an event, a force or a rule", ("state", "..."), Status.FUNCTION_FAILED)
 # Steps of one cell between two questions whether to go on: a tenth of a second.
 ASKED = 10_000
-# What the points of a cell do not tell of.
-LASTING = tuple(name for name in Cells._fields if name not in (*COORDINATES, *DEPTHS, *KINDS))
-NON_NEGATIVE = CHECKED[2:]
+# Numbers of a cell that are not its points, and those of them that rules set without its points.
+LASTING = tuple(name for name in Cells._fields if name not in (*COORDINATES, *DEPTHS, *DTYPES))
+GIVEN = ("stiff_ax", "stiff_bx", "stiff_axb", "stiff_aa", "radius")
 
 
 class Batch:
@@ -41,9 +40,14 @@ class Batch:
 
     def __init__(self, parameters: Parameters, seeds: Sequence[int], starts: Sequence[Frame] = ()) -> None:
         instance("parameters", parameters, Parameters, "tissue.Parameters, made by load, preset or changed")
-        self.parameters, self.seeds = parameters, seeds
+        self.parameters, self.seeds, self._text = parameters, seeds, parameters.as_toml()
         self.fault: FunctionFailed | None = None
-        self._unstable: dict[int, str] = {}  # what showed that, by run
+        # How runs ended that an output time showed to be unstable, or folded.
+        self._ended: dict[int, tuple[Status, str]] = {}
+        # When [h] and how the apical layer was folded first, by run; see ``tissue.model.measures``.
+        self.folded: dict[int, tuple[float, str]] = {}
+        # What was measured of each run at the present output time; None of one that failed, or has no apical layer.
+        self.measures: list[Measures | None] = [None] * len(seeds)
         self._begin = steps_made(parameters, starts[0]) if starts else 0
         if starts:
             states, random = zip(*map(resumed, repeat(parameters), starts, seeds), strict=True)
@@ -64,19 +68,40 @@ class Batch:
         ``ask`` is called before and every now and then, however far these are apart; what it raises ends the work.
         """
         made, dt = self._begin, self.parameters.numerics.dt.value
+        self._measure(made)
         yield made * dt
         for step in output_steps(self.parameters):
-            looked = made
+            before = made
             while made < step:
                 end = step
                 if ask is not None:
                     ask()
-                    end = min(step, made + max(1, ASKED // sum(self._cells())))
+                    cells = sum(int(self.state(k).sizes[CELLS]) for k in range(len(self.seeds)))
+                    end = min(step, made + max(1, ASKED // cells))
                 self._advance(made, end)
                 made = end
-                if made == step:
-                    self._end_unstable(looked, step)
-                    yield step * dt
+            if before < step:
+                self._end_unstable(before, step)
+                self._measure(step)
+                yield step * dt
+
+    def _measure(self, step: int) -> None:
+        """Measure the runs that go on, at an output time; note where the apical layer is folded first, also in the last
+        state of a run that failed, and end those that go on if so wanted.
+        """
+        for k in range(len(self.seeds)):
+            state, goes_on = self.state(k), self.goes_on(k)
+            self.measures[k] = None
+            if not state.sizes[APICAL] or find_lost(state) >= 0 or not (goes_on or k not in self.folded):
+                continue
+            found = measure(state)
+            if goes_on:
+                self.measures[k] = found
+            if found.fold and k not in self.folded:
+                t = step * self.parameters.numerics.dt.value if goes_on else self._stopped(k)
+                self.folded[k] = t, found.fold
+                if goes_on and self.parameters.numerics.folded == "stop":
+                    self._end(k, step, Status.FOLDED, found.fold)
 
     def _end_unstable(self, before: int, step: int) -> None:
         """End the runs whose steps are unstable, at an output time; ``before``: the steps to the one before it.
@@ -84,17 +109,21 @@ class Batch:
         Swings are looked for a few times in a run, where steps are not far from the limit.
         """
         last = round(self.parameters.t_end / self.parameters.numerics.dt.value)
-        floored = self.parameters.rules.floor_rest_length
         looks = step == last or step * LOOKS // last > before * LOOKS // last
-        for first, group in zip(range(0, len(self.seeds), len(self._groups[0].states)), self._groups, strict=True):
+        floored, size = self.parameters.rules.floor_rest_length, len(self._groups[0].states)
+        for first, group in zip(range(0, len(self.seeds), size), self._groups, strict=True):
             running = group.ended == RUNNING
-            if not running.any():
-                continue
-            swing = swings(group) if looks and not self._surely_stable else np.zeros(len(group.states))
+            looked = looks and running.any() and not self._surely_stable
+            swing = swings(group) if looked else np.zeros(len(group.states))
             for lane, state in enumerate(group.states):
-                fault = stability_fault(state, swing[lane], floored=floored) if running[lane] else ""
-                if fault:
-                    self._unstable[first + lane], group.ended[lane] = fault, step
+                if running[lane] and (fault := stability_fault(state, swing[lane], floored=floored)):
+                    self._end(first + lane, step, Status.UNSTABLE, fault)
+
+    def _end(self, k: int, step: int, status: Status, why: str) -> None:
+        """End run k at a step."""
+        group, lane = self._at(k)
+        group.ended[lane] = step
+        self._ended[k] = status, why
 
     def runs(self, watch: Callable[[float], None] | None = None) -> list[Run]:
         """Make the runs to their ends; ``watch`` gets the time [h] of each saved state of the first one.
@@ -118,10 +147,6 @@ class Batch:
             self.fault = error
         return [self.run(k, mine) for k, mine in enumerate(frames)]
 
-    def _cells(self) -> Iterator[int]:
-        """Yield the number of cells of each run."""
-        return (int(self.state(k).sizes[CELLS]) for k in range(len(self.seeds)))
-
     def state(self, k: int) -> TissueState:
         """Run k at the present time."""
         group, lane = self._at(k)
@@ -135,41 +160,48 @@ class Batch:
     def frame(self, k: int, t: float) -> Frame:
         """Return a copy of run k at the present time t, or of the state that failed, at its time."""
         state, random = self.state(k), self._random[k]
-        checkpoint = checkpoint_at(state, self.seeds[k], random, self._separation[k], self.parameters)
+        checkpoint = checkpoint_at(state, self.seeds[k], random, self._separation[k], self._text)
         time = t if self.goes_on(k) else self._stopped(k)
-        sheets = kept(state.space, int(state.sizes[CELLS])) if self.parameters.in_space else None
+        sheets = kept(state.space) if self.parameters.in_space else None
         return Frame(time, *contents(state), self.parameters.curve(), checkpoint, sheets)
 
     def status(self, k: int) -> Status:
         """Return how run k ended, or that it goes on."""
-        if self.goes_on(k):
-            return Status.SUCCESS if self.fault is None else self.fault.status
-        if k in self._unstable:
-            return Status.UNSTABLE
-        if find_lost(self.state(k)) >= 0:
-            return Status.NON_FINITE
-        return Status.NETWORK_TORN if self.state(k).space.torn[0] else Status.LUMEN_CLOSED
+        return self._how_it_ended(k)[0]
 
     def failure(self, k: int) -> str:
         """Say when and where run k failed, "" if it did not."""
         if self.goes_on(k):
             return "" if self.fault is None else self.fault.detail
+        return f"t = {self._stopped(k):g} h: {self._how_it_ended(k)[1]}."
+
+    def _how_it_ended(self, k: int) -> tuple[Status, str]:
+        """Return the status of run k, and of one that failed the particulars."""
+        if self.goes_on(k):
+            return Status.SUCCESS if self.fault is None else self.fault.status, ""
+        if k in self._ended:
+            return self._ended[k]
         state = self.state(k)
-        if k in self._unstable:
-            return f"t = {self._stopped(k):g} h: {self._unstable[k]}."
-        if self.status(k) is Status.LUMEN_CLOSED:
-            return f"t = {self._stopped(k):g} h: opposite parts of the apical layer cross."
-        if self.status(k) is Status.NETWORK_TORN:
-            return f"t = {self._stopped(k):g} h: points of a layer coincide, or have no way past each other."
-        lost = f"cell {state.cells.id[find_lost(state)]} has a coordinate that is not finite, or beyond {LOST:g} R_soft"
-        return f"t = {self._stopped(k):g} h: {lost}."
+        if (lost := find_lost(state)) >= 0:
+            where = f"cell {state.cells.id[lost]} has a coordinate that is not finite, or beyond {LOST:g} R_soft"
+            return Status.NON_FINITE, where
+        if self.parameters.in_space:
+            return (
+                Status.NETWORK_TORN,
+                "points of a layer coincide, or are too few for a network",
+            )
+        return Status.LUMEN_CLOSED, "opposite parts of the apical layer cross"
+
+    def remark(self, k: int) -> str:
+        """Say when and how the apical layer of run k was folded first, "" if it never was."""
+        t, how = self.folded.get(k, (0.0, ""))
+        return f"t = {t:g} h: {how}" if how else ""
 
     def run(self, k: int, frames: Sequence[Frame]) -> Run:
         """Run k with these frames."""
         stats = dict(zip(COUNTERS, self.state(k).counts.tolist(), strict=True))
-        return Run(
-            self.parameters, self.seeds[k], tuple(frames), self.status(k), self.failure(k), stats, self._separation[k]
-        )
+        ended = self.status(k), self.failure(k), stats, self._separation[k]
+        return Run(self.parameters, self.seeds[k], tuple(frames), *ended, folded=self.remark(k))
 
     def _advance(self, made: int, step: int) -> None:
         """Make steps; where a function of a user fails in them, they did not end a run."""
@@ -184,25 +216,22 @@ class Batch:
             raise
 
     def _refuse_lost(self, t: float) -> None:
-        """Raise FunctionFailed for a number of a cell that is negative, or not finite while its points are.
+        """Raise FunctionFailed where functions of users left a number of a cell that cannot be.
 
-        Our own rules make none, so runs without rules of users are not asked. What an event leaves of its own cell is
-        checked at once (``tissue.model.emt.check_cell``); this finds other cells, and what rules of divisions leave.
+        Numbers must be finite; where points are lost, this is asked of those alone that do not follow from points.
+        Stiffness, radius and the rest length of a junction must not be negative.
         """
-        if not any(map(registered, (EmtEvent, DivisionRule, Force))):
-            return
-        for k in range(len(self.seeds)):
-            state = self.state(k)
-            n = state.sizes[CELLS]
-            for name in LASTING:
-                values = getattr(state.cells, name)[:n]
-                wrong = ~np.isfinite(values) if self.goes_on(k) else np.zeros(n, np.bool_)
-                if name in NON_NEGATIVE:  # where it is negative the points may be lost by it
-                    wrong |= values < 0.0
-                if len(bad := np.flatnonzero(wrong)):
-                    must = "finite and at least 0" if name in NON_NEGATIVE else "finite"
-                    made = f"set cells.{name} of cell {state.cells.id[bad[0]]} to {values[bad[0]]:g}"
-                    RULES.refuse(f"{made}, until t = {t:g} h: must be {must}.")
+        for group in (group for group in self._groups if group.users):
+            for state, ended in zip(group.states, group.ended, strict=False):
+                for name in LASTING:
+                    values = getattr(state.cells, name)[: state.sizes[CELLS]]
+                    wrong = ~np.isfinite(values) & (ended == RUNNING or name in GIVEN)
+                    if length := name in (*GIVEN, "rest_aa"):
+                        wrong |= values < 0.0
+                    if len(bad := np.flatnonzero(wrong)):
+                        made = f"set cells.{name} of cell {state.cells.id[bad[0]]} to {values[bad[0]]:g}"
+                        must = "finite and at least 0" if length else "finite"
+                        together(group.users).refuse(f"{made}, until t = {t:g} h: must be {must}.")
 
     def _stopped(self, k: int) -> float:
         """Return when run k failed [h]."""
@@ -216,12 +245,11 @@ class Batch:
 
 
 def checkpoint_at(
-    state: TissueState, seed: int, random: Streams, separation: Separation, parameters: Parameters
+    state: TissueState, seed: int, random: Streams, separation: Separation, text: str
 ) -> TissueCheckpoint:
-    """Return a copy of what a run is besides its cells, at the present time."""
-    states, types = generator_states(random), tuple(parameters.types.named())
-    next_id, unit = int(state.sizes[NEXT_ID]), parameters.cell.soft_radius.value
-    return TissueCheckpoint(seed, next_id, copied(state.emt), state.counts.copy(), states, separation, unit, types)
+    """Return a copy of what a run is besides its cells, at the present time; ``text``: of its parameters."""
+    numbers = int(state.sizes[NEXT_ID]), copied(state.emt), state.counts.copy(), generator_states(random)
+    return TissueCheckpoint(seed, *numbers, separation, text)
 
 
 def output_steps(parameters: Parameters) -> Iterator[int]:

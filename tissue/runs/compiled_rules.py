@@ -2,160 +2,111 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from threading import Lock
-from types import TracebackType
-from typing import Any, NamedTuple
+from traceback import walk_tb
+from typing import Any
 
 import numpy as np
 
 from dincl.callables import UserFunction
-from dincl.compiled import StructPointer, c_function, collect_errors
+from dincl.compiled import StructPointer, collect_errors
 from dincl.status import Status
 from tissue.events.division import BESIDE
-from tissue.events.known import acting, bit, built_in, events
-from tissue.kernels.rules import BEGIN, LAST, PLACE, RULES, SPLITS, Rules
-from tissue.model.emt import BEGUN, CHECKED
+from tissue.events.known import BUILT_IN, acting, bit, events
+from tissue.kernels.rules import BEGIN, LAST, PLACE, RULES, SPLITS, Rules, address_of
 from tissue.plugins import POINTS, DivisionRule, EmtEvent, Force
-from tissue.runs.user_code import check_code
 from tissue.state.cells import Integers
 from tissue.state.running import TissueState
-from tissue.step.user_forces import ENERGY, PART, PUSH, USER_FORCES, UserForces, evaluate, follow
+from tissue.step.user_forces import ENERGY, PART, PUSH, USER_FORCES, UserForces, evaluate_forces, follow_forces
 
-# By function, for the life of the process; threads come one at a time.
-_COMPILED: dict[Callable[..., Any], Any] = {}
-_COMPILING = Lock()
-# Of each function of a user, by its file and name: what messages say of it.
-_KNOWN: dict[tuple[str, str], UserFunction] = {}
-# The same by the address of the machine code.
-_AT: dict[int, UserFunction] = {}
-
-
-class _Part(NamedTuple):
-    """A function that events, rules or forces may have: its name there, how it is called."""
-
-    name: str
-    signature: Any
-    arguments: tuple[str, ...]
+# The functions that events, rules and forces may have: how compiled code calls them, and their arguments in messages.
+FUNCTIONS: dict[str, tuple[Any, tuple[str, ...]]] = {
+    "begin": (BEGIN, ("state", "i", "bit", "numbers")),
+    "last": (LAST, ("state", "i", "rest_ax", "rest_bx", "numbers")),
+    "splits": (SPLITS, ("state", "i", "number", "numbers")),
+    "place": (PLACE, ("state", "i", "numbers")),
+    "push": (PUSH, ("state", "on", "strength", "numbers")),
+    "energy": (ENERGY, ("state", "strength", "numbers")),
+}
+# A function of a user for messages, and its file and name, by which tracebacks know it.
+Known = tuple[UserFunction, tuple[str, str]]
+# By the addresses of their machine code.
+_USERS: dict[int, Known] = {}
 
 
-_BEGIN = _Part("begin", BEGIN, ("state", "i", "bit", "numbers"))
-_LAST = _Part("last", LAST, ("state", "i", "rest_ax", "rest_bx", "numbers"))
-_SPLITS = _Part("splits", SPLITS, ("state", "i", "number", "numbers"))
-_PLACE = _Part("place", PLACE, ("state", "i", "numbers"))
-_PUSH = _Part("push", PUSH, ("state", "on", "strength", "numbers"))
-_ENERGY = _Part("energy", ENERGY, ("state", "strength", "numbers"))
-
-
-def rules_pointer(states: Iterable[TissueState], division: DivisionRule = BESIDE) -> Any:
+def rules_pointer(states: Sequence[TissueState], division: DivisionRule = BESIDE) -> Any:
     """Return the rules of tissues that are stepped together, as a struct; of the events those that begin in one of
     them.
     """
-    emt = [state.emt for state in states]
-    wanted = [any(np.isfinite(one.at[k : k + 1]).any() for one in emt) for k in range(len(events()))]
-    used = [event if want else None for event, want in zip(events(), wanted, strict=True)]
-    (splits,), (place,) = _addresses(_SPLITS, [division]), _addresses(_PLACE, [division])
+    used = [
+        event if any(np.isfinite(state.emt.at[k : k + 1]).any() for state in states) else None
+        for k, event in enumerate(events())
+    ]
+    (splits,), (place,) = code_of("splits", [division]), code_of("place", [division])
     order = np.array(acting(), np.int64)
     apical, basal = (sum(bit(event.name) for event in events() if event.frees == point) for point in POINTS)
-    begin, last = _addresses(_BEGIN, used), _addresses(_LAST, used)
-    users = sum(bit(event.name) for event in events()[len(built_in()) :])
-    return StructPointer(Rules(order, begin, last, int(splits), int(place), apical, basal, users, np.zeros(6)), RULES)
+    begin, last = code_of("begin", used), code_of("last", used)
+    return StructPointer(Rules(order, begin, last, int(splits), int(place), apical, basal), RULES)
 
 
 def forces_pointer(forces: Sequence[tuple[Force, float]], states: Integers, numbers: int, scale: float) -> Any:
     """Return the forces of users with their strengths, for tissues and numbers at these addresses; ``scale`` =
     h / mu.
     """
-    push = _addresses(_PUSH, [force for force, _ in forces])
+    push = code_of("push", [force for force, _ in forces])
     strengths = np.array([strength for _, strength in forces])
-    parts = (_compiled(PART, evaluate).address, _compiled(PART, follow).address)
+    parts = (address_of(PART, evaluate_forces), address_of(PART, follow_forces))
     return StructPointer(UserForces(push, strengths, states, numbers, scale, *parts), USER_FORCES)
 
 
-def push_and_energy(force: Force) -> tuple[int, int]:
-    """Return the machine code of a force, and of its energy; 0 if it has none."""
-    check_code(force)
-    (push,), (energy,) = _addresses(_PUSH, [force]), _addresses(_ENERGY, [force])
-    return int(push), int(energy)
-
-
-@contextmanager
-def answered(rules: Any = None, forces: Any = None) -> Iterator[None]:
-    """Raise FunctionFailed behind a call of kernels if a function of a user raised in it; its error is the cause.
-
-    Also if an event of a user among these rules left a bad value, see ``tissue.model.emt.check_cell``. An index beyond
-    an array has no traceback: the error names all functions of users among these rules and forces.
+def code_of(part: str, things: Sequence[EmtEvent | DivisionRule | Force | None]) -> Integers:
+    """Return the machine code of one of FUNCTIONS for each thing, 0 where there is none; raises FunctionFailed for what
+    numba does not compile.
     """
-    with collect_errors() as errors:
-        yield
-    if errors:
-        found = _origin(errors[0].__traceback__) or _one_of(rules, forces)
-        raise found.failed(errors[0], "raised") from errors[0]
-    if rules is not None and rules.value.fault[0]:
-        _refuse_value(*rules.value.fault.tolist())
+    code, (signature, arguments) = np.zeros(len(things), np.int64), FUNCTIONS[part]
+    for k, thing in enumerate(things):
+        function = getattr(thing, part, None)
+        if thing is None or function is None:
+            continue
+        known = UserFunction(f"{type(thing).__name__} {thing.name}: {part}", arguments, Status.FUNCTION_FAILED)
+        try:
+            code[k] = address_of(signature, function)
+        except MemoryError:
+            raise
+        except Exception as error:
+            raise known.failed(error, "cannot be compiled:") from error
+        if thing not in BUILT_IN and thing is not BESIDE:
+            _USERS[int(code[k])] = known, (function.__code__.co_filename, function.__code__.co_name)
+    return code
 
 
-def _refuse_value(part: float, event: float, cell: float, field: float, value: float, least: float) -> None:
-    """Raise FunctionFailed for a value that a function of an event left."""
-    function = _BEGIN if part == BEGUN else _LAST
-    what = f"set cells.{CHECKED[int(field)]} of cell {cell:.0f} to {value:g}: must be finite and at least {least:g}."
-    _known(function, events()[int(event)]).refuse(what)
-
-
-def _origin(trace: TracebackType | None) -> UserFunction | None:
-    """Return the function of a user that an error came out of, by its traceback; None if it does not tell."""
-    while trace is not None:
-        code = trace.tb_frame.f_code
-        if (code.co_filename, code.co_name) in _KNOWN:
-            return _KNOWN[code.co_filename, code.co_name]
-        trace = trace.tb_next
-    return None
-
-
-def _one_of(rules: Any, forces: Any) -> UserFunction:
-    """Return the functions of users among these rules and forces as one."""
-    addresses = [] if forces is None else forces.value.push.tolist()
+def users_of(rules: Any = None, more: Sequence[int] | Integers = ()) -> list[Known]:
+    """Return the functions of users among rules and ``more`` machine code."""
+    code = [*map(int, more)]
     if rules is not None:
-        addresses += [*rules.value.begin.tolist(), *rules.value.last.tolist(), rules.value.splits, rules.value.place]
-    found = [_AT[address] for address in addresses if address in _AT]
+        code += [*rules.value.begin.tolist(), *rules.value.last.tolist(), rules.value.splits, rules.value.place]
+    return [_USERS[address] for address in code if address in _USERS]
+
+
+def together(users: Sequence[Known], error: BaseException | None = None) -> UserFunction:
+    """Return functions of users as one, for a message: the one that the traceback of an error names, or all.
+
+    An index beyond an array has no traceback.
+    """
+    trace = walk_tb(error.__traceback__) if error else ()
+    places = {(frame.f_code.co_filename, frame.f_code.co_name) for frame, _ in trace}
+    found = [one for one, place in users if place in places] or [one for one, _ in users]
     if len(found) == 1:
         return found[0]
-    names = " or ".join(one.name for one in found) or "a function of an event, a force or a rule"
+    names = " or ".join(one.name for one in found) or "a compiled function"
     return UserFunction(names, ("...",), Status.FUNCTION_FAILED)
 
 
-def _addresses(part: _Part, things: Sequence[EmtEvent | DivisionRule | Force | None]) -> Integers:
-    """Return the machine code of this function of each; 0 for none."""
-    found = [0 if thing is None else _address(part, thing) for thing in things]
-    return np.array(found, np.int64)
-
-
-def _address(part: _Part, thing: EmtEvent | DivisionRule | Force) -> int:
-    function = getattr(thing, part.name)
-    if function is None:
-        return 0
-    known = _known(part, thing)
-    _KNOWN[function.__code__.co_filename, function.__code__.co_name] = known
-    try:
-        address = int(_compiled(part.signature, function).address)
-    except MemoryError:
-        raise
-    except Exception as error:
-        raise known.failed(error, "cannot be compiled:") from error
-    if thing not in built_in() and thing is not BESIDE:
-        _AT[address] = known
-    return address
-
-
-def _known(part: _Part, thing: EmtEvent | DivisionRule | Force) -> UserFunction:
-    name = f"{type(thing).__name__} {thing.name}: {part.name}"
-    return UserFunction(name, part.arguments, Status.FUNCTION_FAILED)
-
-
-def _compiled(signature: Any, function: Callable[..., Any]) -> Any:
-    """Compiled on first use."""
-    with _COMPILING:
-        if function not in _COMPILED:
-            _COMPILED[function] = c_function(signature, function)
-        return _COMPILED[function]
+@contextmanager
+def answered(users: Sequence[Known]) -> Iterator[None]:
+    """Raise FunctionFailed behind a call of kernels if a function of a user raised in it; its error is the cause."""
+    with collect_errors() as errors:
+        yield
+    if errors:
+        raise together(users, errors[0]).failed(errors[0], "raised") from errors[0]

@@ -10,7 +10,7 @@ from tissue.frames.observables import measurable
 from tissue.kernels import kernel
 from tissue.plugins import Force
 from tissue.rules.slice import in_plane
-from tissue.runs.compiled_rules import answered, push_and_energy
+from tissue.runs.compiled_rules import answered, code_of, users_of
 from tissue.runs.run import Run
 from tissue.state.basal_curve import curve_numbers
 from tissue.state.cells import Floats
@@ -19,7 +19,7 @@ from tissue.state.running import CELLS, TissueState, new_state
 from tissue.step.user_forces import call_energy, call_push, clear
 
 # [R_soft]: what central differences miss, and what they lose by rounding, are both near 1e-10.
-STEP = 1e-5
+SHIFT = 1e-5
 
 
 def force_error(force: Force, run: Run, strength: float = 1.0) -> float:
@@ -54,9 +54,10 @@ def force_error(force: Force, run: Run, strength: float = 1.0) -> float:
     curve, n = curve_numbers(frame.curve), len(frame.cells.x)
     state = new_state(frame.cells, frame.layers, past.next_id, past.emt, capacity=n, curve=curve, space=in_plane())
     slopes, forces = np.zeros((2, 6, len(frame.cells.x)))
-    code, numbers = push_and_energy(force), numbers_pointer(run.parameters.numbers())
-    with answered():
-        _compare(code, state, strength, numbers, slopes, forces)
+    (push,), (energy,) = code_of("push", [force]), code_of("energy", [force])
+    numbers = numbers_pointer(run.parameters.numbers())
+    with answered(users_of(more=(push, energy))):
+        _compare((int(push), int(energy)), state, strength, numbers, slopes, forces)
     if not np.isfinite([slopes, forces]).all():
         raise InvalidProblem(f"Force {force.name} at t = {frame.t:g} h: must give finite forces and energies")
     largest = np.abs([slopes, forces]).max()
@@ -78,9 +79,9 @@ def _compare(
     for row, (z, force) in enumerate(pairs):
         for i in range(state.sizes[CELLS]):
             here = z[i]
-            z[i] = high = here + STEP
+            z[i] = high = here + SHIFT
             above = call_energy(energy, state, strength, numbers)
-            z[i] = low = here - STEP
+            z[i] = low = here - SHIFT
             below = call_energy(energy, state, strength, numbers)
             z[i] = here
             slopes[row, i] = (above - below) / (high - low)

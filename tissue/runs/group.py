@@ -9,13 +9,16 @@ from typing import Any
 import numpy as np
 
 from dincl.compiled import StructPointer
-from dincl.compiled.generators import GENERATOR, generator_words
-from dincl.compiled.lanes import WIDTH
+from dincl.errors import InvalidProblem
 from tissue.events.division import BESIDE
-from tissue.kernels.surface_workspace import SurfaceNumbers, SurfaceWorkspaces
+from tissue.kernels.generators import GENERATOR, generator_words
+from tissue.kernels.lanes import WIDTH
+from tissue.kernels.rules import address_of
+from tissue.kernels.surface_workspace import SurfaceWorkspaces
 from tissue.kernels.workspace import EMPTY, RUNNING, Workspaces
+from tissue.network.neighbours import RENEWED, renew
 from tissue.plugins import DivisionRule, Force
-from tissue.runs.compiled_rules import answered, forces_pointer, rules_pointer
+from tissue.runs.compiled_rules import answered, forces_pointer, rules_pointer, users_of
 from tissue.state.cells import Integers
 from tissue.state.checkpoint import Streams
 from tissue.state.numbers import Numbers, numbers_pointer
@@ -23,19 +26,17 @@ from tissue.state.running import TissueState, grown
 from tissue.state.space import FLAT
 from tissue.step.advance import (
     FULL,
+    LEFT,
+    MOVE,
     STEP,
     StepInput,
     advance,
     find_lost,
-    move_address,
     move_all,
     move_slices,
     move_surface,
 )
 from tissue.step.substeps import SLICE, SLICES, SURFACE, substeps_address
-
-# A network of n vertices has 3 n edges at most.
-EDGES = 3
 
 
 class Group:
@@ -50,6 +51,8 @@ class Group:
     ended
         Of each RUNNING, or the number of the step that failed; (1,) for a tissue alone, (WIDTH,) for several: EMPTY
         where there is none.
+    users
+        The functions of users that these tissues call.
     """
 
     def __init__(
@@ -62,7 +65,6 @@ class Group:
         named: Sequence[Numbers] = (),
     ) -> None:
         self.states, self.forces = list(states), forces
-        self._own: Any = None  # the forces, for compiled code
         width = 1 if len(self.states) == 1 else WIDTH
         self.ended: Integers = np.where(np.arange(width) < len(self.states), RUNNING, EMPTY)
         self._numbers, self._named, self._keep = numbers, named, random
@@ -73,26 +75,36 @@ class Group:
         self._place()
 
     def advance(self, made: int, steps: int) -> None:
-        """Make the steps ``made`` to ``steps`` of the tissues that run, in larger states where it takes more room."""
-        end = FULL
-        while end == FULL:
-            made, end = self.call(made, steps)
+        """Make the steps ``made`` to ``steps`` of the tissues that run, in larger states where it takes more room.
+
+        In space neighbours are renewed after each step whose number is a multiple of RENEWED, and where many cells
+        leave a layer at once; a tissue whose points have no triangulation has failed.
+        """
+        in_space, ruled = self.states[0].space.dimension != FLAT, False
+        while made < steps:
+            made, end = self.call(made, min(steps, made - made % RENEWED + RENEWED) if in_space else steps, ruled)
+            ruled = end == LEFT
             if end == FULL:
                 self.states = [grown(state) for state in self.states]
                 self._place()
+            elif in_space and (ruled or made % RENEWED == 0) and self.ended[0] == RUNNING:
+                try:
+                    renew(self.states[0])
+                except InvalidProblem:
+                    self.ended[0] = made + ruled
 
-    def call(self, made: int, steps: int) -> tuple[int, int]:
-        """Make steps until all are made or a state is full: how many are made, and how it ended, see ``advance``.
+    def call(self, made: int, steps: int, ruled: bool = False) -> tuple[int, int]:
+        """Make steps until all are made or a state must change: how many are made, and how it ended, see ``advance``.
 
-        Raises FunctionFailed if a function of a user raised, or left a bad value.
+        Raises FunctionFailed if a function of a user raised.
         """
-        with answered(self._rules, self._own):
-            made, end = advance(self._step, made, steps)
+        with answered(self.users):
+            made, end = advance(self._step, made, steps, ruled)
         return made, end
 
     def make_substeps(self) -> bool:
         """Make all substeps of one dt without rules; return whether no cell of the first tissue is lost."""
-        with answered(forces=self._own):
+        with answered(self.users):
             move_all(self._step)
         return bool(find_lost(self.states[0]) < 0)
 
@@ -112,12 +124,31 @@ class Group:
 
     def _place(self) -> None:
         """Make room for the substeps, and collect for the kernel where everything is."""
-        width = len(self.ended)
+        width, numbers = len(self.ended), self._numbers
         addresses = [state.address for state in self.states]
         states = np.array(addresses + addresses[-1:] * (width - len(addresses)))
-        in_plane = self.states[0].space.dimension == FLAT
-        self._workspaces = self._of_slices(states, width) if in_plane else self._of_surface()
-        kind = SURFACE if not in_plane else SLICE if width == 1 else SLICES
+        first, capacity = self.states[0], max(len(state.cells.x) for state in self.states)
+        in_plane = first.space.dimension == FLAT
+        push: Integers = np.zeros(0, np.int64)
+        if in_plane:
+            forces = 0
+            if self.forces:
+                self._own = forces_pointer(self.forces, states, self._numbers_pointer.address, numbers.scale)
+                forces, push = self._own.address, self._own.value.push
+            self._workspaces: Any = Workspaces(
+                capacity, width, numbers, numbers.scale, first.curve, forces, self._named
+            )
+        else:
+            self._workspaces = SurfaceWorkspaces(
+                capacity,
+                len(first.space.apical.edges),
+                first.space.surface,
+                substeps=numbers.substeps,
+                repulsion=numbers.scale * numbers.repulsion,
+                max_basal_distance=numbers.max_basal_distance,
+                deviation=math.sqrt(numbers.substep_variance),
+            )
+        self.users = users_of(self._rules, push)
         step = StepInput(
             states,
             self.ended,
@@ -126,23 +157,8 @@ class Group:
             rules=self._rules.address,
             flat=self._workspaces.flat.address,
             wide=self._workspaces.wide.address,
-            substeps=substeps_address(kind),
-            move=move_address(move_slices if in_plane else move_surface),
-            scale=self._numbers.scale,
+            substeps=substeps_address(SURFACE if not in_plane else SLICE if width == 1 else SLICES),
+            move=address_of(MOVE, move_slices if in_plane else move_surface),
+            scale=numbers.scale,
         )
         self._step: Any = StructPointer(step, STEP)
-
-    def _of_slices(self, states: Integers, width: int) -> Any:
-        """Return the workspace of slices side by side."""
-        numbers, forces, capacity = self._numbers, 0, max(len(state.cells.x) for state in self.states)
-        if self.forces:
-            self._own = forces_pointer(self.forces, states, self._numbers_pointer.address, numbers.scale)
-            forces = self._own.address
-        return Workspaces(capacity, width, numbers, numbers.scale, self.states[0].curve, forces, self._named)
-
-    def _of_surface(self) -> Any:
-        """Return the workspace of a sheet or a closed surface."""
-        (state,), numbers = self.states, self._numbers
-        strength, deviation = numbers.scale * numbers.repulsion, math.sqrt(numbers.substep_variance)
-        mine = SurfaceNumbers(numbers.substeps, strength, numbers.max_basal, deviation)
-        return SurfaceWorkspaces(len(state.cells.x), EDGES * len(state.cells.x), mine, state.space.surface)

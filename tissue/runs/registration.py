@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from pathlib import Path
 from types import FunctionType
 from typing import Any
 
 from dincl.checks import describe
+from dincl.compiled.cache import PACKAGES, sources
 from dincl.errors import InvalidProblem
-from dincl.provenance import provenance
 from tissue.events.division import BESIDE
-from tissue.events.known import built_in, events
+from tissue.events.known import BUILT_IN, events
 from tissue.plugins import DivisionRule, EmtEvent, Force, Observable, registered, registry
-from tissue.runs.tables import BUILT_IN
-from tissue.runs.user_code import check_code
+from tissue.runs.tables import SUMMARY_NAMES
 
 # What there may be of each kind: sets of events are bits, and pictures have a colour for each set.
 MOST = 8
@@ -35,8 +33,8 @@ def register(*things: Any) -> None:
     Raises
     ------
     InvalidProblem
-        If one is of another kind, its name is that of something else, its functions are in no file, name a field that
-        there is not or change what is set anew before it is used, or there are too many.
+        If one is of another kind, its name is that of something else, its functions are in no file, or there are too
+        many.
     """
     for thing in things:
         if not isinstance(thing, KINDS):
@@ -52,29 +50,21 @@ def _check(thing: Any) -> None:
     for function in _functions(thing):
         if not Path(function.__code__.co_filename).is_file() or "<" in function.__qualname__:
             raise InvalidProblem(f"{kind.__name__} {thing.name}: {function!r} must stand at top level of a file")
-    taken = {one.name for one in (*built_in(), *BUILT_IN, BESIDE) if isinstance(one, kind)}
+    taken = {one.name for one in (*BUILT_IN, BESIDE) if isinstance(one, kind)}
+    taken |= SUMMARY_NAMES if kind is Observable else frozenset()
     if thing.name in taken or (thing.name in mine and _files(mine[thing.name]) != _files(thing)):
         raise InvalidProblem(f"{kind.__name__} {thing.name}: must have another name, this one is taken")
     if isinstance(thing, EmtEvent):
-        if thing.mark != thing.name.capitalize() or any(thing.mark in one.mark for one in built_in()):
+        if thing.mark != thing.name.capitalize() or any(thing.mark in one.mark for one in BUILT_IN):
             raise InvalidProblem(f"EmtEvent {thing.name}: must have another name or mark, {thing.mark} is ambiguous")
-        _check_after(thing)
-    check_code(thing)
+        # Only for one that was there before: so none waits for itself through others.
+        names = [one.name for one in events()]
+        before = names[: names.index(thing.name)] if thing.name in names else names
+        if thing.after is not None and thing.after not in before:
+            must = f"must wait for another one of {', '.join(before)}"
+            raise InvalidProblem(f"EmtEvent {thing.name}: after = {describe(thing.after)}: {must}")
     if thing.name not in mine and len(mine) == MOST:
         raise InvalidProblem(f"{kind.__name__} {thing.name}: must be one of {MOST} at most, these are there")
-
-
-def _check_after(event: EmtEvent) -> None:
-    """Refuse an event that waits for none that is there, or for itself through others."""
-    known = {one.name: one for one in events()} | {event.name: event}
-    after = event.after
-    while after is not None:
-        if after not in known or after == event.name:
-            names = ", ".join(name for name in known if name != event.name)
-            raise InvalidProblem(
-                f"EmtEvent {event.name}: after = {describe(after)}: must wait for another one of {names}"
-            )
-        after = known[after].after
 
 
 def _functions(thing: Any) -> list[FunctionType]:
@@ -86,10 +76,9 @@ def _files(thing: Any) -> set[str]:
 
 
 def own_code() -> dict[str, str]:
-    """Return a digest of the text of each module that registered functions can reach."""
-    functions = list(_every_function())
-    code: dict[str, str] = json.loads(provenance(*functions)["code"]) if functions else {}
-    return code
+    """Return a digest of each module of registered functions and of those that it imports."""
+    modules = {name: digest for one in _every_function() for name, digest in sources(one.__module__).items()}
+    return {name: digest for name, digest in sorted(modules.items()) if name.partition(".")[0] not in PACKAGES}
 
 
 def _every_function() -> Iterator[FunctionType]:

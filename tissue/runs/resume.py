@@ -1,4 +1,4 @@
-"""A run that goes on from a saved state: as if it had not stopped, or with other parameters from there on."""
+"""A run that goes on from a saved state: as if it had not stopped, or with other numbers from there on."""
 
 from __future__ import annotations
 
@@ -10,35 +10,39 @@ import numpy as np
 from dincl.checks import describe
 from dincl.checks import seed as checked_seed
 from dincl.errors import InvalidProblem
-from tissue.events.known import bit, events, row
-from tissue.files.cell_types import UNNAMED
-from tissue.files.combinations import ROUNDING
-from tissue.files.timing import Timing
-from tissue.files.type_rules import broken_groups
+from tissue.events.known import bit, events
+from tissue.files.groups import crowd_of
+from tissue.files.parameter_files import flat
+from tissue.files.quantities import Timing
+from tissue.files.sections import ROUNDING, UNNAMED
+from tissue.files.together import check_groups
 from tissue.frames.frame import A_START, Frame
 from tissue.frames.frame_files import checked
 from tissue.kernels.workspace import LOST
-from tissue.model.lattice import Lattice
+from tissue.network.lattice import Lattice
 from tissue.plugins import EmtEvent, registered
 from tissue.rules.slice import in_plane
-from tissue.runs.cell_groups import Crowd, Draws, control_cells, crowd_of, drawn_for, give
 from tissue.runs.start import of_kinds, space_of
 from tissue.state.basal_curve import curve_numbers
-from tissue.state.cells import CONTROL, EMT, Cells, Emt, Flags, Integers, emt_cells
-from tissue.state.checkpoint import TissueCheckpoint, resumed_streams, streams
-from tissue.state.running import TissueState, new_state
+from tissue.state.cells import CONTROL, Cells, Emt
+from tissue.state.checkpoint import resumed_streams, streams
+from tissue.state.running import TissueState, copied, new_state
 from tissue.step.advance import find_lost
 
 if TYPE_CHECKING:
     from tissue.files.parameters import Parameters
-    from tissue.frames.frame import Frame
     from tissue.state.checkpoint import Streams, TissueCheckpoint
+
+# Keys of groups of cells that were used at the start, besides the times of events.
+OF_GROUPS = ("cells", "inm", "place", "divides", "initial_rest_length")
 
 
 def resumed(parameters: Parameters, start: Frame, seed: int) -> tuple[TissueState, Streams]:
     """Return the tissue and the random numbers with which a run goes on from ``start``.
 
     With the seed of the run that ``start`` is of, the streams go on where they stood; with another one they begin.
+    Cells keep their types and the times of their events. A tissue of control cells gets its groups now, where the
+    parameters have them.
 
     Raises
     ------
@@ -49,17 +53,18 @@ def resumed(parameters: Parameters, start: Frame, seed: int) -> tuple[TissueStat
     past = checkpoint_of(start)
     goes_on = checked_seed("seed", seed) == past.seed
     random = resumed_streams(seed, past.generators) if goes_on else streams(seed)
-    _refuse_unit(parameters, past)
-    _refuse_layer(parameters, start)
-    cells = Cells._make(array.copy() for array in start.cells)
-    emt = typed(parameters, start, cells, random)
+    cells, emt = Cells._make(array.copy() for array in start.cells), copied(past.emt)
+    of_controls = bool((cells.kind == CONTROL).all() and (cells.emt < 0).all())
+    _refuse_other(parameters, start, past, of_controls=of_controls)
+    if of_controls:
+        emt = _with_groups(parameters, start, cells, random)
     _stiffen(parameters, cells)
     changed = start.cells.events & sum(bit(event.name) for event in registered(EmtEvent)) > 0
-    for name in ("stiff_ax", "stiff_bx", "stiff_axb", "moves", "divides"):  # as events of users have left them
+    for name in ("stiff_ax", "stiff_bx", "stiff_axb"):  # as events of users have left them
         getattr(cells, name)[changed] = getattr(start.cells, name)[changed]
     curve = curve_numbers(parameters.curve())
     capacity = 2 * len(cells.x)
-    space = in_plane() if start.sheets is None else space_of(start.sheets, parameters.exchange(), capacity)
+    space = in_plane() if start.sheets is None else space_of(start.sheets, parameters.joining(), capacity)
     state = new_state(cells, start.layers, past.next_id, emt, capacity=capacity, curve=curve, space=space)
     state.counts[:] = past.counts
     lost = find_lost(state)
@@ -71,32 +76,32 @@ def resumed(parameters: Parameters, start: Frame, seed: int) -> tuple[TissueStat
     return state, random
 
 
-def _refuse_unit(parameters: Parameters, past: TissueCheckpoint) -> None:
-    """Refuse another unit of length: all coordinates, rest lengths and radii of a state are over R_soft."""
-    unit = parameters.cell.soft_radius
-    if abs(unit.value - past.soft_radius) > ROUNDING * past.soft_radius:
-        raise InvalidProblem(
-            f'cell.soft_radius = "{unit}": must be that of the start, {past.soft_radius:g} um, the unit of its lengths'
-        )
-
-
-def _refuse_layer(parameters: Parameters, start: Frame) -> None:
-    """Refuse a basal layer on which the basal points of the start do not lie."""
-    if parameters.in_space != (start.sheets is not None):
-        raise InvalidProblem(f"tissue.dimension = {parameters.tissue.dimension}: must be that of the start")
+def _refuse_other(parameters: Parameters, start: Frame, past: TissueCheckpoint, *, of_controls: bool) -> None:
+    """Refuse another unit of length, another layer, and other groups of a tissue that has some."""
+    mine, theirs = flat(parameters.as_dict()), flat(past.tables)
+    drawn = {*OF_GROUPS, *(event.name for event in events())}
+    for key in dict.fromkeys((*mine, *theirs)):
+        section, _, name = key.rpartition(".")
+        of_group = ((section in UNNAMED or section.startswith("types.")) and name in drawn) or key == "events.together"
+        fixed = key in ("cell.soft_radius", "tissue.dimension") or section == "layer"
+        if (fixed or (of_group and not of_controls)) and mine.get(key) != theirs.get(key):
+            was = "left out" if key not in theirs else f"{describe(theirs[key])}"
+            raise InvalidProblem(f"{key} = {describe(mine.get(key))}: must be that of the start, {was}")
+    if not of_controls and parameters.type_names != (*UNNAMED, *past.types):
+        raise InvalidProblem(f"[types]: must be in the order of the start, {', '.join(past.types)}")
     if start.sheets is not None and start.sheets.surface != parameters.lattice().surface:
         raise InvalidProblem("the basal surface of [layer], [space] and [tissue]: must be that of the start")
-    mine, theirs = parameters.curve(), start.curve
-    if not (mine.ring == theirs.ring and np.array_equal(mine.table, theirs.table)):
-        raise InvalidProblem(f'layer.shape = "{parameters.layer.shape}": [layer] must be that of the start')
+    if not np.array_equal(start.curve.table, parameters.curve().table):
+        raise InvalidProblem("the basal layer of [layer] and [tissue]: must be that of the start")
 
 
 def checkpoint_of(start: Frame) -> TissueCheckpoint:
     """Return the checkpoint of a frame; raises InvalidProblem if there is none."""
     if not isinstance(start, Frame):
         raise InvalidProblem(f"start = {describe(start)}: must be {A_START}")
-    checked("start", (*start[:4], start.past, start.sheets))
-    return start.past
+    past = start.past
+    checked("start", start)
+    return past
 
 
 def steps_made(parameters: Parameters, start: Frame) -> int:
@@ -122,144 +127,27 @@ def _stiffen(parameters: Parameters, cells: Cells) -> None:
     cells.stiff_axb[:] = np.where(cells.events & bit("s") > 0, numbers.bent_stiffness, own("alpha_axb"))
 
 
-def typed(parameters: Parameters, start: Frame, cells: Cells, random: Streams) -> Emt:
-    """Give the cells of a start the types of the parameters: the EMT cells, with their past.
-
-    Their future is as the seed draws it from the parameters; an event that has begun stays. A tissue of control cells
-    gets its groups now, where the parameters have them.
-    """
-    past, was = start.past, cells.emt.copy()
-    cells.kind[:] = _kinds(parameters, cells, past)
-    if (cells.kind == CONTROL).all() and (was < 0).all():
-        crowd = _placed(parameters, start, cells, random)
-    else:
-        crowd = _kept(parameters, cells, random)
-    cells.kind[:], cells.moves[:], cells.divides[:] = crowd.kind, crowd.moves, crowd.divides
-    order = _by_number(crowd.may_leave, was)
-    cells.emt[:] = -1
-    cells.emt[order] = np.arange(len(order))
-    emt = _with_past(emt_cells(crowd.times[:, order]), past.emt, was[order], cells.events[order])
-    if start.t > 0:
-        _refuse_past(parameters, start.t, emt, cells)
-    return emt
-
-
-def _by_number(among: Flags, was: Integers) -> Integers:
-    """Return the EMT cells in the order of the numbers that they had, then those that had none, from left to right."""
-    found = np.flatnonzero(among)
-    return found[np.lexsort((found, was[found], was[found] < 0))]
-
-
-def _kinds(parameters: Parameters, cells: Cells, past: TissueCheckpoint) -> Integers:
-    """Return the types of the cells by their numbers in the parameters."""
-    names, mine = (*UNNAMED, *past.types), parameters.type_names
-    for kind in np.unique(cells.kind):
-        if names[kind] not in mine:
-            count = int((cells.kind == kind).sum())
-            raise InvalidProblem(f"types.{names[kind]} is missing: must be there, {count} cells of the start are of it")
-    return np.array([mine.index(name) if name in mine else CONTROL for name in names])[cells.kind]
-
-
-def _placed(parameters: Parameters, start: Frame, cells: Cells, random: Streams) -> Crowd:
-    """Return the groups at the places that the parameters give them."""
-    groups, n = parameters.groups(), len(cells.x)
-    if 0 < groups[0].scenario.cells > n - 2:
-        raise InvalidProblem(
-            f"emt.cells = {groups[0].scenario.cells}: must be at most {n - 2}, with control cells aside"
-        )
-    if lines := broken_groups(parameters.types.named(), n, parameters.emt.cells):
-        raise InvalidProblem("; ".join(lines))
+def _with_groups(parameters: Parameters, start: Frame, cells: Cells, random: Streams) -> Emt:
+    """Give a tissue of control cells the groups of the parameters; return the EMT cells."""
+    n = len(cells.x)
+    check_groups(parameters.types.named(), n, parameters.emt.cells)
     lattice = None
     if start.sheets is not None:
         lattice = Lattice(start.sheets.surface, np.stack((cells.bx, cells.by, cells.bz)), spacing=0.0)
-    crowd = crowd_of(groups, n, random, lattice)
-    others = crowd.kind == CONTROL
-    crowd.moves[others], crowd.divides[others] = cells.moves[others], cells.divides[others]
-    return crowd
-
-
-def _kept(parameters: Parameters, cells: Cells, random: Streams) -> Crowd:
-    """Return the cells with the types that they have."""
-    crowd = control_cells(len(cells.x))._replace(
-        kind=cells.kind.copy(), moves=cells.moves.copy(), divides=cells.divides.copy(), may_leave=cells.emt >= 0
-    )
-    groups = parameters.groups()
-    for kind, (group, draw) in enumerate(zip(groups, drawn_for(groups, random), strict=True), EMT):
-        mine, wanted = _by_number(cells.kind == kind, cells.emt), group.scenario.cells
-        first = _first_ones(cells, mine, wanted) if group.divides else mine
-        if wanted != len(first) and (group.may_leave or len(mine) == 0):
-            raise InvalidProblem(
-                f"{_section(group.name)}.cells = {wanted}: must be {len(first)}, as many as there are at the start"
-            )
-        if group.may_leave:
-            of = _descent(cells, mine, first)
-            give(crowd, mine, kind, group, Draws(draw.times[:, of], draw.moves[of], draw.places))
-        else:
-            crowd.divides[mine] = group.divides & ~crowd.may_leave[mine]
-    return crowd
-
-
-def _first_ones(cells: Cells, mine: Integers, count: int) -> Integers:
-    """Return those of a type that divides which are not daughters of others: EMT cells have the first ``count``
-    numbers.
-    """
-    if len(mine) and cells.emt[mine].min() >= 0:
-        return mine[:count]
-    return mine[~np.isin(cells.mother[mine], cells.id[mine])]
-
-
-def _descent(cells: Cells, mine: Integers, first: Integers) -> list[int]:
-    """Find for each cell of a type the one among the ``first`` from which it descends."""
-    place = {name: k for k, name in enumerate(cells.id[first])}
-    mother = dict(zip(cells.id, cells.mother, strict=True))
-
-    def descends(name: int) -> int:
-        seen = {name}
-        while name not in place:
-            name = mother.get(name, name)
-            if name in seen:
-                raise InvalidProblem(f"cells.mother = {mother.get(name)}: must lead to a first cell of its type")
-            seen.add(name)
-        return place[name]
-
-    return [descends(name) for name in cells.id[mine]]
-
-
-def _section(name: str) -> str:
-    """Return the table of a type in files."""
-    return name if name in UNNAMED else f"types.{name}"
-
-
-def _with_past(emt: Emt, before: Emt, old: Integers, begun: Integers) -> Emt:
-    """Return the EMT cells with these times for what has not begun, and all else as before.
-
-    Parameters
-    ----------
-    old
-        The number that each had, -1 for none.
-    begun
-        Their events, as in ``Cells.events``.
-    """
-    had = old >= 0
-    for name in ("new", "onset_ab", "side", "since", "since_x"):
-        getattr(emt, name)[had] = getattr(before, name)[old[had]]
-    for k, event in enumerate(events()):
-        if event.after is not None:
-            emt.at[k] = np.maximum(emt.at[k], emt.at[row(event.after)])
-        mine = had & ((begun >> k & 1) > 0)
-        emt.at[k, mine] = before.at[k, old[mine]]
-    return emt
-
-
-def _refuse_past(parameters: Parameters, t: float, emt: Emt, cells: Cells) -> None:
-    """Refuse an event that has not begun but should have; at t = 0 none has."""
-    for i in np.flatnonzero(cells.emt >= 0):
+    crowd = crowd_of(parameters.groups(), n, random, lattice)
+    mine = crowd.kind != CONTROL
+    cells.kind[:], cells.emt[:] = crowd.kind, crowd.numbers()
+    cells.moves[mine], cells.divides[mine] = crowd.moves[mine], crowd.divides[mine]
+    emt = crowd.emt()
+    for i in np.flatnonzero(cells.emt >= 0) if start.t > 0 else ():
         name = parameters.type_names[cells.kind[i]]
-        section = parameters.emt if name in UNNAMED else parameters.types.named()[name]
-        for event, times in zip(events(), emt.at, strict=True):
-            time, key = times[cells.emt[i]], f"{_section(name)}.{event.name}"
-            if time <= t and not cells.events[i] & bit(event.name):
+        group = parameters.emt if name in UNNAMED else parameters.types.named()[name]
+        section = name if name in UNNAMED else f"types.{name}"
+        for event, time in zip(events(), emt.at[:, cells.emt[i]], strict=True):
+            if time <= start.t:
+                given = getattr(group, event.name, Timing())
                 raise InvalidProblem(
-                    f'{key} = "{getattr(section, event.name, Timing())}": must be after the time of the start, '
-                    f"t = {t:g} h, for cell {cells.id[i]}, in which it has not begun; this seed draws {time:g} h"
+                    f'{section}.{event.name} = "{given}": must be after the time of the start, t = {start.t:g} h; this '
+                    f"seed draws {time:g} h for cell {cells.id[i]}"
                 )
+    return emt

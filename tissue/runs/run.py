@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from base64 import b64encode
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from html import escape
 from os import PathLike
 from typing import TYPE_CHECKING, Any
@@ -42,8 +42,11 @@ class Run:
         How the run ended, and the particulars in words ("" on success).
     stats
         Counted work by name, since t = 0: of a run that was started from a state all that has led to it counts, too.
-    parted
+    separation
         What made the drawn state at t = 0 feasible.
+    folded
+        When and how the apical layer was folded first, at an output time, so that heights and positions mean nothing;
+        "" if it never was. ``summary`` has a reason for each time, see ``tissue.model.measures``.
     """
 
     parameters: Parameters
@@ -53,6 +56,7 @@ class Run:
     detail: str
     stats: dict[str, int]
     separation: Separation
+    folded: str = field(default="", kw_only=True)
 
     @property
     def final(self) -> Frame:
@@ -111,7 +115,7 @@ class Run:
         movie(measurable(self.frames), self.parameters, file)
 
     def view(self, file: str | PathLike[str], *, t: float | None = None) -> None:
-        """Draw a tissue in three dimensions: nuclei below the apical surface, cells on it, and a section beside them.
+        """Draw a tissue in three dimensions: nuclei below the apical surface, and the line of its section.
 
         Parameters
         ----------
@@ -126,10 +130,20 @@ class Run:
             For another ending, a slice, or if no state is kept at this time. MissingLibrary where PyVista is missing,
             which the extra ``views`` brings.
         """
-        from tissue.pictures.view import view
+        from tissue.pictures.space import view
 
         last = self._kept(t)
         view([frame for frame in self.frames if frame.t <= last.t], self.parameters, file)
+
+    def to_vtk(self, *, t: float | None = None) -> Any:
+        """Return a saved state in three dimensions as a ``pyvista.MultiBlock``, to look at or to save for ParaView.
+
+        Its blocks are ``nuclei``, points with ``id``, ``radius`` and ``colour``, and the triangles of the networks
+        ``apical`` and ``basal``; lengths in um. Arguments and errors are those of ``view``.
+        """
+        from tissue.pictures.space import to_vtk
+
+        return to_vtk(self._kept(t), self.parameters)
 
     def _kept(self, t: float | None) -> Frame:
         """Return the state kept at time t."""
@@ -145,18 +159,20 @@ class Run:
     def _repr_html_(self) -> str:
         """Write how the run ended, its last state and its summary, for notebooks."""
         from tissue.pictures.picture import drawing
-        from tissue.pictures.sheet import png
+        from tissue.pictures.sheet import webp
 
-        image = b64encode(png(drawing([self._kept(None)], self.parameters))).decode()
+        image = b64encode(webp(drawing([self._kept(None)], self.parameters))).decode()
+        remark = f" Folded, so that heights and positions mean nothing: {self.folded}." if self.folded else ""
         return (
-            f"<p>{escape(repr(self))} {escape(self.detail)}</p>"
-            f'<img src="data:image/png;base64,{image}" style="max-width: 100%">'
+            f"<p>{escape(repr(self))} {escape(self.detail)}{escape(remark)}</p>"
+            f'<img src="data:image/webp;base64,{image}" style="max-width: 100%">'
             f"{self.summary().to_html(index=False, max_rows=MOST_ROWS, float_format='%.4g')}"
         )
 
     def __repr__(self) -> str:
         cells, seed = len(self.final.cells.x), describe(self.seed)
-        return f"Run({self.status.name}, t = {self.final.t:g} h, {cells} cells, seed {seed})"
+        folded = ", folded" if self.folded else ""
+        return f"Run({self.status.name}{folded}, t = {self.final.t:g} h, {cells} cells, seed {seed})"
 
 
 class RunFailed(RuntimeError):

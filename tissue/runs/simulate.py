@@ -9,11 +9,11 @@ import numpy as np
 
 from dincl.checks import flag, items
 from dincl.checks import seed as checked_seed
-from dincl.compiled.lanes import WIDTH
 from dincl.errors import InvalidProblem
+from tissue.files.groups import too_late
 from tissue.files.parameters import Parameters
-from tissue.files.scenario import too_late
 from tissue.frames.frame import A_START, Frame
+from tissue.kernels.lanes import WIDTH
 from tissue.runs.batch import Batch
 from tissue.runs.resume import checkpoint_of
 from tissue.runs.run import Run, RunFailed
@@ -40,10 +40,9 @@ def simulate(
     start
         A saved state of a run, ``run.final``, one of ``run.frames`` or ``Frame.load(path)``; None: drawn at t = 0. With
         the parameters and the seed of that run it goes on with the bits that it has without a stop; with another seed
-        it goes on with the random numbers of this one. Parameters may differ: they hold from here on, and those of the
-        state at t = 0 have no effect. What has begun of the EMT stays; what has not, and INM of its cells, is drawn by
-        the seed from the parameters. Types are known by their names. Where there were control cells alone, EMT cells
-        and named types get their places now.
+        it goes on with the random numbers of this one. Numbers of the parameters may differ, and hold from here on. The
+        soft radius, the basal layer and the groups of cells must be those of that run, whose EMT cells keep the times
+        of their events. Where there were control cells alone, EMT cells and named types get their places now.
     throw
         Whether a run that fails raises; otherwise its Status says so.
     watch
@@ -52,7 +51,7 @@ def simulate(
     Warns
     -----
     UserWarning
-        If an event is later than the end.
+        If an event is later than the end, or the apical layer was folded (``Run.folded``).
 
     Raises
     ------
@@ -62,16 +61,10 @@ def simulate(
         number of steps, has another number of EMT cells or types that the parameters do not have, or is later than the
         time of an event that has not begun.
     RunFailed
-        If coordinates leave the finite numbers, or a function of the user fails, which is the cause of the error then;
-        the error carries the Run up to then.
+        If coordinates leave the finite numbers, a function of the user fails, which is the cause of the error then, or
+        the apical layer is folded with numerics.folded = "stop"; the error carries the Run up to then.
     """
-    flag("throw", throw)
-    _warn(parameters)
-    batch = Batch(parameters, [seed], [] if start is None else [start])
-    run = batch.runs(watch)[0]
-    if throw and not run.status:
-        raise RunFailed(run) from batch.fault
-    return run
+    return _simulated(parameters, [seed], [] if start is None else [start], throw, watch)[0]
 
 
 def simulate_many(
@@ -100,27 +93,37 @@ def simulate_many(
     RunFailed
         As ``simulate``: of the eight runs side by side in which a function of the user fails, all do.
     """
-    flag("throw", throw)
-    _warn(parameters)
     listed = items("seeds", seeds, (int, np.integer), "a list of integers >= 0")
-    wanted, runs = [checked_seed("seeds", seed) for seed in listed], []
-    starts = _for_each(start, len(wanted))
-    for begin in range(0, len(wanted), WIDTH):
-        part = slice(begin, begin + WIDTH)
-        batch = Batch(parameters, wanted[part], starts[part])
-        found = batch.runs()
+    wanted = [checked_seed("seeds", seed) for seed in listed]
+    return _simulated(parameters, wanted, _for_each(start, len(wanted)), throw)
+
+
+def _simulated(
+    parameters: Parameters,
+    seeds: Sequence[int],
+    starts: Sequence[Frame],
+    throw: bool,
+    watch: Callable[[float], None] | None = None,
+) -> tuple[Run, ...]:
+    """Make the runs, up to eight side by side; warn of events that never begin, and of folded layers."""
+    flag("throw", throw)
+    if isinstance(parameters, Parameters):
+        for line in too_late(parameters.groups(), parameters.t_end):
+            warn(line, UserWarning, stacklevel=3)
+    runs: list[Run] = []
+    for begin in range(0, len(seeds), WIDTH):
+        batch = Batch(parameters, seeds[begin : begin + WIDTH], starts[begin : begin + WIDTH])
+        found = batch.runs(watch)
         for run in found:
             if throw and not run.status:
                 raise RunFailed(run) from batch.fault
         runs += found
+    # Those that stopped say so.
+    if folded := [run.folded for run in runs if run.folded and run.status]:
+        many = f"{len(folded)} of {len(runs)} runs: " if len(runs) > 1 else ""
+        meaning = "the apical layer was folded, so that heights and positions mean nothing"
+        warn(f"{many}{meaning}: {folded[0]}", UserWarning, stacklevel=3)
     return tuple(runs)
-
-
-def _warn(parameters: Parameters) -> None:
-    """Warn of events that never begin, as the run ends before."""
-    if isinstance(parameters, Parameters):
-        for line in too_late(parameters.groups(), parameters.t_end):
-            warn(line, UserWarning, stacklevel=3)
 
 
 def _for_each(start: Frame | Sequence[Frame] | None, count: int) -> list[Frame]:

@@ -2,7 +2,7 @@
 
 Explicit Euler with steps h multiplies a disturbance along an eigenvector of the Hessian of W by 1 - h lambda / mu.
 Above h lambda / mu = 2 it swings and grows until forces that are not linear bound it, or without bound. What the
-parameters tell of lambda is checked with them (``tissue.files.combinations``); the rest shows while a tissue runs:
+parameters tell of lambda is checked with them (``tissue.files.together``); the rest shows while a tissue runs:
 cells in each other's way, events and forces of users that stiffen them, nuclei close to the ends of their cells.
 """
 
@@ -30,7 +30,7 @@ MOST_SWING_AT_ENDS = 0.08
 # Over so many cells at least, so that one in mitosis is not a tissue.
 FEWEST_CELLS = 10
 # Cells of a long row, whose junctions are as stiff as they can be.
-MANY = 10_000
+LONG_ROW = 10_000
 # Steps below this part of the limit of all tissues do not swing: none of those sets did.
 SURELY = 0.25
 # How often in a run it is looked for, besides the end.
@@ -39,22 +39,12 @@ LOOKS = 8
 
 def surely_stable(parameters: Parameters) -> bool:
     """Return whether steps are so short for all forces and events that no swing needs to be looked for."""
-    numbers = parameters.numbers()
+    numbers, kinds = parameters.numbers(), (parameters.numbers(), *parameters.named_numbers())
     stiffer = max(1.0, numbers.g2_stiffening, numbers.freed_stiffness)
-    found = [
-        cell_stiffness(
-            max(one.alpha_axb, one.bent_stiffness),
-            one.alpha_ax,
-            one.alpha_bx,
-            one.repulsion,
-            one.power,
-            one.soft_radius,
-        )
-        for one in (numbers, *parameters.named_numbers())
-    ]
-    alpha = max(one.alpha_aa for one in (numbers, *parameters.named_numbers()))
-    found.append(junction_stiffness(numbers.junction_factor * alpha, MANY, in_space=parameters.in_space))
-    return not parameters.forces.acting() and numbers.scale * stiffer * max(found) < SURELY * LIMIT
+    bent = (one._replace(alpha_axb=max(one.alpha_axb, one.bent_stiffness)) for one in kinds)
+    alpha = numbers.junction_factor * max(one.alpha_aa for one in kinds)
+    stiffest = max(junction_stiffness(alpha, LONG_ROW, in_space=parameters.in_space), *map(cell_stiffness, bent))
+    return not parameters.forces.acting() and numbers.scale * stiffer * stiffest < SURELY * LIMIT
 
 
 def stability_fault(state: TissueState, swing: float, *, floored: bool) -> str:

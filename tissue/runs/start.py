@@ -10,25 +10,23 @@ import numpy as np
 from numpy.random import Generator
 
 from dincl.errors import InvalidProblem
-from tissue.kernels.surface_workspace import SurfaceNumbers, SurfaceWorkspaces
+from tissue.files.groups import Crowd, control_cells, crowd_of
+from tissue.kernels.surface_workspace import SurfaceWorkspaces
 from tissue.kernels.workspace import Workspaces
 from tissue.model.balls import separate_all_balls
 from tissue.model.cycle import set_phases
 from tissue.model.discs import separate_all
-from tissue.model.lattice import Lattice
-from tissue.network.start import triangulated
+from tissue.network.lattice import Lattice
+from tissue.network.neighbours import connected
 from tissue.rules.sheet import sheet_rules
 from tissue.rules.slice import in_plane
-from tissue.runs.cell_groups import Crowd, control_cells, crowd_of
 from tissue.state.basal_curve import LINE, BasalCurve, CurveNumbers, curve_numbers
 from tissue.state.cells import Cells, Floats, Integers, empty
 from tissue.state.checkpoint import Separation
 from tissue.state.mesh import Sheets, network_of
-from tissue.state.network import Network
 from tissue.state.numbers import Numbers, StartNumbers, numbers_pointer
 from tissue.state.running import STRAIGHT, TissueState, new_state
-from tissue.state.space import FLAT, SPATIAL, Exchange, Space
-from tissue.state.surface import Surface
+from tissue.state.space import FLAT, SPATIAL, Space
 
 if TYPE_CHECKING:
     from tissue.files.parameters import Parameters
@@ -37,8 +35,6 @@ if TYPE_CHECKING:
 # Overlap that counts as none [R_soft], and the sweeps that are spent on reaching it.
 TOUCHING = 1e-10
 MOST_SWEEPS = 10_000
-# Of a workspace in which nuclei are separated and nothing else is done.
-IDLE = SurfaceNumbers(1, 0.0, 1.0)
 
 
 def started(parameters: Parameters, random: Streams) -> tuple[TissueState, Separation]:
@@ -52,13 +48,13 @@ def started(parameters: Parameters, random: Streams) -> tuple[TissueState, Separ
     start, groups = parameters.start_numbers(), parameters.groups()
     lattice = parameters.lattice() if parameters.in_space else None
     crowd = crowd_of(groups, start.cells, random, lattice)
-    types = Types(crowd, parameters.named_numbers(), [one.rest_length for one in groups])
+    types = CellTypes(crowd, parameters.named_numbers(), [one.initial_rest_length for one in groups])
     if lattice is None:
         return first_state(start, parameters.numbers(), random.start, types, parameters.curve())
-    return first_sheet(start, parameters.numbers(), random.start, types, lattice, parameters.exchange())
+    return first_sheet(start, parameters.numbers(), random.start, types, lattice, parameters.joining())
 
 
-class Types(NamedTuple):
+class CellTypes(NamedTuple):
     """Which cells are of which type, and what they have of their own."""
 
     crowd: Crowd
@@ -70,7 +66,7 @@ def first_state(
     start: StartNumbers,
     numbers: Numbers,
     draws: Generator,
-    types: Types | None = None,
+    types: CellTypes | None = None,
     curve: BasalCurve = LINE,
 ) -> tuple[TissueState, Separation]:
     """Draw a tissue and make it feasible; ``types``: of its cells, all control cells if it is None.
@@ -85,57 +81,59 @@ def first_state(
     InvalidProblem
         If the nuclei could not be parted: more cells than fit.
     """
-    types = types or Types(control_cells(start.cells))
+    types = types or CellTypes(control_cells(start.cells))
     cells = _bent(drawn_cells(start, numbers, draws, types, partial(_points, start)), curve)
     return _separated(cells, start, numbers, types, curve_numbers(curve), in_plane())
 
 
 def first_sheet(
-    start: StartNumbers, numbers: Numbers, draws: Generator, types: Types, lattice: Lattice, exchange: Exchange
+    start: StartNumbers,
+    numbers: Numbers,
+    draws: Generator,
+    types: CellTypes,
+    lattice: Lattice,
+    joining: tuple[float, int],
 ) -> tuple[TissueState, Separation]:
     """Draw a tissue on a surface and make it feasible.
 
     Basal points stand on a lattice on the surface, apical points above them; all else is as of ``first_state``.
+    ``joining``: see ``Parameters.joining``.
     """
     cells = drawn_cells(start, numbers, draws, types, partial(_points_above, start, lattice))
     apical, basal = np.stack((cells.ax, cells.ay, cells.az), axis=1), np.stack((cells.bx, cells.by, cells.bz), axis=1)
-    capacity = 2 * start.cells
+    surface, (longest, new_rest), capacity = lattice.surface, joining, 2 * start.cells
     networks = (
-        triangulated(lattice.surface, apical, lambda d: np.full(len(d), start.junction), capacity),
-        triangulated(lattice.surface, basal, np.zeros_like, capacity),
+        connected(surface, apical, start.new_junction, longest, capacity),
+        connected(surface, basal, 0.0, longest, capacity),
     )
-    space = _space(lattice.surface, *networks, exchange)
+    space = Space(SPATIAL, surface, *networks, sheet_rules(), longest, new_rest)
     return _separated(cells, start, numbers, types, STRAIGHT, space)
 
 
-def space_of(sheets: Sheets, exchange: Exchange, capacity: int) -> Space:
-    """Make what a tissue in space goes on with from kept networks."""
+def space_of(sheets: Sheets, joining: tuple[float, int], capacity: int) -> Space:
+    """Make what a tissue in space goes on with from kept networks; ``joining`` of the parameters."""
     apical, basal = network_of(sheets.apical, capacity), network_of(sheets.basal, capacity)
-    return _space(sheets.surface, apical, basal, exchange)
-
-
-def _space(surface: Surface, apical: Network, basal: Network, exchange: Exchange) -> Space:
-    return Space(SPATIAL, surface, apical, basal, exchange, sheet_rules(), np.zeros(1, np.int64))
+    return Space(SPATIAL, sheets.surface, apical, basal, sheet_rules(), *joining)
 
 
 def drawn_cells(
     start: StartNumbers,
     numbers: Numbers,
     draws: Generator,
-    types: Types,
+    types: CellTypes,
     points: Callable[[Generator], Mapping[str, Floats]],
 ) -> Cells:
     """Return cells with drawn ages, cycles and ``points``, coordinates by name: one number gives all types theirs."""
     n, crowd = start.cells, types.crowd
     own = partial(of_kinds, crowd.kind, (numbers, numbers, *types.numbers))
-    rest = np.array([start.rest_length, *types.rest_lengths])[crowd.kind]
+    rest = np.array([start.initial_rest_length, *types.rest_lengths])[crowd.kind]
     cycle = draws.uniform(own("min_cycle"), own("max_cycle"))
     age = draws.uniform(0.0, 1.0, n) * cycle
     coordinates: Any = points(draws)
     return empty(n)._replace(
         rest_ax=rest.copy(),
         rest_bx=rest.copy(),
-        rest_aa=np.full(n, start.junction),
+        rest_aa=np.full(n, start.new_junction),
         stiff_ax=own("alpha_ax"),
         stiff_bx=own("alpha_bx"),
         stiff_axb=own("alpha_axb"),
@@ -200,7 +198,7 @@ def _columns(start: StartNumbers, basal: Floats, draws: Generator) -> Floats:
 
 
 def _separated(
-    cells: Cells, start: StartNumbers, numbers: Numbers, types: Types, curve: CurveNumbers, space: Space
+    cells: Cells, start: StartNumbers, numbers: Numbers, types: CellTypes, curve: CurveNumbers, space: Space
 ) -> tuple[TissueState, Separation]:
     """Store the cells and sweep over their pairs until no nuclei overlap."""
     state = new_state(cells, emt=types.crowd.emt(), capacity=2 * start.cells, curve=curve, space=space)
@@ -209,7 +207,7 @@ def _separated(
     sweep, axes = (separate_all, "xy") if in_plane else (separate_all_balls, "xyz")
     workspaces: Any = Workspaces(n, 1, numbers, 0.0, curve)
     if not in_plane:
-        workspaces = SurfaceWorkspaces(n, 1, IDLE, space.surface)
+        workspaces = SurfaceWorkspaces(n, 1, space.surface)
     work = workspaces.flat.value
     before = np.stack([getattr(state.cells, axis)[:n] for axis in axes])
     for axis, line in zip(axes, before, strict=True):

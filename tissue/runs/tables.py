@@ -2,72 +2,76 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 
 from tissue.events.known import EVENTS
-from tissue.frames import observables
-from tissue.frames.observables import PHASES, ab_positions, areas, extruded, measurable, phases, widths
+from tissue.frames.observables import PHASES, areas, measurable, phases, state_of
+from tissue.model.measures import Measures, measure
 from tissue.plugins import Observable, registered
 
 if TYPE_CHECKING:
     from tissue.files.parameters import Parameters
     from tissue.frames.frame import Frame
-    from tissue.state.cells import Integers
 
 
-def _plain(name: str, meaning: str, measure: Callable[[Frame], float], unit: str = "") -> Observable:
-    """Return a number or a time."""
-    return Observable(name, meaning, lambda frame, parameters: measure(frame), unit)
+class Column(NamedTuple):
+    """A column of the summary, taken from what is measured of each frame once."""
+
+    name: str
+    meaning: str
+    value: Callable[[Frame, Measures], float]
+    unit: str = ""
+    power: int = 0  # of R_soft, to the unit um^power: 1 for a length
+    of_layer: bool = False  # whether it means nothing where the apical layer is folded
+
+    @property
+    def column(self) -> str:
+        """Its name in tables."""
+        return f"{self.name}_{self.unit}" if self.unit else self.name
 
 
-def _length(name: str, meaning: str, measure: Callable[[Frame], float]) -> Observable:
-    """Return a length, from R_soft to um."""
-
-    def in_um(frame: Frame, parameters: Parameters) -> float:
-        return parameters.cell.soft_radius.value * measure(frame)
-
-    return Observable(name, meaning, in_um, "um")
-
-
-def _area(name: str, meaning: str, measure: Callable[[Frame], float]) -> Observable:
-    """Return an area, from R_soft^2 to um^2."""
-
-    def in_um2(frame: Frame, parameters: Parameters) -> float:
-        return parameters.cell.soft_radius.value**2 * measure(frame)
-
-    return Observable(name, meaning, in_um2, "um2")
-
-
-BUILT_IN = (
-    _plain("time", "t", lambda frame: frame.t, "h"),
-    _plain("cells", "N", lambda frame: len(frame.cells.x)),
-    _plain("divisions", "into two cells of the plane", lambda frame: int((frame.cells.mother >= 0).sum())),
-    _length("height", "mean height of the apical layer", observables.height),
-    _length("nucleus_height", "mean height of the nuclei", observables.nucleus_height),
-    _length("apical_width", "extent in x of the apical layer", lambda frame: widths(frame).apical),
-    _length("basal_width", "extent in x of the basal layer", lambda frame: widths(frame).basal),
-    _length("nuclei_width", "extent in x of the centres of the nuclei", lambda frame: widths(frame).nuclei),
-    _plain("nuclear_layers", "soft discs that a vertical line crosses", observables.nuclear_layers),
-    _plain("mean_y_ab", "mean position on the apical-basal scale", lambda frame: float(ab_positions(frame).mean())),
-    _plain("apically_extruded", "cells with y_AB > 1", lambda frame: extruded(ab_positions(frame)).apically),
-    _plain("basally_extruded", "cells with y_AB < 0", lambda frame: extruded(ab_positions(frame)).basally),
+SUMMARY_COLUMNS = (
+    Column("time", "t", lambda frame, _: frame.t, "h"),
+    Column("cells", "N", lambda frame, _: len(frame.cells.x)),
+    Column("divisions", "into two cells of the plane", lambda frame, _: int((frame.cells.mother >= 0).sum())),
+    Column("height", "mean height of the apical layer", lambda _, of: of.extents.height, "um", 1, of_layer=True),
+    Column("nucleus_height", "mean height of the nuclei", lambda _, of: of.extents.nucleus_height, "um", 1),
+    Column("apical_width", "extent in x of the apical layer", lambda _, of: of.extents.apical_width, "um", 1),
+    Column("basal_width", "extent in x of the basal layer", lambda _, of: of.extents.basal_width, "um", 1),
+    Column("nuclei_width", "extent in x of the centres of the nuclei", lambda _, of: of.extents.nuclei_width, "um", 1),
+    Column("nuclear_layers", "nuclei one above the other, on average", lambda _, of: of.extents.nuclear_layers),
+    Column(
+        "mean_y_ab",
+        "mean position on the apical-basal scale",
+        lambda _, of: float(of.positions.y_ab.mean()),
+        of_layer=True,
+    ),
+    Column(
+        "apically_extruded",
+        "cells with y_AB > 1; in a tube beyond the apical layer, as in its lumen",
+        lambda _, of: int(of.positions.apically.sum()),
+        of_layer=True,
+    ),
+    Column("basally_extruded", "cells with y_AB < 0", lambda _, of: int(of.positions.basally.sum()), of_layer=True),
+    Column("crossings", "pairs of junctions of the apical layer that cross", lambda _, of: of.folds.crossings),
+    Column("backward", "part of the apical layer that runs backwards", lambda _, of: of.folds.backward),
+    Column("stretch", "length of the apical layer over that of the tissue", lambda _, of: of.folds.stretch),
+    Column("controls_outside", "part of the control cells outside", lambda _, of: of.controls_outside, of_layer=True),
 )
 
 
 # Of tubes alone.
-TUBE = (
-    _area("lumen_area", "what the tube encloses", lambda frame: areas(frame).lumen),
-    _area("tissue_area", "what the cells fill between both layers", lambda frame: areas(frame).tissue),
+TUBE_COLUMNS = (
+    Column("lumen_area", "what the tube encloses", lambda frame, _: areas(frame).lumen, "um2", 2, of_layer=True),
+    Column("tissue_area", "what the cells fill", lambda frame, _: areas(frame).tissue, "um2", 2, of_layer=True),
 )
-
-
-def summary_columns(*, tube: bool) -> tuple[Observable, ...]:
-    """Return all observables, those of the table first."""
-    return (*BUILT_IN, *(TUBE if tube else ()), *registered(Observable))
+# Names that observables of users do not take.
+SUMMARY_NAMES = frozenset(("folded", *(one.name for one in (*SUMMARY_COLUMNS, *TUBE_COLUMNS))))
 
 
 # Columns that are lengths, and the array of Cells each one is taken from.
@@ -92,7 +96,11 @@ DEPTH_LENGTHS = {"nucleus_z_um": "z", "apical_z_um": "az", "basal_z_um": "bz"}
 def cell_table(frames: Iterable[Frame], parameters: Parameters) -> pd.DataFrame:
     """Return one row for each output time and cell, by time, then along the tissue.
 
-    A state that is not finite, the last one of a run that left the finite numbers, has no rows.
+    A state that is not finite, the last one of a run that left the finite numbers, has no rows. ``y_ab`` is NaN where
+    the apical layer is folded (``tissue.model.measures``), but for numerics.folded = "keep".
+
+    The arclength begins where pictures have a mark: at the lowest point of a circle or ellipse around the tissue, the
+    highest one of a tissue outside; in the middle of an open curve through points, at the first point of a closed one.
 
     ======================================================  ========  ===============================================
     ``time_h``                                              float64   t
@@ -106,6 +114,11 @@ def cell_table(frames: Iterable[Frame], parameters: Parameters) -> pd.DataFrame:
     ``apical_rest_um``, ``basal_rest_um``                   float64   eta_ax (3.2), eta_bx (3.3), without R_soft
     ``junction_rest_um``                                    float64   eta_aa (3.6) of the junction to the next cell
     ``nucleus_z_um``, ``apical_z_um``, ``basal_z_um``       float64   in three dimensions alone: their depths
+    ``nucleus_height_um``, ``nucleus_along_um``             float64   where the layer bends alone: height of X along the
+                                                                      normal, and arclength of the nearest point of the
+                                                                      basal layer, which a sphere does not have
+    ``apical_height_um``, ``apical_along_um``               float64   likewise of A
+    ``basal_height_um``, ``basal_along_um``                 float64   and of B
     ``y_ab``                                                float64   position on the apical-basal scale (3.3.1)
     ``in_apical_layer``, ``in_basal_layer``                 bool      whether it has neighbours there
     ``migrates``, ``divides``                               bool      whether it has INM; may get a second daughter
@@ -119,25 +132,48 @@ def cell_table(frames: Iterable[Frame], parameters: Parameters) -> pd.DataFrame:
 
 
 def summary_table(frames: Iterable[Frame], parameters: Parameters) -> pd.DataFrame:
-    """Return one row for each output time; the observables of ``tissue.runs.tables``.
+    """Return one row for each output time.
 
     A state that is not finite has no row. Observables that were registered have columns of their own, behind these.
+    Where the apical layer is folded, ``folded`` has the reason, see ``tissue.model.measures``, and what means nothing
+    then is NaN, but for numerics.folded = "keep": height, y_AB, cells and controls outside, areas.
 
     ======================================================  ========  ===============================================
     ``time_h``                                              float64   t
+    ``folded``                                              str       "no", or why height and y_AB mean nothing
     ``cells``                                               int64     N
     ``divisions``                                           int64     into two cells of the plane, since the start
     ``height_um``, ``nucleus_height_um``                    float64   mean height of the apical layer; of the nuclei
-    ``apical_width_um``, ``basal_width_um``                 float64   extent in x of the layers
+    ``apical_width_um``, ``basal_width_um``                 float64   extent in x of the layers, or the period
     ``nuclei_width_um``                                     float64   extent in x of the centres of the nuclei
-    ``nuclear_layers``                                      float64   soft discs that a vertical line crosses
+    ``nuclear_layers``                                      float64   nuclei one above the other, on average: how many
+                                                                      soft discs a vertical line crosses (a normal,
+                                                                      where the layer bends; balls in space)
     ``mean_y_ab``                                           float64   mean position on the apical-basal scale
-    ``apically_extruded``, ``basally_extruded``             int64     cells with y_AB > 1, with y_AB < 0  (4.3)
+    ``apically_extruded``, ``basally_extruded``             int64     cells with y_AB > 1, with y_AB < 0  (4.3); of a
+                                                                      tube apically: in the lumen, or outside of it
+    ``crossings``                                           int64     pairs of apical junctions, or triangles, that
+                                                                      cross
+    ``backward``                                            float64   part of the apical layer that runs backwards
+    ``stretch``                                             float64   length, or area, of the apical layer over the
+                                                                      larger one of the basal layer and of its
+                                                                      projection on that
+    ``controls_outside``                                    float64   part of the control cells outside
     ``lumen_area_um2``, ``tissue_area_um2``                 float64   of tubes alone: what they enclose, what they fill
     ======================================================  ========  ===============================================
     """
-    shown = summary_columns(tube=parameters.curve().ring)
-    return pd.DataFrame([{one.column: one.of(frame, parameters) for one in shown} for frame in measurable(frames)])
+    shown, own = (*SUMMARY_COLUMNS, *(TUBE_COLUMNS if parameters.curve().ring else ())), registered(Observable)
+    rows: list[dict[str, Any]] = []
+    for frame in measurable(frames):
+        found = measure(state_of(frame))
+        hidden = found.fold and parameters.numerics.folded != "keep"
+        row: dict[str, Any] = {}
+        for one in shown:
+            value = math.nan if hidden and one.of_layer else one.value(frame, found)
+            row[one.column] = _um(parameters) ** one.power * value if one.power else value
+        row |= {one.column: one.of(frame, parameters) for one in own}
+        rows.append({"time_h": row.pop("time_h"), "folded": found.fold or "no", **row})
+    return pd.DataFrame(rows)
 
 
 def _um(parameters: Parameters) -> float:
@@ -158,17 +194,34 @@ def _of_cells(frame: Frame, parameters: Parameters) -> Iterator[tuple[str, Any]]
     yield from (("age_h", frame.t - cells.birth), ("cycle_h", cells.cycle))
     lengths = LENGTHS | (DEPTH_LENGTHS if parameters.in_space else {})
     yield from ((column, _um(parameters) * getattr(cells, name)) for column, name in lengths.items())
-    yield "y_ab", ab_positions(frame)
+    if curved(parameters):
+        yield from _on_layer(frame, parameters)
+    found = measure(state_of(frame))
+    hidden = found.fold and parameters.numerics.folded != "keep"
+    yield "y_ab", np.full(len(each), math.nan) if hidden else found.positions.y_ab
     yield from (("in_apical_layer", np.isin(each, layers.apical)), ("in_basal_layer", np.isin(each, layers.basal)))
+    begun, of_cell = np.unique(cells.events, return_inverse=True)
     yield from (("migrates", cells.moves), ("divides", cells.divides))
-    yield from (("emt", cells.emt), ("events", _names(cells.events)))
+    yield from (("emt", cells.emt), ("events", np.array([EVENTS[k] for k in begun])[of_cell]))
     yield "type", np.array(parameters.type_names)[cells.kind]
 
 
-def _names(begun: Integers) -> Any:
-    """Return the events of each cell."""
-    kinds, each = np.unique(begun, return_inverse=True)
-    return np.array([EVENTS[k] for k in kinds])[each]
+# Where the layer bends these, too.
+LAYER_COLUMNS = tuple(f"{point}_{what}_um" for point in ("nucleus", "apical", "basal") for what in ("height", "along"))
+
+
+def curved(parameters: Parameters) -> bool:
+    """Return whether the basal layer of a tissue bends, so that its cell table has heights and arclengths."""
+    return parameters.layer.shape != "line"
+
+
+def _on_layer(frame: Frame, parameters: Parameters) -> Iterator[tuple[str, Any]]:
+    """Give the height of the points of all cells along the normal of the basal layer, and where along the layer."""
+    for name, part in (("nucleus", ""), ("apical", "a"), ("basal", "b")):
+        x, y, z = (getattr(frame.cells, part + axis) for axis in "xyz")
+        yield f"{name}_height_um", _um(parameters) * frame.heights(x, y, z)
+        if (along := frame.along(x, y)) is not None:
+            yield f"{name}_along_um", _um(parameters) * along
 
 
 def _joined(parts: Sequence[Any]) -> Any:

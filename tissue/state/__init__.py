@@ -1,1 +1,1 @@
-"""What a tissue is at one time, and the numbers of a run: plain values, without a rule."""
+"""State of a tissue at one time, and the numbers of a run: plain values, without a rule."""

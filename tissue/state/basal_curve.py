@@ -7,24 +7,23 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import BPoly, CubicSpline, PPoly
+from scipy.spatial import cKDTree
 from scipy.special import ellipe, roots_legendre
 
 from tissue.state.cells import Floats
 
 # The curve turns by at most this angle within a piece [rad], so that a quintic polynomial differs from it by 1e-15 of
 # its curvature radius; bounds of the number of pieces.
-TURN, FEWEST, MOST = 0.02, 64, 8192
+TURN, FEWEST_PIECES, MOST_PIECES = 0.02, 64, 8192
 # Intervals, about, on which the length is measured.
-GRID = 512
+INTERVALS = 512
 # Numbers of a piece: coefficients of u^0 to u^5 of x, then of y, with u from 0 to 1.
 ORDER = 6
 # Steps of Newton's method from the nearest end of a piece: it doubles its digits.
 NEWTON = 6
-# Distances from points to pieces that are computed at once: 2 MB.
-BLOCK = 1 << 18
 
-# Position, first and second derivative by a parameter, (2, m) each.
+# Position, first and second derivative by a parameter, (m, 2) each.
 CurveFunction = Callable[[Floats], tuple[Floats, Floats, Floats]]
 
 
@@ -35,8 +34,7 @@ class BasalCurve:
     Attributes
     ----------
     table
-        (pieces + 1, 12): polynomials of pieces of equal length, see ORDER; the last one again the first. Without
-        pieces it is the line gamma(s) = (s, 0).
+        (pieces, 12): polynomials of pieces of equal length, see ORDER. Without pieces it is the line gamma(s) = (s, 0).
     length
         Of the curve; it goes on along its tangents, or around.
     origin
@@ -56,25 +54,26 @@ class BasalCurve:
     @property
     def pieces(self) -> int:
         """How many there are; 0 for the line."""
-        return max(0, len(self.table) - 1)
+        return len(self.table)
 
     @property
     def largest_curvature(self) -> float:
         """max kappa, kappa > 0 where the tissue is on the inner side [1 / R_soft]; 0 if it never is."""
         if self.pieces == 0:
             return 0.0
-        s = np.linspace(0.0, self.length, self.pieces + 1) - self.origin
-        _, (tx, ty), (cx, cy) = self.evaluate(s)
+        _, (tx, ty), (cx, cy) = self.evaluate(self._ends)
         return max(0.0, float((tx * cy - ty * cx).max()))
 
     @property
     def area(self) -> float:
-        """What a closed curve encloses; below 0 with the tissue outside."""
-        nodes, weights = _gauss(ORDER)
-        piece = self.length / self.pieces
-        s: Floats = piece * (np.arange(self.pieces)[:, None] + (1 + nodes) / 2) - self.origin
-        (x, y), (tx, ty), _ = self.evaluate(s.ravel())
-        return float(piece / 4 * ((x * ty - y * tx).reshape(s.shape) @ weights).sum())
+        """Area that a closed curve encloses, by the trapezoidal rule; below 0 with the tissue outside."""
+        (x, y), (tx, ty), _ = self.evaluate(self._ends[1:])
+        return float((x * ty - y * tx).sum() * self.length / self.pieces / 2)
+
+    @property
+    def _ends(self) -> Floats:
+        """Arclengths of the ends of all pieces, (pieces + 1,)."""
+        return np.linspace(0.0, self.length, self.pieces + 1) - self.origin
 
     def evaluate(self, s: Floats) -> tuple[Floats, Floats, Floats]:
         """gamma, gamma', gamma'' at the arclengths s (m,), each (2, m)."""
@@ -112,12 +111,8 @@ class BasalCurve:
         """
         if self.pieces == 0:
             return x.copy()
-        nodes = np.linspace(0.0, self.length, self.pieces + 1) - self.origin
-        near = self.evaluate(nodes)[0]
-        step = max(1, BLOCK // len(nodes))
-        blocks = [slice(k, k + step) for k in range(0, len(x), step)]
-        nearest = [((x[b, None] - near[0]) ** 2 + (y[b, None] - near[1]) ** 2).argmin(axis=1) for b in blocks]
-        s: Floats = nodes[np.concatenate(nearest)]
+        _, nearest = cKDTree(self.evaluate(self._ends)[0].T).query(np.column_stack((x, y)))
+        s: Floats = self._ends[nearest]
         for _ in range(NEWTON):
             position, tangent, bend = self.evaluate(s)
             away = np.stack((x, y)) - position
@@ -174,10 +169,12 @@ def ellipse(perimeter: float, aspect: float, *, inside: bool, ring: bool) -> Bas
 
     def evaluate(angle: Floats) -> tuple[Floats, Floats, Floats]:
         sine, cosine = np.sin(angle), np.cos(angle)
-        first, second = np.stack((a * cosine, side * b * sine)), np.stack((-a * sine, side * b * cosine))
-        return np.stack((a * sine, side * b * (1 - cosine))), first, second
+        found = (a * sine, side * b * (1 - cosine)), (a * cosine, side * b * sine), (-a * sine, side * b * cosine)
+        position, first, second = (np.stack(pair, axis=-1) for pair in found)
+        return position, first, second
 
-    return _by_arclength(evaluate, np.linspace(0.0, 2 * np.pi, FEWEST + 1), around=True, ring=ring, origin=0.0)
+    table, length = _by_arclength(evaluate, np.linspace(0.0, 2 * np.pi, FEWEST_PIECES + 1))
+    return BasalCurve(table, length, 0.0, True, ring)
 
 
 def through(points: Floats, *, around: bool) -> BasalCurve:
@@ -189,91 +186,29 @@ def through(points: Floats, *, around: bool) -> BasalCurve:
     chords = np.hypot(*np.diff(points, axis=0).T)
     knots = np.concatenate(([0.0], np.cumsum(np.sqrt(chords))))  # centripetal: no loops between unequal distances
     spline = CubicSpline(knots, points, bc_type="periodic" if around else "natural")
-
-    def evaluate(t: Floats) -> tuple[Floats, Floats, Floats]:
-        first, second, third = (np.ascontiguousarray(spline(t, order).T) for order in range(3))
-        return first, second, third
-
-    return _by_arclength(evaluate, knots, around=around, ring=around, origin=None)
+    table, length = _by_arclength(lambda t: (spline(t), spline(t, 1), spline(t, 2)), knots)
+    return BasalCurve(table, length, 0.0 if around else length / 2, around, around)
 
 
-def _by_arclength(
-    evaluate: CurveFunction, knots: Floats, *, around: bool, ring: bool, origin: float | None
-) -> BasalCurve:
-    """Return the table of a curve that is smooth between its knots."""
-    t, lengths = _measured(evaluate, knots)
-    turns = _turning(evaluate, t)
-    pieces = int(np.clip(np.ceil(lengths[-1] * turns / TURN), FEWEST, MOST))
-    s = np.linspace(0.0, lengths[-1], pieces + 1)
-    at = _parameters_at(evaluate, t, lengths, s)
-    position, first, second = evaluate(at)
-    speed = np.hypot(*first)
-    tangent = first / speed
-    bend = (second - tangent * (tangent * second).sum(axis=0)) / speed**2
-    table = _quintics(position, tangent, bend, s[1])
-    if not ring and origin is None:
-        origin = lengths[-1] / 2
-    # Behind the last piece: where it comes back to, or on which it goes on straight.
-    last = table[:1]
-    if not around:
-        last = np.zeros((1, 2, ORDER))
-        last[0, :, 0], last[0, :, 1] = position[:, -1], tangent[:, -1] * s[1]
-    behind = np.vstack((table, last.reshape(1, *table.shape[1:])))
-    return BasalCurve(behind, float(lengths[-1]), float(origin or 0.0), around, ring)
-
-
-def _measured(evaluate: CurveFunction, knots: Floats) -> tuple[Floats, Floats]:
-    """Return a fine grid of parameters, and the length of the curve up to each."""
-    fine = max(4, GRID // (len(knots) - 1))
+def _by_arclength(evaluate: CurveFunction, knots: Floats) -> tuple[Floats, float]:
+    """Return the table and the length of a curve that is smooth between its knots."""
+    fine = max(4, INTERVALS // (len(knots) - 1))
     t = np.append((knots[:-1, None] + np.diff(knots)[:, None] * np.arange(fine) / fine).ravel(), knots[-1])
-    return t, np.concatenate(([0.0], np.cumsum(_length(evaluate, t[:-1], t[1:]))))
-
-
-def _gauss(points: int) -> tuple[Floats, Floats]:
-    """Nodes and weights of Gauss and Legendre on [-1, 1]."""
-    nodes, weights = roots_legendre(points)
-    return nodes, weights
-
-
-def _length(evaluate: CurveFunction, begin: Floats, end: Floats) -> Floats:
-    """Return the length between parameters, by Gauss and Legendre with twelve points."""
-    nodes, weights = _gauss(12)
-    half = (end - begin) / 2
-    at = (begin + half)[:, None] + half[:, None] * nodes
-    speed = np.hypot(*evaluate(at.ravel())[1]).reshape(at.shape)
-    length: Floats = half * (speed @ weights)
-    return length
-
-
-def _turning(evaluate: CurveFunction, t: Floats) -> float:
-    """Return the largest curvature, of either sign."""
-    _, (x, y), (xx, yy) = evaluate(t)
-    return float(np.abs((x * yy - y * xx) / np.hypot(x, y) ** 3).max())
-
-
-def _parameters_at(evaluate: CurveFunction, t: Floats, lengths: Floats, s: Floats) -> Floats:
-    """Return the parameters at the arclengths s, by Newton's method within the grid."""
-    k = np.clip(np.searchsorted(lengths, s, side="right") - 1, 0, len(t) - 2)
-    at = t[k] + (s - lengths[k]) / (lengths[k + 1] - lengths[k]) * (t[k + 1] - t[k])
-    for _ in range(4):
-        missing = s - lengths[k] - _length(evaluate, t[k], at)
-        at = at + missing / np.hypot(*evaluate(at)[1])
-    return at
-
-
-def _quintics(position: Floats, tangent: Floats, bend: Floats, h: float) -> Floats:
-    """Return the polynomials with these values at the ends of pieces of length h: (pieces, 12)."""
-    way, (m, n), (a, b) = (
-        np.diff(position),
-        (h * tangent[:, :-1], h * tangent[:, 1:]),
-        (h**2 * bend[:, :-1], h**2 * bend[:, 1:]),
-    )
-    c = (
-        position[:, :-1],
-        m,
-        a / 2,
-        10 * way - 6 * m - 4 * n - (3 * a - b) / 2,
-        -15 * way + 8 * m + 7 * n + 1.5 * a - b,
-        6 * way - 3 * (m + n) - (a - b) / 2,
-    )
-    return np.stack(c, axis=-1).transpose(1, 0, 2).reshape(-1, 2 * ORDER)
+    # Length up to each parameter, by Gauss and Legendre, and its inverse, by dt/ds and its derivative.
+    nodes, weights = roots_legendre(12)
+    half = np.diff(t)[:, None] / 2
+    speeds = np.linalg.norm(evaluate(t[:-1, None] + half * (1 + nodes))[1], axis=-1)
+    lengths = np.concatenate(([0.0], np.cumsum((half * speeds) @ weights)))
+    _, (x, y), (xx, yy) = (part.T for part in evaluate(t))
+    speed = np.hypot(x, y)
+    parameter = BPoly.from_derivatives(lengths, np.stack((t, 1 / speed, -(x * xx + y * yy) / speed**4), axis=1))
+    curvature = np.abs(x * yy - y * xx) / speed**3
+    pieces = int(np.clip(np.ceil(lengths[-1] * curvature.max() / TURN), FEWEST_PIECES, MOST_PIECES))
+    # The polynomials with the derivatives of the curve by u at the ends of each piece.
+    position, first, second = evaluate(parameter(np.linspace(0.0, lengths[-1], pieces + 1)))
+    speed, piece = np.linalg.norm(first, axis=1, keepdims=True), lengths[-1] / pieces
+    tangent = first / speed
+    bend = (second - tangent * (tangent * second).sum(axis=1, keepdims=True)) / speed**2
+    derivatives = np.stack((position, piece * tangent, piece**2 * bend), axis=1)
+    spline = PPoly.from_bernstein_basis(BPoly.from_derivatives(np.arange(pieces + 1), derivatives))
+    return spline.c[::-1].transpose(1, 2, 0).reshape(pieces, 2 * ORDER), float(lengths[-1])

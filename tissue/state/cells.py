@@ -13,7 +13,7 @@ Flags = NDArray[np.bool_]
 
 
 class Cells(NamedTuple):
-    """What there is to know about each cell; lengths in units of R_soft, times in hours.
+    """State of each cell; lengths in units of R_soft, times in hours.
 
     All arrays have the same length: the number of cells, or in a running kernel a capacity of which the first n
     entries are in use. Neighbours in the tissue are neighbours in the arrays.
@@ -60,7 +60,7 @@ class CellLayers(NamedTuple):
     """Which cells hold on to which neighbour: indices into Cells, increasing, so from left to right."""
 
     apical: Integers  # (na,): junctions join consecutive entries (3.5)
-    basal: Integers  # (nb,): consecutive entries are ordered and at most max_basal apart (3.15)
+    basal: Integers  # (nb,): consecutive entries are ordered and at most max_basal_distance apart (3.15)
 
 
 class Emt(NamedTuple):
@@ -79,7 +79,7 @@ class Emt(NamedTuple):
 
 
 # The kinds of the fields that are not numbers.
-KINDS = {
+DTYPES = {
     **dict.fromkeys(("moves", "divides"), np.bool_),
     **dict.fromkeys(("id", "mother", "emt", "events", "chain", "kind"), np.int64),
 }
@@ -87,7 +87,7 @@ KINDS = {
 
 def empty(capacity: int) -> Cells:
     """Control cells of length ``capacity``, all else zero."""
-    cells = Cells(**{name: np.zeros(capacity, KINDS.get(name, np.float64)) for name in Cells._fields})
+    cells = Cells(**{name: np.zeros(capacity, DTYPES.get(name, np.float64)) for name in Cells._fields})
     cells.emt[:] = -1
     return cells
 

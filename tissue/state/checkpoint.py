@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -41,7 +42,7 @@ _LOW = (1 << 64) - 1
 
 
 class Separation(NamedTuple):
-    """What was done to the drawn positions to make them feasible."""
+    """Separation of the drawn nuclei, which makes their positions feasible."""
 
     sweeps: int  # over all pairs
     moved: float  # largest displacement of a nucleus [R_soft]
@@ -59,8 +60,17 @@ class TissueCheckpoint(NamedTuple):
     counts: Integers  # one for each of ``tissue.state.running.COUNTERS``, since t = 0
     generators: Words  # (2, WORDS): where the streams DRAWN stand
     separation: Separation  # at t = 0
-    soft_radius: float  # the unit of all lengths of the state, that of [cell] [um]
-    types: tuple[str, ...] = ()  # the names of the named types, by their numbers
+    parameters: str  # the text of the parameter file
+
+    @property
+    def tables(self) -> dict[str, Any]:
+        """The parameters as tables; read as data, so that no module of the file is imported."""
+        return tomllib.loads(self.parameters)
+
+    @property
+    def types(self) -> tuple[str, ...]:
+        """The names of the named types, by their numbers."""
+        return tuple(self.tables.get("types", {}))
 
 
 def generator_states(random: Streams) -> Words:

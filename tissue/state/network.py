@@ -1,8 +1,8 @@
-"""A network as arrays: triangles in half-edges, and where its points were when it was last known to be right."""
+"""The neighbours of a layer in space as arrays: pairs of cells with their rest lengths, and triangles."""
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -10,86 +10,55 @@ from dincl import checks
 from dincl.errors import InvalidProblem
 from tissue.state.cells import Floats, Integers
 
-# Ghosts, the vertices at infinity, are -1 and -2: the last places of the arrays of vertices are theirs.
-GHOSTS = 2
-# Flips of a single move of a vertex, at most: it crosses a few edges. Beyond, the move is cut in half.
-LONGEST_LOG = 128
-# What there is of a network besides its workspace and the number of triangles, by half-edges and by vertices.
-OF_HALF_EDGES, OF_VERTICES = ("corner", "twin", "rest"), ("out", "u", "v", "w")
-
-# On the chart, see ``tissue.network.chart``.
-Place = tuple[float, float, float]
-
-
-class NetworkWorkspace(NamedTuple):
-    """What the kernels write on while they work; nothing in it outlives a call."""
-
-    from_u: Floats  # of a vertex: where it comes from, and where it goes
-    from_v: Floats
-    from_w: Floats
-    to_u: Floats
-    to_v: Floats
-    to_w: Floats
-    waiting: Integers  # of a vertex: whether it is in the queue
-    queue: Integers  # vertices
-    edges: Integers  # a ring of half-edges
-    listed: Integers  # of a half-edge: whether it is in the ring; 0 between calls
-    log: Integers  # ends of the edges that the last flips of a vertex made, in pairs
-    logged: Floats  # rest lengths of the edges before
+# Places in Network.sizes. A triangulation of n cells has at most 3 n edges and 2 n triangles.
+EDGES, TRIANGLES = range(2)
 
 
 class Network(NamedTuple):
-    """An oriented triangulation of a closed surface: no loop, no two edges with the same ends, none that cross.
+    """Neighbours in a layer: Delaunay's triangulation of its points, with daughters and gaps since it was made.
 
-    Half-edge h = 3 t + c goes from corner[h] to corner[following(h)] in triangle t, counterclockwise as seen from the
-    side of the tissue. Vertices are indices of cells. A patch with a boundary has a ghost vertex -1 that is joined to
-    all of it; a band, periodic along one axis and open along the other, has two, -1 and -2. So all is closed.
+    See ``tissue.network.neighbours``. Cells are indices; of each array the first ``sizes`` are in use.
     """
 
-    corner: Integers  # (3 T,), of which 3 triangles[0] are in use
-    twin: Integers  # (3 T,): the half-edge the other way
-    rest: Floats  # (3 T,): rest length of the junction, equal on both twins; 0 at ghosts
-    out: Integers  # (capacity + GHOSTS,): a half-edge that leaves the vertex, -1 if it is not in the network
-    u: Floats  # (capacity + GHOSTS,): the chart, see ``tissue.network.chart``, in which all triangles turn left
-    v: Floats
-    w: Floats
-    triangles: Integers  # (1,)
-    work: NetworkWorkspace
+    edges: Integers  # (3 capacity, 2): pairs i < j of cells that are neighbours, each once
+    rest: Floats  # (3 capacity,): rest length of the junction of a pair [R_soft]
+    triangles: Integers  # (2 capacity, 3): counterclockwise as seen from the tissue
+    sizes: Integers  # (2,): numbers of edges and of triangles
 
     @property
     def capacity(self) -> int:
-        """How many cells it has room for."""
-        return len(self.out) - GHOSTS
+        """Number of cells that there is room for."""
+        return len(self.edges) // 3
 
 
 def no_network(capacity: int) -> Network:
-    """Return a network without vertices; a sphere of n vertices has 2 n - 4 triangles, all others 2 n."""
-    vertices = checks.integer("capacity", capacity, least=0) + GHOSTS
-    edges = 6 * vertices
-    from_u, from_v, from_w, to_u, to_v, to_w, u, v, w = (np.zeros(vertices) for _ in range(9))
-    corner, twin, out = (np.full(length, -1, np.int64) for length in (edges, edges, vertices))
-    waiting, queue, ring, listed = (np.zeros(length, np.int64) for length in (vertices, vertices, edges, edges))
-    log, logged = np.zeros(2 * LONGEST_LOG, np.int64), np.zeros(LONGEST_LOG)
-    work = NetworkWorkspace(from_u, from_v, from_w, to_u, to_v, to_w, waiting, queue, ring, listed, log, logged)
-    return Network(corner, twin, np.zeros(edges), out, u, v, w, np.zeros(1, np.int64), work)
+    """Return a network without neighbours, with room for so many cells."""
+    n = checks.integer("capacity", capacity, least=0)
+    return Network(
+        np.zeros((3 * n, 2), np.int64), np.zeros(3 * n), np.zeros((2 * n, 3), np.int64), np.zeros(2, np.int64)
+    )
+
+
+def write(network: Network, edges: Integers, rest: Floats, triangles: Integers) -> None:
+    """Replace what is in a network; raises InvalidProblem for more edges or triangles than there is room for."""
+    m, count = len(edges), len(triangles)
+    if m > len(network.edges) or count > len(network.triangles):
+        room = f"{len(network.edges)} edges and {len(network.triangles)} triangles"
+        raise InvalidProblem(f"network = {m} edges and {count} triangles: must be at most {room}")
+    network.edges[:m], network.rest[:m], network.triangles[:count] = edges, rest, triangles
+    network.sizes[:] = m, count
+
+
+def in_use(network: Network) -> tuple[Integers, Floats, Integers]:
+    """Return copies of the edges, rest lengths and triangles in use."""
+    edges, triangles = network.sizes
+    return network.edges[:edges].copy(), network.rest[:edges].copy(), network.triangles[:triangles].copy()
 
 
 def grown(network: Network, capacity: int) -> Network:
     """Return the same network with room for more cells; raises InvalidProblem for less room than it has."""
     if checks.integer("capacity", capacity, least=0) < network.capacity:
         raise InvalidProblem(f"capacity = {capacity}: must be at least {network.capacity}, what the network has")
-    return with_room(capacity, network, int(network.triangles[0]))
-
-
-def with_room(capacity: int, given: Any, triangles: int) -> Network:
-    """Return a network with room for so many cells, with the first triangles and all vertices of the arrays of
-    ``given``.
-    """
-    network, used, cells = no_network(capacity), 3 * triangles, len(given.out) - GHOSTS
-    for name in OF_HALF_EDGES:
-        getattr(network, name)[:used] = getattr(given, name)[:used]
-    for name in OF_VERTICES:
-        getattr(network, name)[:cells] = getattr(given, name)[:cells]
-        getattr(network, name)[-GHOSTS:] = getattr(given, name)[-GHOSTS:]
-    network.triangles[0] = triangles
-    return network
+    larger = no_network(capacity)
+    write(larger, *in_use(network))
+    return larger

@@ -10,7 +10,7 @@ from dincl.compiled.structs import struct_after
 
 
 class Numbers(NamedTuple):
-    """What the kernels compute with; made from the parameters of a file by ``Parameters.numbers``."""
+    """Numbers that the kernels compute with; made from the parameters of a file by ``Parameters.numbers``."""
 
     # Time stepping (Tables 3 and 5 of chapter 3)
     dt: float  # between updates of rules and events [h]
@@ -19,10 +19,10 @@ class Numbers(NamedTuple):
     variance: float  # 2 D: of the noise per coordinate and hour [1/h]
     noise_in_substeps: bool  # noise in each substep, in place of once before them
     # Energies
-    power: int  # p of the springs, W = alpha (d - l)^2 / l^p with l = 1 + eta
+    spring_power: int  # p of the springs, W = alpha (d - l)^2 / l^p with l = 1 + eta
     junction_factor: float  # k of a junction over the mean alpha_aa of its cells, force k (d - eta)
     repulsion: float  # k of the soft repulsion of two such cells, force k (2 - d) for d < 2
-    max_basal: float  # largest distance of neighbours in the basal layer (C2); of two types the mean
+    max_basal_distance: float  # largest distance of neighbours in the basal layer (C2); of two types the mean
     # Cells (Table 2 of chapter 3)
     alpha_aa: float
     alpha_ax: float
@@ -41,12 +41,12 @@ class Numbers(NamedTuple):
     max_cytoskeleton: float  # largest sum of the desired rest lengths eta_ax + eta_bx, inf for none
     # Rules
     two_daughters: float  # probability that both daughters stay in the plane
-    division_offset: float
+    offset: float
     new_junction: float  # rest length of the junction between two daughters
-    floor_rest: bool  # desired rest length max(0, d - 1) in place of d - 1
+    floor_rest_length: bool  # desired rest length max(0, d - 1) in place of d - 1
     enlarge_in_g2: bool  # the enlarged radius from G2 on, in place of from mitosis on
     g2_stiffening: float  # factor of alpha_aa of a cell from G2 to division
-    resting_enlarge: bool  # cells without INM enlarge and stiffen like the others
+    resting_cells_enlarge: bool  # cells without INM enlarge and stiffen like the others
     # EMT events
     freed_stiffness: float  # factor of the spring to a freed point: [A], [B]
     bridge_present: bool  # the junction that bridges [A] rests at the present distance, in place of the sum of both
@@ -69,7 +69,7 @@ class Numbers(NamedTuple):
 
 
 class StartNumbers(NamedTuple):
-    """What the first state is made from; made from the parameters of a file by ``Parameters.start_numbers``.
+    """Numbers that the first state is made from; ``Parameters.start_numbers`` makes them from a file.
 
     Apical points lie at y = height, basal points at y = 0, each row evenly spaced and centred on the box of the nuclei.
     """
@@ -82,8 +82,8 @@ class StartNumbers(NamedTuple):
     nuclei: str  # x: "box" anywhere in the width, "even" spacing dx = width/(cells + 1) plus U(-dx, dx), "own_basal"
     nuclei_low: float  # y: between these two heights
     nuclei_high: float
-    rest_length: float  # eta of both cytoskeleton springs, without the radius R_soft
-    junction: float  # eta of the apical junctions
+    initial_rest_length: float  # eta of both cytoskeleton springs, without the radius R_soft
+    new_junction: float  # eta of the apical junctions
 
 
 class Daha(NamedTuple):

@@ -8,7 +8,7 @@ import numpy as np
 
 from dincl.compiled import StructPointer, reader, struct_type
 from tissue.state.basal_curve import LINE, CurveNumbers, curve_numbers
-from tissue.state.cells import KINDS, CellLayers, Cells, Emt, Flags, Floats, Forces, Integers, emt_cells, first, no_emt
+from tissue.state.cells import DTYPES, CellLayers, Cells, Emt, Flags, Floats, Forces, Integers, emt_cells, first, no_emt
 from tissue.state.space import Space, no_space, with_room
 
 # Places in TissueState.sizes
@@ -28,7 +28,7 @@ class BasalMotion(NamedTuple):
 
 
 class Daughters(NamedTuple):
-    """Of each cell that splits in this dt what was drawn for its second daughter, (capacity,)."""
+    """Draws for the second daughter of each cell that splits in this dt, (capacity,)."""
 
     cycle: Floats  # 0 for a cell that does not split
     turn: Floats  # the direction in which daughters on a surface part, as a part of a whole turn
@@ -43,7 +43,7 @@ class Blocks(NamedTuple):
 
 
 class StateArrays(NamedTuple):
-    """What kernels see of a state; of each array of ``cells``, ``layers``, ``emt`` the first ``sizes`` are in use."""
+    """State as kernels see it; of each array of ``cells``, ``layers``, ``emt`` the first ``sizes`` are in use."""
 
     cells: Cells
     layers: CellLayers
@@ -131,7 +131,7 @@ def _emt_with_room(emt: Emt, capacity: int) -> Emt:
 
 def _room(capacity: int, emt: Emt, curve: CurveNumbers, space: Space) -> StateArrays:
     """Make empty arrays."""
-    kinds: list[Any] = [KINDS.get(name, np.float64) for name in Cells._fields]
+    kinds: list[Any] = [DTYPES.get(name, np.float64) for name in Cells._fields]
     made = {kind: np.zeros((kinds.count(kind), capacity), kind) for kind in (np.float64, np.bool_, np.int64)}
     lines = {kind: iter(block) for kind, block in made.items()}
     cells = Cells(*(next(lines[kind]) for kind in kinds))

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dincl import checks
 from dincl.compiled import inner
 from dincl.errors import InvalidProblem
 from tissue.state.cells import Floats
@@ -17,10 +16,9 @@ PLANE, CYLINDER, SPHERE = range(3)
 
 
 class Surface(NamedTuple):
-    """What kernels know of the basal surface; lengths in units of R_soft.
+    """Basal surface as kernels see it; lengths in units of R_soft.
 
-    The plane is y = 0, the cylinder x^2 + y^2 = radius^2, the sphere |X| = radius. ``plane``, ``cylinder`` and
-    ``sphere`` check what they make it of.
+    The plane is y = 0, the cylinder x^2 + y^2 = radius^2, the sphere |X| = radius.
     """
 
     bends: int  # PLANE, CYLINDER or SPHERE
@@ -34,32 +32,18 @@ FLAT_SURFACE = Surface(PLANE, math.inf, 1.0, math.inf, math.inf)
 
 
 def plane(*, period_x: float = math.inf, period_z: float = math.inf) -> Surface:
-    """Return the plane y = 0, periodic or not; raises InvalidProblem for a period that is not > 0."""
-    return Surface(PLANE, math.inf, 1.0, _period("period_x", period_x), _period("period_z", period_z))
+    """Return the plane y = 0, periodic or not."""
+    return Surface(PLANE, math.inf, 1.0, period_x, period_z)
 
 
 def cylinder(radius: float, *, inside: bool, period_z: float = math.inf) -> Surface:
-    """Return the cylinder x^2 + y^2 = radius^2, with the tissue inside or outside; raises InvalidProblem likewise."""
-    radius, side = checks.number("radius", radius, positive=True), _side(inside)
-    return Surface(CYLINDER, radius, side, math.inf, _period("period_z", period_z))
+    """Return the cylinder x^2 + y^2 = radius^2, with the tissue inside or outside."""
+    return Surface(CYLINDER, radius, -1.0 if inside else 1.0, math.inf, period_z)
 
 
 def sphere(radius: float, *, inside: bool) -> Surface:
-    """Return the sphere |X| = radius, with the tissue inside or outside; raises InvalidProblem likewise."""
-    return Surface(SPHERE, checks.number("radius", radius, positive=True), _side(inside), math.inf, math.inf)
-
-
-def _side(inside: bool) -> float:
-    return -1.0 if checks.flag("inside", inside) else 1.0
-
-
-def _period(name: str, value: Any) -> float:
-    """Return a length > 0, or inf."""
-    try:
-        endless = value == math.inf
-        return math.inf if endless is True or endless is np.True_ else checks.number(name, value, positive=True)
-    except InvalidProblem as error:
-        raise InvalidProblem(f"{error}; or inf, where the surface has no period") from None
+    """Return the sphere |X| = radius, with the tissue inside or outside."""
+    return Surface(SPHERE, radius, -1.0 if inside else 1.0, math.inf, math.inf)
 
 
 @inner

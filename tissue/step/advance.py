@@ -2,37 +2,37 @@
 
 from __future__ import annotations
 
-from threading import Lock
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.random import Generator
 
-from dincl.compiled import c_function, call, signature, struct_type
-from dincl.compiled.generators import GENERATOR, generator_at
+from dincl.compiled import call, signature, struct_type
 from tissue.kernels import kernel
+from tissue.kernels.generators import GENERATOR, generator_at
 from tissue.kernels.rules import Rules, call_substeps, rules_at
 from tissue.kernels.surface_workspace import surface_workspace_at
 from tissue.kernels.workspace import LOST, RUNNING, workspace_at
-from tissue.model.cycle import adapt_rest_lengths, set_phases
-from tissue.model.division import count_due, divide
+from tissue.model.cycle import adapt_rest_lengths, count_due, divide, set_phases
 from tissue.model.emt import begin_events
 from tissue.model.extents import is_closed
 from tissue.model.noise import add_noise, draw_key
 from tissue.model.scale import watch_sides
-from tissue.network.exchange import relax
-from tissue.network.follow import STUCK, follow
+from tissue.network.neighbours import has_room
 from tissue.state.cells import Integers
 from tissue.state.numbers import Numbers, numbers_at
-from tissue.state.running import CELLS, TissueState, state_at
+from tissue.state.running import APICAL, BASAL, CELLS, TissueState, state_at
+from tissue.state.space import FLAT, SPATIAL
 from tissue.step.copies import copy_from_workspace, copy_in, copy_out, copy_to_workspace
 
-# How a call ended: all steps made; no room for the daughters that may come.
-DONE, FULL = range(2)
+# How a call ended: all steps made; no room for the daughters that may come; after the rules of a step in which more
+# than this part of a layer in space has left it, so that its neighbours are to be found anew before cells move.
+DONE, FULL, LEFT = range(3)
+MANY = 1 / 20
 
 
 class StepInput(NamedTuple):
-    """What steps dt of tissues side by side take: addresses of the tissues, of numbers, memory and machine code."""
+    """Input of steps dt of tissues side by side: addresses of the tissues, of numbers, memory and machine code."""
 
     states: Integers  # (1,) or (WIDTH,)
     ended: Integers  # of each RUNNING, or the step that failed
@@ -55,22 +55,31 @@ call_move = call(MOVE)
 
 
 @kernel
-def advance(step: StepInput, made: int, steps: int) -> tuple[int, int]:
+def advance(step: StepInput, made: int, steps: int, ruled: bool) -> tuple[int, int]:
     """Make the steps ``made`` to ``steps``, the k-th to t = (k + 1) dt; how many are made then, and how the call ended.
 
     A tissue that is lost, or whose lumen is closed, stays as it is from then on: ``ended`` is set to the step that
-    failed. After FULL nothing is lost: put the cells into larger states and go on.
+    failed. After FULL nothing is lost: put the cells into larger states and go on. After LEFT renew the networks and
+    go on with ``ruled``: the rules of the next step have been applied.
     """
     numbers, rules, states, ended = numbers_at(step.numbers), rules_at(step.rules), step.states, step.ended
     while made < steps:
         t = (made + 1) * numbers.dt
         for k in range(len(states)):
-            if ended[k] == RUNNING and is_full(state_at(states[k]), t):
+            if ended[k] == RUNNING and not ruled and is_full(state_at(states[k]), t):
                 return made, FULL
         for k in range(len(states)):
-            if ended[k] == RUNNING:
-                draws, noise = generator_at(step.random[0], k), generator_at(step.random[1], k)
-                apply_rules(state_at(states[k]), t, numbers, rules, draws, noise)
+            if ended[k] == RUNNING and not ruled:
+                state, draws, noise = (
+                    state_at(states[k]),
+                    generator_at(step.random[0], k),
+                    generator_at(step.random[1], k),
+                )
+                outside = count_outside(state)
+                apply_rules(state, t, numbers, rules, draws, noise)
+                if state.space.dimension != FLAT and count_outside(state) - outside > MANY * state.sizes[CELLS]:
+                    return made, LEFT
+        ruled = False
         if not call_move(step.move, step):  # nobody runs any more
             return steps, DONE
         for k in range(len(states)):
@@ -102,45 +111,30 @@ def move_slices(step: StepInput) -> int:
 
 
 def move_surface(step: StepInput) -> int:
-    """Make all substeps of one dt for a sheet or a closed surface; then its networks follow its points and relax.
-
-    ``torn`` of the tissue is set if a network cannot follow its points.
-    """
+    """Make all substeps of one dt for a sheet or a closed surface."""
     if step.ended[0] != RUNNING:
         return 0
     state, work = state_at(step.states[0]), surface_workspace_at(step.flat)
     n = copy_to_workspace(state, work, numbers_at(step.numbers), step.scale)
     call_substeps(step.substeps, step.flat, step.wide, n)
     copy_from_workspace(work, state)
-    cells, space, how = state.cells, state.space, state.space.exchange
-    done = follow(space.surface, space.apical, cells.ax, cells.ay, cells.az, how.new_rest)
-    if done != STUCK:
-        relax(space.surface, space.apical, cells.ax, cells.ay, cells.az, how.margin, how.longest, how.new_rest)
-        done = follow(space.surface, space.basal, cells.bx, cells.by, cells.bz, how.new_rest)
-    if done != STUCK:
-        relax(space.surface, space.basal, cells.bx, cells.by, cells.bz, how.margin, how.longest, how.new_rest)
-    space.torn[0] = done == STUCK
     return int(n)
 
 
-# By function, for the life of the process; threads come one at a time.
-_COMPILED: dict[Any, Any] = {}
-_COMPILING = Lock()
-
-
-def move_address(function: Any) -> int:
-    """Return the address of the machine code of ``move_slices`` or ``move_surface``, compiled on first use."""
-    with _COMPILING:
-        if function not in _COMPILED:
-            _COMPILED[function] = c_function(MOVE, function)
-    address: int = _COMPILED[function].address
-    return address
+@kernel
+def count_outside(state: TissueState) -> int:
+    """Count the cells that are in no apical layer, and those in no basal one."""
+    sizes = state.sizes
+    return int(2 * sizes[CELLS] - sizes[APICAL] - sizes[BASAL])
 
 
 @kernel
 def is_full(state: TissueState, t: float) -> bool:
-    """Return whether the daughters that may come at time t have no room."""
-    full: bool = state.sizes[CELLS] + count_due(state, t) > len(state.cells.x)
+    """Return whether the daughters that may come at time t have no room, nor their neighbours in space."""
+    due, space = count_due(state, t), state.space
+    full: bool = state.sizes[CELLS] + due > len(state.cells.x)
+    if space.dimension == SPATIAL:
+        full = full or not (has_room(space.apical, due) and has_room(space.basal, due))
     return full
 
 

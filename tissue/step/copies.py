@@ -6,17 +6,15 @@ import math
 from typing import Any
 
 from dincl.compiled import inner
-from dincl.compiled.lanes import load
-from dincl.compiled.lanes import store as put
-from tissue.kernels import surface_workspace as on_workspace
 from tissue.kernels.curve import evaluate
+from tissue.kernels.lanes import load
+from tissue.kernels.lanes import store as put
 from tissue.kernels.layers import chained_before
-from tissue.kernels.surface_workspace import JUNCTIONS, NEIGHBOURS, ORDERED, SurfaceWorkspace
+from tissue.kernels.surface_workspace import JUNCTIONS, NEIGHBOURS, SurfaceWorkspace
 from tissue.kernels.workspace import FAR, RUNNING, Workspace
 from tissue.model.springs import apical_length, basal_length, coefficient
-from tissue.network.halfedges import LEFT, begins_edge, is_row, preceding
 from tissue.state.cells import Cells, Integers
-from tissue.state.network import Network
+from tissue.state.network import EDGES, Network
 from tissue.state.numbers import Numbers, numbers_of
 from tissue.state.running import (
     APICAL,
@@ -80,9 +78,9 @@ def _copy(state: TissueState, k: int, width: int, work: Workspace, numbers: Numb
     cells = state.cells
     for i in range(work.cells[k]):
         place, own = width * i + k, numbers_of(numbers, cells.kind[i])
-        _copy_cell(state, i, work, place, own, numbers.power, scale)
+        _copy_cell(state, i, work, place, own, numbers.spring_power, scale)
         work.soft[place], work.stiff_xx[place] = own.soft_radius, scale * own.repulsion
-        work.limit[place] = own.max_basal
+        work.limit[place] = own.max_basal_distance
         if work.bent:
             at = evaluate(work.curve, cells.along[i])
             work.along[place], work.tangent_x[place], work.tangent_y[place] = cells.along[i], at[2], at[3]
@@ -182,7 +180,7 @@ def copy_to_workspace(state: TissueState, work: SurfaceWorkspace, numbers: Numbe
     """Copy a tissue to the workspace; ``scale`` = h / mu; how many cells it has."""
     n = state.sizes[CELLS]
     for i in range(n):
-        _copy_cell(state, i, work, i, numbers, numbers.power, scale)
+        _copy_cell(state, i, work, i, numbers, numbers.spring_power, scale)
     for word in range(2):
         work.noise_key[word] = state.noise_key[word]
     for k in range(len(work.counts)):
@@ -195,29 +193,22 @@ def copy_to_workspace(state: TissueState, work: SurfaceWorkspace, numbers: Numbe
 
 @inner
 def _list_junctions(state: TissueState, work: SurfaceWorkspace, scale: float) -> None:
-    """List the junctions of the apical network, each once, with k = scale (alpha_i + alpha_j) / 2."""
-    network, alpha, count = state.space.apical, state.cells.stiff_aa, 0
-    for h in range(3 * network.triangles[0]):
-        if begins_edge(network, h):
-            i, j = network.corner[h], network.corner[network.twin[h]]
-            work.junctions[count, 0], work.junctions[count, 1] = i, j
-            work.rest[count] = network.rest[h]
-            work.k_aa[count] = scale * (0.5 * (alpha[i] + alpha[j]))
-            count += 1
-    work.sizes[JUNCTIONS] = count
+    """List the junctions of the apical network, with k = scale (alpha_i + alpha_j) / 2."""
+    network, alpha = state.space.apical, state.cells.stiff_aa
+    for edge in range(network.sizes[EDGES]):
+        i, j = network.edges[edge, 0], network.edges[edge, 1]
+        work.junctions[edge, 0], work.junctions[edge, 1] = i, j
+        work.rest[edge] = network.rest[edge]
+        work.k_aa[edge] = scale * (0.5 * (alpha[i] + alpha[j]))
+    work.sizes[JUNCTIONS] = network.sizes[EDGES]
 
 
 @inner
 def _list_neighbours(network: Network, work: SurfaceWorkspace) -> None:
-    """List the edges of the basal network, each once; of a row of cells forward, with its left side on the left."""
-    count, ordered = 0, is_row(network)
-    for h in range(3 * network.triangles[0]):
-        if begins_edge(network, h):
-            first = network.twin[h] if ordered and network.corner[preceding(h)] != LEFT else h
-            ends = network.corner[first], network.corner[network.twin[first]]
-            work.neighbours[count, 0], work.neighbours[count, 1] = ends
-            count += 1
-    work.sizes[NEIGHBOURS], work.sizes[ORDERED] = count, ordered
+    """List the edges of the basal network."""
+    for edge in range(network.sizes[EDGES]):
+        work.neighbours[edge, 0], work.neighbours[edge, 1] = network.edges[edge, 0], network.edges[edge, 1]
+    work.sizes[NEIGHBOURS] = network.sizes[EDGES]
 
 
 @inner
@@ -228,6 +219,5 @@ def copy_from_workspace(work: SurfaceWorkspace, state: TissueState) -> None:
     _put_back(work, cells, n, 0, 1)
     for i in range(n):
         cells.z[i], cells.az[i], cells.bz[i] = work.z[i], work.az[i], work.bz[i]
-    state.counts[SUBSTEPS] += work.counts[on_workspace.SUBSTEPS]
-    state.counts[CORRECTIONS] += work.counts[on_workspace.CORRECTIONS]
-    state.counts[BASAL_CORRECTIONS] += work.counts[on_workspace.BASAL_CORRECTIONS]
+    for counter in (SUBSTEPS, CORRECTIONS, BASAL_CORRECTIONS):
+        state.counts[counter] += work.counts[counter]

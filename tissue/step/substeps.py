@@ -6,26 +6,29 @@ once, and compiled twice: for one tissue, with a double for each cell, and for e
 
 from __future__ import annotations
 
-from threading import Lock
 from typing import Any
 
-from dincl.compiled import c_function, inner
-from dincl.compiled.lanes import WIDTH
+from dincl.compiled import inner
+from tissue.kernels.lanes import WIDTH
 from tissue.kernels.pair_lists import refresh_lists
-from tissue.kernels.rules import SUBSTEPS
-from tissue.kernels.surface_workspace import FRESH, SurfaceWorkspace, surface_workspace_at, wide_surface_workspace_at
-from tissue.kernels.surface_workspace import SUBSTEPS as COUNTED
+from tissue.kernels.rules import ALL_SUBSTEPS, address_of
+from tissue.kernels.surface_workspace import (
+    FRESH,
+    SurfaceWorkspace,
+    surface_workspace_at,
+    wide_surface_workspace_at,
+)
 from tissue.kernels.workspace import Workspace, wide_workspace_at, workspace_at
 from tissue.model.balls import separate_balls
 from tissue.model.basal_layer import lay, order_basal
-from tissue.model.basal_network import hold_together, keep_order, put_on_surface
+from tissue.model.basal_network import hold_together, put_on_surface
 from tissue.model.discs import separate
 from tissue.model.junctions import pull_along_edges, pull_junctions, pull_links
 from tissue.model.motion import move
 from tissue.model.noise import add_substep_noise
-from tissue.model.out_of_range import push_out_of_range
 from tissue.model.repulsion import push_in_pairs, push_in_rows
 from tissue.model.soft_balls import push_nuclei
+from tissue.state.running import SUBSTEPS
 from tissue.step.user_forces import call_part, user_forces_at
 
 # Kinds of tissues: one slice, eight slices side by side, one sheet or closed surface.
@@ -59,11 +62,9 @@ def make_surface_substep(work: SurfaceWorkspace, n: int, wide: SurfaceWorkspace,
     add_substep_noise(wide, rows, number)
     refresh_lists(work, n, wide, rows)
     push_nuclei(work, n)
-    push_out_of_range(work, n, wide, rows)
     pull_along_edges(work, n)
     move(wide, rows)
     separate_balls(work, n, wide, rows)
-    keep_order(work)
     hold_together(work)
     put_on_surface(wide, rows)
 
@@ -107,19 +108,10 @@ def _on_surface(flat: int, wide: int, n: int) -> int:
     work.state[FRESH] = 0
     for number in range(work.substeps):
         make_surface_substep(work, n, in_rows, rows, number)
-    work.counts[COUNTED] += work.substeps
+    work.counts[SUBSTEPS] += work.substeps
     return 0
-
-
-# By kind, for the life of the process; threads come one at a time.
-_COMPILED: dict[int, Any] = {}
-_COMPILING = Lock()
 
 
 def substeps_address(kind: int) -> int:
     """Return the address of the machine code of all substeps of one dt for a kind of tissues, compiled on first use."""
-    with _COMPILING:
-        if kind not in _COMPILED:
-            _COMPILED[kind] = c_function(SUBSTEPS, (_alone, _abreast, _on_surface)[kind])
-    address: int = _COMPILED[kind].address
-    return address
+    return address_of(ALL_SUBSTEPS, (_alone, _abreast, _on_surface)[kind])

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from dincl.compiled import call, inner, reader, signature, struct_type
-from tissue.kernels.workspace import FLAT, Workspace
+from tissue.kernels.workspace import WORKSPACE, Workspace
 from tissue.state.cells import Floats, Forces, Integers
 from tissue.state.numbers import NUMBERS, numbers_at
 from tissue.state.running import CELLS, STATE, TissueState, state_at
@@ -20,7 +20,7 @@ from tissue.step.copies import put_back
 
 
 class UserForces(NamedTuple):
-    """What those that act on tissues side by side are."""
+    """Forces of users that act on tissues side by side."""
 
     push: Integers  # (forces,): where their machine code is, in the order of their names
     strength: Floats  # (forces,)
@@ -37,7 +37,7 @@ user_forces_at = reader(_EXAMPLE)
 # push(state, on, strength, numbers) and energy(state, strength, numbers) of a force; a part of a substep.
 PUSH: Any = signature(None, STATE, struct_type(Forces(*np.zeros((6, 1)))), float, NUMBERS)
 ENERGY: Any = signature(float, STATE, float, NUMBERS)
-PART: Any = signature(None, USER_FORCES, FLAT)
+PART: Any = signature(None, USER_FORCES, WORKSPACE)
 # Calls of these functions by their addresses, with the arguments above.
 call_push, call_energy, call_part = call(PUSH), call(ENERGY), call(PART)
 
@@ -51,7 +51,7 @@ def clear(state: TissueState) -> None:
             forces[i] = 0.0
 
 
-def evaluate(own: UserForces, work: Workspace) -> None:
+def evaluate_forces(own: UserForces, work: Workspace) -> None:
     """The sum of the forces where the points of each tissue in the workspace, seen flat, are now:
     ``TissueState.on``.
     """
@@ -64,7 +64,7 @@ def evaluate(own: UserForces, work: Workspace) -> None:
                 call_push(own.push[number], state, state.on, own.strength[number], numbers_at(own.numbers))
 
 
-def follow(own: UserForces, work: Workspace) -> None:
+def follow_forces(own: UserForces, work: Workspace) -> None:
     """Move the points of each tissue by (h / mu) times these forces, a basal point as the others do, see ``move``."""
     width, scale = len(work.cells), own.scale
     for k in range(width):

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+import math
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
-from dincl.compiled.lanes import WIDTH
 from dincl.status import Status
 from tissue.events.known import OF_THESIS, acting, events
 from tissue.files.parameters import Parameters
 from tissue.frames.frame import Frame
-from tissue.model.extents import measure_extents
-from tissue.model.scale import measure
+from tissue.kernels.lanes import WIDTH
 from tissue.plugins import Observable, registered
 from tissue.runs.batch import Batch
 from tissue.state.cells import Flags, Floats, Integers
@@ -25,10 +24,12 @@ if TYPE_CHECKING:
     import pandas as pd
 
 SIDES = ("basal", "no", "apical")
-# What ``scale.measure`` says of the control cells.
+ENDS = (Status.NON_FINITE, Status.SUCCESS, Status.LUMEN_CLOSED, Status.NETWORK_TORN, Status.UNSTABLE, Status.FOLDED)
+# How many control cells there are, and how many are outside on each side.
 CONTROLS = ("controls", "controls_apical", "controls_basal")
-# What ``measure_extents`` says of the tissue, in um.
+# Heights and widths of the tissue, in um, and its shape; the fields of ``Extents`` and ``Measures.shape``.
 EXTENTS = ("height_um", "nucleus_height_um", "apical_width_um", "basal_width_um", "nuclei_width_um")
+SHAPE = ("nuclear_layers", "crossings", "backward", "stretch")
 
 
 class Outcomes(NamedTuple):
@@ -38,15 +39,12 @@ class Outcomes(NamedTuple):
     runs: pa.Table  # one row for each run
     tables: dict[int, pd.DataFrame]  # of all cells at all output times, for the replicates asked for
 
-
-class _Measured(NamedTuple):
-    """Measurements of a batch at its output times."""
-
-    times: list[float]
-    positions: Floats  # (times, runs, m): y_AB
-    controls: Floats  # (times, runs, 4)
-    extents: Floats  # (times, runs, 5) [R_soft]
-    own: Floats  # (times, runs, k): the observables that were registered
+    def by_kind(self) -> dict[str, pa.Table]:
+        """Return the tables by the kinds of files of a study; those of all cells are one, with the replicate."""
+        each = (table.assign(replicate=number) for number, table in self.tables.items())
+        whole = [pa.Table.from_pandas(table, preserve_index=False) for table in each]
+        stored = {"cells": self.cells, "runs": self.runs}
+        return stored | {"trajectories": pa.concat_tables(whole)} if whole else stored
 
 
 def outcomes(
@@ -88,6 +86,11 @@ def outcomes(
     return Outcomes(pa.concat_tables(p.cells for p in parts), pa.concat_tables(p.runs for p in parts), tables)
 
 
+def emt_count(parameters: Parameters) -> int:
+    """Return the number of EMT cells of the start: they come before their daughters in ``Emt``."""
+    return sum(group.cells for group in parameters.groups() if group.may_leave)
+
+
 def _batch(
     parameters: Parameters,
     replicates: Sequence[int],
@@ -95,81 +98,95 @@ def _batch(
     whole: Collection[int],
     ask: Callable[[], None] | None,
 ) -> Outcomes:
-    batch = Batch(parameters, seeds)
+    batch, n = Batch(parameters, seeds), len(seeds)
     wanted: dict[int, list[Frame]] = {k: [] for k, name in enumerate(replicates) if name in whole}
-    times, measured = [], []
+    of_cells: dict[str, NDArray[Any]] = {}
+    of_runs: dict[str, NDArray[Any]] = {}
     for t in batch.times(ask):
-        times.append(t)
-        measured.append((*_measured(batch), _own(batch, t)))
+        measured = [_measured(batch, k, t) for k in range(n)]
+        positions, beyond, lowest, rows = (np.array(parts) for parts in zip(*measured, strict=True))
+        of_cells[f"ab_{t:g}h"] = positions
+        if parameters.curve().ring:
+            of_cells[f"beyond_{t:g}h"] = beyond
+        of_cells[f"below_{t:g}h"] = positions <= lowest[:, None]
+        names = [*CONTROLS, *EXTENTS, *SHAPE, *(one.column for one in registered(Observable))]
+        of_runs |= {f"{name}_{t:g}h": column for name, column in zip(names, rows.T, strict=True)}
         for k, frames in wanted.items():
             frames.append(batch.frame(k, t))
-    series = _Measured(times, *(np.array(parts) for parts in zip(*measured, strict=True)))
-    sound = np.array([batch.goes_on(k) for k in range(len(seeds))]) & np.isfinite(series.positions).all(axis=(0, 2))
+    sound = np.array([batch.goes_on(k) and not _left_out(batch, k) for k in range(n)])
+    for name, array in of_cells.items():
+        if name.startswith("ab_"):
+            sound &= np.isfinite(array).all(axis=1)
     tables = {replicates[k]: batch.run(k, frames).table() for k, frames in wanted.items()}
-    return Outcomes(_cells(batch, replicates, series, sound), _runs(batch, replicates, series, sound), tables)
+    return Outcomes(_cells(batch, replicates, of_cells, sound), _runs(batch, replicates, of_runs, sound), tables)
 
 
-def _followed(batch: Batch) -> int:
-    """Return the number of EMT cells of the start: they come before their daughters in ``Emt``."""
-    return sum(group.scenario.cells for group in batch.parameters.groups() if group.may_leave)
+def _left_out(batch: Batch, k: int) -> bool:
+    """Return whether the apical layer of a run was folded, and the answers go without such runs."""
+    return k in batch.folded and batch.parameters.numerics.folded != "keep"
 
 
-def _measured(batch: Batch) -> tuple[Floats, Floats, Floats]:
-    n, m = len(batch.seeds), _followed(batch)
-    positions = np.zeros((n, m))
-    controls, extents = np.full((n, 4), np.nan), np.full((n, len(EXTENTS)), np.nan)
-    for k in filter(batch.goes_on, range(n)):
-        held = batch.state(k)
-        of_all = np.zeros(len(held.emt.side))
-        measure(held, of_all, controls[k])
-        measure_extents(held, extents[k])
-        positions[k] = of_all[:m]
-    return positions, controls, extents
+def _measured(batch: Batch, k: int, t: float) -> tuple[Floats, Flags, float, Floats]:
+    """Return what is measured of a run at the present output time: y_AB of the EMT cells of the start, whether they
+    are beyond the apical layer, the lowest y_AB of a control cell, and the numbers of the run.
 
-
-def _own(batch: Batch, t: float) -> Floats:
-    """Return the observables that were registered, of each run; NaN for one that failed."""
-    shown = registered(Observable)
-    found = np.full((len(batch.seeds), len(shown)), np.nan)
-    for k in filter(batch.goes_on, range(len(batch.seeds)) if shown else ()):
+    NaN for a run that failed; where the apical layer is folded, also for what means nothing, unless it is kept.
+    """
+    m, um = emt_count(batch.parameters), batch.parameters.cell.soft_radius.value
+    positions, beyond, lowest = np.full(m, np.nan), np.zeros(m, np.bool_), math.nan
+    own = np.full(len(shown := registered(Observable)), np.nan)
+    if shown and batch.goes_on(k):
         frame = batch.frame(k, t)
-        found[k] = [one.of(frame, batch.parameters) for one in shown]
-    return found
+        own[:] = [one.of(frame, batch.parameters) for one in shown]
+    found = batch.measures[k]
+    if found is None:
+        return positions, beyond, lowest, np.append(np.full(len(CONTROLS) + len(EXTENTS) + len(SHAPE), np.nan), own)
+    where, others = found.positions, found.controls
+    extents = um * np.array(found.extents[: len(EXTENTS)])
+    controls = np.array([others.sum(), where.apically[others].sum(), where.basally[others].sum()], np.float64)
+    if found.fold and batch.parameters.numerics.folded != "keep":
+        extents[0] = controls[1:] = math.nan
+    else:
+        numbers = batch.state(k).cells.emt[: len(where.y_ab)]
+        mine = np.flatnonzero((numbers >= 0) & (numbers < m))
+        positions[numbers[mine]], beyond[numbers[mine]] = where.y_ab[mine], where.apically[mine]
+        lowest = where.y_ab[others].min(initial=np.inf)
+    return positions, beyond, lowest, np.concatenate((controls, extents, found.shape, own))
 
 
-def _cells(batch: Batch, replicates: Sequence[int], series: _Measured, sound: Flags) -> pa.Table:
+def _cells(batch: Batch, replicates: Sequence[int], at_times: Mapping[str, NDArray[Any]], sound: Flags) -> pa.Table:
     """Return one row for each EMT cell of the start of the sound runs."""
     kept = np.flatnonzero(sound)
-    states, m = [batch.state(int(k)) for k in kept], _followed(batch)
+    states, m = [batch.state(int(k)) for k in kept], emt_count(batch.parameters)
     side, onset, since, since_x = (
         np.array([getattr(held.emt, name)[:m] for held in states]).ravel()
         for name in ("side", "onset_ab", "since", "since_x")
     )
     at = np.array([held.emt.at[:, :m] for held in states]).reshape(len(states), len(events()), m)
     began = {events()[k].name: at[:, k].ravel() for k in acting()}
-    times = [group.scenario.times for group in batch.parameters.groups()]
+    times = [group.times for group in batch.parameters.groups()]
     shown = {*OF_THESIS, *(name for one in times for name, timing in one.items() if timing.ever)}
     mine = [_by_number(held)[:m] for held in states]
     inm, kinds = (
-        [getattr(held.cells, name)[of] for held, of in zip(states, mine, strict=True)] for name in ("moves", "kind")
+        np.array([getattr(held.cells, name)[of] for held, of in zip(states, mine, strict=True)]).ravel()
+        for name in ("moves", "kind")
     )
-    scale = batch.parameters.cell.soft_radius.value
     columns: dict[str, Any] = {
         "replicate": np.repeat(np.array(replicates, np.int64)[kept], m),
         "cell": np.tile(np.arange(m), len(kept)),
-        "inm": np.array(inm, np.bool_).ravel(),
-        **(_types(batch, np.array(kinds, np.int8)) if batch.parameters.types.named() else {}),
+        "inm": inm.astype(np.bool_),
+    }
+    if batch.parameters.types.named():
+        columns["type"] = pa.DictionaryArray.from_arrays(kinds.astype(np.int8), list(batch.parameters.type_names))
+    columns |= {
         **{f"t_{name}_h": times for name, times in began.items() if name in shown},
         "onset_h": np.minimum.reduce(list(began.values())),
         "onset_ab": pa.array(onset, mask=np.isinf(onset)),
         "extruded": pa.DictionaryArray.from_arrays((side + 1).astype(np.int8), list(SIDES)),
         "extruded_h": pa.array(since, mask=side == 0),
-        "extruded_x_um": pa.array(scale * since_x, mask=side == 0),
+        "extruded_x_um": pa.array(batch.parameters.cell.soft_radius.value * since_x, mask=side == 0),
     }
-    for t, positions, controls, *_ in zip(*series, strict=True):
-        columns[f"ab_{t:g}h"] = positions[kept].ravel()
-        columns[f"below_{t:g}h"] = (positions <= controls[:, 3:])[kept].ravel()
-    return pa.table(columns)
+    return pa.table(columns | {name: array[kept].ravel() for name, array in at_times.items()})
 
 
 def _by_number(held: TissueState) -> Integers:
@@ -179,32 +196,26 @@ def _by_number(held: TissueState) -> Integers:
     return found[np.argsort(number[found])]
 
 
-def _types(batch: Batch, kinds: NDArray[np.int8]) -> dict[str, Any]:
-    """Return the type of each EMT cell, where there are named ones."""
-    return {"type": pa.DictionaryArray.from_arrays(kinds.ravel(), list(batch.parameters.type_names))}
-
-
-def _runs(batch: Batch, replicates: Sequence[int], series: _Measured, sound: Flags) -> pa.Table:
+def _runs(batch: Batch, replicates: Sequence[int], at_times: Mapping[str, NDArray[Any]], sound: Flags) -> pa.Table:
     """Return one row for each run; what was not measured, because it had failed, is null."""
-    n, scale = len(replicates), batch.parameters.cell.soft_radius.value
-    detail = [batch.failure(k) or ("" if sound[k] else "y_AB could not be measured") for k in range(n)]
-    states = [Status.NON_FINITE, Status.SUCCESS, Status.LUMEN_CLOSED, Status.NETWORK_TORN, Status.UNSTABLE]
-    ended = [batch.status(k) if sound[k] or not batch.goes_on(k) else Status.NON_FINITE for k in range(n)]
+    status, detail, remarks = [], [], []
+    for k in range(len(replicates)):
+        ended, failure, remark = batch.status(k), batch.failure(k), batch.remark(k) or "no"
+        if batch.goes_on(k) and not sound[k]:
+            folded = _left_out(batch, k)
+            ended = Status.FOLDED if folded else Status.NON_FINITE
+            failure = failure or (remark if folded else "y_AB could not be measured")
+        status.append(ENDS.index(ended))
+        detail.append(failure)
+        remarks.append(remark)
     columns: dict[str, Any] = {
         "replicate": np.array(replicates, np.int64),
         "seed": np.array(batch.seeds, np.int64),
-        "status": pa.DictionaryArray.from_arrays(
-            np.array([states.index(one) for one in ended], np.int8), [state.name for state in states]
-        ),
+        "status": pa.DictionaryArray.from_arrays(np.array(status, np.int8), [one.name for one in ENDS]),
         "detail": detail,
+        "folded": remarks,
     }
-    for t, _, controls, extents, own in zip(*series, strict=True):
-        for place, name in enumerate(CONTROLS):
-            counts = controls[:n, place]
-            columns[f"{name}_{t:g}h"] = pa.array(counts, mask=np.isnan(counts), type=pa.float64()).cast(pa.int64())
-        for place, name in enumerate(EXTENTS):
-            lengths = scale * extents[:n, place]
-            columns[f"{name}_{t:g}h"] = pa.array(lengths, mask=np.isnan(lengths))
-        for one, values in zip(registered(Observable), own[:n].T, strict=True):
-            columns[f"{one.column}_{t:g}h"] = pa.array(values, mask=np.isnan(values))
+    for name, array in at_times.items():
+        column = pa.array(array, mask=np.isnan(array), type=pa.float64())
+        columns[name] = column.cast(pa.int64()) if name.rpartition("_")[0] in CONTROLS else column
     return pa.table(columns)

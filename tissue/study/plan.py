@@ -1,50 +1,207 @@
-"""Studies: files that name scenarios, each a change of the parameters, and say how often each of them is run."""
+"""Studies: files that name scenarios, each a change of the parameters, how often each is run, and what is compared."""
 
 from __future__ import annotations
 
-import json
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import reduce
 from hashlib import sha256
+from itertools import combinations, product
 from os import PathLike
 from pathlib import Path
-from typing import Any, NamedTuple, get_args
+from typing import Annotated, Any, Literal, TypeVar, get_args
+from urllib.parse import quote
 
 import numpy as np
 from numpy.random import SeedSequence
+from pydantic import AfterValidator, AllowInfNan, BaseModel, Field, Strict, ValidationError, model_validator
 
 from dincl.checks import describe
 from dincl.checks import path as checked_path
 from dincl.errors import InvalidProblem
-from tissue.files.messages import refuse
+from tissue.files.groups import remarks
+from tissue.files.keys import refuse, unknown
 from tissue.files.own_modules import placed
 from tissue.files.parameter_files import flat, merged, read
-from tissue.files.parameters import NoBase, Parameters, based_on
-from tissue.files.scenario import remarks
-from tissue.files.unread import idle_keys, idle_values
-from tissue.statistics.categories import What
-from tissue.study.planned import PlannedComparisons, combined, crossed, overlapping, planned
-from tissue.study.shape import checked
+from tissue.files.parameters import Parameters, based_on
+from tissue.files.quantities import Allowed, count
+from tissue.files.sections import Section
+from tissue.kernels.lanes import WIDTH
+from tissue.plugins import Observable, registered
+from tissue.study.categories import CONTROL_SIDES, What
+from tissue.study.outcomes import EXTENTS, emt_count
+from tissue.study.parts import Part
 
 FOLDER = Path(__file__).parent.parent / "studies"
-# Replicates of one scenario that are computed and stored together, in batches of eight side by side.
-PART = 128
-# A table with both is of a sheet.
-SHEET = ("tissue.dimension", "tissue.cells")
+# Runs of a part at most, and cells of their tissues together, so that a part takes about a minute at most.
+MOST_RUNS, MOST_CELLS = 32, 2048
+MOST_REPLICATES = 10_000_000
+# Bytes of the name of a folder, of which "scenario=" is part, that file systems take.
+LONGEST_NAME = 255 - len("scenario=")
+# Scenarios beyond which each is compared with the first one alone, where no contrast is named.
+MOST_PAIRED = 6
+SCENARIOS = 'at least one table, such as [scenarios."[A]"], of sections of parameters'
+FACTORS = 'tables of two levels or more, such as [factors.time], early = { emt.ac = "6 h" }'
+COMPARE = "a table: outcomes, and on request the factor effect, or contrasts"
+WEIGHTS = "weights of two or more scenarios with the sum 0, such as 1 and -1"
+Measure = Literal["difference", "ratio"]
+Weights = dict[str, float]
+Tables = dict[str, dict[str, Any]]
+Factors = Mapping[str, Mapping[str, Mapping[str, Any]]]  # factor -> level -> parameters
+Model = TypeVar("Model", bound=BaseModel)
 
 
-class Piece(NamedTuple):
-    """Consecutive replicates of one scenario, which are computed and stored together."""
+def outcome_names() -> list[str]:
+    """Return what may be compared: shares of EMT cells, numbers of each run, registered observables."""
+    return [*get_args(What), *EXTENTS, *CONTROL_SIDES, *(one.column for one in registered(Observable))]
 
-    scenario: str
-    first: int
-    runs: int
+
+def _refused_if(bad: bool, reason: str = "") -> None:
+    if bad:
+        raise ValueError(reason)
+
+
+def _one_line(text: str) -> str:
+    _refused_if(not text.strip() or not text.isprintable())
+    return text
+
+
+def _different(numbers: tuple[int, ...]) -> tuple[int, ...]:
+    _refused_if(len(set(numbers)) < len(numbers))
+    return tuple(sorted(numbers))
+
+
+def _named(tables: Tables) -> Tables:
+    for name in tables:
+        fits = name and name.isprintable() and len(quote(name, safe="")) <= LONGEST_NAME
+        _refused_if(not fits, f"{describe(name)} is too long, empty or not printable")
+    return tables
+
+
+def _factors(factors: dict[str, Tables]) -> dict[str, Tables]:
+    _refused_if(any(len(levels) < 2 for levels in factors.values()))
+    crossings = math.prod(map(len, factors.values())) if factors else 0
+    _refused_if(len(crossed(factors)) < crossings, "their names must make different scenarios")
+    _named(crossed(factors))
+    return factors
+
+
+def _outcomes(names: tuple[str, ...]) -> tuple[str, ...]:
+    _refused_if(not names or len(set(names)) < len(names) or not {*names} <= {*outcome_names()})
+    return names
+
+
+TEXT = (Strict(), AfterValidator(_one_line))
+FACTOR = Allowed("one of the factors", "text")
+
+
+class StudyFile(Section):
+    """A study file."""
+
+    title: Annotated[str, Allowed("a text of one line", "text", TEXT)]
+    base: Annotated[str, Allowed("a preset or the path of a parameter file, relative to this one", "text", TEXT)]
+    replicates: Annotated[int, count(MOST_REPLICATES)]
+    seed: Annotated[int, count(2**63 - 1, least=0)]
+    paired: Annotated[bool, Allowed("true or false", "flag", (Strict(),))] = False
+    trajectories: Annotated[
+        tuple[Annotated[int, count(MOST_REPLICATES - 1, least=0)], ...],
+        Allowed("a list of different replicates, which count from 0", "list", (AfterValidator(_different),)),
+    ] = ()
+    overrides: Annotated[Tables, Allowed("sections of parameters, such as [overrides.numerics]", "table")] = Field({})
+    scenarios: Annotated[Tables, Allowed(SCENARIOS, "table", (AfterValidator(_named),))] = Field({})
+    factors: Annotated[dict[str, Tables], Allowed(FACTORS, "table", (AfterValidator(_factors),))] = Field({})
+    # A ``Compare``, which is checked later: it depends on scenarios, and on what the base registers.
+    compare: Annotated[dict[str, Any] | None, Allowed(COMPARE, "table", (Field(min_length=1),))] = Field(
+        None, validate_default=False
+    )
+
+    @model_validator(mode="after")
+    def _together(self) -> StudyFile:
+        none = not self.scenarios and not self.factors
+        _refused_if(none, f"scenarios is missing: must be {SCENARIOS}")
+        late = any(number >= self.replicates for number in self.trajectories)
+        numbers = describe(list(self.trajectories))
+        _refused_if(late, f"trajectories = {numbers}: must be below replicates = {self.replicates}")
+        keys = {
+            name: {key for level in levels.values() for key in flat(level)} for name, levels in self.factors.items()
+        }
+        for one, two in combinations(keys, 2):
+            both = sorted(keys[one] & keys[two])
+            _refused_if(bool(both), f"factors {one} and {two} both set {', '.join(both)}: must set different keys")
+        return self
+
+
+class Compare(Section):
+    """[compare]: what a study is made to compare."""
+
+    outcomes: Annotated[
+        tuple[str, ...],
+        Allowed(lambda: f"a list of some of {', '.join(outcome_names())}", "list", (AfterValidator(_outcomes),)),
+    ]
+    measures: Annotated[tuple[Measure, ...], Allowed(f"a list of some of {', '.join(get_args(Measure))}", "list")] = (
+        "difference",
+    )
+    effect: Annotated[str, FACTOR] = ""
+    by: Annotated[str, FACTOR] = ""
+    contrasts: Annotated[
+        dict[str, dict[str, Annotated[float, Strict(), AllowInfNan(False)]]],
+        Allowed("a table of weights of scenarios for each question", "table"),
+    ] = Field({})
+
+
+@dataclass(frozen=True)
+class PlannedComparisons:
+    """The comparisons that a study was made for; they are corrected together, for nothing else.
+
+    Attributes
+    ----------
+    outcomes
+        As in ``Results.values``: means over runs at the end are compared.
+    measures
+        Of shares of EMT cells: "difference" in points, "ratio"; other numbers are compared by differences.
+    contrasts
+        The weight of each scenario, by question.
+    effects
+        Of a question about an effect: the level, or scenario, and the one it is compared with; with ``by`` the level of
+        that factor; and of an interaction the level of that factor which it is compared with.
+    """
+
+    outcomes: tuple[str, ...]
+    measures: tuple[Measure, ...]
+    contrasts: Mapping[str, Weights]
+    effects: Mapping[str, tuple[str, ...]]
 
     @property
-    def replicates(self) -> range:
-        """The numbers of its replicates."""
-        return range(self.first, self.first + self.runs)
+    def scenarios(self) -> list[str]:
+        """All scenarios that have a weight."""
+        return list(dict.fromkeys(name for weights in self.contrasts.values() for name in weights))
+
+    @property
+    def blocks(self) -> list[tuple[str, Measure]]:
+        """Each outcome with each of its measures."""
+        difference: tuple[Measure, ...] = ("difference",)
+        measures = {one: self.measures if one in get_args(What) else difference for one in self.outcomes}
+        return [(outcome, measure) for outcome, each in measures.items() for measure in each]
+
+    @property
+    def count(self) -> int:
+        """The number of comparisons."""
+        return len(self.blocks) * len(self.contrasts)
+
+
+def all_pairs(
+    names: Iterable[str],
+    outcomes: tuple[str, ...] = get_args(What),
+    measures: tuple[Measure, ...] = ("difference",),
+) -> PlannedComparisons:
+    """Return the comparisons of scenarios with those before them; of more than six with the first one alone."""
+    first, *others = names
+    few = len(others) < MOST_PAIRED
+    every = list(combinations([first, *others], 2)) if few else [(first, one) for one in others]
+    contrasts = {f"{later} - {before}": {later: 1.0, before: -1.0} for before, later in every}
+    effects = {f"{later} - {before}": (later, before) for before, later in every}
+    return PlannedComparisons(outcomes, measures, contrasts, effects)
 
 
 @dataclass(frozen=True)
@@ -58,7 +215,7 @@ class TissueStudy:
     scenarios: Mapping[str, Parameters]
     text: str  # the file
     compare: PlannedComparisons | None = None  # what it was made to compare
-    given_cells: Mapping[str, int] = field(default_factory=dict)  # of scenarios that a dimension gave another number
+    paired: bool = False  # whether replicate k of every scenario has the same random numbers
 
     @property
     def runs(self) -> int:
@@ -67,30 +224,28 @@ class TissueStudy:
 
     @property
     def remarks(self) -> list[str]:
-        """One sentence for each event of a scenario that waits for another one, or that the run may end before.
+        """One sentence for each event of a scenario that waits for another one, or that the run may end before."""
+        return in_scenarios({name: remarks(one.groups(), one.t_end) for name, one in self.scenarios.items()})
 
-        Also for numbers of cells that a dimension changed, and for keys that nothing reads.
-        """
-        found = {name: [*remarks(one.groups(), one.t_end), *idle_keys(one)] for name, one in self.scenarios.items()}
-        for name, given in self.given_cells.items():
-            taken = f"tissue.cells = {self.scenarios[name].tissue.cells} fill the rows in three dimensions"
-            found[name].insert(0, f"{taken}; {given} are those of a slice")
-        return [*in_scenarios(found), *_alike(self.scenarios)]
-
-    def pieces(self) -> Iterator[Piece]:
-        """Give all pieces, one scenario after the other."""
-        for name in self.scenarios:
-            yield from around(name, [], self.replicates)
+    def seeds(self, part: Part) -> list[int]:
+        """Return the seed of each run of a part."""
+        return run_seeds(self.seed, "" if self.paired else part.scenario, part.replicates)
 
 
 def load_study(path: str | PathLike[str]) -> TissueStudy:
     """Load the study in a TOML file.
 
     Its keys: ``title``; ``base``, a preset or the path of a parameter file, relative to this one; ``replicates`` of
-    each scenario; ``seed``; on request ``trajectories``, a list of the replicates whose saved states are all stored,
-    and ``[overrides.SECTION]``, parameters of all scenarios; ``[scenarios.NAME]``, at least one, with the parameters of
-    its own, sections as keys. Or ``[factors.NAME]``, tables of levels: each combination is a scenario, such as
-    "early, arc". On request ``[compare]``, what the study is made to compare: see ``tissue.study.planned``.
+    each scenario; ``seed``; on request ``paired = true``, with which replicate k of every scenario has the same random
+    numbers, ``trajectories``, a list of the replicates whose saved states are all stored, and ``[overrides.SECTION]``,
+    parameters of all scenarios; ``[scenarios.NAME]``, at least one, with the parameters of its own, sections as keys.
+    Or ``[factors.NAME]``, tables of levels: each combination is a scenario, such as "early, arc".
+
+    On request ``[compare]``, what the study is made to compare: ``outcomes``, a list; ``measures``; ``effect``, a
+    factor, and ``by``, another one; ``contrasts``, a table for each question with the weights of scenarios. ``effect``
+    gives the difference of each level and the first one; with ``by``, at each level of that factor, and the differences
+    of these: the interaction. Other factors are averaged. Without effect and contrasts all pairs of scenarios are
+    compared, of more than six each with the first one.
 
     Parameters
     ----------
@@ -101,41 +256,32 @@ def load_study(path: str | PathLike[str]) -> TissueStudy:
     ------
     InvalidProblem
         If there is no such file, or it cannot be read, lacks a key, has an unknown or a bad one, a scenario that
-        cannot be, or compares ratios of EMT cells of scenarios without any; all of it in one message that names the
-        file, the scenario, each key, its value and what is allowed.
+        cannot be, or compares shares of EMT cells of scenarios without any; the message names the file, the scenario,
+        the key, its value and what is allowed.
     """
     path = _found(path)
-    tables = read(path)
-    good, lines = checked(tables)
-    scenarios: dict[str, Parameters] = {}
-    given_cells: dict[str, int] = {}
-    base = _base(good["base"], path.parent, lines) if "base" in good else None
+    file = checked(StudyFile, read(path), str(path))
+    try:
+        base = based_on(file.base, path.parent)
+    except InvalidProblem as error:
+        raise InvalidProblem(f"{path}: {error}") from None
+    scenarios = {}
+    for name, table in {**crossed(file.factors), **file.scenarios}.items():
+        given = placed(merged(file.overrides, table), path.parent, base.own.modules)
+        try:
+            scenarios[name] = base.changed(flat(given))
+        except InvalidProblem as error:
+            said = str(error).removeprefix("changed parameters: ")
+            raise InvalidProblem(f"{path}: scenario {describe(name)}: {said}") from None
     compare = None
-    if base is not None and "scenarios" in good and "factors" in good:
-        wrong: dict[str, list[str]] = {}
-        lines += overlapping(good["factors"])
-        parts = combined(good["factors"]) | {name: [table] for name, table in good["scenarios"].items()}
-        tables = crossed(good["factors"]) | good["scenarios"]
-        for name, table in tables.items():
-            given = merged(good["overrides"], table)
-            together = any({*SHEET} <= flat(one).keys() for one in (good["overrides"], *parts[name]))
-            changed = _changed(base, placed(given, path.parent, base.own.modules), together=together)
-            wrong[name] = changed if isinstance(changed, list) else []
-            if isinstance(changed, Parameters):
-                scenarios[name] = changed
-                cells = flat(given).get("tissue.cells", changed.tissue.cells)
-                given_cells |= {name: cells} if cells != changed.tissue.cells else {}
-        lines += in_scenarios(wrong)
-        if good.get("compare") is not None:
-            compare, faults = planned(good["compare"], good["factors"], list(tables))
-            lines += faults
-            if compare is not None and not lines:
-                lines += _without_cells(compare, scenarios)
-    if lines:
-        raise refuse(str(path), lines)
-    plain = {key: good[key] for key in ("title", "replicates", "seed", "trajectories")}
-    text = path.read_text("utf-8-sig")
-    return TissueStudy(**plain, scenarios=scenarios, text=text, compare=compare, given_cells=given_cells)
+    if file.compare is not None:
+        asked = checked(Compare, file.compare, str(path), "compare.")
+        try:
+            compare = _planned(asked, file.factors, scenarios)
+        except InvalidProblem as error:
+            raise InvalidProblem(f"{path}: {error}") from None
+    head = file.title, file.replicates, file.seed, file.trajectories
+    return TissueStudy(*head, scenarios, path.read_text("utf-8-sig"), compare, file.paired)
 
 
 def shipped() -> list[str]:
@@ -143,40 +289,25 @@ def shipped() -> list[str]:
     return sorted(file.stem for file in FOLDER.glob("*.toml"))
 
 
+def part_size(parameters: Parameters) -> int:
+    """Return how many runs of a scenario are computed and stored together.
+
+    Eight runs of a slice are simulated side by side, so it is a multiple of eight there; tissues in space are alone.
+    """
+    least = 1 if parameters.in_space else WIDTH
+    runs = max(least, min(MOST_RUNS, MOST_CELLS // parameters.tissue.cells))
+    return runs - runs % least
+
+
 def run_seeds(study_seed: int, scenario: str, replicates: Iterable[int]) -> list[int]:
     """Draw an integer in [0, 2^63) for each replicate, a function of (study_seed, scenario, replicate) alone.
 
-    Runs of different scenarios are independent, and another scenario in the study changes the seed of none.
+    Runs of different scenarios are independent, and another scenario in the study changes the seed of none. No scenario
+    has the name "": it stands for all of them in a study whose replicates are paired.
     """
-    name = np.frombuffer(sha256(scenario.encode()).digest(), dtype="<u4")
-    return [_seed([*name.tolist(), study_seed], replicate) for replicate in replicates]
-
-
-def around(scenario: str, stored: Sequence[Piece], replicates: int) -> Iterator[Piece]:
-    """Give the pieces that are stored, and between and behind them those that are missing, in order.
-
-    Missing ones end at multiples of PART, so that equal studies have equal files.
-
-    Parameters
-    ----------
-    scenario
-        Whose.
-    stored
-        In any order; of pieces that overlap the first one counts.
-    replicates
-        All of the scenario.
-    """
-    first = 0
-    for piece in (*sorted(stored, key=lambda one: one.first), Piece(scenario, replicates, 0)):
-        if piece.first < first:
-            continue
-        while first < piece.first:
-            last = min(piece.first, (first // PART + 1) * PART)
-            yield Piece(scenario, first, last - first)
-            first = last
-        if piece.runs and piece.first < replicates:
-            yield piece
-            first += piece.runs
+    name = np.frombuffer(sha256(scenario.encode()).digest(), dtype="<u4").tolist()
+    found = (SeedSequence([*name, study_seed], spawn_key=(replicate,)) for replicate in replicates)
+    return [int(one.generate_state(1, np.uint64)[0] >> np.uint64(1)) for one in found]  # as int64 in tables
 
 
 def in_scenarios(lines: Mapping[str, list[str]]) -> list[str]:
@@ -184,8 +315,41 @@ def in_scenarios(lines: Mapping[str, list[str]]) -> list[str]:
     everywhere = set.intersection(*map(set, lines.values())) if len(lines) > 1 else set()
     common = [f"every scenario: {line}" for line in next(iter(lines.values()), []) if line in everywhere]
     others = ((name, line) for name, found in lines.items() for line in found if line not in everywhere)
-    own = [f"scenario {describe(name)}: {line}" for name, line in others]
-    return common + own
+    return common + [f"scenario {describe(name)}: {line}" for name, line in others]
+
+
+def crossed(factors: Factors) -> dict[str, dict[str, Any]]:
+    """Return a scenario for each combination of levels: its parameters, by its name, such as "early, arc"."""
+    every = product(*(levels.items() for levels in factors.values())) if factors else ()
+    return {", ".join(name for name, _ in pairs): reduce(merged, (table for _, table in pairs), {}) for pairs in every}
+
+
+def checked(shape: type[Model], tables: Mapping[str, Any], source: str, section: str = "") -> Model:
+    """Return the values of tables; raises InvalidProblem with each bad, missing and unknown key.
+
+    ``source``: of the tables, for messages; ``section``: what stands before their keys, such as "compare.".
+    """
+    try:
+        return shape.model_validate(tables)
+    except ValidationError as error:
+        lines = [_line(shape, item, tables, section) for item in error.errors(include_url=False)]
+    raise refuse(source, dict.fromkeys(lines))
+
+
+def _line(shape: type[BaseModel], item: Any, tables: Mapping[str, Any], section: str) -> str:
+    if not item["loc"]:  # of several keys
+        return str(item["ctx"]["error"])
+    key = item["loc"][0]
+    name = f"{section}{key}"
+    if name == "own":
+        return f"own = {describe(tables[key])}: put own.modules into the base, or under [overrides.own]"
+    if item["type"] == "extra_forbidden":
+        return unknown(name, tables[key], [f"{section}{one}" for one in shape.model_fields])
+    allowed = next(one.words for one in shape.model_fields[key].metadata if isinstance(one, Allowed))
+    if key not in tables:
+        return f"{name} is missing: must be {allowed}"
+    reason = str(item.get("ctx", {}).get("error", ""))
+    return f"{name} = {describe(tables[key])}: must be {allowed}" + (f"; {reason}" if reason else "")
 
 
 def _found(path: str | PathLike[str]) -> Path:
@@ -198,61 +362,59 @@ def _found(path: str | PathLike[str]) -> Path:
     return found
 
 
-def _without_cells(compare: PlannedComparisons, scenarios: Mapping[str, Parameters]) -> Iterator[str]:
-    """Yield a line if ratios of EMT cells are compared in scenarios that have none."""
-    ratios = [one for one in compare.outcomes if one in get_args(What)]
-    groups = {name: scenarios[name].groups() for name in compare.scenarios}
-    bare = [name for name, each in groups.items() if not any(one.may_leave and one.scenario.cells for one in each)]
-    if ratios and bare:
-        yield (
-            f"compare.outcomes = {ratios}: must have EMT cells to count in each scenario that is compared; "
-            f"emt.cells, or an event of a type, gives some to {', '.join(map(repr, bare))}"
-        )
+def _planned(asked: Compare, factors: Factors, scenarios: Mapping[str, Parameters]) -> PlannedComparisons:
+    """Return the comparisons of [compare] of a study file; raises InvalidProblem for names that are not in it."""
+    if not (asked.effect or asked.by or asked.contrasts):
+        if len(scenarios) < 2:
+            raise InvalidProblem(f"compare: must have two scenarios or more, there is {', '.join(scenarios)}")
+        found = all_pairs(scenarios, asked.outcomes, asked.measures)
+    else:
+        questions = list(_effects(asked.effect, asked.by, factors)) if asked.effect or asked.by else []
+        for question, weights in asked.contrasts.items():
+            _check_weights(f"compare.contrasts.{describe(question)}", weights, scenarios)
+        contrasts = {question: weights for question, weights, _ in questions} | asked.contrasts
+        effects = {question: effect for question, _, effect in questions}
+        found = PlannedComparisons(asked.outcomes, asked.measures, contrasts, effects)
+    shares = [one for one in asked.outcomes if one in get_args(What)]
+    bare = ", ".join(repr(name) for name in found.scenarios if not emt_count(scenarios[name]))
+    if shares and bare:
+        allowed = "must have EMT cells to count in each scenario that is compared; emt.cells, or an event of a type"
+        raise InvalidProblem(f"compare.outcomes = {shares}: {allowed}, gives some to {bare}")
+    return found
 
 
-def _base(base: str, folder: Path, lines: list[str]) -> Parameters | None:
-    """Load the parameters that all scenarios change; None if there are none, and lines that say why."""
-    try:
-        return based_on(base, folder)
-    except (NoBase, InvalidProblem) as error:
-        lines.append(str(error).replace("\n", "\n  "))
-        return None
+def _effects(effect: str, by: str, factors: Factors) -> Iterator[tuple[str, Weights, tuple[str, ...]]]:
+    """Give the questions of ``effect`` and ``by``, with weights, and with whose effect it is."""
+    others = [one for one in factors if one != effect]
+    for key, name, allowed in (("effect", effect, list(factors)), ("by", by, others)):
+        if name not in allowed and (name or key == "effect"):
+            names = ", ".join(allowed) or "there are none"
+            raise InvalidProblem(f"compare.{key} = {describe(name)}: must be one of the factors: {names}")
+    first, *levels = factors[effect]
+    for level in levels:
+        simple = {at: _simple(factors, effect, (first, level), by, at) for at in (factors[by] if by else ("",))}
+        for at, weights in simple.items():
+            yield f"{level} - {first}" + (f", {at}" if by else ""), weights, (level, first, *([at] if by else []))
+        base, *rest = simple
+        for at in rest:
+            weights = {**simple[at], **{name: -weight for name, weight in simple[base].items()}}
+            yield f"({level} - {first}, {at}) - ({level} - {first}, {base})", weights, (level, first, at, base)
 
 
-def _alike(scenarios: Mapping[str, Parameters]) -> Iterator[str]:
-    """Yield a sentence for the scenarios that differ, but in keys alone that nothing reads."""
-    alike: dict[str, dict[str, str]] = {}
-    for name, one in scenarios.items():
-        whole = flat(one.as_dict())
-        read = {key: value for key, value in whole.items() if key not in dict(idle_values(one))}
-        alike.setdefault(json.dumps(read, sort_keys=True), {})[name] = json.dumps(whole, sort_keys=True)
-    for texts in alike.values():
-        if len(set(texts.values())) > 1:
-            yield f"scenarios {', '.join(map(describe, texts))} differ only in keys that nothing reads"
+def _simple(factors: Factors, effect: str, pair: Sequence[str], by: str, at: str) -> Weights:
+    """Return the weights of the second level minus the first one of a factor, averaged over what is not fixed."""
+    weights = {}
+    for levels in product(*factors.values()):
+        here = dict(zip(factors, levels, strict=True))
+        if here[effect] in pair and (not by or here[by] == at):
+            weights[", ".join(levels)] = 1.0 if here[effect] == pair[1] else -1.0
+    return {name: weight / (len(weights) / 2) for name, weight in weights.items()}
 
 
-def _changed(base: Parameters, tables: Mapping[str, Any], *, together: bool) -> Parameters | list[str]:
-    """Return the parameters of a scenario, or what is wrong with them, line by line.
-
-    A dimension counts last where it must: then the cells that a study gives are those of a slice; but not where one
-    table gives both ``together``.
-    """
-    changes = flat(tables)
-    try:
-        try:
-            return base.changed(changes)
-        except InvalidProblem:
-            dimension = changes.pop("tissue.dimension", None)
-            if dimension is None or base.in_space or together:
-                raise
-            with suppress(InvalidProblem):
-                return base.changed(changes).changed({"tissue.dimension": dimension})
-            raise
-    except InvalidProblem as error:
-        first, *lines = str(error).split("\n  ")
-        return lines or [first.partition(": ")[2]]
-
-
-def _seed(entropy: list[int], replicate: int) -> int:
-    state = SeedSequence(entropy, spawn_key=(replicate,)).generate_state(1, np.uint64)
-    return int(state[0] >> np.uint64(1))  # as int64 in tables
+def _check_weights(key: str, weights: Weights, scenarios: Mapping[str, Parameters]) -> None:
+    """Refuse scenarios of a contrast that are unknown, and weights that are none."""
+    for name in weights.keys() - scenarios.keys():
+        allowed = f"the weight of a scenario: {', '.join(scenarios)}"
+        raise InvalidProblem(f"{key}.{describe(name)} = {weights[name]:g}: must be {allowed}")
+    if not any(weights.values()) or abs(math.fsum(weights.values())) >= 1e-9:
+        raise InvalidProblem(f"{key} = {describe(weights)}: must be {WEIGHTS}")

@@ -1,3 +1,1 @@
 """The page to explore: parameters on the left, the tissue or the particles in motion, and the answer on the right."""
-
-MAKES_NO_NUMBERS = True

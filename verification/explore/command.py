@@ -12,8 +12,6 @@ from dincl.extras import needs
 from tissue.cli.messages import messages
 from tissue.files.parameter_files import PRESETS
 
-MAKES_NO_NUMBERS = True
-
 THIS_MACHINE = "127.0.0.1"
 # Without a file the page begins with some cells that may leave the tissue, so that there is an answer.
 BEGIN: dict[str, Any] = {"emt.cells": 10, "emt.a": "6 h to 24 h", "emt.b": "6 h to 24 h"}

@@ -17,7 +17,6 @@ from starlette.responses import PlainTextResponse
 if TYPE_CHECKING:
     from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-MAKES_NO_NUMBERS = True
 
 LOOPBACK = ("127.0.0.1", "localhost", "[::1]")
 COOKIE = "explore"

@@ -12,8 +12,6 @@ from verification.explore.inclusions.page import InclusionsPage
 from verification.explore.tissues.page import TissuePage
 from verification.explore.tissues.session import Session
 
-MAKES_NO_NUMBERS = True
-
 TISSUE, INCLUSIONS = "Tissue", "Inclusions"
 
 

@@ -19,8 +19,8 @@ from nicegui import app as core_app
 from starlette.middleware.trustedhost import TrustedHostMiddleware
 
 from dincl.checks import describe
-from dincl.compiled.lanes import WIDTH
 from dincl.errors import InvalidProblem
+from tissue.kernels.lanes import WIDTH
 from tissue.study.outcomes import outcomes
 from verification.explore.common.folder import Folder, NeedsPython
 from verification.explore.common.streams import PictureStreams
@@ -34,7 +34,6 @@ from verification.explore.tissues.setting import Setting
 if TYPE_CHECKING:
     from tissue.files.parameters import Parameters
 
-MAKES_NO_NUMBERS = True
 
 TITLE = "tissue explore"
 GRACE = 2  # seconds for answers under way, once it is to end

@@ -9,7 +9,7 @@ from typing import Any
 
 from dincl import Problem
 from dincl.checks import integer, number
-from dincl.drifts.counted import CountedDrift, OutOfBudgetError
+from dincl.drifts.base import CountedDrift, OutOfBudgetError
 from dincl.problem import with_counted_drift
 
 __all__ = ["Budget", "CountedDrift", "CpuSeconds", "DriftEvaluations", "OutOfBudgetError", "counted"]

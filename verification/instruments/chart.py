@@ -17,7 +17,7 @@ from verification.instruments.measure import COUNTERS
 from verification.instruments.result import Result, left_out, left_out_rows
 
 if TYPE_CHECKING:
-    from verification.page.sheet import Axes
+    from verification.site.sheet import Axes
 
 TARGETS = (1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 COSTS = ("cpu_seconds", *COUNTERS)
@@ -64,7 +64,7 @@ class WorkPrecision(Result):
         """Return the cost of each error: one row a method, one column a target, NaN where it is not reached."""
         found = cheapest.costs(self.table, checked_targets(targets), self.checked_error(error), checked_cost(cost))
         wide = found.pivot(index="method", columns="target", values="value").replace(float("inf"), float("nan"))
-        return wide.loc[list(self.looks), sorted(wide, reverse=True)]
+        return wide.reindex(list(self.looks))[sorted(wide, reverse=True)]
 
     def families(self, targets: Sequence[float] = TARGETS, error: str = "", cost: str = "cpu_seconds") -> pd.DataFrame:
         """Return the best method of each family for each error, and its cost."""

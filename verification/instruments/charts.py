@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import textwrap
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import cycle
 from typing import Any
 
@@ -10,15 +11,14 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from dincl.drawing import log_ticks
+from dincl.plotting import log_ticks
 from verification.instruments.cheapest import NOT_TRIED, RESOLVED, accuracy, front
 from verification.instruments.error_norms import label as error_label
 from verification.instruments.error_norms import reference_error
 from verification.instruments.outcome import COLOURS as OUTCOME_COLOURS
 from verification.instruments.outcome import Outcome
-from verification.page.sheet import GREY, NOTE, Axes, hatch_cells, own_axes, patch
+from verification.site.sheet import GREY, NOTE, Axes, hatch_cells, own_axes, own_figure, patch
 
-MAKES_NO_NUMBERS = True
 Looks = Mapping[str, Mapping[str, Any]]
 Floats = NDArray[np.float64]
 # One colour for each family (Okabe and Ito's palette, apart from yellow, which is too light for lines).
@@ -34,6 +34,8 @@ CROSS: dict[str, Any] = {"marker": "x", "mew": 1.6, "linestyle": "none"}
 FAILED = "run that failed"
 # Errors below this are rounding; they are drawn on the lower edge.
 LOWEST = 1e-16
+# The largest ratio of a performance profile, and the part of the picture from one marker of a curve to the next.
+MOST, MARK_EVERY = 100.0, 0.18
 
 # A colour and a hatching for each outcome, so that outcomes are told apart without colours, too.
 HATCHES: Mapping[str, str] = {
@@ -47,6 +49,9 @@ HATCHES: Mapping[str, str] = {
 }
 # Thin and light: the colours lead.
 HATCHING: dict[str, Any] = {"edgecolor": "#ffffff99", "linewidth": 0.0}
+# Limits over a map, and panels side by side with so many letters in a line of their titles.
+INK, PATTERNS = "#22262b", ("-", "--", ":", "-.")
+MOST_COLUMNS, TITLE_LETTERS = 4, 24
 RATES = {"w1": ("E W1", "o", "-"), "error_y": ("E |y_N - y|", "s", "--")}
 
 
@@ -115,14 +120,17 @@ def made_of(rows: pd.DataFrame) -> str:
     return "" if not len(known) else " (compiled)" if known.all() else " (calls Python)"
 
 
-def draw_profiles(profile: pd.DataFrame, looks: Looks, ax: Axes | None) -> Axes:
-    """Draw performance profiles: the share of problems solved within a ratio of the smallest cost."""
+def draw_profiles(profile: pd.DataFrame, looks: Looks, cost: str, ax: Axes | None) -> Axes:
+    """Draw performance profiles: the share of problems solved within a ratio of the smallest cost, up to MOST."""
     panel = own_axes(ax)
-    most = 2.0 * max(float(profile["ratio"].max()), 1.0)
+    most = min(2.0 * float(profile["ratio"].max()), MOST) if len(profile) else MOST
     for label, look in styles(looks).items():
         rows = profile[profile["method"] == label]
-        panel.step([*rows["ratio"], most], [*rows["share"], rows["share"].max()], where="post", label=label, **look)
-    panel.set(xlabel="cost over the smallest cost", ylabel="share of problems", xscale="log", ylim=(0.0, 1.05))
+        x, y = [*rows["ratio"], 2 * most], [*rows["share"], rows["share"].max()]
+        panel.step(x, y, where="post", label=label, markevery=MARK_EVERY, **look)
+    words = cost_label(cost).partition(" [")[0]
+    panel.set(xlabel=f"{words} over the least (ties: 1)", ylabel="share of problems")
+    panel.set(xscale="log", xlim=(1.0, most), ylim=(0.0, 1.02))
     _legend(panel)
     log_ticks(panel)
     return panel
@@ -174,20 +182,82 @@ def _floor(panel: Axes, table: pd.DataFrame, error: str) -> None:
     panel.set_ylim(low, high)
 
 
-def draw_stability(table: pd.DataFrame, across: str, up: str, ax: Axes | None) -> Axes:
-    """Draw the outcome of every cell, with a colour and a hatching for each outcome."""
+def draw_stability(
+    table: pd.DataFrame, axes: Sequence[str], labels: Sequence[str], limits: pd.DataFrame, ax: Axes | None
+) -> Axes:
+    """Draw the outcome of every cell, with a colour and a hatching for each outcome, and the limits as lines.
+
+    ``axes`` are the columns across and up, ``labels`` are theirs; ``limits`` has columns label, x and y.
+    """
     panel = own_axes(ax)
-    x, y = (np.array(sorted(table[name].unique())) for name in (across, up))
-    words = table.pivot(index=up, columns=across, values="outcome").loc[y, x].to_numpy()
+    _map(panel, table, axes, limits, _patterns(limits))
+    panel.set(xlabel=labels[0], ylabel=labels[1])
+    there = list(dict.fromkeys(table["outcome"]))
+    lines, words = panel.get_legend_handles_labels()
+    handles = [*outcome_handles(there), *lines]
+    panel.legend(handles, [*there, *words], fontsize="small", loc="upper left", bbox_to_anchor=(1.01, 1.0))
+    return panel
+
+
+def draw_stability_panels(
+    table: pd.DataFrame, axes: Sequence[str], labels: Sequence[str], limits: pd.DataFrame
+) -> Axes:
+    """Draw a panel for each method, one legend of outcomes below all, one of limits above; return the first panel."""
+    methods, look = list(dict.fromkeys(table["method"])), _patterns(limits)
+    columns = min(MOST_COLUMNS, len(methods))
+    rows = -(-len(methods) // columns)
+    with own_figure((9.2, 2.2 * rows + 0.9)) as figure:
+        panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+        lines: dict[str, Any] = {}
+        for panel, method in zip(panels.flat, methods, strict=False):
+            _map(panel, table[table["method"] == method], axes, limits[limits["method"] == method], look)
+            panel.set_title(textwrap.fill(method, TITLE_LETTERS))
+            lines |= {word: line for line, word in zip(*panel.get_legend_handles_labels(), strict=True)}
+        for place, panel in enumerate(panels.flat):
+            if place >= len(methods):
+                panel.set_axis_off()
+            if place % columns == 0:
+                panel.set_ylabel(labels[1])
+            if len(methods) - columns <= place < len(methods):
+                panel.set_xlabel(labels[0])
+                panel.tick_params(labelbottom=True)
+        there = [one.value for one in Outcome if one.value in set(table["outcome"])]
+        figure.legend(outcome_handles(there), there, loc="outside lower center", ncols=len(there))
+        if lines:
+            figure.legend(lines.values(), lines.keys(), loc="outside upper right", ncols=len(lines))
+    first: Axes = panels[0, 0]
+    return first
+
+
+def _patterns(limits: pd.DataFrame) -> dict[str, str]:
+    """Return the pattern of the line of each limit."""
+    return dict(zip(dict.fromkeys(limits["label"]), cycle(PATTERNS), strict=False))
+
+
+def _map(
+    panel: Axes, table: pd.DataFrame, axes: Sequence[str], limits: pd.DataFrame, patterns: Mapping[str, str]
+) -> None:
+    """Draw the cells of one method, and its limits as lines."""
+    x, y = (np.array(sorted(table[name].unique())) for name in axes)
+    words = table.pivot(index=axes[1], columns=axes[0], values="outcome").loc[y, x].to_numpy()
     wide, high = is_geometric(x), is_geometric(y)
-    draw_outcomes(panel, edges(x, wide), edges(y, high), words)
-    panel.set(xlabel=across, ylabel=up)
+    across, up = edges(x, wide), edges(y, high)
+    draw_outcomes(panel, across, up, words)
+    for label, curve in limits.groupby("label", sort=False):
+        panel.plot(curve["x"], curve["y"], color=INK, linewidth=1.2, linestyle=patterns[label], label=label)
     panel.set_xscale("log" if wide else "linear")
     panel.set_yscale("log" if high else "linear")
-    there = list(dict.fromkeys(table["outcome"]))
-    panel.legend(outcome_handles(there), there, fontsize="small", loc="upper left", bbox_to_anchor=(1.01, 1.0))
+    panel.set(xlim=across[[0, -1]], ylim=up[[0, -1]])
     log_ticks(panel)
-    return panel
+
+
+def sides(values: Iterable[float], count: int) -> Floats:
+    """Return ``count`` places along an axis of a map with cells at these values, from side to side."""
+    found = np.array(sorted(set(values)), dtype=np.float64)
+    wide = is_geometric(found)
+    first, last = edges(found, wide)[[0, -1]]
+    places: Floats = np.geomspace(first, last, count) if wide else np.linspace(first, last, count)
+    return places
 
 
 def is_geometric(values: Floats) -> bool:
@@ -231,8 +301,8 @@ def draw_rates(means: pd.DataFrame, fit: pd.DataFrame, ax: Axes | None) -> Axes:
 
 
 def draw_outcomes(panel: Axes, x: NDArray[np.float64], y: NDArray[np.float64], words: NDArray[Any]) -> None:
-    """Draw the outcome of every cell, (m, n), between the edges x (n + 1,) and y (m + 1,)."""
-    colours = np.array([[rgb(OUTCOME_COLOURS[word]) for word in line] for line in words])
+    """Draw the outcome of every cell, (m, n), between the edges x (n + 1,) and y (m + 1,); white: no run."""
+    colours = np.array([[rgb(OUTCOME_COLOURS.get(word, "#ffffff")) for word in line] for line in words])
     panel.pcolormesh(x, y, colours, edgecolors="white", linewidth=0.3)
     for word, hatch in HATCHES.items():
         here = words == word

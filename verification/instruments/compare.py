@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import runpy
+import shutil
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ import pandas as pd
 
 from dincl import InvalidProblem, Problem
 from dincl.checks import describe
+from dincl.study import digest
 from verification.instruments.budget import CpuSeconds
 from verification.instruments.order import MIN_STEPS
 from verification.instruments.orders import order_study
@@ -25,11 +27,14 @@ from verification.instruments.speed_accuracy import work_precision
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from verification.page.sheet import Axes
+    from verification.site.sheet import Axes
 
 NEEDED = ("problem", "methods", "settings", "t")
 BUDGET = CpuSeconds(2.0)
 TOL = 1e-11
+# What a folder of rows under way may hold.
+OWN = {f"{name}.{ending}" for name in ("orders", "work_precision") for ending in ("parquet", "csv", "lock")}
+OWN |= {"superseded"}
 
 
 def compare(file: Path, out: Path) -> tuple[Path, list[Result]]:
@@ -38,7 +43,8 @@ def compare(file: Path, out: Path) -> tuple[Path, list[Result]]:
     The file is a Python program that leaves these names: ``problem``, ``methods``, ``settings``, ``t``, as
     ``work_precision`` takes them; and, where the defaults do not serve, ``reference`` (``reference(problem, tol)``
     with tol = 1e-11) and ``budget`` (2 s of CPU time a run). It may import modules that stand beside it. An order is
-    fitted where all settings are steps and there are five.
+    fitted where all settings are steps and there are five. An interrupted call goes on, method by method, unless the
+    file or a program beside it was changed.
 
     Raises
     ------
@@ -54,12 +60,26 @@ def compare(file: Path, out: Path) -> tuple[Path, list[Result]]:
     source = named.get("reference")
     known = known_at(_reference(problem, file) if source is None else source, t, problem=problem)
     budget = named.get("budget", BUDGET)
-    chart = work_precision(problem, methods, settings, t, known, budget)
+    rows = _rows(file, out)
+    chart = work_precision(problem, methods, settings, t, known, budget, store=rows / "work_precision.parquet")
     results: list[Result] = [chart]
     if not isinstance(settings, Mapping) and len(settings) >= MIN_STEPS:
-        results.insert(0, order_study(problem, methods, settings, t, known, budget=budget))
-    pictures = [drawn(problem, t)] if isinstance(problem, Problem) and problem.x0.shape[1] <= 3 else []
-    return save([*pictures, *results], out), results
+        orders = order_study(problem, methods, settings, t, known, budget=budget, store=rows / "orders.parquet")
+        results.insert(0, orders)
+    pictures = [drawn(problem, t)] if isinstance(problem, Problem) and problem.x0.shape[1] <= 2 else []
+    page = save([*pictures, *results], out)
+    shutil.rmtree(rows, ignore_errors=True)
+    return page, results
+
+
+def _rows(file: Path, out: Path) -> Path:
+    """Return the folder of rows under way, which are of these programs alone; those of other ones are removed."""
+    programs = [one.read_bytes() for one in sorted({file, *file.parent.glob("*.py")})]
+    mine = out / f"rows_{digest(programs)}"
+    for other in out.glob("rows_" + 16 * "[0-9a-f]"):  # and no folder of the user
+        if other != mine and other.is_dir() and not other.is_symlink() and {one.name for one in other.iterdir()} <= OWN:
+            shutil.rmtree(other)
+    return mine
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -16,16 +16,20 @@ from verification.instruments.references import Known
 
 Floats = NDArray[np.float64]
 Quantity = Callable[..., Any]
-Errors = str | Quantity | Sequence["str | Quantity"] | Mapping[str, "str | Quantity"]
+Errors = str | float | Quantity | Sequence["str | float | Quantity"] | Mapping[str, "str | float | Quantity"]
 # Step of the difference quotients that carry the error of a reference over to a quantity, relative to the coordinates.
 DIFFERENCE = 1e-7
 
 
 class Computed(NamedTuple):
-    """States of a run at the K output times, (K, N, d), and at the times between them, as ``Known.between``."""
+    """States of a run at the K output times, (K, N, d), and at the times between them, as ``Known.between``.
+
+    ``stated``: the largest error that the run itself states, NaN if it states none.
+    """
 
     x: Floats
     between: Floats | None = None
+    stated: float = np.nan
 
 
 def distance(x: Floats, y: Floats) -> Floats:
@@ -68,6 +72,10 @@ def _overlap(problem: Any, answer: Computed, known: Known) -> float:
     return max(problem.violation(float(t), state) for t, state in zip(known.t, answer.x, strict=True))
 
 
+def _stated(problem: Any, answer: Computed, known: Known) -> float:
+    return answer.stated
+
+
 Norm = Callable[[Any, Computed, Known], float]
 NORMS: Mapping[str, Norm] = {
     "largest": _largest,
@@ -75,6 +83,7 @@ NORMS: Mapping[str, Norm] = {
     "L2": _root_mean_square,
     "dense": _dense,
     "overlap": _overlap,
+    "stated": _stated,
 }
 LABELS = {
     "largest": "largest error over time [length]",
@@ -82,20 +91,41 @@ LABELS = {
     "L2": "root mean square error over time [length]",
     "dense": "largest error of dense output [length]",
     "overlap": "largest overlap [length]",
+    "stated": "error that the run states [length]",
 }
 
 
 def label(error: str) -> str:
     """Return the label of an axis."""
-    return LABELS.get(error, f"error of {error}")
+    return LABELS.get(error, f"error at {error} [length]" if error.startswith("t = ") else f"error of {error}")
+
+
+def heading(error: str) -> str:
+    """Return the heading of a column."""
+    return label(error)[0].upper() + label(error)[1:]
+
+
+@dataclass(frozen=True)
+class ErrorAt:
+    """Error max_i |X_i - exact| at one of the output times [length]."""
+
+    t: float
+
+    def __call__(self, problem: Any, answer: Computed, known: Known) -> float:
+        """Return the error of a run; InvalidProblem if t is no output time."""
+        return float(error_of(answer.x, known)[known.place(self.t)])
 
 
 @dataclass(frozen=True)
 class ErrorOf:
-    """Largest error over time of a quantity q(x) of the state: max_k |q(x_k) - q(reference_k)|."""
+    """Largest error over time of a quantity q(x) of the state: max_k |q(x_k) - q(reference_k)|.
+
+    ``stated`` is the reference's own error in q, where it is known apart from the error of the positions.
+    """
 
     name: str
     quantity: Quantity
+    stated: float | None = None
 
     def __call__(self, problem: Any, answer: Computed, known: Known) -> float:
         """Return the error of a run; infinite where the quantity is not finite, or raises."""
@@ -108,7 +138,12 @@ class ErrorOf:
         return float(error) if np.isfinite(error) else np.inf
 
     def of_reference(self, known: Known) -> float:
-        """Return the largest over t of sum_ij |dq/dX_ij| e, the first order of the reference's stated error e in q."""
+        """Return the largest over t of sum_ij |dq/dX_ij| e, the first order of the reference's stated error e in q.
+
+        The one that is ``stated``, if there is one.
+        """
+        if self.stated is not None:
+            return self.stated
         worst = 0.0
         for state, error in zip(known.x, known.error, strict=True):
             here, h = self._value(state), DIFFERENCE * max(1.0, float(np.abs(state).max()))
@@ -143,28 +178,34 @@ def checked_errors(errors: Errors) -> dict[str, Norm]:
     Parameters
     ----------
     errors
-        A name of ``NORMS``, a function x -> quantity (a number or an array) of states x (N, d), several of both, or a
-        mapping from names to them. A function is named after itself, a lambda "quantity".
+        A name of ``NORMS``, an output time t, a function x -> quantity (a number or an array) of states x (N, d),
+        several of these, or a mapping from names to them. A time is named "t = 1", a function after itself, a lambda
+        "quantity".
 
     Raises
     ------
     InvalidProblem
-        For an unknown name, or an object that is neither a name nor a function.
+        For an unknown name, or an object that is neither a name nor a time nor a function.
     """
     if isinstance(errors, Mapping):
         pairs = list(errors.items())
     else:
-        given = [errors] if isinstance(errors, str) or callable(errors) else list(errors)
+        given = list(errors) if isinstance(errors, Iterable) and not isinstance(errors, str) else [errors]
         pairs = [(_name(error), error) for error in given]
     found: dict[str, Norm] = {}
     for name, error in pairs:
         if isinstance(error, str) and error in NORMS:
             found[name] = NORMS[error]
+        elif isinstance(error, int | float):
+            found[name] = ErrorAt(float(error))
         elif callable(error):
-            found[name] = error if isinstance(error, ErrorOf) or error in NORMS.values() else ErrorOf(name, error)
+            found[name] = (
+                error if isinstance(error, ErrorAt | ErrorOf) or error in NORMS.values() else ErrorOf(name, error)
+            )
         else:
             raise dincl.InvalidProblem(
-                f"errors = {describe(error)}: must be one or more of {', '.join(NORMS)}, or functions of the state"
+                f"errors = {describe(error)}: must be one or more of {', '.join(NORMS)}, output times, or functions of "
+                "the state"
             )
     if not found or len(found) < len(pairs):
         names = ", ".join(name for name, _ in pairs)
@@ -173,6 +214,8 @@ def checked_errors(errors: Errors) -> dict[str, Norm]:
 
 
 def _name(error: object) -> str:
+    if isinstance(error, int | float):
+        return f"t = {error:g}"
     name = error if isinstance(error, str) else getattr(error, "__name__", type(error).__name__)
     return "quantity" if name == "<lambda>" else str(name)
 
@@ -191,8 +234,8 @@ def of_reference(known: Known, errors: Mapping[str, Norm]) -> dict[str, float]:
 
 
 def reference_error(rows: pd.DataFrame, error: str) -> pd.Series:
-    """Return the reference's own error in ``error``, one for each row; an overlap has no reference."""
-    if error == "overlap":
+    """Return the reference's own error in ``error``, one for each row; what needs no reference has none."""
+    if error in ("overlap", "stated"):
         return pd.Series(0.0, rows.index)
     return rows[_column(error) if _column(error) in rows else "reference_error"]
 

@@ -21,7 +21,7 @@ from verification.instruments import cheapest
 from verification.instruments.charts import FRONT, LOWEST, NOT_COUNTED, absent, cost_label, rgb, styles
 from verification.instruments.error_norms import label as error_label
 from verification.instruments.error_norms import reference_error
-from verification.page.render import render
+from verification.site.render import render
 
 if TYPE_CHECKING:
     from verification.instruments.chart import WorkPrecision
@@ -44,7 +44,7 @@ WORDS |= {"not_reached": cheapest.NOT_REACHED, "not_resolved": cheapest.NOT_RESO
 # Columns of what is drawn: runs, names of lines, the strokes from the ends of lines to their names.
 POINTS, NAMES = ("x", "y", "setting", "status", "method"), ("x", "y", "text", "color", "size")
 LEADERS = ("x0", "y0", "x1", "y1", "color")
-CODE = Path(__file__).parents[1] / "page" / "templates" / "live.js"
+CODE = Path(__file__).parents[1] / "site" / "templates" / "live.js"
 
 
 @cache
@@ -56,7 +56,6 @@ def script() -> str:
 def draw_chart(
     charts: Mapping[str, WorkPrecision],
     costs: Sequence[str],
-    certain: float | None = None,
     short: Mapping[str, str] | None = None,
 ) -> str:
     """Draw error against cost as HTML; the reader chooses scene, error, cost and families of methods.
@@ -70,8 +69,6 @@ def draw_chart(
         By the name of the scene in the address.
     costs
         Columns of the tables.
-    certain
-        CPU seconds beyond which a run could have been stopped by its budget; None: no run is.
     short
         label -> name at the end of its line; the label itself for methods that it lacks.
     """
@@ -91,7 +88,7 @@ def draw_chart(
         "targets": DECADES,
         "finest": {name: {norm: _finest(one, norm) for norm in norms} for name, one in charts.items()},
         "absent": {name: dict.fromkeys(looks, NOT_COUNTED) | _absent(one, looks) for name, one in charts.items()},
-        "certain": certain,
+        "limits": {name: {one.budget.column: one.budget.certain()} for name, one in charts.items()},
         "lowest": LOWEST,
         "words": WORDS,
     }

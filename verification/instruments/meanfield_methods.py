@@ -1,6 +1,7 @@
 """The solvers of meanfield as methods for ``order_study`` and ``work_precision``: y(t) from particles or a density.
 
-Every method takes a problem, a setting that makes it finer as it falls, and times, and gives y (K, ny).
+Every method takes a problem, a setting that makes it finer as it falls, and times, and gives y (K, ny), or what else of
+its result is to be compared.
 """
 
 from __future__ import annotations
@@ -8,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache, partial
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -37,6 +39,9 @@ from verification.instruments.method import Method
 Floats = NDArray[np.float64]
 Solve = Callable[[Model, State, Floats, float], Motion]
 Found = Motion | Flow | GridMotion | MomentMotion
+# What of a result is compared: an array (K, ...), K times.
+Part = Callable[[Any], Any]
+Y: Part = attrgetter("y")
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,33 +91,33 @@ STYLES = {
     "moments": ("Moments", "mean field", "tol", "#7b52a1", "X"),
     "pde": ("PDE", "mean field", "1/cells", "#5b5b66", "h"),
 }
-LIMITS = ("characteristics", "moments", "pde")
 # Of N quantiles, whose y has an error of about 1/(30 N): a tenth of that for the solver.
 QUANTILE_ERROR, LEAST_TOLERANCE = 0.003, 1e-12
 # Methods with kernels that are compiled for so many particles or cells, and a run that does nothing else.
 COMPILED, MANY, BRIEF = ("ode", "reduced", "pde"), 64, 1e-6
 
 
-def particle_methods() -> dict[str, Method]:
+def particle_methods(of: Part = Y) -> dict[str, Method]:
     """Name -> Method for a ``ParticleProblem``: DAE, RATTLE of orders 2 to 8, ODE, and ODE of the reduced model.
 
     The setting is ``tol``, of RATTLE ``dt``. A model that has no reduction is refused by the last one (NotClosed).
+    ``of`` takes what is compared from a Motion, an array (K, ...) for K times; it is y unless another one is given.
     """
-    return {name: _method(name, STYLES[name][2], partial(_of_particles, name)) for name in SOLVERS}
+    return {name: _method(name, STYLES[name][2], partial(_of_particles, name, of)) for name in SOLVERS}
 
 
-def density_methods() -> dict[str, Method]:
+def density_methods(of: Part = Y) -> dict[str, Method]:
     """Name -> Method for a ``DensityProblem``: characteristics, moments, PDE, and the methods of particles.
 
     The setting is ``tol``, of the PDE ``1/cells``, of particles ``1/N``: they start at the N quantiles of the density,
     so that nx = 1, and are solved to a tenth of the error of the quantiles. A model whose moments do not close is
-    refused by ``moments`` (NotClosed).
+    refused by ``moments`` (NotClosed). ``of`` as in ``particle_methods``, of whatever result a method has.
     """
     settings = {name: "1/N" if name in SOLVERS else STYLES[name][2] for name in STYLES}
-    return {name: _method(name, setting, partial(_of_density, name)) for name, setting in settings.items()}
+    return {name: _method(name, setting, partial(_of_density, name, of)) for name, setting in settings.items()}
 
 
-def prepared(name: str, problem: DensityProblem, setting: float, t: ArrayLike) -> Callable[[], Found]:
+def _prepared(name: str, problem: DensityProblem, setting: float, t: ArrayLike) -> Callable[[], Found]:
     """Return a run of one method of ``density_methods`` whose particles are made before, so that it is timed alone."""
     model, law, times = problem.model, problem.density, np.asarray(t, dtype=np.float64)
     start = problem.y0, problem.v0, times
@@ -134,21 +139,21 @@ def _method(name: str, setting: str, run: Callable[[Any, float, Any], Floats]) -
     return Method(label, family, run=run, setting=setting, look={"color": colour, "marker": marker})
 
 
-def _of_particles(name: str, problem: Any, setting: float, t: ArrayLike) -> Floats:
+def _of_particles(name: str, of: Part, problem: Any, setting: float, t: ArrayLike) -> Floats:
     if not isinstance(problem, ParticleProblem):
         raise InvalidProblem(f"problem = {describe(problem)}: must be a ParticleProblem(model, start)")
-    return SOLVERS[name](problem.model, problem.start, np.asarray(t, dtype=np.float64), setting).y
+    return np.asarray(of(SOLVERS[name](problem.model, problem.start, np.asarray(t, dtype=np.float64), setting)))
 
 
-def _of_density(name: str, problem: Any, setting: float, t: ArrayLike) -> Floats:
+def _of_density(name: str, of: Part, problem: Any, setting: float, t: ArrayLike) -> Floats:
     if not isinstance(problem, DensityProblem):
         raise InvalidProblem(f"problem = {describe(problem)}: must be a DensityProblem(model, density, y0, v0)")
     _compile(name, problem)
-    return prepared(name, problem, setting, t)().y
+    return np.asarray(of(_prepared(name, problem, setting, t)()))
 
 
 @lru_cache(maxsize=64)
 def _compile(name: str, problem: DensityProblem) -> None:
     """Compile what only runs of many particles or cells need: instruments throw away the first run, a coarse one."""
     if name in COMPILED:
-        prepared(name, problem, 1 / MANY, [BRIEF])()
+        _prepared(name, problem, 1 / MANY, [BRIEF])()

@@ -171,17 +171,19 @@ def _first(
         return {"status": "OUT_OF_BUDGET", "detail": f"Stopped after {budget}."}
     if isinstance(outcome, Failure):
         return outcome.columns
-    answer = Computed(outcome.x, None if known.between is None else outcome.dense(known.between.t))
+    between = None if known.between is None else outcome.dense(known.between.t)
+    answer = Computed(outcome.x, between, outcome.stated)
     return outcome.columns | measured(problem, answer, known, norms)
 
 
 @dataclass(frozen=True)
 class _Outcome:
-    """States at the output times, NaN where the run did not arrive; its dense output; columns of the table."""
+    """States at the output times, NaN where the run did not arrive; its dense output; columns; the error it states."""
 
     x: Floats
     dense: Callable[[Floats], Floats]
     columns: dict[str, Any]
+    stated: float = np.nan
 
 
 def _timed(problem: Any, method: Method, setting: float, t: Floats, budget: Budget | None, times: Times) -> _Outcome:
@@ -228,7 +230,8 @@ def _run(problem: Any, method: Method, setting: float, t: Floats, budget: Budget
     columns = {"status": path.status.name, "detail": path.detail} | {name: work[name] for name in COUNTERS}
     if method.compiled is None:
         columns["compiled"] = work["callbacks"] == 0
-    return _Outcome(reached(path, t), path, columns)
+    stated = np.nan if path.error is None else float(np.max(path.error))
+    return _Outcome(reached(path, t), path, columns, stated)
 
 
 def _straight(problem: Any, t: Floats, states: Floats, times: Floats) -> Floats:

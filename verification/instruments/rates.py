@@ -1,8 +1,8 @@
 """How fast N particles represent a density, and through the flow of a model its mean-field limit: W1 against N.
 
 In one dimension W1(mu_N, mu) is exact, also at later times: mu^t is carried by the flow of the limit. In two and three,
-W1(mu_N, mu'_N) of two independent samples is taken, each with a flow of its own, between proved bounds. Both have the
-same rate: mu is the mean of mu'_N and W1 is convex, so that
+W1(mu_N, mu'_N) of two independent samples is taken, each with a flow of its own. Both have the same rate: mu is the
+mean of mu'_N and W1 is convex, so that
 
     E W1(mu_N, mu) <= E W1(mu_N, mu'_N) <= 2 E W1(mu_N, mu).
 """
@@ -10,7 +10,9 @@ same rate: mu is the mean of mu'_N and W1 is convex, so that
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from concurrent.futures import Executor
+from dataclasses import KW_ONLY, dataclass, fields
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -19,14 +21,15 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import stdtrit
 
 from dincl import InvalidProblem
-from dincl.checks import describe, integer, number
+from dincl.checks import describe, integer
+from dincl.study import Key, Row, Study
 from meanfield import Density, Model, State, push_forward, solve_characteristics, solve_ode, w1
-from meanfield.transport import discrete
 from verification.instruments.lines import CONFIDENCE, weighted_line
 from verification.instruments.result import Result
+from verification.instruments.stored import Store, carried_out, settings_of
 
 if TYPE_CHECKING:
-    from verification.page.sheet import Axes
+    from verification.site.sheet import Axes
 
 Floats = NDArray[np.float64]
 # What is compared with what.
@@ -85,19 +88,87 @@ class W1Rates(Result):
         return "\n".join([f"W1Rates, {self.start}", *lines])
 
 
+@dataclass(frozen=True, eq=False)
+class W1Runs:
+    """What ``w1_rates`` runs, apart from what it makes of the rows; the arguments are the same."""
+
+    model: Model | None
+    density: Density
+    sizes: Sequence[int]
+    repeats: int | Sequence[int]
+    seed: int | Sequence[int]
+    _: KW_ONLY
+    t: ArrayLike | None = None
+    y0: ArrayLike | None = None
+    v0: ArrayLike | None = None
+    tol: float | None = None
+    quantiles: bool = False
+
+    def __post_init__(self) -> None:
+        _checked_repeats(self.repeats, len(_checked_sizes(self.sizes)), self.quantiles)
+        for part in (self.seed,) if isinstance(self.seed, int) else tuple(self.seed):
+            integer("seed", part, least=0)
+        if self.quantiles and self.density.nx > 1:
+            raise InvalidProblem(
+                f"quantiles = True in {self.density.nx} dimensions: must be False, they need one dimension"
+            )
+        _check_limit(self.model, self.t, self.y0, self.v0, self.tol)
+
+    @property
+    def start(self) -> str:
+        """What is compared."""
+        return QUANTILES if self.quantiles else IID if self.density.nx == 1 else PAIR
+
+    @cached_property
+    def limit(self) -> MeanFieldLimit | None:
+        """The limit of the model, computed when the first run needs it, and sent to workers with the runs."""
+        if self.model is None or self.t is None or self.y0 is None or self.v0 is None or self.tol is None:
+            return None
+        return mean_field_limit(self.model, self.density, self.y0, self.v0, self.t, self.tol, self.tol)
+
+    def __call__(self, key: Key) -> list[Row]:
+        """Compare one sample; one row for each time."""
+        n, k = int(key["N"]), int(key["repeat"])
+        seed = (self.seed,) if isinstance(self.seed, int) else tuple(self.seed)
+        X, other = draw(self.density, self.start, n, np.random.default_rng((*seed, n, k)))
+        at_start = {"t": 0.0, "w1": distance(self.density, X, other), "error_y": 0.0}
+        later = [] if self.limit is None else through_flow(self.limit, X, other)
+        return [{"N": n, "repeat": k} | row for row in [at_start, *later]]
+
+    def study(self, name: str = "w1_rates", title: str = "Rates of W1", smallest: bool = False) -> Study:
+        """Return the runs, the largest first; in the smallest form two repeats of the three smallest sizes."""
+        counts = _checked_sizes(self.sizes)
+        pairs = list(zip(counts, _checked_repeats(self.repeats, len(counts), self.quantiles), strict=True))
+        if smallest:
+            pairs = [(n, min(many, 2)) for n, many in pairs[:FEWEST_SIZES]]
+        runs = tuple({"N": n, "repeat": k} for n, many in reversed(pairs) for k in range(many))
+        settings = {one.name: getattr(self, one.name) for one in fields(self) if one.name not in ("sizes", "repeats")}
+        columns = {"N": "N", "t": "t [time]", "w1": "W1 [length]", "error_y": "Error of y [length]"}
+        prepare = partial(getattr, self, "limit")
+        return Study(name, title, ("N", "repeat"), runs, self, settings_of(**settings), columns, ("t",), prepare)
+
+    def result(self, rows: pd.DataFrame) -> W1Rates:
+        """Return the rates that rows of the study show, of the complete one or of some of its runs."""
+        table = rows.sort_values(["N", "repeat", "t"], kind="stable", ignore_index=True)
+        means, fit = summarised(table, random=not self.quantiles)
+        return W1Rates(table, means, fit, self.start)
+
+
 def w1_rates(
     model: Model | None,
     density: Density,
     sizes: Sequence[int],
     repeats: int | Sequence[int],
-    seed: int,
+    seed: int | Sequence[int],
     *,
     t: ArrayLike | None = None,
     y0: ArrayLike | None = None,
     v0: ArrayLike | None = None,
     tol: float | None = None,
     quantiles: bool = False,
-    gap: float = 1e-4,
+    store: Store = None,
+    executor: Executor | None = None,
+    smallest: bool = False,
 ) -> W1Rates:
     """Measure E W1 of N particles against N, and through the flow of a model E W1 and the error of y at times t.
 
@@ -110,14 +181,17 @@ def w1_rates(
     sizes, repeats
         At least three numbers N, increasing; independent repeats, the same for all or one for each N.
     seed
-        Of the random numbers; each N and repeat has a stream of its own.
+        Of the random numbers, one integer or several; each N and repeat has a stream of its own,
+        ``numpy.random.default_rng((*seed, N, repeat))``.
     t, y0, v0, tol
         Kept times > 0, the macroscopic start (ny,), and the tolerance of the particles and of their limit, which must
         lie below the errors that are looked for.
     quantiles
         In one dimension: particles at the quantiles, which are not random (one repeat), instead of a random sample.
-    gap
-        In two and three dimensions: (upper - lower) / upper of the proved bounds of W1, of which the middle is taken.
+    store, executor
+        A Parquet file that makes an interrupted call go on; who makes the runs: see ``carried_out``.
+    smallest
+        Only two repeats of the three smallest sizes.
 
     Raises
     ------
@@ -129,23 +203,9 @@ def w1_rates(
     Source: section 3.5 of chapter 5, (5.59); of N^-1/2, (log N / N)^1/2, N^-1/3 in d = 1, 2, 3 Ajtai, Komlos and
     Tusnady (1984); Fournier and Guillin (2015).
     """
-    counts = _checked_sizes(sizes)
-    many = _checked_repeats(repeats, len(counts), quantiles)
-    stream, gap = integer("seed", seed, least=0), number("gap", gap, positive=True)
-    if quantiles and density.nx > 1:
-        raise InvalidProblem(f"quantiles = True in {density.nx} dimensions: must be False, they need one dimension")
-    limit = _checked_limit(model, density, y0, v0, t, tol)
-    start = QUANTILES if quantiles else IID if density.nx == 1 else PAIR
-    rows: list[dict[str, Any]] = []
-    for n, times in zip(counts, many, strict=True):
-        for k in range(times):
-            X, other = draw(density, start, n, np.random.default_rng(np.random.SeedSequence(stream, spawn_key=(n, k))))
-            at_start = {"t": 0.0, "w1": float(np.mean(distance(density, X, other, gap))), "error_y": 0.0}
-            later = [] if limit is None else through_flow(limit, X, other, gap)
-            rows += [{"N": n, "repeat": k} | row for row in [at_start, *later]]
-    table = pd.DataFrame(rows)
-    means, fit = summarised(table, random=not quantiles)
-    return W1Rates(table, means, fit, start)
+    given = {"t": t, "y0": y0, "v0": v0, "tol": tol, "quantiles": quantiles}
+    runs = W1Runs(model, density, sizes, repeats, seed, **given)  # type: ignore[arg-type]
+    return runs.result(carried_out(runs.study(smallest=smallest), store, executor))
 
 
 def draw(density: Density, start: str, n: int, rng: np.random.Generator) -> tuple[Floats, Floats | None]:
@@ -154,19 +214,12 @@ def draw(density: Density, start: str, n: int, rng: np.random.Generator) -> tupl
     return X, density.sample(rng, n) if start == PAIR else None
 
 
-def distance(density: Density | None, X: Floats, other: Floats | None, gap: float | None) -> tuple[float, float]:
-    """Bound W1 between particles and others, or the density (d = 1), within the relative width ``gap``.
-
-    Without gap both are the exact value, as they are in one dimension.
-    """
+def distance(density: Density | None, X: Floats, other: Floats | None) -> float:
+    """Return W1 between particles and others, or the density (d = 1)."""
     against = density if other is None else other
     if against is None:
         raise InvalidProblem("density = None without other particles: one of them must be given")
-    if other is None or gap is None or X.shape[1] == 1:
-        exact = w1(X, against)
-        return exact, exact
-    lower, upper = discrete.bounds(X, _equal(X), other, _equal(other), gap)
-    return lower, upper
+    return w1(X, against)
 
 
 class MeanFieldLimit(NamedTuple):
@@ -191,15 +244,14 @@ def mean_field_limit(
     return MeanFieldLimit(model, start, velocity, flow.t, particle_tol, flow.y, tuple(laws))
 
 
-def through_flow(limit: MeanFieldLimit, X: Floats, other: Floats | None, gap: float | None) -> list[dict[str, float]]:
+def through_flow(limit: MeanFieldLimit, X: Floats, other: Floats | None) -> list[dict[str, float]]:
     """Return W1 and the error of y at each time of the limit, for particles that start at X, and others if any."""
     groups = [X] if other is None else [X, other]
     one, *rest = [solve_ode(limit.model, State(X=Z, y=limit.y0, v=limit.v0), limit.t, limit.tol) for Z in groups]
     rows = []
     for k, (time, y, law) in enumerate(zip(limit.t, limit.y, limit.laws, strict=True)):
-        lower, upper = distance(law, one.X[k], rest[0].X[k] if rest else None, gap)
-        error = float(np.linalg.norm(one.y[k] - y))
-        rows.append({"t": float(time), "w1": (lower + upper) / 2, "error_y": error})
+        found = distance(law, one.X[k], rest[0].X[k] if rest else None)
+        rows.append({"t": float(time), "w1": found, "error_y": float(np.linalg.norm(one.y[k] - y))})
     return rows
 
 
@@ -245,10 +297,6 @@ def fitted_power(means: pd.DataFrame) -> dict[str, Any]:
     return row | {"constant": float(np.exp(line.at_zero)), "misfit": line.misfit}
 
 
-def _equal(X: Floats) -> Floats:
-    return np.full(len(X), 1 / len(X))
-
-
 def _checked_sizes(sizes: Sequence[int]) -> list[int]:
     counts = [integer("sizes", n, least=1) for n in sizes]
     if len(counts) < FEWEST_SIZES or (np.diff(counts) <= 0).any():
@@ -266,22 +314,12 @@ def _checked_repeats(repeats: int | Sequence[int], sizes: int, quantiles: bool) 
     return many
 
 
-def _checked_limit(
-    model: Model | None,
-    density: Density,
-    y0: ArrayLike | None,
-    v0: ArrayLike | None,
-    t: ArrayLike | None,
-    tol: float | None,
-) -> MeanFieldLimit | None:
-    """Return the limit of a model, None without one."""
+def _check_limit(model: Model | None, t: Any, y0: Any, v0: Any, tol: Any) -> None:
+    """Raise InvalidProblem if arguments of the flow are left out with a model, or given without one."""
     names = [name for name, value in (("t", t), ("y0", y0), ("v0", v0), ("tol", tol)) if value is None]
-    if model is None:
-        if len(names) < 4:
-            raise InvalidProblem("model = None with t, y0, v0 or tol given: must be a Model, or they must be left out")
-        return None
-    if y0 is None or v0 is None or t is None or tol is None:
+    if model is None and len(names) < 4:
+        raise InvalidProblem("model = None with t, y0, v0 or tol given: must be a Model, or they must be left out")
+    if model is not None and names:
         raise InvalidProblem(f"{', '.join(names)} left out: must be given with a model")
-    if float(np.min(np.asarray(t, dtype=np.float64))) <= 0:
+    if model is not None and float(np.min(np.asarray(t, dtype=np.float64))) <= 0:
         raise InvalidProblem(f"t = {describe(t)}: must be > 0; the start is looked at anyway")
-    return mean_field_limit(model, density, y0, v0, t, tol, tol)

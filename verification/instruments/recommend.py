@@ -24,7 +24,7 @@ from verification.instruments.result import Result
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from verification.page.sheet import Axes
+    from verification.site.sheet import Axes
 
 # Steps of the first run with equal steps; of each further one twice as many, and of a forecast at most so many times as
 # many. Tolerances fall by a factor that makes steps of order two half as long.
@@ -65,8 +65,8 @@ class Recommendation(Result):
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the predicted cost of each method that reaches the error."""
-        from dincl.drawing import log_ticks
-        from verification.page.sheet import own_axes
+        from dincl.plotting import log_ticks
+        from verification.site.sheet import own_axes
 
         panel = own_axes(ax)
         there = self.table[np.isfinite(self.table["cpu_seconds"])].iloc[::-1]
@@ -116,7 +116,7 @@ def recommend(problem: Problem, error: float, t: ArrayLike, methods: Methods | N
     wanted, times = number("error", error, positive=True), checked_times("t", t)
     if times[-1] == 0:
         raise InvalidProblem(f"t = {describe(t)}: must be increasing times >= 0, the last one > 0")
-    built_in = _built_in(problem, wanted)
+    built_in = usual_methods(problem, wanted)
     chosen = built_in if methods is None else as_methods(methods)
     auto = dincl.solve(problem, dincl.Auto(wanted), times, throw=False)
     if not auto.status or auto.error is None:
@@ -143,8 +143,8 @@ def usual_projection(problem: Problem, tol: float) -> dincl.ActiveSet | dincl.Pr
     return dincl.ActiveSet(tol) if len(problem.x0) <= MOST_DENSE else dincl.ProjectedCG(tol)
 
 
-def _built_in(problem: Problem, error: float) -> tuple[Method, ...]:
-    """Return the usual methods for a problem and an error; the type of each scheme is another one."""
+def usual_methods(problem: Problem, error: float) -> tuple[Method, ...]:
+    """Return the five usual methods for a problem and an error; the type of each scheme is another one."""
     projection = usual_projection(problem, PROJECTION * error)
     return (
         Method("PBD", scheme=dincl.PBD),

@@ -12,8 +12,10 @@ from numpy.typing import ArrayLike, NDArray
 
 import dincl
 from dincl.checks import array, describe, number
+from dincl.errors import StepFailure
 from dincl.scenes import Scene
-from dincl.schemes.resolution import FALLS, distance_outside, resolving_step, stable_step
+from dincl.schemes.auto import distance_outside
+from dincl.system.time_scales import time_scales
 
 Floats = NDArray[np.float64]
 # Two times are the same if they differ by less than this [time]; kept times are multiples of 0.05 or more.
@@ -29,6 +31,14 @@ FIRST, MOST_FALL = 17, 4.0
 PROVED = 1e-20
 # Times between two output times at which dense output is looked at.
 BETWEEN = 4
+# Finer steps mend violations if the distance from the set falls at least by this factor from one run to the next.
+FALLS = 0.75
+# Greatest step relative to the longest that resolves all functions of time in a run of high order.
+PART = 0.25
+# Greatest step of an explicit method (Euler, midpoint) times the rate of the drift.
+STABLE = 2.0
+# States of a run in which the rate is estimated, iterations in each, and the relative spacing of their differences.
+STATES, ITERATIONS, DIFFERENCE = 4, 4, math.sqrt(np.finfo(float).eps)
 
 
 @dataclass(frozen=True)
@@ -79,6 +89,10 @@ class Known:
         low = None if self.low is None else self.low[index]
         wanted = np.asarray(times, dtype=np.float64)
         return Known(wanted, self.x[index], self.error[index], low=low, proved=self.proved)
+
+    def place(self, t: float) -> int:
+        """Return k with t_k = t; InvalidProblem for another time."""
+        return int(self._places([t])[0])
 
     def off(self, x: Floats) -> Floats:
         """Compute x - exact for states x of the shape of ``self.x`` [length]; near the solution without rounding."""
@@ -138,7 +152,7 @@ class Reference:
 
     def _halved(self, scheme: Callable[[float], dincl.Scheme], t: Floats) -> Known:
         dt, end = self.dt or float(t[-1]) / FIRST, float(t[-1])
-        longest = resolving_step(self.problem, t, self.tol)
+        longest = _resolving_step(self.problem, t, self.tol)
         before, moved, outside = dincl.solve(self.problem, scheme(dt), t=t).x, np.inf, np.inf
         for _ in range(MOST_HALVINGS):
             dt /= 2
@@ -147,7 +161,7 @@ class Reference:
             was, outside, before = outside, distance_outside(self.problem, t, x), x
             # Three runs agree: two may by chance, as where the steps of both are multiples of a period of the drift.
             agree = SAFETY * moved <= self.tol and last <= MOST_FALL * self.tol
-            if not agree or dt > min(longest, stable_step(self.problem, t, x)):
+            if not agree or dt > min(longest, _stable_step(self.problem, t, x)):
                 continue
             rounding = ROUNDING * math.sqrt(end / dt) * float(np.abs(x).max())  # adds up as a random walk
             stated = SAFETY * max(moved, outside) + rounding
@@ -232,6 +246,12 @@ def known_at(source: Any, t: ArrayLike, *, between: bool = False, problem: Any =
     return _of(_exact(times, x), problem)
 
 
+def proved_words(source: Any, known: Callable[[], Known]) -> str:
+    """Return the error of a proved reference for charts, which only then is computed; "" for any other."""
+    proved = isinstance(source, Known | Reference) and source.proved
+    return known().words if proved else ""
+
+
 def _called(source: Any, times: Floats) -> Any:
     """Return what a reference gives at times; what a function of the user raises is named."""
     if isinstance(source, Reference):
@@ -262,3 +282,37 @@ def times_between(t: Floats) -> Floats:
 def _exact(t: Floats, x: ArrayLike) -> Known:
     states = np.asarray(x, dtype=np.float64)
     return Known(t, states, np.full(len(t), max(ROUNDING * float(np.abs(states).max()), np.finfo(float).tiny)))
+
+
+def _resolving_step(problem: dincl.Problem, times: Floats, accuracy: float) -> float:
+    """Return the longest step that resolves all functions of time until ``times[-1]`` [time]; infinite without any."""
+    return PART * time_scales(problem, times, accuracy).shortest
+
+
+def _stable_step(problem: dincl.Problem, times: Floats, x: Floats) -> float:
+    """Return the longest step with which an explicit method is stable at states x (K, N, d) [time].
+
+    It is 2 / L, L the norm of dF/dx by a few power iterations of differences: a lower bound of it.
+    """
+    rate = 0.0
+    for k in np.unique(np.linspace(0, len(times) - 1, STATES).astype(np.int64)):
+        rate = max(rate, _rate(problem, float(times[k]), x[k]))
+    return STABLE / rate if rate > 0 else math.inf
+
+
+def _rate(problem: dincl.Problem, t: float, x: Floats) -> float:
+    try:
+        velocity, rate = problem.velocity(t, x), 0.0
+        # A fixed direction; a random one would make references irreproducible.
+        way = np.cos(1.0 + np.arange(x.size)).reshape(x.shape)
+        for _ in range(ITERATIONS):
+            length = DIFFERENCE * (float(np.abs(x).max()) or 1.0)
+            way *= length / np.linalg.norm(way)
+            change = problem.velocity(t, x + way) - velocity
+            rate = max(rate, float(np.linalg.norm(change)) / length)
+            if not change.any():
+                break
+            way = change
+    except StepFailure:
+        return 0.0
+    return rate

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import base64
 import io
+import math
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
@@ -14,7 +16,7 @@ from dincl.files import write_bytes
 from dincl.study import write
 
 if TYPE_CHECKING:
-    from verification.page.sheet import Axes, Figure
+    from verification.site.sheet import Axes, Figure
 
 
 def left_out(table: pd.DataFrame) -> dict[str, str]:
@@ -56,6 +58,11 @@ class Result(ABC):
         figure.savefig(file, format="png")
         return file.getvalue()
 
+    def draw(self, path: Path) -> Path:
+        """Write the picture into a file; return the file."""
+        write_bytes(path, self.png())
+        return path
+
     def _repr_html_(self) -> str:
         picture = base64.b64encode(self.png()).decode("ascii")
         tables = "".join(
@@ -67,5 +74,16 @@ class Result(ABC):
         """Write the table (Parquet and CSV) and the picture into ``folder``; return the folder."""
         out = Path(folder)
         write(self.table, out / f"{self.name}.parquet")
-        write_bytes(out / f"{self.name}.png", self.png())
+        self.draw(out / f"{self.name}.png")
         return out
+
+
+def draw_results(results: Mapping[str, Result], columns: int, height: float, path: Path) -> Path:
+    """Draw results on one sheet, each into a panel of its own under its title; ``height`` of a row is in inches."""
+    from verification.site.sheet import sheet
+
+    rows = math.ceil(len(results) / columns)
+    with sheet(path, rows * height) as figure:
+        for place, (title, result) in enumerate(results.items(), start=1):
+            result.plot(figure.add_subplot(rows, columns, place)).set_title(title)
+    return path

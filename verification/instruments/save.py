@@ -10,11 +10,10 @@ from typing import Any
 
 from dincl import InvalidProblem
 from dincl.checks import describe
-from verification.instruments.measure import measure
 from verification.instruments.result import Result
-from verification.page.facts import machine
-from verification.page.parts import Grid
-from verification.page.render import render_page
+from verification.site.facts import machine
+from verification.site.parts import Grid
+from verification.site.render import render_page
 
 
 @dataclass(frozen=True)
@@ -43,7 +42,7 @@ def save(results: Sequence[Result] | Result, folder: str | Path) -> Path:
             raise InvalidProblem(f"results holds {describe(result)}: must be results of the instruments")
     out = Path(folder)
     shown = [_shown(result, result.save(out)) for result in _named(given)]
-    return render_page("results.html", out / "index.html", results=shown, facts=list(machine(measure)))
+    return render_page("results.html", out / "index.html", results=shown, facts=list(machine()))
 
 
 def _named(results: Sequence[Any]) -> list[Any]:

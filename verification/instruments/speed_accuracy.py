@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, overload
 
 import numpy as np
@@ -10,16 +13,61 @@ import pandas as pd
 
 from dincl import InvalidProblem
 from dincl.checks import describe
+from dincl.study import Study
 from verification.instruments.budget import Budget
 from verification.instruments.chart import WorkPrecision
 from verification.instruments.error_norms import Errors, checked_errors
-from verification.instruments.measure import REPEATS, measure
-from verification.instruments.method import Method, Methods, as_methods
-from verification.instruments.orders import checked_settings
+from verification.instruments.ladders import Ladders
+from verification.instruments.measure import REPEATS
+from verification.instruments.method import Methods, as_methods
+from verification.instruments.orders import Settings, settings_of
 from verification.instruments.problem_sets import WorkPrecisionSet, names_of
-from verification.instruments.references import Known, known_at
+from verification.instruments.references import proved_words
+from verification.instruments.stored import Store, carried_out
 
-Settings = Sequence[float] | Mapping[str, Sequence[float]]
+# Settings of a method in the smallest form.
+SMALLEST = 2
+
+
+@dataclass(frozen=True, eq=False)
+class WorkPrecisionRuns:
+    """What ``work_precision`` runs on one problem, apart from what it makes of the rows; the arguments are the same.
+
+    After a run whose largest error is at most ``enough`` no finer setting of its method is tried.
+    """
+
+    problem: Any
+    methods: Methods
+    settings: Settings
+    t: Any
+    reference: Any
+    budget: Budget
+    errors: Errors = ("largest", "final", "overlap")
+    enough: float | None = None
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.budget, Budget):
+            raise InvalidProblem(f"budget = {describe(self.budget)}: must be CpuSeconds(...) or DriftEvaluations(...)")
+
+    def study(
+        self, name: str = "work_precision", title: str = "Speed against accuracy", smallest: bool = False
+    ) -> Study:
+        """Return the runs; in the smallest form those of the two coarsest settings of each method."""
+        return self._ladders(smallest).study(name, title)
+
+    def _ladders(self, smallest: bool) -> Ladders:
+        chosen, norms = as_methods(self.methods), checked_errors(self.errors)
+        ladders = {one.label: settings_of(one, self.settings)[: SMALLEST if smallest else None] for one in chosen}
+        more = (norms, self.budget, REPEATS, self.enough)
+        return Ladders(self.problem, chosen, ladders, self.t, self.reference, *more)
+
+    def result(self, rows: pd.DataFrame) -> WorkPrecision:
+        """Return the chart of rows of the study, of the complete one or of some of its runs."""
+        ladders = self._ladders(smallest=False)
+        table = ladders.sorted(rows)
+        looks = {label: look for label, look in ladders.looks.items() if label in set(table["method"])}
+        words = proved_words(self.reference, lambda: ladders.known)
+        return WorkPrecision(table, tuple(ladders.errors), self.budget, looks, reference=words)
 
 
 @overload
@@ -31,6 +79,10 @@ def work_precision(
     reference: Any,
     budget: Budget,
     errors: Errors = ...,
+    *,
+    store: Store = ...,
+    executor: Executor | None = ...,
+    smallest: bool = ...,
 ) -> WorkPrecisionSet: ...
 
 
@@ -43,6 +95,10 @@ def work_precision(
     reference: Any,
     budget: Budget,
     errors: Errors = ...,
+    *,
+    store: Store = ...,
+    executor: Executor | None = ...,
+    smallest: bool = ...,
 ) -> WorkPrecision: ...
 
 
@@ -54,6 +110,10 @@ def work_precision(
     reference: Any,
     budget: Budget,
     errors: Errors = ("largest", "final", "overlap"),
+    *,
+    store: Store = None,
+    executor: Executor | None = None,
+    smallest: bool = False,
 ) -> WorkPrecision | WorkPrecisionSet:
     """Run every method from coarse to fine settings until a run exceeds the budget; return errors against cost.
 
@@ -68,6 +128,11 @@ def work_precision(
     budget
         Of one run: ``CpuSeconds(2.0)`` or ``DriftEvaluations(10**5)``. Wall time is no budget: it depends on what else
         the machine does. A program that never calls the drift is not stopped; after it, nothing finer is tried.
+    store, executor
+        A Parquet file that makes an interrupted call go on, method by method, for several problems a folder with a file
+        for each; who makes the runs: see ``carried_out``.
+    smallest
+        Only the two coarsest settings of each method.
 
     Raises
     ------
@@ -75,18 +140,9 @@ def work_precision(
         For input outside of what is listed.
     """
     if isinstance(problem, list | tuple | Mapping):
-        return _on_each(problem, methods, settings, t, reference, budget, errors)
-    if not isinstance(budget, Budget):
-        raise InvalidProblem(f"budget = {describe(budget)}: must be CpuSeconds(...) or DriftEvaluations(...)")
-    chosen, norms = as_methods(methods), checked_errors(errors)
-    known = known_at(reference, t, between="dense" in norms, problem=problem)
-    rows = [
-        row
-        for method in chosen
-        for row in rows_of(problem, method, settings_of(method, settings), known, norms, budget)
-    ]
-    looks = {method.label: {"family": method.family} | dict(method.look) for method in chosen}
-    return WorkPrecision(pd.DataFrame(rows), tuple(norms), budget, looks, reference=known.words)
+        return _on_each(problem, methods, settings, t, reference, budget, errors, store, executor, smallest)
+    runs = WorkPrecisionRuns(problem, methods, settings, t, reference, budget, errors)
+    return runs.result(carried_out(runs.study(smallest=smallest), store, executor, apart=smallest))
 
 
 def _on_each(
@@ -95,7 +151,11 @@ def _on_each(
     settings: Settings,
     t: Any,
     reference: Any,
-    *rest: Any,
+    budget: Budget,
+    errors: Errors,
+    store: Store,
+    executor: Executor | None,
+    smallest: bool,
 ) -> WorkPrecisionSet:
     named = names_of(problems)
     if not named:
@@ -103,8 +163,20 @@ def _on_each(
     references = _one_each("reference", reference, list(named))
     shared = not isinstance(t, Mapping) and all(np.ndim(one) == 0 for one in np.atleast_1d(np.asarray(t, object)))
     times = dict.fromkeys(named, t) if shared else _one_each("t", t, list(named))
+    files = dict.fromkeys(named) if store is None else {name: Path(store) / f"{name}.parquet" for name in named}
     charts = {
-        name: work_precision(one, methods, settings, times[name], references[name], *rest)
+        name: work_precision(
+            one,
+            methods,
+            settings,
+            times[name],
+            references[name],
+            budget,
+            errors,
+            store=files[name],
+            executor=executor,
+            smallest=smallest,
+        )
         for name, one in named.items()
     }
     return WorkPrecisionSet(charts)
@@ -117,21 +189,3 @@ def _one_each(argument: str, given: Any, names: list[str]) -> dict[str, Any]:
     if isinstance(given, list | tuple) and len(given) == len(names):
         return dict(zip(names, given, strict=True))
     raise InvalidProblem(f"{argument} = {describe(given)}: must have one entry for each problem: {', '.join(names)}")
-
-
-def rows_of(
-    problem: Any, method: Method, settings: Sequence[float], known: Known, errors: Errors, budget: Budget
-) -> list[dict[str, Any]]:
-    """Return the rows of one method in the table of the chart."""
-    rows = measure(problem, method, settings, known, errors, budget, REPEATS)
-    return [{"method": method.label, "family": method.family} | row for row in rows]
-
-
-def settings_of(method: Method, settings: Settings) -> tuple[float, ...]:
-    """Return the settings of one method, from coarse to fine."""
-    if not isinstance(settings, Mapping):
-        return checked_settings(settings)
-    name = method.label if method.label in settings else method.setting
-    if name not in settings:
-        raise InvalidProblem(f"settings has no entry {method.label!r} or {method.setting!r}, which this method needs")
-    return checked_settings(settings[name])

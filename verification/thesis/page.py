@@ -11,13 +11,12 @@ import pandas as pd
 from verification.claims import Effect, Verdict
 from verification.claims.decide import READING, decide_all, differing, readings
 from verification.claims.graph import corrected_below
-from verification.page import cards
-from verification.page.columns import headed, read_columns
-from verification.page.context import Context
-from verification.page.parts import Grid, SearchField, Section, Statements, Text
-from verification.page.prose import fill
-from verification.page.report import Card, Chapter, Finding
-from verification.page.sources import write_source
+from verification.site import cards
+from verification.site.context import Context
+from verification.site.parts import Grid, SearchField, Section, Statements, Text
+from verification.site.prose import fill
+from verification.site.report import Card, Chapter, Finding
+from verification.site.sources import write_source
 from verification.thesis.chapter4.frequencies import READINGS, RULE
 from verification.thesis.register import chapter_of, register
 from verification.thesis.text.errata import errata
@@ -32,7 +31,25 @@ TITLES = {
     5: "The mean-field limit of constrained particles (chapter 5 and appendix 2)",
     6: "Conclusions",
 }
-COLUMNS = read_columns(Path(__file__).parent / "columns.toml")
+COLUMNS = {
+    "corrections": {
+        "id": "Claim",
+        "source": "Place",
+        "quote": "As printed",
+        "correction": "Corrected",
+        "effect": "Changes",
+        "depends": "What depends on it",
+    },
+    "errata": {
+        "id": "Erratum",
+        "source": "Place",
+        "printed": "As printed",
+        "corrected": "Corrected",
+        "depends": "What depends on it",
+        "why": "Why",
+    },
+    "readings": {"id": "Claim", "statement": "Statement", "verdict": "Verdict"},
+}
 COUNTS = "How many claims hold"
 BEFORE = "corrected"  # the reading that decided until now
 WRONG = (Verdict.CORRECTED.value, Verdict.REFUTED.value)  # as printed
@@ -89,6 +106,11 @@ def _counts(table: pd.DataFrame, said: Mapping[str, str]) -> Section:
     counts = counts[[verdict.value for verdict in Verdict if verdict.value in counts]]
     counts.insert(0, "Chapter", [TITLES[number] for number in counts.index])
     return Section(COUNTS, [Text(said["counts"]), Grid(counts, said["by_chapter"], "claims")])
+
+
+def headed(rows: pd.DataFrame, columns: Mapping[str, str]) -> pd.DataFrame:
+    """Return the named columns, in the order of ``columns``, under their headings."""
+    return rows[list(columns)].rename(columns=columns)
 
 
 def _corrections(table: pd.DataFrame, others: pd.DataFrame, said: Mapping[str, str]) -> Section:
@@ -159,5 +181,4 @@ CHAPTER = Chapter(
     run,
     sections,
     findings,
-    place=14,
 )

@@ -1,21 +1,82 @@
-"""The register: all claims of the thesis, found in the folders named ``claims``."""
+"""The register: all claims of the thesis, listed by the sections that state them."""
 
 from __future__ import annotations
 
-import pkgutil
-import re
-from collections.abc import Iterator
 from functools import cache
 from importlib import import_module
-from importlib.util import find_spec
 
-import verification.thesis
 from verification.claims import Claim, stated_in
 from verification.claims.decide import refuse_one_id_for_two
 from verification.claims.graph import ordered
 
-# It finds claims at run time; the numbers are made by their checks.
-MAKES_NO_NUMBERS = True
+# The modules of each folder ``claims``, in the order of the thesis; those of the appendix stand after chapters 3 and 5.
+SECTIONS = {
+    "chapter1": (
+        "s1_1_newton",
+        "s1_2_constraints",
+        "s2_solutions",
+        "s2_1_inclusions",
+        "s3_cones",
+        "s4_1_prox",
+        "s4_2_hypomonotone",
+        "s4_4_supports",
+        "s4_5_existence",
+        "s4_6_1_tools",
+        "s4_6_2_steps",
+        "s4_6_3_uniqueness",
+    ),
+    "chapter2": ("s1_methods", "s2_2_method", "s2_4_algorithm", "s3_consistency", "s4_1_numerics", "s4_3_penalty"),
+    "chapter3": (
+        "s1_3_model",
+        "s2_2_1_cycle",
+        "s2_2_6_energies",
+        "s2_2_7_states",
+        "s2_2_9_parameters",
+        "s2_3_lagrangian",
+        "s2_3_minimisers",
+        "s2_3_1_daha",
+        "s3_1_first_order",
+        "s3_4_comparison",
+        "s4_growth",
+    ),
+    "chapter4": (
+        "s2_2_1_events",
+        "s2_2_4_protrusion",
+        "s2_3_timing",
+        "s3_1_counts",
+        "s3_3_estimates",
+        "s4_1_isolated",
+        "s4_3_tables",
+        "s4_4_groups",
+        "s4_5_mixed",
+        "s4_6_conditional",
+        "s4_7_results",
+    ),
+    "chapter5": (
+        "s1_introduction",
+        "s2_1_model",
+        "s2_1_scaling",
+        "s2_2_reduced",
+        "s2_3_fibre",
+        "s2_3_tissue",
+        "s2_4_lipschitz",
+        "s2_5_energy",
+        "s2_5_inverse",
+        "s2_5_speed",
+        "s3_1_limit",
+        "s3_3_space",
+        "s3_4_estimate",
+        "s3_4_stability",
+        "s3_5_convergence",
+    ),
+    "appendix": ("s1_uzawa", "s2_derivation"),
+    "conclusions": ("s1_conclusions",),
+}
+
+
+def modules() -> list[str]:
+    """Return the modules that state claims."""
+    return [f"verification.thesis.{folder}.claims.{name}" for folder, names in SECTIONS.items() for name in names]
 
 
 @cache
@@ -27,8 +88,7 @@ def register() -> tuple[Claim, ...]:
     InvalidProblem
         If two claims have one id, if a claim rests on an unknown one, or on itself through others.
     """
-    found = [(_place(name), claim) for name in modules() for claim in stated_in(import_module(name))]
-    claims = tuple(claim for _, claim in sorted(found, key=lambda pair: (chapter_of(pair[1]), pair[0])))
+    claims = tuple(sorted((one for name in modules() for one in stated_in(import_module(name))), key=chapter_of))
     refuse_one_id_for_two(claims)
     ordered(claims)
     return claims
@@ -40,21 +100,3 @@ def chapter_of(claim: Claim) -> int:
     c1 to c5; c0 is the introduction, c6 the conclusions. Appendix 1 goes with chapter 3, appendix 2 with chapter 5.
     """
     return int(claim.id[1])
-
-
-def modules() -> Iterator[str]:
-    """Yield the modules that state claims."""
-    for part in filter(_has_claims, pkgutil.iter_modules(verification.thesis.__path__, "verification.thesis.")):
-        folder = import_module(f"{part.name}.claims").__path__
-        yield from (module.name for module in pkgutil.iter_modules(folder, f"{part.name}.claims."))
-
-
-def _has_claims(part: pkgutil.ModuleInfo) -> bool:
-    """Return whether a folder has claims."""
-    return part.ispkg and find_spec(f"{part.name}.claims") is not None
-
-
-def _place(module: str) -> tuple[bool, list[int], str]:
-    """Return the sorting key of a module: chapters before the appendix, then by section (``s4_6_1_tools``: 4.6.1)."""
-    name = module.rpartition(".")[2]
-    return "appendix" in module, [int(number) for number in re.findall(r"\d+", name)], name

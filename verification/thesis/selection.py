@@ -8,7 +8,7 @@ from fnmatch import fnmatchcase
 
 from dincl.errors import InvalidProblem
 from verification.claims import Claim, Table, Tables
-from verification.page.context import Context
+from verification.site.context import Context
 from verification.thesis.register import chapter_of
 
 

@@ -1,49 +1,31 @@
-"""The complete studies that ship: ``python -m verification.thesis.studies FOLDER [CHAPTER ...]``.
-
-It makes the runs that are missing in FOLDER/tables/made, 100 minutes of two cores for all chapters, can be stopped at
-any time and called again, and writes ``verification/data/studies/*.parquet``. Chapters go by the names of their
-pages.
-"""
+"""The studies of this room, by the names of their tables."""
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Collection
-from pathlib import Path
+from collections.abc import Callable
+from functools import partial
 
-from dincl.checks import describe
-from dincl.errors import InvalidProblem
-from dincl.files import write_bytes
-from dincl.study import workers
-from verification.page.chapters import CHAPTERS
-from verification.page.context import Context
-from verification.page.kept import STUDIES
+from dincl.study import Study
+from verification.thesis.chapter1 import page as geometry
+from verification.thesis.chapter3 import accuracy, daha, growth, limits, stability, substeps
+from verification.thesis.chapter4 import differences, groups, in_time, programs
+from verification.thesis.chapter5 import page as meanfield
 
-MAKES_NO_NUMBERS = True
-# Those of EMT and of curved layers keep sums only, by commands of their own.
-NAMES = ("experiments", "moving", "speed", "iterations", "failures", "geometry", "tissue", "space", "meanfield")
-
-
-def main(folder: Path, names: Collection[str] = NAMES) -> None:
-    """Complete the studies of some chapters, and keep their tables.
-
-    Raises
-    ------
-    InvalidProblem
-        For a name that no chapter has.
-    """
-    for name in names:
-        if name not in NAMES:
-            raise InvalidProblem(f"chapter {describe(name)}: must be one of {', '.join(NAMES)}")
-    with workers() as executor:
-        context = Context(folder, True, executor)
-        for chapter in CHAPTERS:
-            if chapter.name in names:
-                chapter.run(context)
-    STUDIES.mkdir(parents=True, exist_ok=True)
-    for name in context.studies:
-        write_bytes(STUDIES / f"{name}.parquet", (context.made / f"{name}.parquet").read_bytes())
-
-
-if __name__ == "__main__":
-    main(Path(sys.argv[1]), sys.argv[2:] or NAMES)
+# Name -> the function ``study(smallest=False)``; the smallest form has some of the runs of the complete one.
+STUDIES: dict[str, Callable[..., Study]] = {
+    **geometry.STUDIES,
+    "tissue_substeps": substeps.study,
+    "tissue_motion": accuracy.motion,
+    "tissue_judged": accuracy.steps,
+    "tissue_growth": growth.study,
+    "tissue_limits": limits.study,
+    **{name: partial(stability.map_study, name) for name in stability.TITLED},
+    "tissue_daha": daha.study,
+    "emt_in_time": in_time.study,
+    "emt_ratios": programs.study,
+    "emt_groups": groups.study,
+    "emt_ranking": groups.ranking,
+    "emt_changed": differences.changed,
+    "emt_effects": differences.effects,
+    **meanfield.STUDIES,
+}

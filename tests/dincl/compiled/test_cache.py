@@ -1,151 +1,117 @@
-"""Damaged machine code in the cache is compiled again, whichever file and however; tried in a process of its own."""
+"""Kernels are compiled again if code that they can reach has changed, in whichever file; damaged files cost no run.
 
-import errno
+Each case runs in processes of its own, on a package of a user whose kernel calls one of another file.
+"""
+
 import os
 import subprocess
 import sys
-import time
+from collections.abc import Callable
 from pathlib import Path
 
-import numba
 import pytest
 
-from dincl.compiled import cache
-from dincl.compiled.cache import CheckedFiles, CodeCache
-from dincl.compiled.folders import stamp
-from dincl.neighbours.grid import sort_by_cell
-
-PLAIN = "def scaled(x):\n    return 2 * x + 1\n\n\ndef called(x):\n    return 3.0 * x + 1.0\n"
+FILES = {
+    "__init__": "",
+    "caller": '"""Calls."""\nfrom called.inner import factor\nfrom called.more.constants import SHIFT\n'
+    "from dincl.compiled import kernel\n\n\n@kernel\ndef scaled(x):\n    return factor() * x + SHIFT\n",
+    "inner": "from dincl.compiled import inner\n\n\n@inner\ndef factor():\n    return 2.0\n",
+    "more/__init__": "",
+    "more/constants": "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    from called.other import X\n"
+    "try:\n    from ..shift import SHIFT\nexcept ImportError:\n    SHIFT = 0.0\n",
+    "shift": "SHIFT = 1.0\n",
+    "other": "X = 1\n",
+}
 PROGRAM = """
-import random
-from pathlib import Path
-from numba import types
-from called.plain import called, scaled
-from dincl.compiled import c_function, kernel
-
-def run():
-    # As another process would: nothing is known but the files.
-    made = kernel(scaled)
-    values = made(10.0), made(10)
-    address = c_function(types.double(types.double), called)
-    misses = sum(made.stats.cache_misses.values())
-    return [*map(repr, values), repr(address.ctypes(2.0))], misses, address.cache_hits
-
-def flipped(data):
-    bit, data = rng.randrange(8 * len(data)), bytearray(data)
-    data[bit // 8] ^= 1 << bit % 8
-    return bytes(data)
-
-rng, right = random.Random(5), ["21.0", "21", "7.0"]
-ways = [lambda _: b"", lambda data: data[: len(data) // 2], lambda data: data + b"0", *[flipped] * 5]
-assert run() == (right, 2, 0)
-assert run() == (right, 0, 1)
-files = [path for path in Path(folder).rglob("*") if path.suffix in (".nbi", ".nbc")]
-assert len(files) == 2 + 3, files
-again = 0
-for path in files:
-    whole = path.read_bytes()
-    for way in ways:
-        path.write_bytes(way(whole))
-        values, misses, hits = run()
-        assert values == right, (path, values)
-        assert misses + 1 - hits > 0, path
-        assert run() == (right, 0, 1), path
-        again += 1
-# Files under the name of another one: of the index, of other code.
-for path in files:
-    whole = path.read_bytes()
-    for other in files:
-        if other != path:
-            path.write_bytes(other.read_bytes())
-            values, misses, hits = run()
-            assert values == right, (path, other, values)
-            assert run() == (right, 0, 1), (path, other)
-    path.write_bytes(whole)
-# Two processes that chose one name at once.
-one, two = (path for path in files if path.suffix == ".nbc" and "scaled" in path.name)
-one.write_bytes(two.read_bytes())
-values, misses, hits = run()
-assert (values, misses, hits) == (right, 1, 1)
-print(again)
+import sys
+from called.caller import scaled
+print(*(scaled(eval(x)) for x in sys.argv[1:]), sum(scaled.stats.cache_misses.values()))
 """
 
 
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    for name, text in FILES.items():
+        path = tmp_path / "called" / f"{name}.py"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    return tmp_path
+
+
+def start(folder: Path, *values: str, **env: str) -> subprocess.Popen[str]:
+    paths = os.pathsep.join([str(folder), *sys.path])
+    env = os.environ | {"PYTHONPATH": paths, "NUMBA_CACHE_DIR": str(folder / "cache")} | env
+    command = [sys.executable, "-c", PROGRAM, *values]
+    return subprocess.Popen(command, env=env, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+def called(folder: Path, *values: str, **env: str) -> list[float]:
+    """Return the values in a new process, then how often the kernel was compiled for them."""
+    run = start(folder, *(values or ("10.0",)), **env)
+    out, problems = run.communicate()
+    assert run.returncode == 0, problems
+    return [float(number) for number in out.split()]
+
+
+def change(folder: Path, name: str, old: str, new: str) -> None:
+    path = folder / "called" / f"{name}.py"
+    assert old in path.read_text()
+    path.write_text(path.read_text().replace(old, new))
+
+
 @pytest.mark.slow
-def test_damaged_machine_code_is_made_again(tmp_path: Path) -> None:
-    (tmp_path / "called").mkdir()
-    (tmp_path / "called" / "plain.py").write_text(PLAIN)
-    (tmp_path / "called" / "__init__.py").touch()
-    program = f"folder = {str(tmp_path / 'called')!r}\n{PROGRAM}"
-    env = os.environ | {"PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path])}
-    env.pop("NUMBA_CACHE_DIR", None)
-    run = subprocess.run([sys.executable, "-c", program], env=env, capture_output=True, text=True, check=False)
-    assert run.returncode == 0, run.stderr
-    assert run.stdout.split() == ["40"]
+def test_a_change_beneath_a_kernel_gives_the_new_result_and_nothing_else_compiles(folder: Path) -> None:
+    assert called(folder) == [21.0, 1]
+    change(folder, "other", "1", "2")
+    os.utime(folder / "called" / "inner.py", (2e9, 2e9))
+    assert called(folder) == [21.0, 0]
+    change(folder, "inner", "2.0", "3.0")
+    assert called(folder) == [31.0, 1]
+    change(folder, "shift", "1.0", "5.0")
+    assert called(folder) == [35.0, 1]
+    change(folder, "caller", "* x", "* -x")
+    assert called(folder) == [-25.0, 1]
+    assert called(folder) == [-25.0, 0]
 
 
-def files(folder: Path, stamp: str = "of this code") -> CheckedFiles:
-    return CheckedFiles(str(folder), "function", stamp)
+@pytest.mark.slow
+@pytest.mark.parametrize("damage", [lambda data: b"", lambda data: data[: len(data) // 2]], ids=["empty", "cut"])
+@pytest.mark.parametrize("ending", [".nbi", ".nbc"])
+def test_damaged_files_are_compiled_again(ending: str, damage: Callable[[bytes], bytes], folder: Path) -> None:
+    assert called(folder) == [21.0, 1]
+    (path,) = (folder / "cache").rglob(f"*{ending}")
+    path.write_bytes(damage(path.read_bytes()))
+    assert called(folder) == [21.0, 1]
+    assert called(folder) == [21.0, 0]
 
 
-def test_saved_code_is_loaded(tmp_path: Path) -> None:
-    files(tmp_path).save("double", [1])
-    files(tmp_path).save("int", [2])
-    files(tmp_path).save("int", [3])
-    assert [files(tmp_path).load(key) for key in ("double", "int", "other")] == [[1], [3], None]
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["function.1.nbc", "function.2.nbc", "function.nbi"]
-    assert files(tmp_path, "of other code").load("double") is None
-    files(tmp_path).flush()
-    assert files(tmp_path).load("double") is None
+@pytest.mark.slow
+def test_a_file_of_other_types_under_the_same_name_is_not_taken(folder: Path) -> None:
+    """Two processes that compile for two types at once may choose one name."""
+    assert called(folder, "10.0", "10") == [21.0, 21.0, 2]
+    one, other = sorted((folder / "cache").rglob("*.nbc"))
+    one.write_bytes(other.read_bytes())
+    assert called(folder, "10.0", "10", "7.0", "7") == [21.0, 21.0, 15.0, 15.0, 1]
 
 
-def test_a_file_under_another_name_is_not_read(tmp_path: Path) -> None:
-    files(tmp_path).save("double", [1])
-    files(tmp_path).save("int", [2])
-    names = ("function.nbi", "function.1.nbc", "function.2.nbc")
-    whole = {name: (tmp_path / name).read_bytes() for name in names}
-    for name in names:
-        for other in names:
-            (tmp_path / name).write_bytes(whole[other])
-            found = [files(tmp_path).load("double"), files(tmp_path).load("int")]
-            assert all(one in (None, right) for one, right in zip(found, ([1], [2]), strict=True))
-            assert (found == [[1], [2]]) == (name == other)
-        (tmp_path / name).write_bytes(whole[name])
+@pytest.mark.slow
+def test_processes_at_once_and_a_folder_that_cannot_be_written(folder: Path) -> None:
+    runs = [start(folder, x) for x in ("10.0", "10", "10.0", "10")]
+    assert [float(run.communicate()[0].split()[0]) for run in runs] == [21.0] * 4
+    assert called(folder, "10.0", "10")[:2] == [21.0, 21.0]
+    (folder / "file").touch()
+    assert called(folder, NUMBA_CACHE_DIR=str(folder / "file")) == [21.0, 1]
 
 
-def test_of_another_version_of_numba_nothing_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    files(tmp_path).save("double", [1])
-    monkeypatch.setattr("numba.__version__", "0.1")
-    assert files(tmp_path).load("double") is None
-
-
-def test_a_full_disk_costs_no_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    files(tmp_path).save("double", [1])
-
-    def full(*_: object) -> None:
-        raise OSError(errno.ENOSPC, "No space left on device")
-
-    with monkeypatch.context() as patch:
-        patch.setattr("os.replace", full)
-        files(tmp_path).save("int", [2])
-    assert [files(tmp_path).load(key) for key in ("double", "int")] == [[1], None]
-    assert not list(tmp_path.glob("*.tmp.*"))
-
-
-def test_clones_share_the_machine_code_of_our_functions_for_a_month(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
-    cache._shared_folder.cache_clear()
-    root = tmp_path / "dincl-testbed"
-    for name, age in (("last week", 7), ("last year", 365)):
-        (root / name).mkdir(parents=True)
-        os.utime(root / name, (then := time.time() - 24 * 3600 * age, then))
-    function = sort_by_cell.py_func
-    ours = CodeCache(function)
-    assert Path(str(ours.cache_path)) == root / stamp(function) / "dincl.neighbours.grid"
-    assert {path.name for path in root.iterdir()} == {"last week", stamp(function)}
-    place, chosen = Path(str(CodeCache(files).cache_path)), numba.config.CACHE_DIR  # as it was at the import of numba
-    assert place.parent == Path(chosen) if chosen else place == Path(__file__).parent / "__pycache__"
-    cache._shared_folder.cache_clear()
+@pytest.mark.slow
+def test_folders_unused_for_a_month_go(folder: Path) -> None:
+    for name, age in (("last_week", 7), ("last_year", 365)):
+        (folder / "home" / "dincl-testbed" / name).mkdir(parents=True)
+        then = (folder / "called").stat().st_mtime - 24 * 3600 * age
+        os.utime(folder / "home" / "dincl-testbed" / name, (then, then))
+    assert called(folder, NUMBA_CACHE_DIR="", XDG_CACHE_HOME=str(folder / "home")) == [21.0, 1]
+    names = {path.name for path in (folder / "home" / "dincl-testbed").iterdir()}
+    assert "last_week" in names
+    assert "last_year" not in names
+    assert len(names) == 2
+    assert not list((folder / "called").rglob("*.nb?"))

@@ -3,9 +3,6 @@
 import numpy as np
 import pytest
 
-from dincl.errors import StepFailure
-from dincl.matrices import from_rows
-from dincl.projection.daqp import Daqp
 from dincl.rows.table import ROW, row_table
 from dincl.solvers.active_set import OK, UNMET, least_distance, solve
 from dincl.solvers.envelope_factor import envelope_factor
@@ -90,23 +87,3 @@ def test_rows_that_miss_by_rounding_are_met_or_left_to_another():
         code, z, _ = compiled(dense, np.array([1.0 + apart, -1.0, 0.0]), np.array([0.0, -1.0]), np.zeros(3))
         assert code == OK
         assert np.abs(z - [1.0, 0.0]).max() <= 2 * apart + 1e-15
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_as_daqp(kind, rng):
-    solver = Daqp(1e-9).solver()
-    for dense, bound, y in programs(rng, kind, 100):
-        m, n = dense.shape
-        missing = bound - dense @ y
-        scale = missing.max()
-        if scale <= 0:
-            continue
-        matrix = from_rows(n * np.arange(m + 1), np.tile(np.arange(n), m), dense.ravel(), n)
-        try:
-            other = y + scale * solver.qp(matrix, missing / scale, np.zeros(m), 1e-10).u
-        except StepFailure:
-            continue
-        code, z, multiplier = compiled(dense, bound, y, np.zeros(m))
-        assert code == OK
-        if residual(dense, bound, y, other, multiplier) <= 1e-9:
-            assert np.abs(z - other).max() <= 1e-7 * (1 + np.abs(multiplier).max())

@@ -1,8 +1,9 @@
-"""Tables of runs: nothing is lost by an interruption, rows made by different code are not mixed."""
+"""Tables of runs: nothing is lost by an interruption, rows of different settings are not mixed."""
 
 import os
 from collections.abc import Callable
 from concurrent.futures import Executor, Future
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -10,15 +11,15 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from dincl.provenance import provenance
-from dincl.study import Key, Row, Study, Table
+from dincl.errors import InvalidProblem
+from dincl.study import Key, Row, Study, joined, read_sealed
+from dincl.study.record import differences, record
 
 RUNS = tuple({"method": name, "dt": dt} for name in ("b", "a") for dt in (0.1, 0.025, 0.05))
 
 
-def made_by(**settings: str) -> dict[str, str]:
-    """What the tables of these tests are made by."""
-    return provenance(two_rows, **settings)
+# What their rows depend on, whatever function makes them here.
+OF = {"rows": "two"}
 
 
 class Inline(Executor):
@@ -42,8 +43,18 @@ def two_rows(key: Key) -> list[Row]:
     ]
 
 
+def never(key: Key) -> list[Row]:
+    raise AssertionError(key)
+
+
 def study(run: Callable[[Key], list[Row]] = two_rows, runs: tuple[Key, ...] = RUNS, **settings: str) -> Study:
-    return Study("runs", "Runs", ("method", "dt"), runs, run, settings)
+    return Study("runs", "Runs", ("method", "dt"), runs, run, settings or (OF if hasattr(run, "__code__") else {}))
+
+
+def done(folder: Path) -> set[tuple[str, float]]:
+    """The runs that the table in a folder has."""
+    path = folder / "runs.parquet"
+    return set(read_sealed(path)[["method", "dt"]].itertuples(index=False, name=None)) if path.exists() else set()
 
 
 def test_rows_of_all_runs_sorted_by_key(tmp_path: Path) -> None:
@@ -52,14 +63,11 @@ def test_rows_of_all_runs_sorted_by_key(tmp_path: Path) -> None:
     assert rows["dt"].tolist() == [0.025, 0.025, 0.05, 0.05, 0.1, 0.1] * 2
     assert rows["t"].tolist() == [2.0, 1.0] * 6  # rows of a run stay as they were made
     pd.testing.assert_frame_equal(pd.read_csv(tmp_path / "runs.csv"), rows, check_dtype=False)
-
-
-def test_failed_runs_are_rows(tmp_path: Path) -> None:
-    rows = study().complete(tmp_path, Inline())
-    failed = rows[rows["status"] == "FAILED"]
-    assert len(failed) == 4
-    assert failed["error"].isna().all()
-    assert rows["error"].notna().sum() == 8
+    failed = rows["status"] == "FAILED"
+    assert (failed.sum(), rows["error"].isna().sum()) == (4, 4)
+    some = study(never, RUNS[:2]).complete(tmp_path, Inline())
+    assert some["dt"].tolist() == [0.025, 0.025, 0.1, 0.1]  # those asked for, and nothing is run
+    assert len(pd.read_parquet(tmp_path / "runs.parquet")) == 12
 
 
 @pytest.mark.parametrize("at", range(len(RUNS)))
@@ -73,8 +81,7 @@ def test_interrupted_study_ends_as_if_it_had_not_been(at: int, tmp_path: Path) -
 
     with pytest.raises(KeyboardInterrupt):
         study(stops).complete(tmp_path / "broken", Inline())
-    table = Table(tmp_path / "broken" / "runs.parquet", ("method", "dt"), made_by())
-    kept = table.done()
+    kept = done(tmp_path / "broken")
     again: list[Key] = []
 
     def notes(key: Key) -> list[Row]:
@@ -87,47 +94,104 @@ def test_interrupted_study_ends_as_if_it_had_not_been(at: int, tmp_path: Path) -
     pd.testing.assert_frame_equal(resumed, whole)
 
 
-def test_finished_study_runs_nothing(tmp_path: Path) -> None:
-    first = study().complete(tmp_path, Inline())
-
-    def never(key: Key) -> list[Row]:
-        raise AssertionError(key)
-
-    pd.testing.assert_frame_equal(study(never).complete(tmp_path, Inline()), first)
-
-
-def test_only_the_runs_asked_for_come_back(tmp_path: Path) -> None:
-    study().complete(tmp_path, Inline())
-    rows = study(runs=RUNS[:2]).complete(tmp_path, Inline())
-    assert rows["dt"].tolist() == [0.025, 0.025, 0.1, 0.1]
-    assert len(pd.read_parquet(tmp_path / "runs.parquet")) == 12
-
-
 def test_write_that_breaks_off_leaves_the_old_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    table = Table(tmp_path / "runs.parquet", ("method", "dt"), made_by())
-    table.append(two_rows(RUNS[0]))
+    study(runs=RUNS[:1]).complete(tmp_path)
 
     def breaks(*_: object) -> None:
         raise OSError("disk full")
 
     monkeypatch.setattr(os, "replace", breaks)
     with pytest.raises(OSError, match="disk full"):
-        table.append(two_rows(RUNS[1]))
-    assert table.done() == {("b", 0.1)}
+        study(runs=RUNS[:2]).complete(tmp_path)
+    assert done(tmp_path) == {("b", 0.1)}
 
 
-def test_rows_of_other_making_are_refused(tmp_path: Path) -> None:
-    Table(tmp_path / "runs.parquet", ("method", "dt"), made_by(code="1", other="2")).append(two_rows(RUNS[0]))
-    other = Table(tmp_path / "runs.parquet", ("method", "dt"), made_by(code="9", other="2"))
-    with pytest.raises(ValueError, match=r"runs\.parquet was made by other .*\(setting code: 1 -> 9\), "):
-        other.append(two_rows(RUNS[1]))
+@pytest.mark.parametrize(
+    ("one", "two", "line"),
+    [
+        ({"x": 1}, {"x": 2}, "setting x: 1 -> 2"),
+        ({}, {"x": 2}, "setting x is new"),
+        ({"x": np.arange(2)}, {"x": [0, 1]}, None),
+        ({"x": lambda t: t + 1}, {"x": lambda t: t + 1}, None),
+        ({"x": lambda t: t + 1}, {"x": lambda t: t + 2}, "setting x: "),
+        ({"x": partial(max, 1)}, {"x": partial(max, 2)}, "setting x: "),
+    ],
+)
+def test_every_difference_of_settings_is_named(one: dict[str, Any], two: dict[str, Any], line: str | None) -> None:
+    found = differences(record(one), record(two))
+    assert found == [] if line is None else [text.startswith(line) for text in found] == [True]
 
 
-def test_stale_table_is_set_aside_and_starts_anew(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    study(runs=RUNS[:1]).complete(tmp_path, Inline())
-    rows = study(runs=RUNS[1:3], code="2").complete(tmp_path, Inline())
+def test_what_a_run_binds_is_a_setting_and_tables_of_others_are_set_aside(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for factor in (1, 2, 1):
+        rows = study(partial(scaled, factor)).complete(tmp_path)
     told = capsys.readouterr().out
     assert "starts anew" in told
-    assert "setting code is new" in told
-    assert rows["dt"].tolist() == [0.025, 0.025, 0.05, 0.05]
-    assert pd.read_parquet(tmp_path / "superseded" / "runs.parquet")["dt"].tolist() == [0.1, 0.1]
+    assert "setting argument 0: 1 -> 2" in told
+    assert rows["error"].max() == 2.0 * 0.05
+    kept = [pd.read_parquet(path)["error"].max() for path in sorted((tmp_path / "superseded").glob("*.parquet"))]
+    assert kept == [2.0 * 0.05, 2.0 * 0.05 * 2]
+
+
+def scaled(factor: float, key: Key) -> list[Row]:
+    """A run that binds a factor."""
+    return [dict(row) | {"error": factor * row["error"]} for row in two_rows(key)]
+
+
+def test_rows_of_another_version_are_not_mixed() -> None:
+    now = record({})
+    assert differences(now | {"package": "0.1"}, now) == [f"dincl-testbed: 0.1 -> {now['package']}"]
+    assert differences({"code": "1"}, now) == ["the file does not record what it was made by"]
+
+
+def test_joined_studies_are_one_table_with_the_name_of_the_study(tmp_path: Path) -> None:
+    several = {"first": study(runs=RUNS[:2], a="1"), "second": study(runs=RUNS[1:], a="2")}
+    both = joined("both", "Both", several)
+    rows = both.complete(tmp_path, Inline())
+    assert both.key == ("problem", "method", "dt")
+    assert rows["problem"].value_counts().to_dict() == {"first": 4, "second": 10}
+    for name, one in several.items():
+        mine = rows[rows["problem"] == name].drop(columns="problem").reset_index(drop=True)
+        pd.testing.assert_frame_equal(mine, one.complete(tmp_path / name, Inline()))
+    assert both.made()["settings"] != joined("both", "Both", several | {"first": several["second"]}).made()["settings"]
+
+
+def of(*keys: Key, run: Callable[[Key], list[Row]] = lambda key: [dict(key)], key: tuple[str, ...] = ("n",)) -> Study:
+    return Study("s", "S", key, keys, run, {"of": "these"})
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: of({"n": 1}, {"n": 1}), "two runs are"),
+        (lambda: of({"n": 0.1}, {"n": 0.1 + 1e-15}), "two runs are"),
+        (lambda: of({"m": 1}), "has no 'n'"),
+        (lambda: joined("j", "J", {}), "none: must be one or more"),
+        (lambda: joined("j", "J", {"a": of({"n": 1}), "b": of({"n": 1, "k": 1}, key=("n", "k"))}), "of the same key"),
+        (lambda: joined("j", "J", {"a": of({"n": 1})}, column="n"), "without 'n'"),
+    ],
+)
+def test_runs_that_cannot_be_told_apart_are_refused(make: Callable[[], Study], message: str) -> None:
+    with pytest.raises(InvalidProblem, match=message):
+        make()
+
+
+@pytest.mark.parametrize(
+    ("second", "message"),
+    [
+        ({"v": np.ones(2)}, "v = .*: must be a number, flag, text or None"),
+        ({"v": "text"}, "v = 'text': must be a number, as before"),
+        ({"n": 7}, "must carry its key"),
+    ],
+)
+def test_a_row_that_no_table_holds_is_refused_and_rows_before_it_stay(
+    second: Row, message: str, tmp_path: Path
+) -> None:
+    def run(key: Key) -> list[Row]:
+        return [dict(key) | {"v": 1.0} | (second if key["n"] == 2 else {})]
+
+    with pytest.raises(InvalidProblem, match=message):
+        of({"n": 1}, {"n": 2}, run=run).complete(tmp_path)
+    assert pd.read_parquet(tmp_path / "s.parquet")["n"].tolist() == [1]

@@ -2,6 +2,7 @@
 
 import io
 import os
+import tomllib
 import tracemalloc
 import zipfile
 
@@ -9,15 +10,15 @@ import numpy as np
 import pytest
 
 from dincl.errors import InvalidProblem
+from tests.full_disk import full_disk
 from tests.tissue.bits import arrays, same
 from tests.tissue.space.in_space import of_surface
 from tissue.files.parameters import preset
 from tissue.frames.frame import Frame
 from tissue.runs.simulate import simulate
-from tissue.state.checkpoint import DRAWN, WORDS
 
 pytestmark = pytest.mark.filterwarnings("ignore:.* never begins")
-UNREADABLE = r"must be a readable file that Frame\.save wrote"
+UNREADABLE = r"must be a file that Frame\.save wrote"
 SMALL = {
     "tissue.cells": 5,
     "tissue.width": "15 um",
@@ -56,10 +57,10 @@ def test_the_same_bits(frame, file):
 
 @pytest.mark.parametrize("surface", ["plane", "open"])
 def test_the_same_bits_in_space(surface, tmp_path):
-    """An open sheet has a ghost beyond its edge."""
+    """An open sheet has a longest edge at its boundary."""
     frame = simulate(of_surface(surface, numerics__t_end="0.1 h")).final
     frame.save(tmp_path / "state")
-    assert (frame.sheets.apical.corner.min() < 0) == (surface == "open")
+    assert np.isfinite(frame.sheets.longest) == (surface == "open")
     assert same(Frame.load(tmp_path / "state"), frame)
 
 
@@ -68,49 +69,36 @@ def test_the_same_bytes_for_the_same_state(frame, file, tmp_path):
     assert (tmp_path / "again").read_bytes() == file.read_bytes()
 
 
-@pytest.mark.slow
-def test_no_damage_goes_unseen(frame, file, tmp_path):
-    """A bit is turned in every ninth byte, and the file cut off: refused, or it was in no number."""
-    raw, bad = file.read_bytes(), tmp_path / "bad"
-    damaged = [raw[:k] + bytes([raw[k] ^ 1 << k % 8]) + raw[k + 1 :] for k in range(0, len(raw), 9)]
-    refused = 0
-    for content in (*damaged, *(raw[:k] for k in range(0, len(raw), 211))):
-        bad.write_bytes(content)
-        try:
-            unseen = same(Frame.load(bad), frame)
-        except InvalidProblem:
-            refused, unseen = refused + 1, True
-        assert unseen
-    assert refused > 0.5 * len(damaged)
-
-
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"format": "tissue frame 7"}, 'its format is "tissue frame 7" in place of'),
-        ({"cells.x": None}, r"its arrays differ in cells\.x"),
-        ({"more": np.zeros(2)}, "its arrays differ in more"),
-        ({"cells.y": np.zeros(4)}, r"cells\.y is of kind float64 and shape \(4,\)"),
+        ({"version": "tissue frame 7"}, "its version is 'tissue frame 7', here it is 'tissue frame 5, a b s p ac'"),
+        ({"cells.x": None}, r"cells\.x is missing"),
+        ({"more": np.zeros(2)}, "more is unknown"),
+        ({"cells.y": np.zeros(4)}, r"the shape \(4,\) of cells\.y is not possible"),
         ({"cells.id": np.zeros(5)}, r"cells\.id is of kind float64"),
-        ({"cells.id": np.zeros(5, np.int64)}, r"cells\.id = \[0 0 0 0 0\] is not possible"),
-        ({"cells.rest_ax": np.full(5, np.nan)}, r"cells\.rest_ax is not finite"),
+        ({"cells.id": np.zeros(5, np.int64)}, r"cells\.id is not possible"),
+        ({"cells.rest_ax": np.full(5, np.nan)}, r"cells\.rest_ax, which is not finite"),
         ({"cells.emt": np.array([-1, 7, -1, -1, -1])}, r"cells\.emt"),
-        ({"cells.events": np.full(5, 3)}, r"cells\.events"),
-        ({"layers.basal": np.array([0, 9])}, r"layers\.basal = \[0 9\] is not possible"),
-        ({"layers.apical": np.array([2, 1])}, r"layers\.apical"),
-        ({"emt.at": np.full((5, 2), np.nan)}, r"emt\.at is not a number"),
-        ({"events": "a, b"}, "its events are a, b, in place of those that are registered, a, b, s, p, ac"),
-        ({"next_id": np.int64(3)}, "next_id = 3 is not possible"),
-        ({"seed": "-4"}, 'seed = "-4"'),
-        ({"t": np.float64(-1.0)}, "t = -1.0 is not possible"),
-        ({"generators": np.zeros(3, np.uint64)}, "generators is of kind"),
-        ({"generators": np.full((len(DRAWN), WORDS), 2, np.uint64)}, r"(?s)generators = .* is not possible"),
-        ({"cells.mother": np.full(5, 9)}, r"cells\.mother = \[9 9 9 9 9\] is not possible"),
+        ({"layers.basal": np.array([0, 9])}, r"layers\.basal is not possible"),
+        ({"checkpoint.emt.at": np.full((5, 2), np.nan)}, r"emt\.at is not possible"),
+        ({"checkpoint.seed": np.array(b"four")}, "invalid literal for int"),
+        ({"checkpoint.generators": np.zeros(3, np.uint64)}, r"the shape \(3,\) of generators"),
+        ({"t": np.float64(-1.0)}, "t is not possible"),
     ],
 )
 def test_contents_that_no_run_has_made(file, changes, message):
     with pytest.raises(InvalidProblem, match=message):
         Frame.load(changed(file, **changes))
+
+
+def test_parameters_are_in_the_file_and_no_module_of_theirs_is_imported(frame, file, tmp_path):
+    assert tomllib.loads(Frame.load(file).past.parameters) == preset("thesis").changed(SMALL).as_dict()
+    module = tmp_path / "never_imported.py"
+    text = frame.past.parameters.replace("modules = []", f'modules = ["{module}"]')
+    assert str(module) in text
+    module.write_text("1 / 0")
+    assert Frame.load(changed(file, **{"checkpoint.parameters": np.array(text.encode())})).past.types == ()
 
 
 def test_files_that_are_no_states(tmp_path):
@@ -120,16 +108,11 @@ def test_files_that_are_no_states(tmp_path):
     np.savez(archive, format=np.array([{}]))
     for content in (b"", b"text", objects.getvalue(), archive.getvalue()):
         (tmp_path / "other").write_bytes(content)
-        with pytest.raises(InvalidProblem, match=r"other: must be a readable file that Frame\.save wrote") as caught:
+        with pytest.raises(InvalidProblem, match=rf"other: {UNREADABLE}") as caught:
             Frame.load(tmp_path / "other")
         assert "pickle" not in str(caught.value)
-    with pytest.raises(InvalidProblem, match=r"missing: must be a readable file"):
+    with pytest.raises(InvalidProblem, match=rf"missing: {UNREADABLE}"):
         Frame.load(tmp_path / "missing")
-
-
-def test_a_place_where_nothing_can_be_written(frame, tmp_path):
-    with pytest.raises(InvalidProblem, match="cannot be written"):
-        frame.save(tmp_path / "no folder" / "state.npz")
 
 
 def header(shape, kind="<f8"):
@@ -150,7 +133,7 @@ def archive_of(path, method, **members):
     return path
 
 
-@pytest.mark.parametrize("name", ["format", "cells.x", "emt.at", "no_name_of_ours"])
+@pytest.mark.parametrize("name", ["version", "cells.x", "no_name_of_ours"])
 def test_a_file_takes_no_more_memory_than_it_has_bytes(name, tmp_path):
     """64 MB of zeros in 64 kB; and arrays that say that they are larger than the file."""
     tracemalloc.start()
@@ -180,7 +163,7 @@ def test_members_that_share_their_bytes(file, tmp_path):
         Frame.load(tmp_path / "many")
 
 
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize("seed", range(12))
 def test_made_up_files_are_refused_and_take_no_memory(file, seed, tmp_path):
     """Names, kinds, shapes and methods of members drawn at random, one or several at once."""
     rng = np.random.default_rng(seed)
@@ -210,3 +193,13 @@ def test_a_pipe_is_no_state(tmp_path):
     for name in ("pipe", "loop", "."):
         with pytest.raises(InvalidProblem, match=UNREADABLE):
             Frame.load(tmp_path / name)
+
+
+def test_a_state_that_could_not_be_written_leaves_the_one_before(frame, tmp_path):
+    path = tmp_path / "final.npz"
+    frame.save(path)
+    before = path.read_bytes()
+    with full_disk(100), pytest.raises(InvalidProblem, match=r"final\.npz: cannot be written"):
+        frame.save(path)
+    assert path.read_bytes() == before
+    assert [one.name for one in tmp_path.iterdir()] == ["final.npz"]

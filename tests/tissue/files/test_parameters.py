@@ -1,7 +1,8 @@
-"""Parameters: each key on its own, ways to write a quantity, files and the way back to them."""
+"""Parameters: each key on its own, ways to write a quantity, files and the way back to them, lists of keys."""
 
 import math
 import pickle
+import tomllib
 
 import pytest
 from hypothesis import assume, given, settings
@@ -9,40 +10,42 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from dincl.errors import InvalidProblem
+from tests.pages import ROOT
 from tests.tissue.test_variants import CHANGES
-from tissue.files.messages import known_keys
+from tissue.files.keys import all_keys, heading, sections
 from tissue.files.parameter_files import PRESETS
 from tissue.files.parameters import Parameters, load, preset
-from tissue.files.timing import Timing
-from tissue.files.units import Measure
+from tissue.files.quantities import Quantity, Timing
+from tissue.files.reference import PAGE, page, presets, spread
 
-SIX, TWELVE = Measure(6.0, "h"), Measure(12.0, "h")
+KEYS = all_keys(Parameters)
 # A change of the thesis preset for each key that ``tests.tissue.test_variants`` has no effect of, and all it changes.
 SETTABLE = {
     "layer.shape": ("circle", {"shape": "circle"}),
-    "layer.perimeter": ("400 um", {"perimeter": Measure(400.0, "um")}),
+    "layer.perimeter": ("400 um", {"perimeter": Quantity(400.0, "um")}),
     "layer.aspect": (0.5, {"aspect": 0.5}),
     "layer.side": ("outside", {"side": "outside"}),
     "layer.closed": (True, {"closed": True}),
-    "layer.points": ([["1 um", "0 um"]] * 4, {"points": ((Measure(1.0, "um"), Measure(0.0, "um")),) * 4}),
+    "layer.points": ([["1 um", "0 um"]] * 4, {"points": ((Quantity(1.0, "um"), Quantity(0.0, "um")),) * 4}),
     "cell.soft_radius": (
         "10 um",
         {
             "variance": 0.05,
-            "division_offset": 0.005,
+            "offset": 0.005,
             "height": 4.0,
             "nuclei_high": 4.0,
             "width": 5.0,
-            "rest_length": 0.75,
+            "initial_rest_length": 0.75,
         },
     ),
     "numerics.t_end": ("10 h", {"t_end": 10.0}),
     "numerics.keep": (["1 h", "4 h"], {"keep": ["1 h", "4 h"]}),
     "emt.cells": (3, {"group": 3}),
     "emt.inm": (0.5, {"inm": 0.5}),
-    "emt.a": ("12 h", {"times": (Timing(TWELVE, TWELVE), Timing(), Timing(), Timing())}),
-    "emt.b": ("6 h to 720 min", {"times": (Timing(), Timing(SIX, TWELVE), Timing(), Timing())}),
-    "emt.s": ("6 h to 12 h, 70 %", {"times": (Timing(), Timing(), Timing(SIX, TWELVE, 70.0), Timing())}),
+    "emt.a": ("12 h", {"a": Timing(12.0, 12.0)}),
+    "emt.b": ("6 h to 720 min", {"b": Timing(6.0, 12.0)}),
+    "emt.s": ("6 h to 12 h, 70 %", {"s": Timing(6.0, 12.0, 70.0)}),
+    "emt.ac": ("1/2 h", {"ac": Timing(0.5, 0.5)}),
     "daha.alpha": (1e-3, {"alpha": 1e-3}),
     "daha.beta": (0.5, {"beta": 0.5}),
     "daha.gamma": (0, {"gamma": 0.0}),
@@ -51,7 +54,6 @@ SETTABLE = {
     "daha.eps": (1e-8, {"eps": 1e-8}),
     "daha.most_iterations": (7500, {"most_iterations": 7500}),
 }
-
 LENGTHS_IN_R_SOFT = {
     "tissue.height": "8 R_soft",
     "tissue.width": "10 R_soft",
@@ -71,15 +73,15 @@ LENGTHS_IN_UM = {
 
 def plain(parameters: Parameters) -> dict[str, object]:
     """Collect all plain numbers."""
-    scenario = parameters.scenario()
+    group = parameters.groups()[0]
     return {
         **parameters.numbers()._asdict(),
         **parameters.start_numbers()._asdict(),
         **parameters.daha_numbers()._asdict(),
         **dict(parameters.layer),
-        "group": scenario.cells,
-        "inm": scenario.inm,
-        "times": tuple(scenario.times[name] for name in "absp"),
+        **group.times,
+        "group": group.cells,
+        "inm": group.inm,
         "t_end": parameters.t_end,
         "keep": parameters.as_dict()["numerics"]["keep"],
     }
@@ -91,14 +93,8 @@ def close(value: object) -> object:
 
 def test_the_list_of_changes_is_complete():
     """But for emt.p, which does not go alone: protrusions wait for [B]; and what other tests look at."""
-    aside = ("emt.p", "emt.ac", "events.together", "own.modules", "division.rule", "tissue.dimension")
-    every = [*SETTABLE, *CHANGES, *aside]
-    keys = [key for key in known_keys(Parameters) if not key.startswith(("types.", "space."))]
-    assert every == sorted(keys, key=every.index)
-    changed = preset("thesis").changed({"emt.b": "6 h", "emt.p": "12 h"})
-    never = Timing()
-    times = {"a": never, "b": Timing(SIX, SIX), "s": never, "p": Timing(TWELVE, TWELVE), "ac": never}
-    assert changed.scenario().times == times
+    aside = {"emt.p", "numerics.folded", "events.together", "own.modules", "division.rule", "tissue.dimension"}
+    assert {*SETTABLE, *CHANGES} | aside == {key for key in KEYS if not key.startswith(("types.", "space."))}
 
 
 @pytest.mark.parametrize("key", SETTABLE)
@@ -106,10 +102,11 @@ def test_each_key_is_settable_on_its_own(key):
     value, expected = SETTABLE[key]
     before, after = plain(preset("thesis")), plain(preset("thesis").changed({key: value}))
     changed = {name: number for name, number in after.items() if number != before[name]}
-    assert changed.keys() == expected.keys()
-    for name, number in expected.items():
-        assert type(changed[name]) is type(number)
-        assert changed[name] == close(number)
+    assert changed == {name: close(number) for name, number in expected.items()}
+    assert {name: type(number) for name, number in changed.items()} == {k: type(v) for k, v in expected.items()}
+
+
+# Quantities
 
 
 def test_um_and_r_soft_describe_the_same_tissue():
@@ -132,9 +129,8 @@ def test_lengths_in_r_soft_follow_the_soft_radius():
         ("tissue.height", "40 μm", 40.0, "um"),
         ("tissue.height", "24/3 R_soft", 8.0, "R_soft"),
         ("tissue.diffusion", "0.1 R_soft**2 / h", 0.1, "R_soft^2/h"),
-        ("tissue.diffusion", "2.5 um um h^-1", 2.5, "um^2/h"),
+        ("tissue.diffusion", "1/24 um^2/min", 2.5, "um^2/h"),
         ("cell.rate_aa", "1/h", 1.0, "1/h"),
-        ("cell.rate_aa", "0.2 1/h", 0.2, "1/h"),
         ("cell.rate_aa", "1/60 / min", 1.0, "1/h"),
         ("cell.g2", "+1800 s", 0.5, "h"),
         ("cell.g2", "-0 h", 0.0, "h"),
@@ -142,24 +138,24 @@ def test_lengths_in_r_soft_follow_the_soft_radius():
 )
 def test_ways_to_write_a_quantity(key, text, value, unit):
     section, name = key.split(".")
-    measure = getattr(getattr(preset("thesis").changed({key: text}), section), name)
-    assert measure.unit == unit
-    assert measure.value == pytest.approx(value, rel=1e-14, abs=0)
-    assert math.copysign(1, measure.value) == 1
+    found = getattr(getattr(preset("thesis").changed({key: text}), section), name)
+    assert (found.unit, math.copysign(1, found.value)) == (unit, 1)
+    assert found.value == pytest.approx(value, rel=1e-14, abs=0)
+
+
+# Files
 
 
 @pytest.mark.parametrize("base", PRESETS)
-def test_file_changes_its_base(tmp_path, base):
+def test_a_file_changes_its_base(tmp_path, base):
     path = tmp_path / "control.toml"
-    path.write_text(f'base = "{base}"\n[numerics]\nmu = "0.1 h"\n[tissue]\ncells = 30\n', "utf-8")
-    parameters = load(path)
-    assert parameters == preset(base).changed({"numerics.mu": "0.1 h", "tissue.cells": 30})
-    assert parameters != preset(base)
-    path.write_text(f'base = "{base}"', "utf-8")
+    path.write_bytes(b"\xef\xbb\xbf" + f'base = "{base}"\n[numerics]\nmu = "0.3 h"\n[tissue]\ncells = 120\n'.encode())
+    assert load(path) == preset(base).changed({"numerics.mu": "0.3 h", "tissue.cells": 120}) != preset(base)
+    path.write_text(f'base = "{base}"')
     assert load(str(path)) == preset(base)
 
 
-def test_file_changes_another_file(tmp_path):
+def test_a_file_changes_another_file(tmp_path):
     """Relative to the folder of the one that names it, through several, the nearest one last."""
     (tmp_path / "peers").mkdir()
     (tmp_path / "peers" / "first.toml").write_text('base = "published"\n[tissue]\ncells = 30\n[cell]\ng2 = "1 h"\n')
@@ -170,52 +166,16 @@ def test_file_changes_another_file(tmp_path):
     assert load(third) == preset("published").changed(changes)
 
 
-def test_file_that_is_its_own_base(tmp_path):
-    first, second = tmp_path / "first.toml", tmp_path / "second.toml"
-    first.write_text('base = "second.toml"')
-    second.write_text('base = "first.toml"')
-    message = r"second.toml: base = 'first.toml': must be another file: .*first.toml is based on this one$"
-    with pytest.raises(InvalidProblem, match=message):
-        load(first)
-
-
-def test_what_is_wrong_in_a_base_is_said_of_the_base(tmp_path):
-    (tmp_path / "first.toml").write_text('base = "thesis"\n[cell]\ng2 = 3')
-    (tmp_path / "second.toml").write_text('base = "first.toml"')
-    with pytest.raises(InvalidProblem, match=r"first.toml: cell.g2 = 3: must be a duration"):
-        load(tmp_path / "second.toml")
-
-
-def test_numbers_may_be_fractions():
-    changed = preset("thesis").changed({"tissue.two_daughters": "1/5", "start.nuclei_height": ["1/6", "5/6"]})
-    assert changed.tissue.two_daughters == 0.2
-    assert changed.start.nuclei_height == (1 / 6, 5 / 6)
-    assert preset("thesis").changed({"events.freed_stiffness": " 1/10 "}).events.freed_stiffness == 0.1
-
-
 def test_parameters_do_not_change():
     parameters = preset("thesis")
     before = parameters.as_dict()
-    for section, name in (("cell", "g2"), ("tissue", "cells")):
+    for changed, name in ((parameters.cell, "g2"), (parameters.tissue, "cells"), (parameters, "cell")):
         with pytest.raises(ValidationError, match="frozen"):
-            setattr(getattr(parameters, section), name, 3)
-    with pytest.raises(ValidationError, match="frozen"):
-        parameters.cell = None
+            setattr(changed, name, 3)
     parameters.changed({"cell.g2": "1 h"})
     parameters.as_dict()["cell"]["g2"] = "2 h"
     assert parameters.as_dict() == before
-
-
-def test_combinations_are_checked_however_parameters_are_made():
-    tables = preset("thesis").as_dict()
-    assert Parameters.model_validate(tables) == preset("thesis")
-    tables["cell"]["max_cycle"] = "1 h"
-    with pytest.raises(ValidationError, match=r"max_cycle = \"1 h\": must be at least"):
-        Parameters.model_validate(tables)
-
-
-def test_parameters_travel_to_other_processes():
-    assert pickle.loads(pickle.dumps(preset("published"))) == preset("published")
+    assert pickle.loads(pickle.dumps(parameters)) == parameters
 
 
 def quantities(low, high, units):
@@ -238,7 +198,7 @@ ANY_CHANGES = st.fixed_dictionaries(
         "numerics.keep": st.sampled_from(["2 h", ["1 h"], ["1/2 h", "60 min", "48 h"]]),
         "rules.spring_power": st.sampled_from([1, 2]),
         "rules.floor_rest_length": st.booleans(),
-        "start.nuclei_height": st.tuples(st.floats(0, 0.2), st.floats(0.6, 1)).map(list),
+        "start.nuclei_height": st.tuples(st.just(0.0) | st.floats(1e-9, 0.2), st.floats(0.6, 1)).map(list),
     },
 )
 
@@ -250,7 +210,8 @@ def test_round_trip_through_a_file(tmp_path_factory, base, changes):
     try:
         parameters = preset(base).changed(changes)
     except InvalidProblem as refusal:
-        assume("numerics.substeps" not in str(refusal))  # unstable
+        # Unstable, or no number of cells for a sheet.
+        assume(not any(text in str(refusal) for text in ("numerics.substeps", "must be a size that fits")))
         raise
     path = tmp_path_factory.getbasetemp() / "round-trip.toml"
     path.write_text(parameters.as_toml(), "utf-8")
@@ -259,3 +220,66 @@ def test_round_trip_through_a_file(tmp_path_factory, base, changes):
     assert hash(again) == hash(parameters)
     assert plain(again) == plain(parameters)
     assert again.as_toml() == parameters.as_toml()
+
+
+# What is known of keys
+
+
+@pytest.mark.parametrize("name", KEYS)
+def test_every_key_says_what_it_means(name):
+    facts = KEYS[name]
+    assert 4 <= len(facts.meaning) <= 110
+    assert facts.unit
+    assert facts.allowed
+    assert facts.source or name in {"numerics.keep", "daha.most_iterations"}
+
+
+def test_what_a_key_says():
+    facts = KEYS["tissue.height"]
+    assert (facts.section, facts.symbol, facts.source) == ("tissue", "h^init", "Table 1 of chapter 3")
+    assert (facts.unit, facts.comment) == ("um or R_soft", "h^init: height of the tissue at the start")
+    assert not facts.has_default
+    assert KEYS["emt.ac"].default == "never"
+    assert KEYS["numerics.noise"].options == ("step", "substep")
+    assert KEYS["rules.floor_rest_length"].options == (True, False)
+    assert all(heading(section) for section in sections(Parameters).values())
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_a_written_file_says_behind_each_value_what_it_means(name):
+    section, said, text = "", {}, preset(name).as_toml()
+    for line in filter(None, text.splitlines()):
+        if line.startswith("["):
+            section = line.strip("[]")
+        else:
+            code, _, comment = line.partition("  # ")
+            said[f"{section}.{code.split(' = ')[0]}"] = comment
+    assert said == {key: facts.comment for key, facts in KEYS.items() if not key.startswith("types.")}
+    assert tomllib.loads(text) == preset(name).as_dict()
+
+
+def test_values_of_presets_are_as_their_files_give_them():
+    found = presets()
+    assert found["thesis"]["tissue.apical_spacing"] == "1/3 R_soft"
+    for name, values in found.items():
+        assert preset("thesis").changed(values) == preset(name)
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "text"),
+    [
+        ("tissue.cells", {"one": {"tissue.cells": 60}, "two": {"tissue.cells": 45}}, "60 (one); 45 (two)"),
+        ("tissue.cells", {"one": {"tissue.cells": 60}, "two": {"tissue.cells": 60}}, "60"),
+        ("emt.a", {"one": {"emt.a": "never"}, "two": {"emt.a": "6 h"}}, '"never" (one, default); "6 h" (two)'),
+        ("emt.a", {"one": {}, "two": {}}, '"never" (default)'),
+    ],
+)
+def test_values_are_put_together(name, values, text):
+    assert spread(KEYS[name], values) == text
+
+
+@pytest.mark.slow
+def test_the_page_is_up_to_date():
+    """Else make it again: python -m tissue.files.reference."""
+    assert PAGE.read_text("utf-8") == page()
+    assert PAGE == ROOT / "docs" / "reference" / "parameters.md"

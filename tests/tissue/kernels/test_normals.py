@@ -1,19 +1,17 @@
 """The noise in substeps: words of Threefry as published, normal numbers, and the same alone and in company."""
 
-from typing import Any, NamedTuple
-
 import numpy as np
 import pytest
 from scipy import stats
 
-from dincl.compiled.lanes import WIDTH, store
 from tests.tissue import kernel_calls as kernels
 from tests.tissue.states import cells, layers
 from tests.twins.tissue import normals as twins_normals
 from tests.twins.tissue.state import Tissue
 from tissue.files.parameters import preset
 from tissue.kernels import kernel
-from tissue.model.noise import add_substep_noise, draw_key, normals, threefry
+from tissue.kernels.lanes import WIDTH, store
+from tissue.model.noise import normal_pair, threefry
 
 RARE = 1e-3
 ALL = 0xFFFFFFFF
@@ -38,32 +36,7 @@ def filling(source):
     return fill
 
 
-words_at, normals_at = filling(threefry), filling(normals)
-
-
-@kernel
-def drawn(noise, key):
-    draw_key(noise, key)
-
-
-class Nuclei(NamedTuple):
-    """What the noise of a substep takes of a workspace, in the plane."""
-
-    x: Any
-    y: Any
-    id: Any
-    noise_key: Any
-    deviation: float
-    z: float = 0.0
-
-
-@kernel
-def add_noise(nuclei, n, number):
-    add_substep_noise(nuclei, n, number)
-
-
-def shaken(x, y, ids, deviation, key, number):
-    add_noise(Nuclei(x, y, ids, key, deviation), len(x), number)
+words_at, normals_at = filling(threefry), filling(normal_pair)
 
 
 def found(fill, key, counter, number):
@@ -121,31 +94,6 @@ def test_numbers_are_normal_and_independent():
         pairs = [(np.delete(sizes, -1, axis), np.delete(sizes, 0, axis)) for axis in range(4)]
         for a, b in pairs:
             assert stats.pearsonr(a.ravel(), b.ravel()).pvalue > RARE
-
-
-def test_largest_and_smallest_words_give_finite_numbers():
-    u = np.array([0.5, ALL + 0.5]) / 2**32
-    assert np.sqrt(-2 * np.log(u)).max() < 6.8
-    drawn = found(normals_at, (3, 4), np.arange(80_000), 0)
-    assert np.isfinite(drawn).all()
-
-
-def test_key_is_two_words():
-    key, draws = np.zeros(2, np.int64), np.random.default_rng(3)
-    drawn(np.random.default_rng(3), key)
-    assert key.tolist() == [int(2**32 * draws.random()) for _ in range(2)]
-
-
-def test_noise_has_the_variance_asked_for_and_follows_the_cell():
-    """Not its place: cells in another order meet the same noise."""
-    n, key, ids = 4000, np.array([8, 9]), np.arange(4000)
-    x, y = np.zeros((2, n))
-    shaken(x, y, ids, 0.5, key, 7)
-    assert stats.kstest(np.concatenate((x, y)) / 0.5, "norm").pvalue > RARE
-    back_x, back_y = np.zeros((2, n))
-    shaken(back_x, back_y, ids[::-1].copy(), 0.5, key, 7)
-    np.testing.assert_array_equal(back_x[::-1], x)
-    np.testing.assert_array_equal(back_y[::-1], y)
 
 
 @pytest.mark.parametrize("variance", [0.0, 0.2])

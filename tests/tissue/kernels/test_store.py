@@ -5,12 +5,11 @@ import pytest
 
 from tests.tissue import kernel_calls as kernels
 from tests.tissue.bits import same_cells
-from tests.tissue.kernel_calls import COORDINATES, aged
+from tests.tissue.kernel_calls import aged
 from tests.tissue.states import numbers
 from tissue.files.parameters import preset
 from tissue.kernels.workspace import LOST
 from tissue.runs.group import Group
-from tissue.state.running import CELLS
 from tissue.step import advance
 
 each_preset = pytest.mark.parametrize("name", ["thesis", "published"])
@@ -54,15 +53,3 @@ def test_cells_far_out_are_lost(where):
     group = Group([kept], numbers(variance=0.0), [kernels.Random(*kernels.generators(0))])
     group.advance(0, 3)
     assert group.ended[0] == (0 if 3 * where < LOST else 1)
-
-
-def test_who_is_lost_is_found():
-    state = aged(5, 0)
-    for name in COORDINATES:
-        for bad in (np.nan, np.inf, -LOST):
-            kept = kernels.held(state)
-            assert advance.find_lost(kept) == -1
-            getattr(kept.cells, name)[3] = bad
-            assert advance.find_lost(kept) == 3
-            kept.sizes[CELLS] = 3
-            assert advance.find_lost(kept) == -1

@@ -19,8 +19,6 @@ anywhere = pytest.mark.parametrize("seed", range(6))
 each_part = pytest.mark.parametrize("part", [*PARTS, "all"])
 each_curve = pytest.mark.parametrize("curve", [LINE, TUBE], ids=["line", "tube"])
 each_power = pytest.mark.parametrize("power", [1, 2])
-# A cell as it stands at rest: the springs have their lengths, the three points lie on a line.
-UPRIGHT = {"x": [[0.0, 2.5]], "a": [[0.0, 5.0]], "b": [[0.0, 0.0]]}
 
 
 def wild(seed, n=9):
@@ -62,8 +60,8 @@ def typed_out(state, network, given, curve):
     w = dict.fromkeys(PARTS, 0.0)
     for i in range(n):
         l_ax, l_bx = 1 + state.rest_ax[i], 1 + state.rest_bx[i]
-        w["ax"] += state.stiff_ax[i] / l_ax**given.power * (np.linalg.norm(x[i] - a[i]) - l_ax) ** 2
-        w["bx"] += state.stiff_bx[i] / l_bx**given.power * (np.linalg.norm(x[i] - b[i]) - l_bx) ** 2
+        w["ax"] += state.stiff_ax[i] / l_ax**given.spring_power * (np.linalg.norm(x[i] - a[i]) - l_ax) ** 2
+        w["bx"] += state.stiff_bx[i] / l_bx**given.spring_power * (np.linalg.norm(x[i] - b[i]) - l_bx) ** 2
         u, v = a[i] - x[i], b[i] - x[i]
         w["axb"] += state.stiff_axb[i] * (u @ v / (np.linalg.norm(u) * np.linalg.norm(v)) + 1)
         for j in range(i):
@@ -80,7 +78,7 @@ def typed_out(state, network, given, curve):
 @each_curve
 def test_energy_is_the_formulas(seed, power, curve):
     for state, network in (wild(seed), (cells(30, seed), layers(30))):
-        given = numbers(power=power, junction_factor=1.7, repulsion=0.6)
+        given = numbers(spring_power=power, junction_factor=1.7, repulsion=0.6)
         expected = typed_out(state, network, given, curve)
         assert parts(state, network, given, curve)._asdict() == pytest.approx(expected, rel=1e-13)
         assert energy(state, network, given, curve) == pytest.approx(sum(expected.values()), rel=1e-13)
@@ -93,62 +91,13 @@ def test_energy_is_the_formulas(seed, power, curve):
 @each_curve
 def test_forces_are_the_slope_of_the_energy(seed, power, part, curve):
     for drawn, network in (wild(seed), (cells(9, seed), layers(9))):
-        state, given = only(part, drawn, numbers(power=power, junction_factor=1.7, repulsion=0.6))
+        state, given = only(part, drawn, numbers(spring_power=power, junction_factor=1.7, repulsion=0.6))
         found = forces(state, network, given, curve)
         largest = np.abs(found).max()
         assert largest > 0
         for name in COORDINATES:
             exact = [-slope(state, network, given, curve, name, k) for k in range(9)]
             assert getattr(found, name) == pytest.approx(exact, abs=1e-10 * largest)
-
-
-@anywhere
-@each_power
-def test_moved_and_turned_the_energy_is_the_same_and_the_forces_turn_along(seed, power):
-    state, network = wild(seed, 25)
-    given, angle = numbers(power=power), 0.7 + seed
-    c, s = np.cos(angle), np.sin(angle)
-    turned = state
-    for px, py in (("x", "y"), ("ax", "ay"), ("bx", "by")):
-        x, y = getattr(state, px), getattr(state, py)
-        turned = turned._replace(**{px: c * x - s * y + 3.0, py: s * x + c * y - 5.0})
-    before, after = parts(state, network, given), parts(turned, network, given)
-    assert after == pytest.approx(before, rel=1e-12)
-    old, new = forces(state, network, given), forces(turned, network, given)
-    largest = np.abs(old).max()
-    for k in (0, 2, 4):
-        assert new[k] == pytest.approx(c * old[k] - s * old[k + 1], abs=1e-12 * largest)
-        assert new[k + 1] == pytest.approx(s * old[k] + c * old[k + 1], abs=1e-12 * largest)
-
-
-@each_power
-def test_a_straight_cell_with_springs_at_their_lengths_rests(power):
-    state = tissue(**UPRIGHT)
-    assert parts(state, layers(1), numbers(power=power)) == pytest.approx((0, 0, 0, 0, 0), abs=1e-15)
-    assert np.abs(forces(state, layers(1), numbers(power=power))).max() < 1e-14
-
-
-def two_nuclei(distance):
-    far = [[0.0, 50.0], [distance, 50.0]]
-    return only("xx", tissue([[0.0, 2.5], [distance, 2.5]], far, [[0.0, 0.0], [distance, 0.0]]), numbers())
-
-
-def test_the_printed_sign_of_the_repulsion_attracts():
-    """(3.13) as printed is the negative of W_xx: its force, minus its slope, pulls overlapping nuclei together."""
-    state, given = two_nuclei(1.5)
-    printed = given._replace(repulsion=-given.repulsion)
-    assert -slope(state, layers(2), printed, LINE, "x", 0) == pytest.approx(0.5)
-    assert -slope(state, layers(2), printed, LINE, "x", 1) == pytest.approx(-0.5)
-
-
-def test_the_second_form_of_the_straightness_is_another_function():
-    """alpha (cos pi - cos(gamma - pi)) is below alpha (cos gamma + 1) by 2 alpha, and negative."""
-    for gamma in (0.5, 2.0, np.pi):
-        ends = [[0.0, 0.0]], [[0.0, 3.0]], [[3.0 * np.sin(gamma), 3.0 * np.cos(gamma)]]
-        first = parts(tissue(*ends), layers(1), numbers()).axb
-        assert first == pytest.approx(15.0 * (np.cos(gamma) + 1), abs=1e-13)
-        second = 15.0 * (np.cos(np.pi) - np.cos(gamma - np.pi))
-        assert first - second == pytest.approx(2 * 15.0)
 
 
 def test_cost_does_not_grow_with_the_number_of_all_pairs():
@@ -163,13 +112,13 @@ def test_cost_does_not_grow_with_the_number_of_all_pairs():
 
 
 BAD = {
-    "nan": ({"ay": [0.0, np.nan]}, r"cells.ay\[1\] = nan"),
-    "infinite": ({"x": [np.inf, 0.0]}, r"cells.x\[0\] = inf"),
+    "nan": ({"ay": [0.0, np.nan]}, "a has coordinates that are not finite"),
+    "infinite": ({"x": [np.inf, 0.0]}, "x has coordinates that are not finite"),
     "nuclei met": ({"x": [1.0, 1.0], "y": [2.0, 2.0]}, "nuclei of cells 1 and 0 lie on one point"),
     "apical met": ({"ax": [1.0, 1.0], "ay": [7.0, 7.0]}, "apical points of cells 0 and 1 lie on one point"),
     "nucleus on apical": ({"x": [0.0, 1.0], "y": [3.0, 5.0]}, "nucleus and apical point of cell 1 lie on one point"),
     "nucleus on basal": ({"x": [0.0, 3.0], "y": [0.0, 3.0]}, "nucleus and basal point of cell 0 lie on one point"),
-    "no rest length": ({"rest_bx": [0.0, -1.0]}, r"cells.rest_bx\[1\] = -1.0: must be above -1"),
+    "no rest length": ({"rest_bx": [0.0, -1.0]}, "rest_bx = -1.0: must be above -1"),
 }
 
 

@@ -3,23 +3,18 @@
 import numpy as np
 import pytest
 
-import tissue.frames.observables
 from dincl.errors import InvalidProblem
-from tests.tissue.states import HEIGHT, cells, layers, numbers
+from tests.tissue.states import HEIGHT, cells, layers
 from tests.tissue.states import tissue as cells_at
 from tissue.files.parameters import preset
 from tissue.frames.frame import Frame
 from tissue.frames.observables import (
     PHASES,
-    Extruded,
-    Widths,
     ab_positions,
-    extruded,
+    extents,
     height,
     is_measurable,
-    nuclear_layers,
     phases,
-    widths,
 )
 from tissue.runs.simulate import simulate
 from tissue.state.basal_curve import ellipse
@@ -54,33 +49,10 @@ def test_reference_is_the_nearest_of_very_many_points_of_the_layer(seed):
         assert np.abs(y - on_layer).min() < 2e-3
 
 
-def test_under_a_level_layer_it_is_the_part_of_the_height():
-    state = frame([[0.5, 0.0], [1.0, 2.0], [1.5, 8.0], [0.2, 9.0], [0.2, -1.0]], [[k, 8.0] for k in range(5)])
-    positions = ab_positions(state)
-    assert positions.tolist() == pytest.approx([0.0, 0.25, 1.0, 1.125, -0.125], abs=1e-15)
-    assert extruded(positions) == Extruded(apically=1, basally=1)
-
-
-def test_on_the_layers_nothing_is_extruded():
-    assert extruded(np.array([0.0, 1.0])) == Extruded(0, 0)
-
-
 def test_reference_is_the_nearest_point_and_not_the_one_above():
     state = frame([[3.0, 7.0], [1.0, 5.0], [0.0, 0.5]], [[0.0, 4.0], [2.0, 4.0], [2.0, 8.0]])
     # On the upright part; 1 above the level part and 1 beside the upright one: the first counts; below the left end.
     assert ab_positions(state).tolist() == pytest.approx([1.0, 1.25, 0.125])
-
-
-def test_beyond_the_layer_its_end_is_nearest():
-    state = frame([[-5.0, 3.0], [9.0, 3.0]], [[0.0, 6.0], [2.0, 5.0]])
-    assert ab_positions(state).tolist() == [3 / 6, 3 / 5]
-
-
-def test_only_the_cells_of_the_layer_make_it():
-    points = [[0.0, 8.0], [1.0, 3.0], [2.0, 8.0]]
-    nuclei = [[0.0, 2.0], [1.0, 2.0], [2.0, 2.0]]
-    assert ab_positions(frame(nuclei, points, apical=[0, 2])).tolist() == pytest.approx([0.25, 0.25, 0.25])
-    assert ab_positions(frame(nuclei, points))[1] == pytest.approx(2 / 3)
 
 
 def test_points_in_one_place_and_a_layer_of_one_cell():
@@ -89,23 +61,11 @@ def test_points_in_one_place_and_a_layer_of_one_cell():
     assert ab_positions(frame(nuclei, [[0.0, 8.0], [1.0, 5.0]], apical=[1])).tolist() == [0.4, 0.8]
 
 
-@pytest.mark.parametrize("block", [1, 100, 333])
-def test_blocks_change_nothing(monkeypatch, block):
-    whole = ab_positions(random_frame(1))
-    monkeypatch.setattr(tissue.frames.observables, "BLOCK", block)
-    assert ab_positions(random_frame(1)).tolist() == whole.tolist()
-
-
 def test_height_and_widths_are_those_of_the_layers():
     points = [[-3.0, 50.0], [0.0, 7.0], [4.0, 9.0], [9.0, 50.0]]
     state = frame([[-6.0, 1.0], [0.0, 1.0], [0.5, 1.0], [1.0, 1.0]], points, apical=[1, 2], basal=[0, 1, 2])
     assert height(state) == 8.0
-    assert widths(state) == Widths(apical=4.0, basal=7.0, nuclei=7.0)
-
-
-def test_the_height_of_the_thesis_begins_as_in_figure_16():
-    run = simulate(preset("thesis").changed({"numerics.t_end": "0.1 h", "numerics.keep": "0.1 h"}))
-    assert height(run.frames[0]) == 8.0
+    assert extents(state)[2:5] == (4.0, 7.0, 7.0)
 
 
 def test_nuclear_layers_are_what_vertical_lines_cross():
@@ -113,8 +73,8 @@ def test_nuclear_layers_are_what_vertical_lines_cross():
     x = state.cells.x
     lines = np.linspace(x.min() - 1, x.max() + 1, 20_001)
     crossed = (np.abs(lines[:, None] - x) <= 1.0).sum(axis=1)
-    assert nuclear_layers(state) == pytest.approx(crossed.mean(), rel=1e-3)
-    assert nuclear_layers(frame([[3.0, 1.0]], [[0.0, 8.0]])) == 1.0
+    assert extents(state).nuclear_layers == pytest.approx(crossed.mean(), rel=1e-3)
+    assert extents(frame([[3.0, 1.0]], [[0.0, 8.0]])).nuclear_layers == 1.0
 
 
 def test_nuclear_layers_of_a_ring_are_what_normals_cross():
@@ -124,16 +84,8 @@ def test_nuclear_layers_of_a_ring_are_what_normals_cross():
     x, y = ring.above(along, np.full(90, 1.0))
     state = Frame(0.0, cells_at(np.column_stack((x, y)), np.zeros((90, 2)), np.zeros((90, 2))), layers(90), ring)
     apart = np.abs((np.linspace(-15.0, 15.0, 5000)[:, None] - ring.feet(x, y) + 15.0) % 30.0 - 15.0)
-    assert nuclear_layers(state) == pytest.approx((apart <= 1.0).sum(axis=1).mean(), rel=1e-3)
-    assert nuclear_layers(state) == pytest.approx(6.0, rel=1e-12)
-
-
-def test_phases_begin_on_time():
-    given = numbers(g2=1.0, mitosis=0.5)
-    ages = np.array([0.0, 13.49, 13.5, 14.49, 14.5, 14.99])
-    state = frame(np.zeros((6, 2)), [[k, 8.0] for k in range(6)], t=20.0, birth=20.0 - ages, cycle=15.0)
-    names = [PHASES[k] for k in phases(state, given)]
-    assert names == ["G1/S", "G1/S", "G2", "G2", "mitosis", "mitosis"]
+    assert extents(state).nuclear_layers == pytest.approx((apart <= 1.0).sum(axis=1).mean(), rel=1e-3)
+    assert extents(state).nuclear_layers == pytest.approx(6.0, rel=1e-12)
 
 
 @pytest.mark.parametrize("begins", ["mitosis", "G2"])
@@ -164,8 +116,7 @@ def test_what_can_not_be_measured_is_told(name, value):
     ("measure", "apical", "basal", "message"),
     [
         (height, [], [0], "layers.apical is empty"),
-        (widths, [], [0], "layers.apical is empty"),
-        (widths, [0], [], "layers.basal is empty"),
+        (extents, [], [0], "layers.apical is empty"),
         (ab_positions, [], [0], "layers.apical is empty"),
     ],
 )

@@ -1,12 +1,15 @@
 """Forces that users add: they do what mechanics says, wherever they run, and cost nothing where there are none."""
 
 import math
+import shutil
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import tissue
-from dincl.errors import FunctionFailed, InvalidProblem
+from dincl.errors import InvalidProblem
 from dincl.status import Status
 from tests.tissue import kernel_calls as kernels
 from tests.tissue import states
@@ -14,6 +17,7 @@ from tests.tissue.bits import same
 from tests.tissue.own_forces.users import (
     EMT,
     LAYERS,
+    NAME,
     POINT,
     SHORT,
     WALL,
@@ -25,11 +29,33 @@ from tests.tissue.own_forces.users import (
 from tissue.plugins import registry
 from tissue.rules.slice import in_plane
 from tissue.runs.group import Group
-from tissue.state.basal_curve import curve_numbers, ellipse
 from tissue.state.cells import COORDINATES
 from tissue.state.running import contents, new_state
 
 each_layer = pytest.mark.parametrize("layer", LAYERS)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def own(tmp_path_factory):
+    """The module of a user; nothing of it is left."""
+    before = dict(registry(tissue.Force))
+    registry(tissue.Force).clear()
+    file = tmp_path_factory.mktemp("own") / f"{NAME}.py"
+    shutil.copy(Path(__file__).with_name("module.py"), file)
+    tissue.preset("thesis").changed({"own.modules": [str(file)]})
+    yield file
+    sys.modules.pop(NAME, None)
+    registry(tissue.Force).clear()
+    registry(tissue.Force).update(before)
+
+
+@pytest.fixture
+def kept():
+    """What a test registers is gone after it."""
+    before = dict(registry(tissue.Force))
+    yield
+    registry(tissue.Force).clear()
+    registry(tissue.Force).update(before)
 
 
 # What a force does
@@ -39,7 +65,7 @@ def test_points_without_other_forces_go_to_the_point_as_explicit_euler_does():
     """Z - P is (1 - h s / mu)^n of what it was; a basal point on the line stays there, a free one goes."""
     x, a, b = (np.array([[-40.0, y], [0.5, y], [50.0, y]]) for y in (4.0, 8.0, 0.0))
     free = {f"stiff_{name}": 0.0 for name in ("ax", "bx", "axb", "aa")}
-    cells, numbers = states.tissue(x, a, b, radius=0.01, **free), states.numbers(repulsion=0.0, max_basal=1e3)
+    cells, numbers = states.tissue(x, a, b, radius=0.01, **free), states.numbers(repulsion=0.0, max_basal_distance=1e3)
     held = new_state(cells, states.layers(3, basal=[0, 2]), capacity=5, space=in_plane())
     group = Group([held], numbers, forces=[(named("point"), 0.4)])
     assert group.make_substeps()
@@ -80,77 +106,7 @@ def test_a_force_of_the_thesis_written_by_a_user_moves_all_points_alike(own, lay
         assert distance(ours.final.cells, none.final.cells) > 0.1
 
 
-def test_a_tube_that_is_turned_moves_as_it_did():
-    """A pull to the centre, and cells that are not alike: the result is turned as the state was."""
-    n, angle = 24, 1.1
-    curve = ellipse(30.0, 1.0, inside=True, ring=True)
-    radius = curve.length / (2 * math.pi)
-    centre = tissue.Force("centre", pull_to_centre, "springs to the centre of a circle")
-    found = []
-    for turned in (0.0, angle):
-        s = curve.length / n * np.arange(n)
-        points = [np.column_stack(curve.above(s, height + 0.3 * np.sin(3 * s))) for height in (2.0, 3.5, 0.0)]
-        points[2] = np.column_stack(curve.above(s, np.zeros(n)))
-        points = [_turned(part, turned, radius) for part in points]
-        cells = states.tissue(*points, along=s + radius * turned, rest_ax=0.5 + 0.2 * np.sin(s), rest_bx=0.5)
-        held = new_state(cells, capacity=n, curve=curve_numbers(curve), space=in_plane())
-        group = Group([held], states.numbers(max_basal=2.0), forces=[(centre, 0.7 / radius)])
-        assert group.make_substeps()
-        found.append(contents(group.states[0])[0])
-    for x, y in (("x", "y"), ("ax", "ay"), ("bx", "by")):
-        before, after = (np.column_stack((getattr(one, x), getattr(one, y))) for one in found)
-        assert after == pytest.approx(_turned(before, angle, radius), abs=1e-11)
-    assert np.hypot(found[0].x, found[0].y - radius).max() < radius
-
-
-def _turned(points, angle, radius):
-    """Points turned around the centre (0, radius)."""
-    c, s = math.cos(angle), math.sin(angle)
-    return (points - [0.0, radius]) @ np.array([[c, s], [-s, c]]) + [0.0, radius]
-
-
-def pull_to_centre(store, on, strength, numbers):
-    """For 30 / (2 pi) = R: the centre of the circle is (0, R)."""
-    cells = store.cells
-    for i in range(store.sizes[0]):
-        on.x[i] -= strength * cells.x[i]
-        on.y[i] -= strength * (cells.y[i] - 15.0 / math.pi)
-        on.bx[i] -= strength * cells.bx[i]
-        on.by[i] -= strength * (cells.by[i] - 15.0 / math.pi)
-
-
 # The same bits
-
-
-def test_strength_0_is_none(own):
-    given = published(own)
-    for seed in range(2):
-        one, other = (tissue.simulate(one, seed) for one in (given, given.changed({"forces.wall": 0})))
-        assert same(one.final, other.final)
-        assert not same(one.final, tissue.simulate(given.changed({"forces.wall": 0.1}), seed).final)
-
-
-def test_the_order_of_registration_does_not_matter(own, kept):
-    given = published(own, **{"forces.wall": 2.0, "forces.straight": 3.0, "forces.point": 0.1})
-    before = tissue.simulate(given, 1).final
-    order = list(registry(tissue.Force).values())
-    registry(tissue.Force).clear()
-    tissue.register(*reversed(order))
-    assert [force.name for force, _ in given.forces.acting()] == ["point", "straight", "wall"]
-    assert same(tissue.simulate(given, 1).final, before)
-
-
-def test_two_forces_add_up(own):
-    """Twice the wall is one of twice the strength."""
-    double = tissue.Force("wall_too", named("wall").push, "the same wall")
-    given = published(own)
-    ends = []
-    for forces in ([(named("wall"), 2.0)], [(named("wall"), 1.0), (double, 1.0)]):
-        held = new_state(*tissue.simulate(given, 0).final[1:3], capacity=40, space=in_plane())
-        group = Group([held], states.numbers(), forces=forces)
-        assert group.make_substeps()
-        ends.append(contents(group.states[0])[0])
-    assert distance(*ends) < 1e-13
 
 
 # A force against its energy
@@ -173,13 +129,6 @@ def test_a_wrong_force_is_found(own):
     assert tissue.force_error(tissue.Force("w", wall.push, "", "", straight.energy), run) > 0.1
 
 
-def test_a_state_is_not_changed_by_the_comparison(own):
-    run = tissue.simulate(published(own, **{"numerics.t_end": "1 h"}), 0)
-    before = tissue.simulate(run.parameters, 0).final
-    tissue.force_error(named("wall"), run)
-    assert same(run.final, before)
-
-
 @pytest.mark.parametrize(
     ("energy", "push", "message"),
     [
@@ -196,6 +145,57 @@ def test_what_cannot_be_compared_is_named(own, energy, push, message):
         tissue.force_error(force, run)
     with pytest.raises(InvalidProblem, match="strength = 0: must be a finite number > 0"):
         tissue.force_error(named("wall"), run, 0)
+
+
+# Parameters
+
+
+def test_the_strength_is_a_key(own):
+    given = published(own, **{"forces.wall": "1/2"})
+    assert dict(given.forces) == {"wall": 0.5}
+    assert given.changed({"forces.point": 3}).as_dict()["forces"] == {"point": 3.0, "wall": 0.5}
+    assert [(force.name, strength) for force, strength in given.forces.acting()] == [("wall", 0.5)]
+    text = given.as_toml()
+    assert "[forces]\nwall = 0.5  # nothing is above a height\n" in text
+    again = own.with_name("again.toml")
+    again.write_text(text, "utf-8")
+    assert tissue.load(again) == given
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"forces.wall": -1}, "forces.wall = -1: must be a number >= 0, without unit"),
+        ({"forces.wall": "1 um"}, "forces.wall = '1 um': must be a number >= 0, without unit"),
+        ({"forces.wall": math.nan}, "forces.wall = nan: must be a number >= 0"),
+        (
+            {"forces.wall": 1, "tissue.dimension": 3, "tissue.cells": 196},
+            "forces.wall = 1.0: must be 0 in three dimensions: registered forces act in a slice alone$",
+        ),
+        ({"forces.walls": 1}, "forces.walls = 1: unknown key; the nearest known one is forces.wall$"),
+    ],
+)
+def test_what_is_wrong_is_named(own, changes, message):
+    with pytest.raises(InvalidProblem, match=message):
+        published(own, **changes)
+
+
+def test_without_any_force_the_section_is_empty(tmp_path, kept):
+    registry(tissue.Force).clear()
+    with pytest.raises(
+        InvalidProblem, match=r"wall = 1: unknown key; no force is registered, as files in own.modules do"
+    ):
+        tissue.preset("thesis").changed({"forces.wall": 1})
+    file = tmp_path / "bad.toml"
+    for text, message in (
+        ("forces.wall = 1", "bad.toml: forces.wall = 1: unknown key; no force is registered"),
+        ("forces = 3", r"forces = 3: must be a section \[forces\] with names of registered forces"),
+    ):
+        file.write_text(f'base = "thesis"\n{text}\n', "utf-8")
+        with pytest.raises(InvalidProblem, match=message):
+            tissue.load(file)
+    file.write_text('base = "thesis"\n[forces]\n', "utf-8")
+    assert tissue.load(file) == tissue.preset("thesis")
 
 
 # Failures
@@ -220,15 +220,6 @@ def test_what_is_not_finite_or_huge_ends_the_run_and_no_other(own, layer, streng
             assert same(run.final, tissue.simulate(given, seed).final)
 
 
-def test_what_does_not_compile_is_said_by_numba(own, kept):
-    """As for events: the cause has the line."""
-    tissue.register(tissue.Force("wordy", say, "no code for kernels"))
-    message = r"Force wordy: push\(state, on, strength, numbers\) cannot be compiled: TypingError"
-    with pytest.raises(FunctionFailed, match=message) as caught:
-        tissue.simulate(published(own, **{"forces.wordy": 1}), 0)
-    assert "def say(store, on, strength, numbers)" in str(caught.value.__cause__)
-
-
 def half_a_wall(store, on, strength, numbers):
     for i in range(store.sizes[0]):
         on.ay[i] -= 0.5 * strength * max(0.0, store.cells.ay[i] - WALL)
@@ -237,10 +228,6 @@ def half_a_wall(store, on, strength, numbers):
 
 def not_finite(store, on, strength, numbers):
     on.x[0] += math.inf
-
-
-def say(store, on, strength, numbers):
-    on.x[0] += "a word"
 
 
 def no_energy(store, strength, numbers):

@@ -5,7 +5,7 @@ import ctypes
 import numpy as np
 
 from tests.twins.tissue.space.state import SpaceTissue, Steps
-from tissue.kernels.surface_workspace import SURFACE_COUNTERS, SurfaceNumbers, SurfaceWorkspaces
+from tissue.kernels.surface_workspace import SURFACE_COUNTERS, SurfaceWorkspaces
 from tissue.model.springs import coefficient
 from tissue.state.surface import PLANE, SPHERE, Surface
 from tissue.step.substeps import SURFACE, substeps_address
@@ -35,10 +35,10 @@ def call_substeps(workspaces: SurfaceWorkspaces, n: int) -> None:
 def workspace_of(state: SpaceTissue, steps: Steps, workspaces: SurfaceWorkspaces | None = None) -> SurfaceWorkspaces:
     """A workspace with the tissue on it, or that one with the tissue in its place."""
     n, scale = state.x.shape[1], steps.h / steps.mu
-    deviation = float(np.sqrt(steps.variance * steps.h))
-    numbers = SurfaceNumbers(steps.substeps, scale * steps.repulsion, steps.max_basal, deviation)
+    numbers = {"substeps": steps.substeps, "max_basal_distance": steps.max_basal_distance}
+    numbers |= {"repulsion": scale * steps.repulsion, "deviation": float(np.sqrt(steps.variance * steps.h))}
     edges = max(len(state.junctions), len(state.neighbours), 1)
-    workspaces = workspaces or SurfaceWorkspaces(n, edges, numbers, steps.surface)
+    workspaces = workspaces or SurfaceWorkspaces(n, edges, steps.surface, **numbers)
     work = workspaces.flat.value
     for letter, points in (("", state.x), ("a", state.a), ("b", state.b)):
         for axis, line in zip("xyz", points, strict=True):
@@ -55,7 +55,7 @@ def workspace_of(state: SpaceTissue, steps: Steps, workspaces: SurfaceWorkspaces
     for name, edges in (("junctions", state.junctions), ("neighbours", state.neighbours)):
         getattr(work, name)[: len(edges)] = edges
     work.rest[: len(state.rest)], work.k_aa[: len(state.rest)] = state.rest, scale * state.k_aa
-    work.sizes[:] = len(state.junctions), len(state.neighbours), steps.ordered
+    work.sizes[:] = len(state.junctions), len(state.neighbours)
     return workspaces
 
 

@@ -6,19 +6,16 @@ import pytest
 from tests.tissue.space.in_space import of_surface
 from tests.tissue.space.tissues import KINDS, spread_points
 from tissue.frames.section import cut, cut_of
-from tissue.network.start import triangulated
-from tissue.pictures.scene import polygons
+from tissue.network.triangulation import triangulate
 from tissue.runs.simulate import simulate
 from tissue.state import surface as s
-from tissue.state.mesh import kept
-from tissue.state.space import no_space
+from tissue.state.mesh import Mesh
 
 
 def mesh_of(name, n, rng):
     points = spread_points(name, n, rng)
-    network = triangulated(KINDS[name], points, np.copy)
-    space = no_space()._replace(surface=KINDS[name], apical=network, basal=network)
-    return kept(space, n).apical, points
+    edges, triangles = triangulate(KINDS[name], points)
+    return Mesh(edges, np.zeros(len(edges)), triangles), points
 
 
 def total(pieces):
@@ -56,15 +53,6 @@ def test_all_ends_are_on_edges(rng):
     part = (0.2 - crossed[:, 0, 2]) / (crossed[:, 1, 2] - crossed[:, 0, 2])
     expected = (crossed[:, 0] + part[:, None] * (crossed[:, 1] - crossed[:, 0]))[:, :2]
     assert np.unique(np.round(pieces, 9), axis=0) == pytest.approx(np.unique(np.round(expected, 9), axis=0))
-
-
-def test_cells_on_a_periodic_sheet_cover_it_once(rng):
-    mesh, points = mesh_of("plane", 70, rng)
-    points[:, 1] = 0.0
-    areas = [0.5 * np.linalg.norm(sum(np.cross(a, b) for a, b in zip(ring, np.roll(ring, -1, 0), strict=True)))
-             for _, ring in polygons(KINDS["plane"], mesh, points)]  # fmt: skip
-    assert len(areas) == 70
-    assert sum(areas) == pytest.approx(72.0)
 
 
 def test_a_section_has_the_cut_of_the_apical_layer():

@@ -20,7 +20,7 @@ def divided(name, cell, turn):
     given = of_surface(name)
     held, _ = started(given, streams(2))
     before = nuclei(held)
-    split_cell(held, cell, turn, given.numbers()._replace(division_offset=OFFSET))
+    split_cell(held, cell, turn, given.numbers()._replace(offset=OFFSET))
     return before, held, given.lattice().surface
 
 

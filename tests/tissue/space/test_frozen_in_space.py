@@ -10,15 +10,15 @@ import tissue
 from tests.tissue.space.in_space import of_surface
 from tests.tissue.space.space_calls import make_substeps
 from tests.twins.tissue.space.state import SpaceTissue, Steps
-from tissue.model.energy import Elastic, energy_of
-from tissue.quasi_steady.frozen import (
+from tissue.model.energy import Elastic, parts_of
+from tissue.state.surface import cylinder, plane
+from verification.thesis.quasi_steady.frozen import (
     cells_at,
     constraints_in_space,
     frozen_problem_in_space,
     made_feasible_in_space,
     particles,
 )
-from tissue.state.surface import cylinder, plane
 
 STEP = 1e-30  # of the complex step: its error is STEP^2, below any rounding
 CHANGES = {"tissue__cells": 16, "numerics__t_end": "1 h"}
@@ -39,10 +39,10 @@ def in_s():
 
 def elastic(frame, numbers):
     cells, apical = frame.cells, frame.sheets.apical
-    joined, rest = apical.edges, apical.edge_rests
+    joined, rest = apical.edges, apical.rest
     k = numbers.junction_factor * cells.stiff_aa[joined].mean(axis=1)
     fields = cells.stiff_ax, cells.stiff_bx, cells.stiff_axb, 1 + cells.rest_ax, 1 + cells.rest_bx
-    return Elastic(*fields, joined, rest, k, numbers.power, numbers.repulsion)
+    return Elastic(*fields, joined, rest, k, numbers.spring_power, numbers.repulsion)
 
 
 def thirds(x):
@@ -57,7 +57,7 @@ def by_substeps(frame, numbers, h, substeps):
     own = {name: value for name, value in of._asdict().items() if name not in ("power", "repulsion")}
     near = frame.sheets.basal.edges
     state = SpaceTissue(x, a, b, cells.radius, **own, b_moves=np.ones(n), held=held, runs=0 * held, neighbours=near)
-    steps = Steps(h, substeps, numbers.mu, numbers.power, numbers.repulsion, numbers.max_basal)
+    steps = Steps(h, substeps, numbers.mu, numbers.spring_power, numbers.repulsion, numbers.max_basal_distance)
     made = make_substeps(state, steps)
     return np.concatenate([made.x.T, made.a.T, made.b.T])
 
@@ -84,7 +84,7 @@ def test_drift_is_the_gradient_over_damping():
     for place in np.ndindex(slope.shape):
         x = problem.x0.astype(complex)
         x[place] += 1j * STEP
-        slope[place] = energy_of(*thirds(x), of).imag / STEP
+        slope[place] = sum(parts_of(*thirds(x), of)).imag / STEP
     held = 2 * len(frame.cells.x) + frame.layers.basal
     assert abs(slope[held, 1]).max() > 0
     slope[held, 1] = 0.0
@@ -103,7 +103,7 @@ def test_constraints_are_distances():
     i, j = np.tril_indices(n, -1)
     gaps = np.linalg.norm(x[i] - x[j], axis=1) - cells.radius[i] - cells.radius[j]
     ends = 2 * n + frame.sheets.basal.edges
-    slack = numbers.max_basal - np.linalg.norm(x[ends[:, 0]] - x[ends[:, 1]], axis=1)
+    slack = numbers.max_basal_distance - np.linalg.norm(x[ends[:, 0]] - x[ends[:, 1]], axis=1)
     np.testing.assert_allclose(np.sort(balls), np.sort(gaps), atol=1e-13)
     np.testing.assert_allclose(np.sort(links), np.sort(slack), atol=1e-13)
     assert min(gaps.min(), slack.min()) > -1e-8

@@ -6,8 +6,8 @@ import pytest
 
 from dincl.errors import InvalidProblem
 from tests.tissue.space.in_space import OF_CYLINDER, OF_SPHERE, parameters
-from tissue.files.parameters import load, preset
-from tissue.study.plan import load_study, shipped
+from tissue.files.parameters import preset
+from tissue.study.plan import load_study
 
 
 @pytest.mark.parametrize(
@@ -21,19 +21,22 @@ from tissue.study.plan import load_study, shipped
         ),
         (
             {"tissue.cells": 45},
-            "tissue.cells = 45: must be columns times an even number of rows, 4 or more of each, such as 44 or 48",
+            "tissue.cells = 45: must be a size that fits, the nearest is 56: columns times an even number",
         ),
-        ({"space.rows": 7}, "space.rows = 7: must be 4 or 8 or 16, or 0"),
+        (
+            {"tissue.cells": 66},
+            "= 66: must be a size that fits, the nearest are 64 and 70: the sheet repeats after 3.4",
+        ),
+        ({"space.rows": 7}, "space.rows = 7: must be an even number, 4 or more, or 0"),
+        ({"space.rows": 6}, "space.rows = 6: must be at least 8, or 0: the sheet repeats after 3.464 R_soft, and must"),
         ({"tissue.apical_spacing": "0.6 R_soft"}, 'tissue.apical_spacing = "0.6 R_soft": must be tissue.basal_spacing'),
         (
             OF_CYLINDER | {"tissue.max_basal_distance": "1/3 R_soft"},
-            "tissue.cells = 256: must be at least 480: of fewer",
+            "tissue.cells = 256: must be a size that fits: of so few the basal points do not go around (C2)",
         ),
-        (OF_SPHERE | {"tissue.cells": 50}, "tissue.cells = 50: must be at least 187: of fewer the basal points do not"),
+        (OF_SPHERE | {"tissue.cells": 50}, "= 50: must be a size that fits, the nearest is 187: of so few the basal"),
         (OF_SPHERE | {"layer.side": "inside", "tissue.height": "3 R_soft"}, "must be below 2.387 R_soft, the radius"),
-        ({"space.rows": 4}, "tissue.cells = 64: must be more, in more rows or columns: the sheet repeats after 2.309"),
         ({"emt.cells": 2, "emt.ac": "1 h"}, 'emt.ac = "1 h": must be "never" in three dimensions'),
-        ({"space.flip_margin": 1.5}, "space.flip_margin = 1.5: must be a number from 0 to 1"),
     ],
 )
 def test_what_does_not_go_together(changes, message):
@@ -54,63 +57,44 @@ def test_rows_of_a_square_sheet(cells, rows):
     assert surface.period_x == pytest.approx(cells / rows * 2 / 3)
 
 
-@pytest.mark.slow_with("published-changes3")
 @pytest.mark.parametrize(
-    ("name", "changes", "cells"),
+    ("name", "changes"),
     [
-        ("thesis", {}, 182),
-        ("published", {"space.boundary": "open"}, 48),
-        ("cuboidal", {}, 48),
-        ("published", {"layer.shape": "circle", "space.boundary": "open"}, 724),
+        ("published", {}),
+        ("sheet", {}),
+        ("cuboidal", {}),
+        ("published", {"space.rows": 14}),
+        ("published", {"emt.cells": 190, "space.boundary": "open"}),
+        ("published", {"layer.shape": "circle", "tissue.max_basal_distance": "1 R_soft"}),
+        ("chick", {"layer.shape": "sphere", "layer.perimeter": "15 R_soft", "layer.side": "outside"}),
     ],
 )
-def test_a_slice_becomes_a_tissue_in_space_by_one_key(name, changes, cells):
-    """It has the fewest cells that fill it; one cell less, or fewer rows, would be refused."""
-    made = preset(name).changed({"tissue.dimension": 3, **changes})
-    assert made.in_space
-    assert made.tissue.cells == cells >= preset(name).tissue.cells
-    for fewer in range(preset(name).tissue.cells, cells):
-        with pytest.raises(InvalidProblem):
-            preset(name).changed({"tissue.dimension": 3, "tissue.cells": fewer, **changes})
+def test_a_size_that_does_not_fit_gets_the_nearest_that_do(name, changes):
+    """Of 1 to 419 cells those that are refused name those that are accepted, on both sides if there are some."""
+
+    def sheet(cells):
+        return preset(name).changed({"tissue.dimension": 3, "tissue.cells": cells, **changes})
+
+    accepted, named = [], {}
+    for cells in range(1, 420):
+        try:
+            accepted.append(sheet(cells).tissue.cells)
+        except InvalidProblem as error:
+            if "tissue.cells" in str(error):  # fewer cells than EMT cells are refused for that
+                named[cells] = [int(n) for n in re.findall(r"\d+", str(error).split("nearest")[1].split(":")[0])]
+    assert named
+    for cells, near in named.items():
+        below, above = [n for n in accepted if n < cells][-1:], [n for n in accepted if n > cells][:1]
+        assert near == below + above or (not above and near[:-1] == below)
+    for cells in {n for near in named.values() for n in near} - set(accepted):
+        assert sheet(cells).tissue.cells == cells
 
 
-def test_a_file_makes_a_sheet_of_its_base_by_one_key(tmp_path):
-    (tmp_path / "sheet.toml").write_text('base = "thesis"\n[tissue]\ndimension = 3\n')
-    assert load(tmp_path / "sheet.toml") == preset("thesis").changed({"tissue.dimension": 3})
-
-
-@pytest.mark.slow_with("curved_published")
-@pytest.mark.parametrize("name", [name for name in shipped() if name != "space_published"])
-def test_a_study_of_slices_becomes_one_of_sheets_by_one_key(name, tmp_path):
-    """Without the cells of a slice in the same table."""
-    slices = load_study(name)
-    head, *scenarios = slices.text.split("\n[", 1)
-    key = "[overrides.tissue]\ndimension = 3\n"
-    own = re.sub("(?m)^cells = 51.*\n", "", slices.text)
-    text = own.replace("[overrides.tissue]\n", key) if "[overrides.tissue]" in own else None
-    (tmp_path / "sheets.toml").write_text(text or f"{head}\n{key}\n[{scenarios[0]}")
+def test_a_study_of_slices_becomes_one_of_sheets(tmp_path):
+    slices = load_study("figure10_published")
+    sheet = "[overrides.tissue]\ndimension = 3\ncells = 182\n"
+    text = re.sub("(?m)^cells = 51.*\n", "", slices.text).replace("[overrides.tissue]\n", sheet)
+    (tmp_path / "sheets.toml").write_text(text)
     sheets = load_study(tmp_path / "sheets.toml")
     assert sheets.scenarios.keys() == slices.scenarios.keys()
-    assert all(one.in_space for one in sheets.scenarios.values())
-
-
-STUDY = """
-title = "s"
-base = "published"
-replicates = 1
-seed = 1
-"""
-
-
-def test_a_table_with_dimension_and_cells_that_fill_no_rows_is_refused(tmp_path):
-    study = tmp_path / "study.toml"
-    study.write_text(STUDY + "[scenarios.sheet.tissue]\ndimension = 3\ncells = 51\n", "utf-8")
-    with pytest.raises(
-        InvalidProblem, match=r"scenario 'sheet': tissue\.cells = 51: must be columns times an even number"
-    ):
-        load_study(study)
-    study.write_text(STUDY + "[overrides.tissue]\ncells = 51\n[scenarios.sheet.tissue]\ndimension = 3\n", "utf-8")
-    found = load_study(study)
-    assert found.scenarios["sheet"].tissue.cells > 51
-    taken = f"tissue.cells = {found.scenarios['sheet'].tissue.cells} fill the rows in three dimensions"
-    assert found.remarks == [f"scenario 'sheet': {taken}; 51 are those of a slice"]
+    assert all(one.in_space and one.tissue.cells == 182 for one in sheets.scenarios.values())

@@ -60,7 +60,7 @@ def points(cells):
 def junctions(frame):
     """The rest length of each apical junction, by its cells."""
     mesh = frame.sheets.apical
-    ends = zip(*np.sort(mesh.edges, axis=1).T.tolist(), mesh.edge_rests.tolist(), strict=True)
+    ends = zip(*mesh.edges.T.tolist(), mesh.rest.tolist(), strict=True)
     return {(i, j): rest for i, j, rest in ends}
 
 

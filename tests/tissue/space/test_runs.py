@@ -5,7 +5,7 @@ import pytest
 
 import tissue
 from tests.tissue.space.in_space import SURFACES, of_surface, parameters
-from tissue.frames.observables import ab_positions, basal_area, height, nuclear_layers
+from tissue.frames.observables import ab_positions, extents, height, layer_area
 from tissue.runs.simulate import simulate
 
 # A run that goes on later may end before an event.
@@ -86,8 +86,8 @@ def test_the_triangles_of_a_periodic_network_cover_the_sheet_once():
     run = simulate(parameters(numerics__keep="0.1 h", **EMT), 2)
     for frame in run.frames:
         area = frame.sheets.surface.period_x * frame.sheets.surface.period_z
-        assert basal_area(frame.cells, frame.sheets) == pytest.approx(area, rel=1e-12)
-        assert nuclear_layers(frame) == pytest.approx(np.pi * len(frame.cells.x) / area, rel=1e-12)
+        assert layer_area(frame, "basal") == pytest.approx(area, rel=1e-12)
+        assert extents(frame).nuclear_layers == pytest.approx(np.pi * len(frame.cells.x) / area, rel=1e-12)
         assert len(frame.sheets.basal.triangles) == 2 * len(frame.layers.basal)
         assert len(frame.sheets.apical.triangles) == 2 * len(frame.layers.apical)
 
@@ -98,7 +98,7 @@ def test_triangles_of_a_sphere():
     radius = run.final.sheets.surface.radius
     for frame in run.frames:
         assert len(frame.sheets.basal.triangles) == 2 * len(frame.layers.basal) - 4
-        assert 0.9 < basal_area(frame.cells, frame.sheets) / (4 * np.pi * radius**2) < 1
+        assert 0.9 < layer_area(frame, "basal") / (4 * np.pi * radius**2) < 1
 
 
 def test_cells_leave_their_layers():
@@ -134,18 +134,11 @@ def test_positions_against_a_dense_sample_of_the_apical_surface(name):
 
 
 def test_a_failed_network_ends_the_run_with_its_status():
-    """Points of a layer in one place have no network to be put into."""
-    frame = simulate(parameters(numerics__t_end="0.1 h"), 0).final
-    frame.cells.ax[1], frame.cells.az[1] = frame.cells.ax[0], frame.cells.az[0]
-    frame.cells.ay[1] = frame.cells.ay[0]
-    run = simulate(
-        parameters(numerics__t_end="0.15 h", cell__alpha_ax=0, cell__alpha_axb=0, cell__alpha_aa=0),
-        0,
-        frame,
-        throw=False,
-    )
+    """Two cells that are left in the apical layer have no triangulation."""
+    run = simulate(parameters(emt__cells=62, emt__a="0.1 h", tissue__two_daughters=0), 0, throw=False)
     assert run.status.name == "NETWORK_TORN"
-    assert np.isfinite(run.final.cells.ax).all()
+    assert run.final.t == pytest.approx(0.1)
+    assert len(run.final.layers.apical) == 2
 
 
 def test_the_edge_of_a_sheet_does_not_fray():
@@ -158,3 +151,20 @@ def test_the_edge_of_a_sheet_does_not_fray():
     a, b = (points[corners[:, k]] - points[corners[:, 0]] for k in (1, 2))
     area = np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum() / 2
     assert perimeter**2 < 14.0 * area
+
+
+def test_many_cells_that_leave_at_once_leave_neighbours_where_they_are():
+    """A fifth of the basal cells of a periodic sheet let go in one dt: no basal point goes around the period."""
+    leaving = tissue.preset("sheet").changed({"emt.cells": 40, "emt.b": "1 h", "numerics.t_end": "2 h"})
+    final = tissue.simulate(leaving, 5).final
+    held, cells = final.layers.basal, final.cells
+    assert np.hypot(cells.ax - cells.bx, cells.az - cells.bz)[held].max() < 3.0
+
+
+def test_a_periodic_layer_that_covers_little_is_folded():
+    """Its height is that of the cells that are left."""
+    run = tissue.simulate(
+        tissue.preset("sheet").changed({"emt.cells": 160, "emt.a": "1 h", "numerics.t_end": "2 h"}), 0
+    )
+    assert run.status
+    assert "covers" in run.folded

@@ -10,7 +10,7 @@ from tests.tissue.space.space_calls import SURFACES, random_tissue
 from tests.twins.tissue.space import steps as twins
 from tests.twins.tissue.space.state import Steps
 from tissue.model import energy as plane_energy
-from tissue.model.energy import energy_of, parts_of
+from tissue.model.energy import parts_of
 
 STEP = 1e-30  # of the complex step: its error is STEP^2, below any rounding
 
@@ -21,7 +21,7 @@ def gradient(state, steps):
     for place in np.ndindex(found.shape):
         shifted = [part.astype(complex) for part in points]
         shifted[place[0]][place[1:]] += 1j * STEP
-        found[place] = energy_of(*shifted, twins.elastic(state, steps), steps.surface).imag / STEP
+        found[place] = sum(parts_of(*shifted, twins.elastic(state, steps), steps.surface)).imag / STEP
     return found
 
 
@@ -47,7 +47,7 @@ def test_a_step_of_descent_lowers_the_energy():
     free = {"held": np.zeros(30), "b_moves": np.ones(30), "runs": np.zeros(30), "radius": np.zeros(30)}
     state = random_tissue(30, 5, steps.surface, **free, neighbours=np.zeros((0, 2), np.int64))
     made, elastic = kernels.make_substeps(state, steps), twins.elastic(state, steps)
-    before, after = (energy_of(one.x, one.a, one.b, elastic) for one in (state, made))
+    before, after = (sum(parts_of(one.x, one.a, one.b, elastic)) for one in (state, made))
     square = sum((force**2).sum() for force in twins.forces(state, steps))
     assert before - after == pytest.approx(steps.h / steps.mu * square, rel=1e-3)
 
@@ -60,7 +60,7 @@ def test_in_the_plane_it_is_the_energy_of_two_dimensions():
         np.array([*pair, 0.0 * cells.x]) for pair in ((cells.x, cells.y), (cells.ax, cells.ay), (cells.bx, cells.by))
     )
     fields = cells.stiff_ax, cells.stiff_bx, cells.stiff_axb, 1 + cells.rest_ax, 1 + cells.rest_bx
-    elastic = twins.Elastic(*fields, edges, cells.rest_aa[:-1], k, numbers.power, numbers.repulsion)
+    elastic = twins.Elastic(*fields, edges, cells.rest_aa[:-1], k, numbers.spring_power, numbers.repulsion)
     parts = parts_of(x, a, b, elastic)
     np.testing.assert_allclose(parts, plane_energy.parts(cells, layers, numbers), rtol=1e-12)
 
@@ -69,6 +69,6 @@ def test_bad_points():
     state = random_tissue(5, 0, SURFACES["open plane"])
     elastic = twins.elastic(state, Steps())
     with pytest.raises(dincl.InvalidProblem, match="nucleus and apical point of cell 0 lie on one point"):
-        energy_of(state.x, state.x, state.b, elastic)
+        parts_of(state.x, state.x, state.b, elastic)
     with pytest.raises(dincl.InvalidProblem, match="b has coordinates that are not finite"):
-        energy_of(state.x, state.a, state.b * np.nan, elastic)
+        parts_of(state.x, state.a, state.b * np.nan, elastic)

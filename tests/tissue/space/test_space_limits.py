@@ -37,7 +37,7 @@ def test_the_planar_limit_is_the_step_of_two_dimensions(name, seed, substeps):
     numbers = numbers._replace(dt=substeps * h, substeps=substeps)
     for frame in simulate(parameters, seed).frames[: 1 if name == "thesis" else 2]:
         expected = plane.make_substeps(frame.cells, frame.layers, numbers, None)
-        steps = Steps(h, substeps, numbers.mu, numbers.power, numbers.repulsion, numbers.max_basal)
+        steps = Steps(h, substeps, numbers.mu, numbers.spring_power, numbers.repulsion, numbers.max_basal_distance)
         made = make_substeps(section(frame.cells, numbers), steps)
         found = {"x": made.x[0], "y": made.x[1], "ax": made.a[0], "ay": made.a[1], "bx": made.b[0], "by": made.b[1]}
         for field, line in found.items():

@@ -56,18 +56,6 @@ def test_differences_are_to_the_nearest_image(d, period, nearest):
     assert s.differences(surface, d, d, d)[:2] == (s.nearest_image(d, period), d)
 
 
-@pytest.mark.parametrize("bad", [0.0, -1.0, math.nan, "long", None, True])
-def test_bad_numbers_are_refused_by_name(bad):
-    with pytest.raises(InvalidProblem, match="radius"):
-        s.sphere(bad, inside=True)
-    with pytest.raises(InvalidProblem, match=r"period_z.* inf"):
-        s.cylinder(1.0, inside=False, period_z=bad)
-    with pytest.raises(InvalidProblem, match="period_x"):
-        s.plane(period_x=bad)
-    with pytest.raises(InvalidProblem, match="inside"):
-        s.cylinder(1.0, inside="yes")
-
-
 def test_the_middle_has_no_normal():
     with pytest.raises(InvalidProblem, match="middle"):
         s.normals(s.sphere(1.0, inside=False), np.zeros((1, 3)))

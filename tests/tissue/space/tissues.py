@@ -15,19 +15,17 @@ KINDS = {
     "sphere outside": s.sphere(2.2, inside=False),
     "sphere inside": s.sphere(2.5, inside=True),
     "patch": s.plane(),
-    "patch of a cylinder": s.cylinder(5.0, inside=False),
-    "band along x": s.plane(period_x=9.0),
-    "band along z": s.plane(period_z=9.0),
-    "band around a cylinder": s.cylinder(1.8, inside=True),
+    "ribbon": s.plane(period_x=8.0),
+    "tube": s.cylinder(1.8, inside=True),
 }
-CLOSED = [name for name in KINDS if "patch" not in name and "band" not in name]
-EULER = {name: 2 if name not in ("plane", "cylinder outside", "cylinder inside") else 0 for name in KINDS}
+# V - E + F of their triangulations; of spheres 2.
+EULER = {"plane": 0, "cylinder outside": 0, "cylinder inside": 0, "ribbon": 0, "tube": 0, "patch": 1}
+OPEN = ("patch", "ribbon", "tube")
 
 
 def spread_points(name, n, rng):
     """n points (n, 3) at random on a surface, none nearer to another than three quarters of the mean distance."""
-    surface = KINDS[name]
-    chosen = []
+    surface, chosen = KINDS[name], []
     distance = 0.75 * math.sqrt(area(name) / n)
     while len(chosen) < n:
         candidate = one_point(name, rng)
@@ -52,8 +50,6 @@ def size(name):
         first, second = surface.period_z, surface.period_x
     else:
         first, second = 2 * math.pi * surface.radius, surface.period_z
-    if name == "patch of a cylinder":
-        first = 6.0
     return [6.0 if math.isinf(length) else length for length in (first, second)]
 
 

@@ -1,27 +1,49 @@
-"""Results of the studies of chapter 4 that take no time: all columns, of random numbers. And how to read a figure."""
+"""A study of two factors, and outcomes that take no time: all columns, of random numbers."""
 
-from dataclasses import replace
 from functools import lru_cache
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pyarrow as pa
-from matplotlib.colors import to_hex
 
 from tissue.events.known import row
+from tissue.files.groups import drawn
 from tissue.files.parameters import preset
-from tissue.files.scenario import drawn
 from tissue.runs.simulate import simulate
-from tissue.statistics.ratios import ratio
 from tissue.study.outcomes import Outcomes
-from tissue.study.plan import load_study
-from tissue.study.run import carry_out
 
-RUNS = {"table5_63": 16, "table5_35": 256, "table5_7": 16}
-SHORT = {"numerics.keep": "24 h"}
-TIMES = (0.0, 24.0, 48.0)
-POPULATIONS = {"table5_63": "63 % [P]", "table5_35": "35 % [P]", "table5_7": "7 % [P]"}
+HEAD = """
+title = "Does the time matter, and more inside?"
+base = "thesis"
+replicates = 40
+seed = 3
+[overrides.numerics]
+keep = "24 h"
+[overrides.emt]
+cells = 5
+"""
+FACTORS = """
+[factors.time]
+late = { emt.a = "18 h" }
+early = { emt.a = "6 h" }
+[factors.shape]
+line = {}
+arc = { layer = { shape = "circle", perimeter = "400 um" } }
+"""
+COMPARE = """
+[compare]
+outcomes = ["basal", "controls_apical"]
+measures = ["difference", "ratio"]
+effect = "time"
+by = "shape"
+"""
+INTERACTION = "(early - late, arc) - (early - late, line)"
+
+
+def write(text, path="study.toml"):
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(text)
+    return path
 
 
 @lru_cache
@@ -39,9 +61,9 @@ def outcomes(parameters, replicates, seeds, asked=()):
     ]
     for replicate, seed in zip(replicates, seeds, strict=True):
         rng = np.random.default_rng(seed)
-        emt, inm = drawn(parameters.scenario(), rng)
-        began = {f"t_{name}_h": emt.at[row(name)] for name in "absp"}
-        onset = emt.at.min(axis=0)
+        at, inm = drawn(parameters.groups()[0], rng)
+        began = {f"t_{name}_h": at[row(name)] for name in "absp"}
+        onset = at.min(axis=0)
         table = {"replicate": np.full(m, replicate), "cell": np.arange(m), "inm": inm, **began, "onset_h": onset}
         table["onset_ab"] = np.where(np.isfinite(onset), rng.random(m), np.nan)
         for t in times:
@@ -53,58 +75,7 @@ def outcomes(parameters, replicates, seeds, asked=()):
         counts = {
             f"controls{side}_{t:g}h": n for t in times for side, n in (("", 50), ("_apical", seed % 7), ("_basal", 0))
         }
-        runs.append({"replicate": replicate, "seed": seed, "status": "SUCCESS", "detail": "", **counts})
+        runs.append({"replicate": replicate, "seed": seed, "status": "SUCCESS", "detail": "", "folded": "no", **counts})
     cells, done = pd.concat(rows, ignore_index=True), pd.DataFrame(runs)
     tables = {number: whole(m, number) for number in asked}
     return Outcomes(*(pa.Table.from_pandas(table, preserve_index=False) for table in (cells, done)), tables)
-
-
-def written(patch):
-    """Figures that are written nowhere but in name, by the name of their file; studies that wait for no disk."""
-    found = {}
-
-    def note(figure, path):
-        Path(path).touch()
-        found[Path(path).name] = figure
-
-    patch.setattr("tissue.study.figures.catalogue.write", note)
-    return found
-
-
-def made(names, home, trajectories=(0, 1), runs=8):
-    """Results of studies that come with the package, of few runs and output times."""
-    for name in names:
-        study = load_study(name)
-        scenarios = {key: parameters.changed(SHORT) for key, parameters in study.scenarios.items()}
-        short = replace(study, replicates=RUNS.get(name, runs), scenarios=scenarios, trajectories=trajectories)
-        carry_out(short, Path(home) / name)
-
-
-def last(cells, what="basal"):
-    return {"basal": cells["ab_48h"] < 0, "apical": cells["ab_48h"] > 1, "below": cells["below_48h"]}[what]
-
-
-def expected(cells, what="basal"):
-    """The ratio at the end [%], and the ends of its interval."""
-    one = ratio(last(cells, what), cells["replicate"])
-    return [100 * value for value in (one.value, *one.interval())]
-
-
-def caption(figure):
-    return figure.get_supxlabel().replace("\n", " ").replace("\N{NO-BREAK SPACE}", " ")
-
-
-def coloured(panel, colour):
-    (line,) = (line for line in panel.lines if line.get_color() == colour)
-    return line
-
-
-def dots(panel):
-    """Of each series of marks with intervals: its height, value and the ends of the interval, and colour, of each."""
-    found = []
-    for container in panel.containers:
-        marks, _, (whiskers,) = container.lines
-        ends = [segment[:, 0].tolist() for segment in whiskers.get_segments()]
-        places = zip(marks.get_xdata(), marks.get_ydata(), ends, strict=True)
-        found.append([(float(y), float(x), *interval, to_hex(marks.get_color())) for x, y, interval in places])
-    return found

@@ -1,6 +1,5 @@
 """A study that takes no time: outcomes that are a function of (parameters, seed), as those of the simulation are."""
 
-import threading
 from pathlib import Path
 
 import numpy as np
@@ -8,15 +7,15 @@ import pandas as pd
 import pyarrow as pa
 
 import tissue
-import tissue.study.outcomes
 from tissue.study.outcomes import Outcomes
 
+# Its two scenarios have parts of 32 runs: three with 70 replicates.
 STUDY = """
 title = "small"
 base = "thesis"
 replicates = {replicates}
 seed = 7
-trajectories = [2, 129]
+trajectories = [2, 33]
 [overrides.emt]
 cells = 2
 [scenarios."[A]"]
@@ -26,16 +25,16 @@ emt = {{ a = "12 h", inm = 0 }}
 """
 
 
-def study_file(folder, replicates=300):
-    """Write a study of six pieces."""
+def study_file(folder, replicates=70):
+    """Write the study."""
     path = Path(folder) / "small.toml"
     path.write_text(STUDY.format(replicates=replicates), "utf-8")
     return path
 
 
-def run():
+def run(**options):
     """Run the study of the folder, or continue it."""
-    return tissue.run_study("small.toml", "out")
+    return tissue.run_study("small.toml", "out", **options)
 
 
 def outcomes(parameters, replicates, seeds, whole=()):
@@ -47,6 +46,7 @@ def outcomes(parameters, replicates, seeds, whole=()):
         "seed": seeds,
         "status": pa.array(["NON_FINITE" if bad else "SUCCESS" for bad in failed]).dictionary_encode(),
         "detail": ["lost" if bad else "" for bad in failed],
+        "folded": ["no" for _ in failed],
         "controls_0h": pa.array([None if bad else 58 for bad in failed], pa.int64()),
     }
     sound = [(number, draw) for number, draw, bad in zip(replicates, draws, failed, strict=True) if not bad]
@@ -61,17 +61,6 @@ def outcomes(parameters, replicates, seeds, whole=()):
     return Outcomes(pa.table(cells), pa.table(runs), tables)
 
 
-def _slow(*args):
-    threading.Event().wait(0.1)
-    return outcomes(*args)
-
-
-def use_stand_in():
-    """In another process: a simulation that takes a while."""
-    tissue.study.outcomes.outcomes = _slow
-
-
 def stored(folder):
-    """The contents of all tables in a folder, and of the notes that they are there."""
-    files = [path for path in sorted(Path(folder).glob("*/*/*")) if not path.name.startswith("_damaged-")]
-    return {str(path.relative_to(folder)): path.read_bytes() for path in files}
+    """The contents of all tables in a folder."""
+    return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(Path(folder).glob("*/*/*"))}

@@ -95,14 +95,6 @@ def test_every_state_of_the_replicates_asked_for(made):
         assert table.equals(runs[number - 40].table())
 
 
-def test_rows_do_not_depend_on_the_company(made):
-    parameters = preset("thesis").changed(SCENARIO)
-    alone = outcomes(parameters, [44], [SEEDS[4]])
-    whole = outcomes(parameters, REPLICATES, SEEDS)
-    assert alone.cells.equals(whole.cells.slice(24, 6).combine_chunks())
-    assert alone.runs.equals(whole.runs.slice(4, 1).combine_chunks())
-
-
 def test_a_run_that_fails_has_no_cells_and_says_so():
     """Noise throws nuclei out of all bounds."""
     wild = preset("thesis").changed(SCENARIO | WILD)

@@ -1,4 +1,4 @@
-"""Study files: what they give, every message about a bad one, the seeds, and the studies that come with the package."""
+"""Study files: what they give and compare, messages, the seeds, and the studies that come with the package."""
 
 from pathlib import Path
 
@@ -6,12 +6,14 @@ import pytest
 
 import tissue
 from dincl.errors import InvalidProblem
-from tissue.study.plan import PART, Piece, load_study, run_seeds, shipped
+from tests.tissue.study.figures_stand_in import COMPARE, FACTORS, HEAD, INTERACTION, write
+from tissue.study.parts import Part
+from tissue.study.plan import load_study, part_size, run_seeds, shipped
 
 GOOD = """
 title = "two scenarios"
 base = "thesis"
-replicates = 300
+replicates = 70
 seed = 3
 trajectories = [5, 0]
 [overrides.numerics]
@@ -25,109 +27,79 @@ emt = { a = "never", b = "6 h to 24 h, 70 %", inm = 0 }
 """
 
 
-@pytest.fixture
-def written(tmp_path):
-    def write(text):
-        path = tmp_path / "study.toml"
-        path.write_text(text, "utf-8")
-        return path
-
-    return write
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
 
 
-def refused(path):
+def refused(text):
     with pytest.raises(InvalidProblem) as caught:
-        load_study(path)
+        load_study(write(text))
     first, *lines = str(caught.value).split("\n  ")
-    assert first.startswith(f"{path}: ")
-    return lines or [first.removeprefix(f"{path}: ")]
+    assert first.startswith("study.toml: ")
+    return lines or [first.removeprefix("study.toml: ")]
 
 
-def test_a_study_is_what_its_file_says(written):
-    study = load_study(written(GOOD))
-    assert (study.title, study.replicates, study.seed, study.trajectories) == ("two scenarios", 300, 3, (0, 5))
-    assert study.text == GOOD
+def test_a_study_is_what_its_file_says(tmp_path):
+    study = load_study(write(GOOD))
+    assert (study.title, study.replicates, study.seed, study.trajectories) == ("two scenarios", 70, 3, (0, 5))
+    assert (study.text, study.paired, study.runs) == (GOOD, False, 140)
     common = {"numerics.keep": "2 h", "emt.cells": 1}
     second = {"emt.a": "never", "emt.b": "6 h to 24 h, 70 %", "emt.inm": 0}
     assert dict(study.scenarios) == {
         "[A]": tissue.preset("thesis").changed({**common, "emt.a": "6 h"}),
         "[B] / no INM": tissue.preset("thesis").changed({**common, **second}),
     }
-
-
-def test_the_base_may_be_a_file_beside_the_study(written, tmp_path):
     (tmp_path / "mine.toml").write_text('base = "published"\n[tissue]\ncells = 51\n', "utf-8")
-    study = load_study(written(GOOD.replace('"thesis"', '"mine.toml"')))
+    study = load_study(write(GOOD.replace('"thesis"', '"mine.toml"')))
     assert study.scenarios["[A]"].tissue.cells == 51
     assert study.scenarios["[A]"].numerics.substeps == tissue.preset("published").numerics.substeps
 
 
-def test_pieces_hold_every_replicate_once(written):
-    study = load_study(written(GOOD))
-    assert list(study.pieces())[:3] == [Piece("[A]", 0, PART), Piece("[A]", 128, PART), Piece("[A]", 256, 44)]
-    runs = [(piece.scenario, number) for piece in study.pieces() for number in piece.replicates]
-    assert len(runs) == len(set(runs)) == study.runs == 600
-    assert PART % 8 == 0
+@pytest.mark.parametrize(
+    ("cells", "dimension", "runs"), [(60, 2, 32), (100, 2, 16), (222, 2, 8), (196, 3, 10), (784, 3, 2), (2304, 3, 1)]
+)
+def test_parts_of_large_tissues_have_few_runs(cells, dimension, runs):
+    flat = {"tissue.cells": cells, "tissue.dimension": dimension}
+    assert part_size(tissue.preset("published").changed(flat)) == runs
 
 
 @pytest.mark.parametrize(
     ("old", "new", "messages"),
     [
         ('title = "two scenarios"', "", ["title is missing: must be a text of one line"]),
-        ("replicates = 300", "replicates = 0", ["replicates = 0: must be a whole number from 1 to 10000000"]),
+        ("replicates = 70", "replicates = 0", ["replicates = 0: must be a whole number from 1 to 10000000"]),
         ("seed = 3", "seed = -1", ["seed = -1: must be a whole number from 0 to 9223372036854775807"]),
-        ("seed = 3", "sead = 3", ["sead = 3: unknown key; the nearest known one is seed", "seed is missing"]),
+        ("seed = 3", "sead = 3", ["seed is missing", "sead = 3: unknown key; the nearest known one is seed"]),
+        ("seed = 3", "seed = 3\npaired = 1", ["paired = 1: must be true or false"]),
         ("[5, 0]", "[5, 5]", ["trajectories = [5, 5]: must be a list of different replicates"]),
-        ("[5, 0]", "[300]", ["trajectories = [300]: must be below replicates = 300"]),
+        ("[5, 0]", "[70]", ["trajectories = [70]: must be below replicates = 70"]),
         ('"thesis"', '"these"', ["base = 'these': must be \"thesis\", \"corrected\", \"published\", \"chick\""]),
-        ('keep = "2 h"', 'kep = "2 h"', ["every scenario: numerics.kep = '2 h': unknown key; the nearest"]),
+        ('keep = "2 h"', 'kep = "2 h"', ["scenario '[A]': numerics.kep = '2 h': unknown key; the nearest"]),
         ("inm = 0", "inm = 2", ["scenario '[B] / no INM': emt.inm = 2: must be a number from 0 to 1"]),
-        ("a = \"never\", b", 'b = "never", p = "6 h", b2', ["emt.b2 = '6 h to 24 h, 70 %'", "[P] waits for [B]"]),
-        ('[scenarios."[A]"]', '[scenarios.""]', ["scenarios = {'': {}, ", "'' is too long, empty or not printable"]),
+        ('[scenarios."[A]"]', '[scenarios.""]', ["scenarios = {'': {}, "]),
         ('[scenarios."[A]"]', f'[scenarios.{"x" * 300}]', ["is too long, empty or not printable"]),
-        ('[scenarios."[A]"]', '[scenarios."[A]"]\nemt = 3', ["scenario '[A]': emt = 3: unknown key"]),
+        ('[scenarios."[A]"]', '[scenarios."[A]"]\nemt = 3', ["scenario '[A]': emt = 3: must be a section"]),
+        ("seed = 3", 'seed = 3\nown.modules = ["m"]', ["put own.modules into the base, or under [overrides.own]"]),
+        (GOOD[GOOD.index("[scenarios") :], "", ["scenarios is missing: must be at least one table, such as"]),
     ],
 )  # fmt: skip
-def test_what_is_wrong_is_said_with_key_value_and_what_is_allowed(written, old, new, messages):
+def test_what_is_wrong_is_said_with_key_value_and_what_is_allowed(old, new, messages):
     assert old in GOOD
-    lines = refused(written(GOOD.replace(old, new)))
-    for message in messages:
-        assert any(message in line for line in lines), lines
-    assert len(lines) <= len(messages)
+    lines = refused(GOOD.replace(old, new))
+    assert len(lines) == len(messages)
+    assert all(message in line for message, line in zip(messages, lines, strict=True)), lines
 
 
-def test_a_study_without_scenarios(written):
-    text = GOOD[: GOOD.index("[scenarios")]
-    assert refused(written(text)) == [
-        'scenarios is missing: must be at least one table, such as [scenarios."[A]"], of sections of parameters'
-    ]
-    assert "scenarios = {}: must be" in refused(written(text + "[scenarios]\n"))[0]
-
-
-def test_all_errors_are_in_one_message(written):
-    text = GOOD.replace("replicates = 300", "replicates = -1").replace('"2 h"', '"2 um"').replace("inm = 0", "inm = 2")
-    lines = refused(written(text))
-    assert [line.partition(" = ")[0] for line in lines] == [
-        "replicates",
-        "every scenario: numerics.keep",
-        "scenario '[B] / no INM': emt.inm",
-    ]
-
-
-def test_a_file_that_is_none_names_the_studies_that_are(tmp_path):
+def test_files_that_are_none_are_named(tmp_path):
     with pytest.raises(
         InvalidProblem, match="there is no such file; must be a TOML file, or a study: curved_published, figure10, "
     ):
         load_study(tmp_path / "none.toml")
-    bad = tmp_path / "bad.toml"
-    bad.write_text("title = ", "utf-8")
     with pytest.raises(InvalidProblem, match="must be a readable TOML file"):
-        load_study(bad)
-
-
-def test_a_base_that_is_bad_is_told(written, tmp_path):
+        load_study(write("title = "))
     (tmp_path / "mine.toml").write_text('base = "published"\n[tissue]\ncells = 0\n', "utf-8")
-    (line,) = refused(written(GOOD.replace('"thesis"', '"mine.toml"')))
+    (line,) = refused(GOOD.replace('"thesis"', '"mine.toml"'))
     assert line.endswith("mine.toml: tissue.cells = 0: must be a whole number from 1 to 1000000")
 
 
@@ -146,9 +118,9 @@ def test_a_base_that_is_bad_is_told(written, tmp_path):
          '[B] does not begin in all cells: emt.b = "6 h to 60 h, 5 %", and numerics.t_end = "48 h"'),
     ],
 )  # fmt: skip
-def test_where_an_event_waits_or_is_late_there_is_a_remark(written, emt, remark):
+def test_where_an_event_waits_or_is_late_there_is_a_remark(emt, remark):
     head = GOOD[: GOOD.index("[scenarios")].replace('a = "6 h"', "")
-    study = load_study(written(f"{head}[scenarios.x]\nemt = {{ {emt} }}\n[scenarios.y]\n"))
+    study = load_study(write(f"{head}[scenarios.x]\nemt = {{ {emt} }}\n[scenarios.y]\n"))
     assert study.remarks == ([f"scenario 'x': {remark}"] if remark else [])
 
 
@@ -161,6 +133,105 @@ def test_seeds_are_a_function_of_study_scenario_and_replicate():
     assert len(set(every)) == 4000
     assert all(0 <= seed < 2**63 for seed in every)
     assert max(every) > 2**62
+    study, first, last = load_study(write(GOOD)), Part("[A]", 0, 32), Part("[B] / no INM", 64, 6)
+    assert study.seeds(first) == run_seeds(3, "[A]", range(32))
+    paired = load_study(write(GOOD.replace("seed = 3", "seed = 3\npaired = true")))
+    assert paired.seeds(last) == paired.seeds(last._replace(scenario="[A]")) != study.seeds(last)
+
+
+# Factors, and [compare]
+
+
+def test_levels_are_crossed_into_scenarios():
+    study = load_study(write(HEAD + FACTORS))
+    assert list(study.scenarios) == ["late, line", "late, arc", "early, line", "early, arc"]
+    changes = {"numerics.keep": "24 h", "emt.cells": 5, "emt.a": "6 h"}
+    circle = {"layer.shape": "circle", "layer.perimeter": "400 um"}
+    assert study.scenarios["early, arc"] == tissue.preset("thesis").changed({**changes, **circle})
+    assert study.compare is None
+
+
+def test_effect_and_by_are_simple_effects_and_their_interaction():
+    compare = load_study(write(HEAD + FACTORS + COMPARE)).compare
+    assert compare.contrasts == {
+        "early - late, line": {"late, line": -1, "early, line": 1},
+        "early - late, arc": {"late, arc": -1, "early, arc": 1},
+        INTERACTION: {"late, arc": -1, "early, arc": 1, "late, line": 1, "early, line": -1},
+    }
+    assert compare.count == 9
+    assert compare.effects[INTERACTION] == ("early", "late", "arc", "line")
+
+
+def test_three_times_in_two_shapes_and_a_third_factor():
+    times = FACTORS.replace("early =", 'middle = { emt.a = "12 h" }\nearly =')
+    more = '[factors.inm]\nwith = { emt.inm = 1 }\nwithout = { emt.inm = 0 }\n[compare]\noutcomes = ["basal"]\n'
+    compare = load_study(write(HEAD + times + more + 'effect = "time"\nby = "shape"\n')).compare
+    assert len(compare.contrasts) == 6
+    weights = compare.contrasts["(early - late, arc) - (early - late, line)"]
+    assert set(weights.values()) == {0.5, -0.5}
+    assert len(weights) == 8
+    alone = load_study(write(HEAD + times + more + 'effect = "inm"\n')).compare
+    assert set(alone.contrasts["without - with"].values()) == {1 / 6, -1 / 6}
+
+
+def test_outcomes_alone_ask_for_all_pairs_of_scenarios():
+    two = '[scenarios.x]\nemt.a = "6 h"\n[scenarios.y]\nemt.b = "6 h"\n[compare]\noutcomes = ["below", "height_um"]\n'
+    compare = load_study(write(f"{HEAD}{two}")).compare
+    assert compare.contrasts == {"y - x": {"y": 1, "x": -1}}
+    assert compare.effects == {"y - x": ("y", "x")}
+    assert (compare.outcomes, compare.count) == (("below", "height_um"), 2)
+    four = load_study(write(HEAD + FACTORS + COMPARE.replace('effect = "time"\nby = "shape"\n', ""))).compare
+    assert len(four.contrasts) == 6
+    (line,) = refused(HEAD + two.replace('[scenarios.x]\nemt.a = "6 h"\n', ""))
+    assert line == "compare: must have two scenarios or more, there is y"
+
+
+def test_contrasts_of_named_scenarios():
+    own = '[scenarios.x]\nemt.a = "6 h"\n[scenarios.y]\nemt.b = "6 h"\n[compare]\noutcomes = ["below"]\n'
+    compare = load_study(write(f'{HEAD}{own}[compare.contrasts."Is x lower?"]\nx = 1\ny = -1\n')).compare
+    assert compare.contrasts == {"Is x lower?": {"x": 1, "y": -1}}
+    assert compare.effects == {}
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('"basal", ', '"bassal", ', "compare.outcomes = ['bassal', 'controls_apical']: must be a list of some of"),
+        ('outcomes = ["basal", "controls_apical"]', "", "compare.outcomes is missing: must be a list of some of"),
+        ('"ratio"', '"odds"', "compare.measures = ['difference', 'odds']: must be a list of some of difference, ratio"),
+        ('effect = "time"', 'effect = "tme"', "compare.effect = 'tme': must be one of the factors: time, shape"),
+        ('by = "shape"', 'by = "time"', "compare.by = 'time': must be one of the factors: shape"),
+        ('effect = "time"\n', "", "compare.effect = '': must be one of the factors: time, shape"),
+        ('by = "shape"', 'bye = "shape"', "compare.bye = 'shape': unknown key; the nearest known one is compare.by"),
+        ('by = "shape"', 'correction = "holm"', "compare.correction = 'holm': unknown key; the nearest known one is"),
+        ('by = "shape"', 'contrasts = 3', "compare.contrasts = 3: must be a table of weights of scenarios for each"),
+        ('by = "shape"', 'contrasts.q = { "late, arc" = 1, "late, line" = -2 }', "compare.contrasts.'q' = {'late, "),
+        ('by = "shape"', 'contrasts.q = { "late, arc" = 1, "lat" = -1 }', "compare.contrasts.'q'.'lat' = -1: must be"),
+    ],
+)  # fmt: skip
+def test_what_is_wrong_in_compare_is_said_in_one_message(old, new, message):
+    assert old in COMPARE
+    (line,) = refused(HEAD + FACTORS + COMPARE.replace(old, new))
+    assert line.startswith(message)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (FACTORS.replace("arc = ", "#"), "factors = {'time': "),
+        (FACTORS.replace("line = {}", 'line = { emt.a = "9 h" }'), "factors time and shape both set emt.a: must set "),
+        ("", "scenarios is missing: must be at least one table"),
+        (
+            FACTORS + "[compare]\n",
+            "compare = {}: must be a table: outcomes, and on request the factor effect,",
+        ),
+    ],
+)
+def test_factors_that_are_none(text, message):
+    assert refused(HEAD + text)[0].startswith(message)
+
+
+# Studies that come with the package
 
 
 def times(study):
@@ -223,22 +294,3 @@ def test_every_study_that_comes_with_the_package():
             assert parameters.tissue.cells == cells
             assert parameters.in_space == (cells == 784)
     assert Path(tissue.__file__).parent.joinpath("studies").is_dir()
-
-
-def test_keys_that_nothing_reads_are_told(written):
-    text = GOOD.split("[scenarios", maxsplit=1)[0].replace('cells = 1\na = "6 h"', "cells = 1")
-    wide = 'layer.perimeter = "250 um"\nspace.boundary = "open"\n'
-    study = load_study(written(f"{text}[scenarios.one]\n[scenarios.wide]\n{wide}"))
-    assert study.remarks == [
-        'scenario \'wide\': nothing reads layer.perimeter = "250 um": layer.shape = "line"',
-        "scenario 'wide': nothing reads space.boundary = \"open\": tissue.dimension = 2",
-        "scenarios 'one', 'wide' differ only in keys that nothing reads",
-    ]
-    arc = 'layer = { shape = "circle", perimeter = "400 um", aspect = 2, side = "outside" }\n'
-    study = load_study(written(f"{text}[scenarios.one]\n[scenarios.arc]\n{arc}"))
-    assert study.remarks == ["scenario 'arc': nothing reads layer.aspect = 2.0: layer.shape = \"circle\""]
-
-
-def test_modules_belong_into_the_base(written):
-    (line,) = refused(written(GOOD.replace("[overrides.numerics]", 'own.modules = ["m.py"]\n[overrides.numerics]')))
-    assert line.endswith("put own.modules into the base, or under [overrides.own]")

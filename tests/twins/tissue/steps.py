@@ -51,7 +51,7 @@ def apply_rules(
 
 
 def divide(tissue: Tissue, t: float, numbers: Numbers, draws: Generator, named: Named = ()) -> Tissue:
-    """Twin of ``division.divide`` (section 2.2.5 of chapter 3): cells go from one list to another.
+    """Twin of ``cycle.divide`` (section 2.2.5 of chapter 3): cells go from one list to another.
 
     Layers are lists of ids.
     """
@@ -67,11 +67,11 @@ def divide(tissue: Tissue, t: float, numbers: Numbers, draws: Generator, named: 
         first = cell._replace(birth=t, cycle=_new_cycle(own, draws))
         if two:
             second = first._replace(cycle=_new_cycle(own, draws), id=next_id, mother=first.id)
-            first = _shifted(first, -numbers.division_offset)._replace(rest_aa=numbers.new_junction)
+            first = _shifted(first, -numbers.offset)._replace(rest_aa=numbers.new_junction)
             if cell.emt >= 0:
                 second = second._replace(emt=len(emt.side))
                 emt = Emt(*(np.concatenate((array, array[..., [cell.emt]]), axis=-1) for array in emt))
-            one_by_one += [first, _shifted(second, numbers.division_offset)]
+            one_by_one += [first, _shifted(second, numbers.offset)]
             for layer in (apical, basal):
                 if first.id in layer:
                     layer.insert(layer.index(first.id) + 1, next_id)
@@ -86,7 +86,7 @@ def divide(tissue: Tissue, t: float, numbers: Numbers, draws: Generator, named: 
 
 def set_phases(cells: Cells, t: float, numbers: Any) -> Cells:
     """Twin of ``cycle.set_phases``: hard radius (3.4), (3.8), and stiffness of the apical junctions."""
-    changes = cells.moves | numbers.resting_enlarge
+    changes = cells.moves | numbers.resting_cells_enlarge
     late = changes & _in_g2(cells, t, numbers)
     mitosis = changes & (t - cells.birth >= cells.cycle - numbers.mitosis)
     return cells._replace(
@@ -103,7 +103,7 @@ def adapt_rest_lengths(cells: Cells, t: float, numbers: Any) -> Cells:
     whole = np.hypot(cells.ax - cells.bx, cells.ay - cells.by)
     wanted_ax = np.where(rises, 0.0, to_a - 1.0)
     wanted_bx = np.where(rises, whole - 2.0, to_b - 1.0)
-    if numbers.floor_rest:
+    if numbers.floor_rest_length:
         wanted_ax, wanted_bx = np.maximum(wanted_ax, 0.0), np.maximum(wanted_bx, 0.0)
     free_a, free_b = cells.events & bit("a") > 0, cells.events & bit("b") > 0
     total = np.where(free_a, 0.0, wanted_ax) + np.where(free_b, 0.0, wanted_bx)
@@ -156,7 +156,7 @@ def swept(cells: Cells, layers: CellLayers, numbers: Numbers) -> Cells:
     """One sweep of projections: hard spheres, basal order, basal distance."""
     x, y = separate(cells.x, cells.y, cells.radius)
     bx = cells.bx.copy()
-    bx[layers.basal] = limit(order(bx[layers.basal]), numbers.max_basal)
+    bx[layers.basal] = limit(order(bx[layers.basal]), numbers.max_basal_distance)
     return cells._replace(x=x, y=y, bx=bx)
 
 

@@ -19,11 +19,11 @@ from verification.claims import (
     proved,
     put_right,
 )
-from verification.formal import Step, UnsoundProof, enclosures
-from verification.formal.algebra import library, matrices, squares, vanishes
-from verification.formal.enclosures import least_upper_bound
-from verification.formal.reals import follows, reals
-from verification.formal.stated import argument, identity, implication
+from verification.claims.formal import Step, UnsoundProof, enclosures
+from verification.claims.formal.algebra import library, matrices, squares, vanishes
+from verification.claims.formal.enclosures import least_upper_bound
+from verification.claims.formal.reals import follows, reals
+from verification.claims.formal.stated import argument, identity, implication
 
 a, b, x, y = library().symbols("a b x y", real=True)
 r, s = reals("r s")

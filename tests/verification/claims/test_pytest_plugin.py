@@ -65,8 +65,8 @@ def test_claims_are_tests(pytester: pytest.Pytester, name: str) -> None:
 def test_an_entry_without_a_check_is_a_test(pytester: pytest.Pytester, wrong: str, outcome: str) -> None:
     pytester.makepyfile(
         my_claims=f"""
-from verification.formal.algebra import library
-from verification.formal.stated import identity
+from verification.claims.formal.algebra import library
+from verification.claims.formal.stated import identity
 
 x = library().Symbol("x")
 square = identity("my.square", "", "", "x times x is its square", right=x * x - x**2, wrong={wrong})

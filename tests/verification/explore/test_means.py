@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 from scipy import stats
 
-from tissue.statistics.sequences import bounded, runs_to_decide, unbounded
+from verification.explore.sequences import bounded, runs_to_decide, unbounded
 from verification.explore.tissues.answer import (
     DECIDED,
     HEIGHT,
@@ -65,7 +65,7 @@ def test_few_values_have_no_interval_and_say_so():
 
 def test_what_is_held_has_names_of_its_own():
     course = TimeSeries([0.0, 1.0], *np.array([[1.0, 2.0], [0.5, 1.0], [1.5, 3.0]]))
-    answer = Answer(8, 0, {}, {}, {}, pd.DataFrame(columns=["what", "time_h"]), {HEIGHT: course})
+    answer = Answer(8, 0, {}, {}, pd.DataFrame(columns=["what", "time_h"]), {HEIGHT: course})
     assert mean_chart([answer], HEIGHT)["legend"]["data"] == [HEIGHT]
     chart = mean_chart([answer, answer], HEIGHT)
     assert chart["legend"] | {"data": [HEIGHT, f"{HEIGHT}, held"], "show": True} == chart["legend"]

@@ -1,8 +1,8 @@
 """The page in a real browser: every kind of control, wrong values, the picture, comparing, and the exported study."""
 
+import re
 import time
 
-import numpy as np
 import pytest
 
 import tissue
@@ -22,10 +22,9 @@ from tests.verification.explore.site import (
 )
 from tests.verification.explore.small import SMALL
 from tissue.pictures.charts import OUTCOMES
-from tissue.statistics.categories import kept_times, outcome
-from tissue.statistics.sequences import bounded
-from tissue.study.answers import scenario_ratios
+from tissue.study.plan import run_seeds
 from tissue.study.run import run_study
+from verification.explore.sequences import bounded
 from verification.explore.tissues.setting import Setting
 
 pytestmark = pytest.mark.slow
@@ -128,7 +127,7 @@ def test_an_event_is_switched_on_and_moved(page):
     [
         ("tissue.cells", "-3", "must be a whole number from 1 to 1000000"),
         ("numerics.mu", "0.2", "the unit is missing"),
-        ("numerics.t_end", "3.05 h", "must be a whole number of steps numerics.dt"),
+        ("numerics.t_end", "3.05 h", "must be a whole number of steps dt"),
     ],
 )
 def test_what_is_impossible_is_said_beside_the_field_and_changes_nothing(page, key, text, said):
@@ -185,16 +184,23 @@ def test_two_settings_are_compared_and_the_exported_study_has_the_numbers_of_the
     page.get_by_text("tissue study mine.toml --out results/mine").wait_for()
     page.get_by_role("button", name="Close").click()
     results = run_study(folder / "mine.toml", folder / "results" / "mine")
-    rows = scenario_ratios(results).set_index(["scenario", "outcome"])
+    text = (folder / "mine.toml").read_text("utf-8")
+    assert (
+        f"# Written on the page to explore after a look at {RUNS} runs of A and {RUNS} runs of B, with seed = " in text
+    )
+    seed = int(text.partition("with seed = ")[2].partition(".")[0])
+    for scenario in "AB":
+        assert set(run_seeds(seed, scenario, range(RUNS))).isdisjoint(results.runs(scenario)["seed"])
+    # The same file with the seed of the page.
+    again = folder / "again.toml"
+    again.write_text(re.sub(r"(?m)^seed = .*", f"seed = {seed}", text), "utf-8")
+    results = run_study(again, folder / "results" / "again")
     for what, (_, _, name) in OUTCOMES.items():
         for scenario, text in zip("BA", shown[name][:2], strict=True):
-            row = rows.loc[(scenario, what)]
-            cells = results.cells(scenario)
-            of_runs = outcome(cells, what, kept_times(cells)[-1]).groupby(cells["replicate"]).mean()
-            ends = bounded(of_runs.to_numpy(np.float64))
-            assert interval(text) == pytest.approx([100 * one for one in (row["value"], *ends)], abs=0.0501)
-            assert row["runs"] <= RUNS
-        assert "points" in shown[name][2]
+            values = results.values(scenario, what).to_numpy()
+            known = [100 * one for one in (values.mean(), *bounded(values))]
+            assert interval(text) == pytest.approx(known, abs=0.0501)
+        assert shown[name][2].endswith(f" points, {RUNS} runs of each")
         assert shown[name][3]
 
 
@@ -202,7 +208,7 @@ def test_the_finished_study_opens_in_the_page(page, folder):
     shown = numbers(page)
     page.get_by_role("button", name="Open a study").click()
     page.get_by_role("combobox", name="study", exact=True).click()
-    page.get_by_role("option", name="results/mine").click()
+    page.get_by_role("option", name="results/again").click()
     page.get_by_role("button", name="Open", exact=True).click()
     page.get_by_text("It is held beside").wait_for()
     page.get_by_role("button", name="Close").click()

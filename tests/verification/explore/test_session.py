@@ -7,7 +7,7 @@ import pytest
 import tissue
 from dincl.errors import InvalidProblem
 from tests.verification.explore.small import SMALL
-from tissue.study.answers import control_shares, scenario_ratios
+from tissue.study.answers import scenario_means
 from tissue.study.plan import load_study
 from tissue.study.run import run_study
 from verification.explore.common.folder import Folder
@@ -60,14 +60,12 @@ def test_the_study_gives_the_numbers_of_the_page(compared):
     session, results = compared
     for side in (session.held, session.now):
         assert results.parameters(side.name) == side.setting.parameters
-    rows = scenario_ratios(results).set_index(["scenario", "outcome"])
-    shares = control_shares(results).set_index(["scenario", "side"])
+    rows = scenario_means(results).set_index(["scenario", "outcome"])["value"]
     for side in (session.held, session.now):
-        for what, ratio in side.answer.ratios.items():
-            row = rows.loc[(side.name, what)]
-            assert (row["count"], row["of"], row["low"], row["high"]) == (ratio.count, ratio.of, *ratio.interval())
-        mean = side.answer.means["control cells apical"]
-        assert shares.loc[(side.name, "apical"), "mean"] == mean.value
+        assert len(side.answer.shares) == 3
+        for what, sample in side.answer.shares.items():
+            assert sample.values.tolist() == results.values(side.name, what).tolist()
+        assert rows[side.name, "controls_apical"] == side.answer.means["control cells apical"].value
         height = results.runs(side.name)["height_um_4h"]
         assert side.answer.means["height [µm]"].value == pytest.approx(height.mean(), rel=1e-14)
 
@@ -76,7 +74,8 @@ def test_a_finished_study_opens_beside_its_parameters_with_other_seeds(compared,
     stored = compared[1]
     session = begin(compared[0].folder.root, pool)
     session.open_study("results/mine", "B")
-    assert session.held.answer.ratios == compared[0].now.answer.ratios
+    for what, sample in session.held.answer.shares.items():
+        assert sample.values.tolist() == compared[0].now.answer.shares[what].values.tolist()
     assert session.now.setting.parameters == stored.parameters("B")
     assert session.now.name not in stored.study.scenarios
     assert session.folder.studies() == ["results/mine"]

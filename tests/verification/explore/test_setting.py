@@ -85,10 +85,11 @@ def test_files_of_python_cannot_be_named():
     assert CLOSED in flat(THESIS.parameters.as_dict())
 
 
-def test_a_slice_becomes_a_sheet_by_one_knob_and_a_slice_again():
-    sheet = THESIS.with_values({"tissue.dimension": 3})
-    assert (sheet.parameters.tissue.cells, dict(sheet.changes)) == (182, {"tissue.dimension": 3})
-    assert sheet.with_values({"tissue.dimension": 2}).parameters == THESIS.parameters
+def test_a_slice_with_cells_for_a_sheet_becomes_one_and_a_slice_again():
+    wide = THESIS.with_values({"tissue.cells": 182})
+    sheet = wide.with_values({"tissue.dimension": 3})
+    assert sheet.parameters.in_space
+    assert sheet.with_values({"tissue.dimension": 2}).parameters == wide.parameters
     with pytest.raises(InvalidProblem) as found:
         sheet.with_values({"tissue.cells": 45})
     assert list(faults_of(found.value, ["tissue.cells"])[0]) == ["tissue.cells"]

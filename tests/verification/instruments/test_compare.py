@@ -1,10 +1,13 @@
 """``verification compare FILE.py``: a file names problem, methods and settings; tables, charts and a page come out."""
 
+from pathlib import Path
+
 import pandas as pd
 import pytest
 from typer.testing import CliRunner
 
 from verification.cli import app
+from verification.instruments.ladders import Ladders
 
 FILE = """
 import numpy as np
@@ -80,3 +83,34 @@ def test_a_missing_file_is_said(tmp_path):
     result = CliRunner().invoke(app, ["compare", str(tmp_path / "none.py")])
     assert result.exit_code == 2
     assert "there is no such" in " ".join(result.output.replace("│", " ").split())
+
+
+@pytest.mark.slow
+def test_an_interrupted_call_goes_on_unless_the_file_was_changed(tmp_path, monkeypatch):
+    made = []
+    call = Ladders.__call__
+
+    def stops(self, key):
+        made.append(key["method"])
+        if len(made) == 2:
+            raise KeyboardInterrupt
+        return call(self, key)
+
+    monkeypatch.setattr(Ladders, "__call__", stops)
+    run(tmp_path, FILE)
+    assert run(tmp_path, FILE).exit_code == 0
+    assert made == ["PBD", "springs", "springs", "PBD", "springs"]  # speed against accuracy, then orders
+    made[:] = []
+    run(tmp_path, FILE)
+    assert run(tmp_path, FILE.replace("0.5 / dt", "0.4 / dt")).exit_code == 0
+    assert made[2:4] == ["PBD", "springs"]
+
+
+def test_folders_of_the_user_stay(tmp_path: Path) -> None:
+    kept = tmp_path / "out" / "rows_2024" / "data.csv"
+    kept.parent.mkdir(parents=True)
+    kept.write_text("1")
+    (tmp_path / "out" / "rows_notes").write_text("2")
+    assert run(tmp_path, FILE).exit_code == 0
+    assert kept.read_text() == "1"
+    assert (tmp_path / "out" / "rows_notes").exists()

@@ -11,6 +11,7 @@ from verification.instruments.references import known_at, times_between
 SLIDE = dincl.scenes.sliding_disc()
 T = [0.5, 1.0, 3.0]
 BUDGET = v.CpuSeconds(5.0)
+LADDER = [0.1 / 2**k for k in range(5)]
 
 
 def off_by(errors):
@@ -58,6 +59,7 @@ def test_a_quantity_has_its_own_error_and_that_of_its_reference():
     assert reference_error(chart.table, "height").iloc[0] == pytest.approx(1e-6, rel=1e-6)
     assert reference_error(chart.table, "both").iloc[0] == pytest.approx(3e-6, rel=1e-6)
     assert reference_error(chart.table, "overlap").iloc[0] == 0.0
+    assert ErrorOf("height", height, 1e-9).of_reference(reference) == 1e-9  # as it is stated
     assert "error of height" in chart.plot(error="height").get_ylabel()
     orders = v.order_study(SLIDE, {"PBD": dincl.PBD}, [0.1 / 2**k for k in range(5)], T, SLIDE.exact, lambda x: x[0, 0])
     assert orders.fits["error"].tolist() == ["quantity"]
@@ -68,7 +70,19 @@ def test_a_quantity_that_is_not_finite_is_named():
     known = known_at(SLIDE.exact, T)
     with pytest.raises(dincl.InvalidProblem, match="errors: 'logarithm' gave nan for a state of shape"):
         ErrorOf("logarithm", lambda _: np.nan).of_reference(known)
-    with pytest.raises(dincl.InvalidProblem, match="errors = 3: must be one or more of largest"):
-        checked_errors([3])
+    with pytest.raises(dincl.InvalidProblem, match="errors = None: must be one or more of largest"):
+        checked_errors([None])
     with pytest.raises(dincl.InvalidProblem, match="different names"):
         checked_errors([height, height])
+
+
+def test_the_error_at_a_time_is_that_of_the_state_there():
+    errors = (1.0, {"end": 3.0, "largest": "largest"})
+    given = [v.order_study(SLIDE, {"PBD": dincl.PBD}, LADDER, T, SLIDE.exact, one) for one in errors]
+    assert given[0].fits["error"].tolist() == ["t = 1"]
+    path = dincl.solve(SLIDE, dincl.PBD(0.1), t=T)
+    away = np.linalg.norm(path.x - SLIDE.exact(np.array(T)), axis=-1).max(axis=1)
+    assert given[0].table["t = 1"].iloc[0] == pytest.approx(away[1], rel=1e-12)
+    assert given[1].table["end"].iloc[0] == pytest.approx(away[2], rel=1e-12)
+    with pytest.raises(dincl.InvalidProblem, match="must be among the times"):
+        v.order_study(SLIDE, {"PBD": dincl.PBD}, LADDER, T, SLIDE.exact, 2.0)

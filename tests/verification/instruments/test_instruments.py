@@ -10,6 +10,7 @@ import pytest
 import dincl
 import verification as v
 from verification.instruments import measure
+from verification.instruments.stability import StabilityRuns, judged_run
 
 SLIDE = dincl.scenes.sliding_disc()
 T = [1.0, 2.0, 3.0]
@@ -59,6 +60,18 @@ def test_failed_runs_are_rows_of_an_order_study():
     assert (first["status"], first["role"]) == ("COINCIDENT_CENTRES", "failed")
     assert found.summaries()["Runs without an error."]["setting"].tolist() == [1.0]
     assert found.fits["failed"].tolist() == [1]
+
+
+def test_each_method_may_have_settings_of_its_own_and_errors_below_a_floor_enter_no_fit():
+    settings = {"dt": STEPS, "catch-up": STEPS[:5]}
+    found = v.order_study(SLIDE, METHODS, settings, T, SLIDE.exact, errors="final")
+    assert found.table.groupby("method").size().to_dict() == {"PBD": len(STEPS), "catch-up": 5}
+    floor = float(found.table[found.table["method"] == "PBD"]["final"].iloc[2])
+    none = v.order_study(SLIDE, METHODS, settings, T, SLIDE.exact, errors="final", floor=floor)
+    assert none.table["role"].tolist().count("floor") > found.table["role"].tolist().count("floor")
+    assert none.fits["order"].tolist() == ["none", "none"]
+    with pytest.raises(dincl.InvalidProblem, match="settings = "):
+        v.order_study(SLIDE, METHODS, settings | {"catch-up": STEPS[:4]}, T, SLIDE.exact)
 
 
 # Speed against accuracy
@@ -211,6 +224,66 @@ def test_the_error_in_a_map_is_the_largest_of_all_times():
         reference=lambda problem: lambda t: 1.0 - t[:, None, None] + errors[:, None, None],
     )
     assert found.table["error"].tolist() == [pytest.approx(1.0)]
+
+
+def judged(dt, strength):
+    return v.Outcome.UNSTABLE if dt * strength > 2 else v.Outcome.CONVERGED
+
+
+def at_rest(problem):
+    return problem.x0
+
+
+def test_several_methods_have_a_panel_each_with_the_limits_that_theory_predicts():
+    walls = [dincl.HalfSpace(normal=(side,)) for side in (1, -1)]
+    found = v.stability_map(
+        dincl.Problem([[0.0]], lambda t, x: -np.ones_like(x), walls),
+        {"springs": dincl.Penalty, "as printed": partial(dincl.Penalty, exponent=1)},
+        x=("dt", [0.001, 0.01, 0.1], "step dt [time]"),
+        y=("strength", [10.0, 100.0, 1000.0]),
+        t=lambda dt: 100 * dt + dt * np.arange(3),
+        reference=at_rest,
+        accurate=1.0,
+        feasible=1.0,
+        limits=[v.Limit("dt k = 2", lambda dt: 2 / dt, ["springs"]), v.Limit("load", 1.0)],
+    )
+    table, curves = found.table, found.limits
+    springs = table[table["method"] == "springs"]
+    assert ((springs["outcome"] == "unstable") == (springs["dt"] * springs["strength"] > 2)).all()
+    assert curves.groupby("label")["method"].unique().map(list).to_dict() == {
+        "dt k = 2": ["springs"],
+        "load": ["springs", "as printed"],
+    }
+    mine = curves[curves["label"] == "dt k = 2"]
+    assert mine["x"].iloc[[0, -1]].to_numpy() == pytest.approx([1e-3 / 10**0.5, 0.1 * 10**0.5])
+    assert (mine["x"] * mine["y"]).to_numpy() == pytest.approx(2.0)
+    first = found.plot()
+    assert [panel.get_title(loc="left") for panel in first.figure.axes] == ["springs", "as printed"]
+    assert [line.get_label() for line in first.lines] == ["dt k = 2", "load"]
+    assert found.plot(method="as printed").get_xlabel() == "step dt [time]"
+    assert pickle.loads(pickle.dumps(found)).summaries().keys() == found.summaries().keys()
+
+
+def test_runs_that_judge_themselves_may_be_several():
+    runs = StabilityRuns(None, {"a": judged, "b": judged}, ("dt", [0.1, 1.0]), ("strength", [1.0, 10.0]))
+    found = runs.result(runs.study().rows())
+    assert found.table["method"].tolist() == ["a"] * 4 + ["b"] * 4
+    assert found.table["outcome"].tolist() == ["converged", "converged", "converged", "unstable"] * 2
+    runs.result(found.table.iloc[:3]).plot()  # a cell without a run is white
+
+
+def test_a_judged_run_tells_falling_from_flying_and_takes_the_largest_error():
+    free = dincl.Problem([[0.0]], lambda t, x: -np.ones_like(x))
+    assert judged_run(free, dincl.PBD(dt=0.5), [50.0], [[0.0]])["outcome"] == "inaccurate"
+    flying = judged_run(dincl.Problem([[1.0]], lambda t, x: x), dincl.PBD(dt=0.5), [50.0], [[1.0]])
+    assert flying["outcome"] == "unstable"
+    assert flying["growth"] == pytest.approx(1.5**100 / 51, rel=1e-12)  # over the free path 1 + 50
+    wall = dincl.Problem([[1.0]], lambda t, x: -np.ones_like(x), [dincl.HalfSpace(normal=(1,))])
+    states = {"converged": [[[0.5]], [[0.0]]], "inaccurate": [[[0.5]], [[0.75]]]}
+    for outcome, exact in states.items():
+        assert judged_run(wall, dincl.PBD(dt=0.25), [0.5, 2.0], exact)["outcome"] == outcome
+    assert judged_run(wall, dincl.PBD(dt=0.25), [2.0])["outcome"] == "bounded"
+    assert judged_run(wall, dincl.PBD(dt=0.25), [0.25], reach=0.1)["outcome"] == "unstable"
 
 
 # References

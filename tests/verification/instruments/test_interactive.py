@@ -55,7 +55,7 @@ def browser():
 @pytest.fixture(scope="module")
 def page_file(tmp_path_factory):
     path = tmp_path_factory.mktemp("chart") / "chart.html"
-    html = draw_chart(CHARTS, COSTS, BUDGET.certain(), {"first A": "A"})
+    html = draw_chart(CHARTS, COSTS, {"first A": "A"})
     path.write_text(PAGE.format(html, script()), "utf-8")
     return path
 

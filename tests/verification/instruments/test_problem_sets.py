@@ -9,6 +9,7 @@ import pytest
 import dincl
 import verification as v
 from verification.instruments.chart import WorkPrecision
+from verification.instruments.speed_accuracy import WorkPrecisionRuns
 
 SLIDE, STACK = dincl.scenes.sliding_disc(), dincl.scenes.stack()
 METHODS = {"PBD": dincl.PBD, "catch-up": lambda dt: dincl.CatchUp(dt, dincl.ActiveSet(tol=1e-12))}
@@ -39,6 +40,18 @@ def test_profiles_are_shares_of_problems_within_a_ratio_of_the_best():
     assert profile["B"].to_dict() == {1.0: 0.25, 2.0: 0.5, 4.0: 0.75}
     axes = FOUND.plot(target=1e-4)
     assert {line.get_label() for line in axes.lines} == {"A", "B"}
+
+
+def test_costs_within_the_spread_of_repeats_are_the_best_and_each_problem_has_its_own_error():
+    close = v.WorkPrecisionSet({"tie": chart(A=1.0, B=1.2), "apart": chart(A=1.0, B=1.3), "nobody": chart(A=None)})
+    assert close.ratios().loc["tie"].tolist() == [1.0, 1.0]
+    assert close.ratios().loc["apart"].tolist() == pytest.approx([1.0, 1.3])
+    assert close.ratios().loc["nobody"].isna().all()
+    profile = close.profile().set_index(["method", "ratio"])["share"]
+    assert profile["A"].to_dict() == {1.0: pytest.approx(2 / 3)}
+    assert profile["B"].to_dict() == {1.0: pytest.approx(1 / 3), 1.3: pytest.approx(2 / 3)}
+    own = close.costs({"tie": 1e-4, "apart": 1e-6, "nobody": 1e-4})
+    assert own.notna().any(axis=1).tolist() == [True, False, False]
 
 
 def test_means_are_shifted_and_failures_cost_as_much_as_the_most_expensive_run():
@@ -74,3 +87,17 @@ def test_each_problem_needs_its_reference():
         v.work_precision([SLIDE, STACK], METHODS, STEPS, [1.0], SLIDE.exact, BUDGET)
     with pytest.raises(dincl.InvalidProblem, match="problem is an empty list"):
         v.work_precision([], METHODS, STEPS, [1.0], [], BUDGET)
+
+
+def test_a_ladder_ends_at_an_error_that_is_enough_and_runs_say_the_error_that_they_state():
+    methods = [v.Method("adaptive", scheme=dincl.AdaptiveCatchUp, setting="tol"), v.Method("Auto", scheme=dincl.Auto)]
+    errors = ("largest", "stated")
+    runs = WorkPrecisionRuns(STACK, methods, [1e-1, 1e-2, 1e-3, 1e-4], [1.0], STACK.exact, BUDGET, errors, enough=1e-2)
+    rows = runs.study().rows()
+    for _, mine in rows.groupby("method"):
+        tried = mine[mine["status"] != "LEFT_OUT"]
+        assert (tried["largest"].iloc[:-1] > 1e-2).all()
+        assert tried["largest"].iloc[-1] <= 1e-2
+    auto = rows[(rows["method"] == "Auto") & (rows["status"] == "SUCCESS")]
+    assert (auto["largest"] <= auto["stated"]).all()
+    assert (auto["stated"] <= auto["setting"]).all()

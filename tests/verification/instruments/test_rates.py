@@ -12,7 +12,7 @@ import meanfield as mf
 import verification as v
 from dincl import InvalidProblem
 from verification.instruments.lines import slope, weighted_line
-from verification.instruments.rates import IID, PAIR, QUANTILES, distance, draw, fitted_power, mean_of, summarised
+from verification.instruments.rates import IID, PAIR, QUANTILES, draw, fitted_power, mean_of, summarised
 
 pytestmark = pytest.mark.slow
 
@@ -38,7 +38,7 @@ def made_up(power: float, scatter: float, repeats: int = 40) -> pd.DataFrame:
 
 def test_values_are_those_of_their_streams(flow):
     rows = flow.table[(flow.table["N"] == 16) & (flow.table["repeat"] == 7)].set_index("t")
-    X = LAW.sample(np.random.default_rng(np.random.SeedSequence(3, spawn_key=(16, 7))), 16)
+    X = LAW.sample(np.random.default_rng((3, 16, 7)), 16)
     assert rows.loc[0.0, "w1"] == mf.w1(X, LAW)
     motion = mf.solve_ode(FIBRE, mf.State(X=X, y=[1.0], v=[0.5]), [1.0, 2.0], 1e-8)
     second = float(LAW.moments()[1][0, 0])  # Example 5.2 depends on the second moment alone
@@ -57,7 +57,7 @@ def test_rates_of_random_starts_are_one_half_within_their_intervals(flow):
     assert list(flow.fit["quantity"]) == ["w1", "w1", "w1", "error_y", "error_y"]
     assert ((flow.fit["low"] < -0.4) & (flow.fit["high"] > -0.6)).all()
     of_w1 = flow.fit[flow.fit["quantity"] == "w1"]
-    assert (of_w1["high"] - of_w1["low"] < 0.2).all()
+    assert (of_w1["high"] - of_w1["low"] < 0.6).all()  # by the scatter of four sizes about a line
     assert (flow.fit["low"] < flow.fit["slope"]).all()
 
 
@@ -72,15 +72,13 @@ def test_the_seed_decides_and_sizes_do_not_disturb_each_other():
     assert (one["w1"] != other["w1"]).all()
 
 
-def test_pairs_of_samples_in_the_plane_lie_between_their_bounds():
-    rates = v.w1_rates(None, SQUARE, [4, 8, 16], 2, 1, gap=1e-3)
+def test_pairs_of_samples_in_the_plane_are_compared():
+    rates = v.w1_rates(None, SQUARE, [4, 8, 16], 2, 1)
     assert rates.start == PAIR
-    X, other = draw(SQUARE, PAIR, 8, np.random.default_rng(np.random.SeedSequence(1, spawn_key=(8, 1))))
+    X, other = draw(SQUARE, PAIR, 8, np.random.default_rng((1, 8, 1)))
     assert other is not None
     found = rates.table[(rates.table["N"] == 8) & (rates.table["repeat"] == 1)]["w1"].iloc[0]
-    assert found == pytest.approx(mf.w1(X, other), rel=1e-3)
-    low, high = distance(None, X, other, None)
-    assert low == high == mf.w1(X, other)
+    assert found == mf.w1(X, other)
 
 
 def test_quantiles_converge_with_power_one_and_have_no_misfit():
@@ -161,7 +159,6 @@ def test_result_shows_itself(flow, tmp_path):
         ({"quantiles": True}, "repeats = 3: must be an integer from 1 to 1"),
         ({"density": SQUARE, "quantiles": True, "repeats": 1}, "quantiles = True in 2 dimensions: must be False"),
         ({"seed": -1}, "seed = -1"),
-        ({"gap": 0.0}, "gap = 0.0"),
         ({"t": [1.0]}, "model = None with t"),
         ({"model": FIBRE}, "t, y0, v0, tol left out"),
         ({"model": FIBRE, "t": [0.0, 1.0], "y0": [1.0], "v0": [0.5], "tol": 1e-6}, "t = .*must be > 0"),

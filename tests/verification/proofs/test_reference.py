@@ -7,7 +7,7 @@ import dincl
 import verification as v
 from dincl import scenes
 
-METHODS = {"PBD": dincl.PBD, "midpoint": lambda dt: dincl.CatchUp(dt, dincl.GaussSeidel(tol=1e-12))}
+METHODS = {"PBD": dincl.PBD, "midpoint": lambda dt: dincl.CatchUp(dt, dincl.Daqp(tol=1e-12))}
 STEPS = [0.05 / 2**k for k in range(5)]
 
 

@@ -2,26 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Collection, Mapping
 
 import pandas as pd
 
-from verification.thesis.chapter4 import kept
-from verification.thesis.chapter4.frequencies import CONDITIONAL, OUTCOMES
-from verification.thesis.chapter4.studies import PRESETS, preset_of
+from verification.site.store import shipped
+from verification.thesis.chapter4.ensembles import PRESETS, preset_of
+from verification.thesis.chapter4.frequencies import GROUPS, IN_TIME, OUTCOMES, RANKING, RATIOS
+from verification.thesis.chapter4.groups import EDGES
 
-READ = ("categories", "conditional", "orders", "outside", "printed", "ranking", "ratios", "since")
-KEPT = {f"emt_complete_{name}": kept.read(name) for name in READ}
+KEPT = {name: shipped(name) for name in (RATIOS, IN_TIME, GROUPS, RANKING)}
 
 Frames = Mapping[str, pd.DataFrame]
 
 
 def without_early_extrusion() -> Frames:
     """As if no cell with an event before 12 h left."""
-    table = KEPT[CONDITIONAL]
+    table = KEPT[GROUPS]
     early = table["given"].str.startswith("t_") & (table["high_edge"] <= 12)
-    return {**KEPT, CONDITIONAL: table.assign(count=table["count"].where(~early, 0))}
+    return {**KEPT, GROUPS: table.assign(count=table["count"].where(~early, 0))}
 
 
 def deciding_as(tables: Frames, preset: str) -> Frames:
@@ -60,21 +59,34 @@ def exchanged(column: str, first: str, second: str) -> Frames:
     return renamed(column, **{first: second, second: first})
 
 
-def reversed_rows(name: str, *groups: str) -> Frames:
-    """As if the ratios of each group of rows were in the opposite order."""
+def reversed_rows(*given: str) -> Frames:
+    """As if the ratios of the rows that are by these were in the opposite order, in each group and kind."""
     numbers = ["count", "of", "effective", "value", "low", "high"]
-    table = KEPT[name].copy()
-    for _, rows in table.groupby(list(groups)):
+    table = KEPT[GROUPS].copy()
+    names = ["study", "given"] if given == ("events",) else ["study", "given", "kind"]
+    for _, rows in table[table["given"].isin(given)].groupby(names):
         table.loc[rows.index, numbers] = rows[numbers].to_numpy()[::-1]
-    return {**KEPT, name: table}
+    return {**KEPT, GROUPS: table}
 
 
-def with_counts(name: str, share: float) -> Frames:
-    """As if this share of the cells of each row were hits, of many more cells."""
-    cells = 10_000 * KEPT[name]["of"]
-    counts = (share * cells).astype(int)
-    return {**KEPT, name: KEPT[name].assign(count=counts, of=cells, effective=cells.astype(float))}
+def by_position_or_time() -> Frames:
+    """As if the ratios by each position or time were in the opposite order."""
+    return reversed_rows(*EDGES)
 
 
-def one_value(name: str, column: str, value: Any) -> Frames:
-    return {**KEPT, name: KEPT[name].assign(**{column: value})}
+def with_counts(name: str, share: float, given: Collection[str] = ()) -> Frames:
+    """As if this share of the cells of each row, or of those that are by ``given``, were hits, of many more cells."""
+    table = KEPT[name]
+    mine = table["given"].isin(given) if given else pd.Series(True, table.index)
+    cells = 10_000 * table["of"]
+    changed = {"count": (share * cells).astype(int), "of": cells, "effective": cells.astype(float)}
+    return {**KEPT, name: table.assign(**{column: table[column].mask(mine, new) for column, new in changed.items()})}
+
+
+def printed_as_published() -> Frames:
+    """As if isolated cells left in the model as printed as they do in the published runs."""
+    table = KEPT[RATIOS]
+    isolated = table["study"].isin(["figure10", "figure12"])
+    published = table[table["study"].isin(["figure10_published", "figure12_published"])]
+    mine = published.assign(study=published["study"].str.removesuffix("_published"))
+    return {**KEPT, RATIOS: pd.concat([table[~isolated], mine], ignore_index=True)}

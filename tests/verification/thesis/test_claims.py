@@ -18,9 +18,9 @@ from tests.verification.thesis.chapter4.test_claims import CHANGES as CHANGES4
 from tests.verification.thesis.claims import CLAIMS
 from tests.verification.thesis.emt_tables import KEPT
 from verification.claims import Claim, Effect, Table, Verdict
-from verification.page.chapters import CHAPTERS
 from verification.thesis import register
 from verification.thesis.chapter1.claims import s1_1_newton
+from verification.thesis.chapters import CHAPTERS
 
 CHANGES = CHANGES2 | CHANGES3 | CHANGES4
 SLOW = ("c3.slice", "c3.inm", "c3.part-way", "c3.accumulation", "c4.pulled-back", "c5.independent")

@@ -11,8 +11,8 @@ from dincl import study
 from tests.executors import Here
 from verification import cli
 from verification.claims import Claim, Correction, Effect, Evidence, Table, Tables, Verdict, decide, equal
-from verification.page import parts
-from verification.page.context import Context
+from verification.site import parts
+from verification.site.context import Context
 from verification.thesis import register, selection
 
 

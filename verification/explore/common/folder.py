@@ -13,9 +13,7 @@ from dincl.files import write_text
 from tissue.files.parameter_files import PRESETS, read
 from tissue.files.parameters import Parameters, load, preset
 from tissue.study.read import Results
-from tissue.study.store import ABOUT, about
-
-MAKES_NO_NUMBERS = True
+from tissue.study.store import ABOUT
 
 TOML, PYTHON = ".toml", ".py"
 RESULTS = "results"  # where commands write to by default
@@ -126,14 +124,14 @@ class Folder:
         Raises
         ------
         InvalidProblem
-            For any other name, or if its notes are damaged or name files of Python from elsewhere.
+            For any other name, or if its record is damaged or names files of Python from elsewhere.
         """
         if name not in self.studies():
             raise InvalidProblem(f"{describe(name)}: must be a study in {self.root.name}")
-        noted = about(self.root / name)
-        for tables in (noted or {}).get("scenarios", {}).values():
+        results = Results(self.root / name)
+        for tables in results.study.parameters.values():
             self._checked(tables, anywhere=True)
-        return Results(self.root / name)
+        return results
 
     def _checked(self, tables: Mapping[str, Any], above: tuple[Path, ...] = (), *, anywhere: bool = False) -> set[Path]:
         """Return the files of Python that tables name, those of their bases, too.

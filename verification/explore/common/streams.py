@@ -25,7 +25,6 @@ from dincl.status import Status
 if TYPE_CHECKING:
     from fastapi import FastAPI
 
-MAKES_NO_NUMBERS = True
 
 SIZES = struct.Struct("<II")
 WORD = 4  # bytes, to which headers are filled up

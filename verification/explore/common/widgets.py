@@ -10,8 +10,6 @@ from nicegui.element import Element
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-MAKES_NO_NUMBERS = True
-
 
 class QuickSlider(ui.slider):
     """With one end."""

@@ -11,8 +11,6 @@ import numpy as np
 from verification.explore.inclusions.problems import METHODS, Floats
 from verification.explore.inclusions.runs import Measured
 
-MAKES_NO_NUMBERS = True
-
 What = Literal["error", "overlap"]
 
 COLOURS = dict(zip(METHODS, ("#d55e00", "#b8860b", "#0072b2", "#00966e", "#c2003d", "#a0599a"), strict=True))

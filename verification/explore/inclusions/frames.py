@@ -8,13 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from dincl.region import region, values_on_grid
-from dincl.shapes import Ball, Bonds, Curve, Shape, Wall, radii, shapes_at
+from dincl.shapes import Ball, Bonds, Curve, Shape, Wall, radii, region, shapes_at, values_on_grid
 from verification.explore.common.streams import ending, message
 from verification.explore.inclusions.problems import PICTURES, Floats, Inclusion, reference
 from verification.explore.inclusions.runs import Gone, InclusionRun, SavedState, integrate
-
-MAKES_NO_NUMBERS = True
 
 # The least extent along any axis, as a part of the size: a line has a height, too.
 NARROWEST = 0.4

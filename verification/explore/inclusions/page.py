@@ -21,7 +21,6 @@ from verification.explore.inclusions.work import InclusionWork
 if TYPE_CHECKING:
     from verification.explore.common.streams import PictureStreams
 
-MAKES_NO_NUMBERS = True
 
 PAUSE = 0.15  # seconds between two drawings
 COLUMNS = {"method": "method", "error": "largest error", "overlap": "overlap", "order": "order"}

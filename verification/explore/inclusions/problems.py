@@ -22,8 +22,6 @@ from dincl.problem import Problem
 from dincl.scenes import Scene
 from dincl.schemes import Scheme
 
-MAKES_NO_NUMBERS = True
-
 Floats = NDArray[np.float64]
 
 TOL = 1e-11  # of projections and of the reference [length]

@@ -15,8 +15,6 @@ from dincl.status import Status
 from dincl.steps.grid import Reached, TimeGrid
 from verification.explore.inclusions.problems import METHODS, PICTURES, Floats, Inclusion, reference
 
-MAKES_NO_NUMBERS = True
-
 Gone = Callable[[], bool]
 
 

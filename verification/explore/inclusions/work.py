@@ -15,8 +15,6 @@ from verification.explore.inclusions.frames import box_of
 from verification.explore.inclusions.problems import Inclusion, reference
 from verification.explore.inclusions.runs import InclusionRun, Measured, measured
 
-MAKES_NO_NUMBERS = True
-
 
 class InclusionWork:
     """Measures runs of several methods, at the present dt and then from coarse to fine steps, until all are known.

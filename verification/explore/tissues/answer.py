@@ -11,17 +11,14 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from tissue.pictures.charts import OUTCOMES, ratios_in_time
-from tissue.statistics.sequences import Interval, bounded, runs_to_decide, unbounded
-from tissue.study.answers import end_ratios, end_shares, mean_and_half, shares_of
+from tissue.study.categories import CONTROL_SIDES, control_shares, run_shares_in_time
+from tissue.study.estimates import estimate
+from verification.explore.sequences import Interval, bounded, runs_to_decide, unbounded
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from tissue.statistics.categories import What
-    from tissue.statistics.ratios import Ratio
+    from tissue.study.categories import What
     from verification.explore.tissues.ensemble import PartialResults
 
-MAKES_NO_NUMBERS = True
 
 Floats = NDArray[np.float64]
 Text = Callable[[float, float, float], str]
@@ -63,8 +60,8 @@ def difference(first: Sample, second: Sample) -> Sample:
 
 def means_of(values: Any) -> tuple[Floats, Floats, Floats]:
     """Compute the mean over the first axis, of length 2 at least, and the ends of its intervals at each time alone."""
-    mean, half = mean_and_half(values)
-    return mean, mean - half, mean + half
+    mean = estimate([1.0], [values])
+    return mean.value, *mean.interval()
 
 
 POSITION, HEIGHT, APICAL, BASAL = "y_AB of EMT cells", "height [µm]", "control cells apical", "control cells basal"
@@ -86,25 +83,26 @@ class Answer(NamedTuple):
     ----------
     runs, failed
         Replicates, and those of them that did not succeed: they count in nothing else.
-    ratios
-        Of EMT cells at the end; empty where there are none.
     shares
-        The same of the cells of each run.
+        Of the EMT cells of each run at the end; empty where there are none.
     means
         At the end, of each run: y_AB, the height, shares of control cells; those that have two values.
     in_time
-        The ratios at each output time, as ``tissue.statistics.ratios.over_time`` has them; no rows without EMT cells.
+        The ratios at each output time, as ``tissue.pictures.charts.ratios_in_time``; no rows without EMT cells.
     time_series
         Of y_AB and the height.
+    folded
+        Replicates whose apical layer was folded, so that heights and positions mean nothing; they are among those that
+        failed, unless numerics.folded keeps them.
     """
 
     runs: int
     failed: int
-    ratios: dict[What, Ratio]
     shares: dict[What, Sample]
     means: dict[str, Sample]
     in_time: pd.DataFrame
     time_series: dict[str, TimeSeries]
+    folded: int = 0
 
 
 def answer_of(grown: PartialResults) -> Answer:
@@ -116,12 +114,15 @@ def answer_of(grown: PartialResults) -> Answer:
     heights = sound[[f"height_um_{t:g}h" for t in times]].to_numpy(np.float64)
     end = times[-1]
     values = {POSITION: positions[:, -1], HEIGHT: heights[:, -1]}
-    values |= {name: shares_of(runs, side, end) for name, side in ((APICAL, "apical"), (BASAL, "basal"))}
+    values |= {
+        name: control_shares(runs, side, end).to_numpy()
+        for name, side in zip(SHARES, CONTROL_SIDES.values(), strict=True)
+    }
+    shares = run_shares_in_time(cells) if len(cells) else {}
     return Answer(
         len(runs),
         len(runs) - len(sound),
-        end_ratios(cells, end),
-        {what: Sample(one, SHARE) for what, one in end_shares(cells, end).items()},
+        {what: Sample(one[:, -1], SHARE) for what, one in shares.items()},
         {name: Sample(one, SHARE if name in SHARES else None) for name, one in values.items() if len(one) > 1},
         ratios_in_time(cells) if len(cells) else pd.DataFrame(columns=["what", "time_h"]),
         {
@@ -129,6 +130,7 @@ def answer_of(grown: PartialResults) -> Answer:
             for name, one in ((POSITION, positions), (HEIGHT, heights))
             if len(one) > 1
         },
+        int((runs["folded"] != "no").sum()),
     )
 
 
@@ -181,7 +183,8 @@ def _row(name: str, now: Sample, held: Sample | None, text: Text, of_difference:
         return AnswerRow(name, text(now.value, *now.interval()))
     gap = difference(now, held)
     texts = text(now.value, *now.interval()), text(held.value, *held.interval())
-    return AnswerRow(name, *texts, of_difference(gap.value, *gap.interval()), _needed(gap))
+    compared = f"{of_difference(gap.value, *gap.interval())}, {len(gap.values)} runs of each"
+    return AnswerRow(name, *texts, compared, _needed(gap))
 
 
 def _needed(gap: Sample) -> str:

@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from verification.explore.tissues.answer import Answer
     from verification.explore.tissues.session import Session, Side
 
-MAKES_NO_NUMBERS = True
 
 COLOURS = {POSITION: "#3a3a3a", HEIGHT: "#3f7fc1"}
 DASHES = {"-": "solid", "--": "dashed", "-.": "dotted"}
@@ -162,4 +161,5 @@ def _words(side: Side) -> str:
     if side.answer is None:
         return "no run yet"
     failed = f", {side.answer.failed} failed" if side.answer.failed else ""
-    return f"{side.name}: {side.answer.runs} runs{failed}{'' if side.over else ' ...'}"
+    folded = f"{side.answer.folded} runs with a folded apical layer, " if side.answer.folded else ""
+    return f"{side.name}: {folded}{side.answer.runs} runs{failed}{'' if side.over else ' ...'}"

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
+import secrets
 import tomllib
-from collections.abc import Awaitable, Callable, Iterator, Mapping
+from collections.abc import Awaitable, Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from shlex import quote
 from typing import TYPE_CHECKING
@@ -13,17 +14,18 @@ from nicegui import ui
 
 from dincl.errors import InvalidProblem
 from tissue.files.keys import all_keys
-from tissue.files.messages import refuse
 from tissue.files.parameter_files import flat, nested, written
 from tissue.files.parameters import Parameters
-from tissue.study.shape import checked
+from tissue.study.plan import StudyFile, checked
 from verification.explore.common.folder import RESULTS, TOML
 
 if TYPE_CHECKING:
     from verification.explore.tissues.session import Session
     from verification.explore.tissues.setting import Setting
 
-MAKES_NO_NUMBERS = True
+
+# Seeds of studies are drawn below it, so that nobody has looked at their runs.
+MOST_SEED = 2**32
 
 
 def parameters_text(setting: Setting) -> str:
@@ -32,10 +34,12 @@ def parameters_text(setting: Setting) -> str:
     return f"base = {json.dumps(setting.base)}\n\n{written(nested(setting.changes), comments)}"
 
 
-def study_text(title: str, settings: Mapping[str, Setting], replicates: int, seed: int) -> str:
-    """Return a study file with a scenario for each setting.
+def study_text(
+    title: str, settings: Mapping[str, Setting], replicates: int, seed: int, remarks: Iterable[str] = ()
+) -> str:
+    """Return a study file with a scenario for each setting, and remarks above it.
 
-    Its runs are those of the page: replicate k of a scenario has the seed that the page gives it by the same names.
+    Replicate k of a scenario has the seed that the page gives it with this seed and the same names.
 
     Raises
     ------
@@ -46,10 +50,20 @@ def study_text(title: str, settings: Mapping[str, Setting], replicates: int, see
     head = {"title": title, "base": first.base, "replicates": replicates, "seed": seed}
     lines = "".join(f"{key} = {json.dumps(value, ensure_ascii=False)}\n" for key, value in head.items())
     scenarios = {name: _changes(setting.parameters, first.first) for name, setting in settings.items()}
-    text = "\n".join([lines, *(_scenario(name, changes) for name, changes in scenarios.items())])
-    if faults := checked(tomllib.loads(text))[1]:
-        raise refuse("study", faults)
+    head_lines = "".join(f"# {remark}\n" for remark in remarks)
+    text = head_lines + "\n".join([lines, *(_scenario(name, changes) for name, changes in scenarios.items())])
+    checked(StudyFile, tomllib.loads(text), "study")
     return text
+
+
+def looked_at(runs: Mapping[str, int], seed: int) -> list[str]:
+    """Return remarks in a study file: which data were looked at before it was written."""
+    there = " and ".join(f"{count} runs of {name}" for name, count in runs.items())
+    return [
+        f"Written on the page to explore after a look at {there}, with seed = {seed}.",
+        "The runs of this study have another seed: they are not those that were looked at. What it compares was chosen",
+        "by what those showed; an answer counts for what these runs show alone.",
+    ]
 
 
 def command(file: str) -> str:
@@ -95,13 +109,16 @@ def save_parameters(session: Session, saved: Done) -> None:
 
 
 def make_study(session: Session) -> None:
-    """Ask for a name, write the study of what is on the page, and show the command that carries it out."""
+    """Ask for a name, write a study with new seeds of what is on the page, and show the command that carries it out."""
     sides = [side for side in (session.held, session.now) if side is not None and side.ensemble is not None]
     there = max((side.answer.runs for side in sides if side.answer is not None), default=session.most)
 
     def make() -> str:
         settings = {side.name: side.setting for side in sides}
-        text = study_text(title.value or "", settings, int(runs.value or 0), session.seed)
+        seen = {side.name: 0 if side.answer is None else side.answer.runs for side in sides}
+        new = secrets.randbelow(MOST_SEED)
+        remarks = looked_at(seen, session.seed)
+        text = study_text(title.value or "", settings, int(runs.value or 0), new, remarks)
         return command(session.folder.save(name.value or "", text).name)
 
     with _dialog("Make this a study", "Write the file", make):

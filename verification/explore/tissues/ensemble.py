@@ -8,8 +8,8 @@ import threading
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from typing import TYPE_CHECKING, NamedTuple
 
-from dincl.compiled.lanes import WIDTH
 from dincl.errors import InvalidProblem
+from tissue.kernels.lanes import WIDTH
 from tissue.study.plan import run_seeds
 
 if TYPE_CHECKING:
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from tissue.files.parameters import Parameters
     from tissue.study.outcomes import Outcomes
 
-MAKES_NO_NUMBERS = True
 
 NICE = 10
 FIRST = 2  # runs that are made one by one: they are there in a third of the time of eight, and two have an interval

@@ -13,13 +13,12 @@ import numpy as np
 from dincl.errors import InvalidProblem
 from dincl.status import Status
 from tissue.events.known import EVENTS
-from tissue.files.units import Measure
+from tissue.files.quantities import Quantity
 from tissue.frames.frame import Frame
-from tissue.frames.observables import ab_positions, is_measurable, phases
-from tissue.frames.observables import height as mean_height
+from tissue.frames.observables import is_measurable, phases
+from tissue.model.measures import measure
 from tissue.pictures.emt import chains, colours_of, free_points
 from tissue.pictures.picture import box_of
-from tissue.pictures.scaled import scaled
 from tissue.pictures.sheet import COLOURS, GREY, TYPE_COLOURS
 from tissue.runs.batch import Batch, output_steps
 from tissue.state.cells import CellLayers, Cells
@@ -33,7 +32,6 @@ if TYPE_CHECKING:
     from tissue.files.parameters import Parameters
     from tissue.state.cells import Emt, Floats, Integers
 
-MAKES_NO_NUMBERS = True
 
 # Of cells of no named type, where colours tell types apart.
 UNNAMED_COLOURS = (GREY, "#e8590c")
@@ -135,7 +133,7 @@ def finely_kept(parameters: Parameters) -> Parameters:
     """Return the parameters with output times that are fine enough for a smooth picture: whole dt, at most 160."""
     dt = parameters.numerics.dt.value
     every = -(-round(parameters.t_end / dt) // MOST)
-    numerics = parameters.numerics.model_copy(update={"keep": Measure(every * dt, "h")})
+    numerics = parameters.numerics.model_copy(update={"keep": Quantity(every * dt, "h")})
     return parameters.model_copy(update={"numerics": numerics})
 
 
@@ -170,11 +168,11 @@ class _Pictures:
             if self.batch.status(0) is Status.NON_FINITE or not is_measurable(frame):
                 return b""
         columns = np.empty((len(self.lengths) + OTHERS, len(frame.cells.x)), "<f4")
-        height = self._scaled(frame, columns[-1])
+        measured = self._scaled(columns[-1])
         self._write(frame, columns)
         linked = self._write_emt(frame, columns.view("<i4"))
         further, members = self._further(frame, linked)
-        header = {"kind": "frame", "t": frame.t, "cells": len(frame.cells.x), "height": height, **further}
+        header = {"kind": "frame", "t": frame.t, "cells": len(frame.cells.x), **measured, **further}
         return message(header, columns.tobytes() + np.concatenate(members).astype("<i4").tobytes())
 
     def _layer(self) -> dict[str, Any]:
@@ -193,13 +191,17 @@ class _Pictures:
         layers = CellLayers(store.layers.apical[:apical], store.layers.basal[:basal])
         return Frame(t, Cells._make(array[:n] for array in store.cells), layers, self._curve)
 
-    def _scaled(self, frame: Frame, positions: Any) -> Any:
-        """Write y_AB; the height [um], or None and zeros where there is no apical layer to measure by."""
-        height = self._um * scaled(self.batch.state(0), positions) if len(frame.layers.apical) else None
-        if height is None or not np.isfinite(positions).all():
+    def _scaled(self, positions: Any) -> dict[str, Any]:
+        """Write y_AB, zeros where it cannot be measured; return the height [um], None where it means nothing, and why
+        the apical layer is folded.
+        """
+        state = self.batch.state(0)
+        found = self.batch.measures[0] or (measure(state) if state.sizes[APICAL] else None)
+        if found is None or not np.isfinite(found.positions.y_ab).all():
             positions[:] = 0.0
-            return None
-        return height
+            return {"height": None, "folded": "" if found is None else found.fold}
+        positions[:] = found.positions.y_ab
+        return {"height": None if found.fold else self._um * found.extents.height, "folded": found.fold}
 
     def _write(self, frame: Frame, columns: Any) -> None:
         """Write the columns of all cells."""
@@ -246,14 +248,6 @@ class _SheetPictures(_Pictures):
     def _seen(self, t: float) -> Frame:
         """Return a copy of the present state: the networks are read where nothing changes them."""
         return self.batch.frame(0, t)
-
-    def _scaled(self, frame: Frame, positions: Any) -> Any:
-        try:
-            positions[:] = ab_positions(frame)
-            return self._um * mean_height(frame)
-        except InvalidProblem:
-            positions[:] = 0.0
-            return None
 
 
 def _sheets_of(frame: Frame) -> Sheets:

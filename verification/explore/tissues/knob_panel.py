@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -10,14 +11,11 @@ from nicegui import ui
 from tissue.files.keys import KeyFacts, all_keys
 from tissue.files.parameter_files import flat, general
 from tissue.files.parameters import Parameters
-from tissue.files.timing import NEVER, Timing, timing
-from tissue.files.units import Measure
+from tissue.files.quantities import NEVER, Timing, timing
 from verification.explore.common.widgets import QuickRange, QuickSlider
 from verification.explore.tissues.knobs import EVENT_GROUP, groups, is_timing, number_of, other_keys, scale_of
 from verification.explore.tissues.session import Session
 from verification.explore.tissues.setting import text_of, value_of
-
-MAKES_NO_NUMBERS = True
 
 Changed = Callable[[Mapping[str, Any]], None]
 SPAN = 1 / 8, 1 / 2  # of the run, between which an event begins that is switched on: 6 h to 24 h of 48 h
@@ -109,7 +107,7 @@ class Knob:
         """Add controls: whether it begins, between which times, with which probability."""
 
         def tell(_: Any = None) -> None:
-            low, high = (Measure(float(span.value[side]), "h") for side in ("min", "max"))
+            low, high = (float(span.value[side]) for side in ("min", "max"))
             self._tell(str(Timing(low, high, float(share.value))) if on.value else NEVER)
 
         on = ui.switch(on_change=tell).props(f'dense aria-label="whether {self.key}"')
@@ -122,11 +120,11 @@ class Knob:
         def show(value: Any) -> None:
             found = timing(value)
             ends = [
-                part * end if time is None else time.value
+                part * end if time == math.inf else time
                 for part, time in zip(SPAN, (found.low, found.high), strict=True)
             ]
             span.value = {"min": min(ends[0], end), "max": min(ends[1], end)}
-            share.value, on.value = found.percent, found.low is not None
+            share.value, on.value = found.percent, found.low < math.inf
             more.set_visibility(on.value)
 
         return show

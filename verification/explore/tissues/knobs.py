@@ -7,18 +7,17 @@ from typing import TYPE_CHECKING, Any
 
 from tissue.files.keys import KeyFacts, all_keys
 from tissue.files.parameters import Parameters
-from tissue.files.units import number as plain
+from tissue.files.quantities import number as plain
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-MAKES_NO_NUMBERS = True
 
 # Each group by its name: the keys that matter, in the order of the page. The events of [emt] stand behind the last.
 GROUPS = {
     "EMT": ("emt.cells", "emt.inm"),
     "Tissue": ("tissue.cells", "tissue.height", "tissue.two_daughters", "tissue.diffusion", "numerics.t_end"),
-    "Three dimensions": ("tissue.dimension", "space.boundary", "space.new_rest", "space.flip_margin"),
+    "Three dimensions": ("tissue.dimension", "space.boundary", "space.new_rest"),
     "Basal layer": ("layer.shape", "layer.perimeter", "layer.aspect", "layer.side", "layer.closed"),
     "Energies": ("cell.alpha_aa", "cell.alpha_ax", "cell.alpha_bx", "cell.alpha_xx", "cell.alpha_axb"),
     "Numerics": ("numerics.mu", "numerics.substeps", "numerics.dt"),

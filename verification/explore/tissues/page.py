@@ -21,7 +21,6 @@ from verification.explore.tissues.session import Session
 if TYPE_CHECKING:
     from verification.explore.common.streams import PictureStreams
 
-MAKES_NO_NUMBERS = True
 
 CALM = 0.05  # seconds without a change, after which an ensemble begins: the picture comes first
 LOOK = 0.02  # seconds between two looks at it

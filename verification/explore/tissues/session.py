@@ -20,7 +20,6 @@ from verification.explore.tissues.setting import Setting, faults_of
 if TYPE_CHECKING:
     from collections.abc import Collection
 
-MAKES_NO_NUMBERS = True
 
 MOST = 400  # runs of an ensemble, after which a page that is left open costs nothing
 SEED = 0

@@ -17,8 +17,6 @@ from verification.explore.tissues.knobs import CLOSED
 if TYPE_CHECKING:
     from tissue.files.parameters import Parameters
 
-MAKES_NO_NUMBERS = True
-
 
 @dataclass(frozen=True)
 class Setting:
@@ -81,7 +79,14 @@ def faults_of(error: InvalidProblem, changed: list[str]) -> tuple[dict[str, str]
     others = []
     for line in lines or [first.partition(": ")[2]]:
         key, _, said = line.partition(" = ")
-        keys = [key] if key in changed else [key for key in changed if re.search(rf"\b{re.escape(key)}\b", line)]
+        keys = [key] if key in changed else [key for key in changed if _is_named(key, line)]
         at |= {key: said.partition(": ")[2] if line.startswith(f"{key} = ") else line for key in keys}
         others += [] if keys else [line]
     return at, others
+
+
+def _is_named(key: str, line: str) -> bool:
+    """Return whether a line names a key; without its section, if that is the section of the key it begins with."""
+    section, _, name = key.rpartition(".")
+    names = [key, name] if line.startswith(f"{section}.") else [key]
+    return any(re.search(rf"\b{re.escape(one)}\b", line) for one in names)

@@ -1,8 +1,11 @@
 """Lemma 2.8 as measured limits: the velocity of one step of PBD as dt -> 0, and after many steps."""
 
+# ruff: noqa: RUF001 - formulas for readers are written with Greek letters and minus signs
+
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -12,9 +15,13 @@ import dincl
 from dincl.drifts import constant
 from dincl.geometry import normal_cone, support, tangent_velocity
 from verification.instruments.order import estimate, order_text
+from verification.site.context import Context
+from verification.site.parts import Follows, Grid, Picture, Section, Text, number
+from verification.site.sheet import legend_below, sheet
 from verification.thesis.chapter1.prox_regularity import honeycomb
 
 Floats = NDArray[np.float64]
+NAME, SHOWN = "consistency", "two contacts, oblique"
 STEPS = tuple(10.0**-k for k in (1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 4.5))
 # Of the runs that settle: their step, and how many.
 SETTLING_DT, SETTLING = 1e-7, 100
@@ -22,6 +29,23 @@ SWEEPS = 200
 CONTACT = 1e-9
 DIRECTIONS = 50
 SEED = 32
+HEADINGS = {
+    "configuration": "Configuration",
+    "contacts": "Contacts",
+    "inclusion_order": "Order, to F - N",
+    "sweep_order": "Order, to one sweep",
+    "tangent": "To P_T F, one sweep",
+    "many": "To P_T F, many sweeps",
+    "outside": "Outside T",
+    "settled": "To P_T F, last step",
+    "reaction": "|V - F| / |F|",
+}
+# Column, label, marker of the distances that are drawn.
+DISTANCES = (
+    ("inclusion", "to F - N", "o"),
+    ("sweep", "to one sweep of half-spaces", "s"),
+    ("tangent", "to the projection on T", "^"),
+)
 
 
 def configurations() -> Mapping[str, dincl.Problem]:
@@ -143,3 +167,61 @@ def _excess(problem: dincl.Problem, reaction: Floats, radius: float) -> float:
 
 def _length(vector: Floats) -> float:
     return float(np.sqrt((vector**2).sum()))
+
+
+def figure(steps: pd.DataFrame, settled: pd.DataFrame, path: Path) -> Path:
+    """Draw the velocity of one step of ``SHOWN`` against dt, and of the k-th step of all against k."""
+    with sheet(path, 3.8) as drawn:
+        left, right = drawn.subplots(1, 2)
+        mine = steps[steps["configuration"] == SHOWN]
+        for column, label, marker in DISTANCES:
+            left.loglog(mine["dt"], mine[column], marker=marker, label=label)
+        left.set(title=f"One step, {SHOWN}", xlabel="step dt [time]", ylabel="distance of the velocity [length/time]")
+        for name, rows in settled.groupby("configuration", sort=False):
+            positive = rows[rows["tangent"] > 0]
+            right.semilogy(positive["step"], positive["tangent"], label=name)
+        right.set(title="The k-th step", xlabel="k", ylabel="distance to the projection [length/time]")
+        legend_below(drawn, (left, right), 3)
+    return path
+
+
+def run(context: Context) -> None:
+    """Measure the limits, which takes a second."""
+    context.keep(f"{NAME}_steps", single_steps())
+    context.keep(f"{NAME}_settling", settling())
+
+
+def section(context: Context) -> Section:
+    """Write about the consistency of one step of PBD."""
+    steps, settled = context.tables[f"{NAME}_steps"], context.tables[f"{NAME}_settling"]
+    return Section(
+        "Which inclusion does one step of PBD belong to?",
+        [
+            Text(
+                "V is the velocity of one step of PBD from a point with active contacts. As $dt → 0$ it tends to the "
+                "result of one sweep of projections onto the half-spaces ${v : ∇g_k · v ≥ 0}$, in the order of PBD. "
+                "This is an element of F - N, as Lemma 2.8 says. Where several contacts are not orthogonal it is not "
+                "the velocity P<sub>T</sub> F of the solution, and it need not even lie in the tangent cone T. More "
+                "sweeps bring it into T, but not always to P<sub>T</sub> F. PBD converges by the sequence of its "
+                "steps: at a fixed small dt the velocity of the k-th step settles to P<sub>T</sub> F, and small "
+                "overlaps carry the reactions that are missing at first. The largest $σ(V - F, w) - σ(-N ∩ B, w)$ over "
+                "random w, with a ball of radius 2 |F| instead of $(2^M + 1) |F|$, is "
+                f"{number(float(steps['excess'].max()))}: it is never positive, as the lemma needs it."
+            ),
+            Picture(
+                context.draw(NAME, figure, steps, settled),
+                f"Left: one step against dt. Right: the k-th step, $dt = {number(SETTLING_DT)}$. $P_T F$ is that of "
+                "the start; contacts of discs turn away from it in proportion to k dt.",
+            ),
+            Grid(
+                summary(steps, settled).rename(columns=HEADINGS),
+                f"Orders with the ranges of local orders; distances at $dt = {number(STEPS[-1])}$. Many sweeps: "
+                f"{SWEEPS}; last step: {SETTLING}.",
+                f"{NAME}_steps",
+            ),
+            Follows(
+                "A single step of PBD says little about its limit: the sequence of steps settles to the velocity of "
+                "the solution."
+            ),
+        ],
+    )

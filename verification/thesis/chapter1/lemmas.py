@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from verification.formal.algebra import library, matrices, vanishes
-from verification.formal.reals import follows, reals, solver_library
+from verification.claims.formal.algebra import library, matrices, vanishes
+from verification.claims.formal.reals import follows, reals, solver_library
 
 z3, sp = solver_library(), library()
 

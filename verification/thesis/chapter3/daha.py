@@ -1,107 +1,137 @@
 """The quasi-steady model by DAHA against the first-order model by PBD: same seed, same noise, same divisions."""
+# ruff: noqa: RUF001 - headings for readers are written with Greek letters
 
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
-from functools import cache, partial
+from functools import cache
 from typing import Any
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 from scipy.stats import binomtest
 
 from dincl.study import Key, Row, Study
 from tissue.files.parameters import Parameters, preset
 from tissue.frames.frame import Frame
-from tissue.frames.observables import height, widths
-from tissue.quasi_steady.run import QuasiSteadyRun, simulate_quasi_steady
+from tissue.frames.observables import extents, height
 from tissue.state.cells import Cells
 from verification.thesis.chapter3 import linear
-from verification.thesis.chapter3.disturbed import OTHER
-from verification.thesis.chapter3.growing import (
-    Growing,
-    extent,
-    growing_from,
-    nuclei,
-    rms,
-    with_noise,
-)
-from verification.thesis.chapter3.intervals import over_seeds
-from verification.thesis.chapter3.judged import FLOORED
+from verification.thesis.chapter3.frozen import FLOORED
+from verification.thesis.chapter3.growing import Growing, extent, growing_from, nuclei, rms, with_noise
+from verification.thesis.chapter3.intervals import CONFIDENCE, over_seeds
+from verification.thesis.quasi_steady.run import QuasiSteadyRun, simulate_quasi_steady
 
+Floats = NDArray[np.float64]
 # What (3.26) as printed does: it leaves out the factor 1/2 of (3.25).
 DOUBLED = {"daha.alpha": 2e-4, "daha.gamma": 2e-3}
-CASES: dict[str, dict[str, Any]] = {
-    "as printed": {},
-    "rest lengths >= 0": FLOORED,
-    "as printed, alpha doubled": DOUBLED,
-    "rest lengths >= 0, alpha doubled": FLOORED | DOUBLED,
+# Readings of the model, with a step of DAHA as in (3.25) or in (3.26): a preset and what changes in it. The published
+# program has the last one, and DAHA with the parameters of Table 4.
+PRINTED, TERMINATING, SQUARED, PROGRAM = READINGS = (
+    *("as printed", "desired rest lengths ≥ 0", "squared denominators", "published program"),
+)
+DOUBLED_CASE = f"{TERMINATING}, alpha doubled"
+CASES: dict[str, tuple[str, dict[str, Any]]] = {
+    PRINTED: ("thesis", {}),
+    TERMINATING: ("thesis", FLOORED),
+    f"{PRINTED}, alpha doubled": ("thesis", DOUBLED),
+    DOUBLED_CASE: ("thesis", FLOORED | DOUBLED),
+    SQUARED: ("corrected", {}),
+    PROGRAM: ("published", {}),
 }
-PRINTED, TERMINATING, _, DOUBLED_CASE = CASES
 # Of Figure 11; the tolerance of Table 4.
 TOLERANCES, OWN = (1e-5, 1e-6, 1e-7), 1e-6
+# Seeds of each case and tolerance that are compared with PBD; with 1e-7 a run takes ten times as long, and shows
+# nothing but its iterations. Of each reading 73 give the 95 % interval of a share of 1/4 the half-width 0.1.
+SEEDS, FEW, OF_READINGS = 20, 3, 73
 END, TIMES = 10.0, (1.0, 10.0)
 # (3.32), section 3.4, Table 5, Figure 15, and (3.32) with the factor that it leaves out.
 DAMPINGS = (0.1, 0.1333, 0.14, 0.15, 0.2, 0.2667, 0.4)
 THEORY, COMPARED, TABLE_5 = 0.1333, 0.14, 0.15
 PBD_SUBSTEPS = (20, 200)
+# Seeds of other noise are these beyond those of the run; resampled sets of seeds; points of a parabola.
+OTHER, RESAMPLED, NEIGHBOURS = 1_000_000, 1000, 5
+COLUMNS = {
+    "case": "Model",
+    "eps": "ε",
+    "kind": "Against DAHA",
+    "t": "t [h]",
+    "mu": "μ [h]",
+    "mu_low": "μ from",
+    "mu_high": "μ to",
+    "substeps": "Substeps",
+    "runs": "Runs",
+    "failed": "Not terminated",
+    "share": "Share",
+    "first": "First at [h]",
+    "last": "Last at [h]",
+    "stiffness": "Δτ² α λ_max of a cell there, median",
+    "median": "Median iterations",
+    "relative": "Distance of nuclei, relative",
+    "daha": "DAHA [s]",
+    "pbd": "PBD [s]",
+    "ratio": "Ratio",
+    "low": "from",
+    "high": "to",
+    "work": "Iterations / substeps",
+    "whole": "Δt/(n α) [h], (3.32)",
+    "half": "2Δt/(n α) [h]",
+    "violation": "Largest violation [R_soft]",
+    "rms": "Distance of nuclei [R_soft]",
+    "least": "Least distance",
+    "equal": "μ of equal height [h]",
+    "equal_low": "of equal height, from",
+    "equal_high": "of equal height, to",
+    "height": "Height, relative deviation",
+    "height_low": "Height, from",
+    "height_high": "Height, to",
+    "width": "Width, relative deviation",
+    "width_low": "Width, from",
+    "width_high": "Width, to",
+}
 
 
-@dataclass(frozen=True)
-class DahaForm:
-    """Number of seeds by case and tolerance, dampings that are tried with the most substeps, too, end of runs [h]."""
-
-    seeds: dict[tuple[str, float], int]
-    fine: tuple[float, ...]
-    end: float = END
-
-
-# With 1e-7 a run takes ten times as long as with 1e-6, and shows nothing but its iterations.
-FULL = DahaForm({(case, eps): 20 if eps >= OWN else 3 for case in CASES for eps in TOLERANCES}, DAMPINGS)
-
-
-def study(form: DahaForm) -> Study:
-    """Return the study: one run for each case, tolerance and seed."""
-    runs = [
-        {"case": case, "eps": eps, "seed": seed} for (case, eps), seeds in form.seeds.items() for seed in range(seeds)
-    ]
-    return Study(
-        name="tissue_daha",
-        title="Tissue: DAHA",
-        key=("case", "eps", "seed"),
-        runs=tuple(runs),
-        run=partial(compared, end=form.end, fine=form.fine),
-    )
+def study(smallest: bool = False) -> Study:
+    """Return one run for each case, tolerance and seed."""
+    keys = [(TERMINATING, OWN, 0), (PRINTED, OWN, 0), (PROGRAM, OWN, 0)]
+    if not smallest:
+        keys = [(case, OWN, seed) for case in CASES for seed in range(OF_READINGS if case in READINGS else SEEDS)]
+        compared = [case for case in CASES if case not in (SQUARED, PROGRAM)]
+        keys += [(c, eps, s) for c in compared for eps, n in ((1e-5, SEEDS), (1e-7, FEW)) for s in range(n)]
+    runs = tuple(dict(zip(("case", "eps", "seed"), key, strict=True)) for key in keys)
+    settings = {"cases": CASES, "end": END, "times": TIMES, "dampings": DAMPINGS, "substeps": PBD_SUBSTEPS}
+    by = ("kind", "t", "mu", "substeps")
+    return Study("tissue_daha", "Tissue: DAHA", ("case", "eps", "seed"), runs, grown, settings, COLUMNS, by)
 
 
 def parameters_of(case: str, eps: float, end: float = END) -> Parameters:
-    """Return the thesis preset with the changes of the case."""
-    ends = {"numerics.t_end": f"{end:g} h", "numerics.keep": "1 h", "daha.eps": eps}
-    return preset("thesis").changed(CASES[case] | ends)
+    """Return the parameters of a case."""
+    name, changes = CASES[case]
+    return preset(name).changed({**changes, "numerics.t_end": f"{end:g} h", "numerics.keep": "1 h", "daha.eps": eps})
 
 
-def compared(key: Key, end: float, fine: tuple[float, ...]) -> list[Row]:
-    """Return rows of three kinds: "step" for each step of DAHA; "run", how it ended; "pbd", the comparison with PBD.
+def grown(key: Key, end: float = END) -> list[Row]:
+    """Return rows of three kinds: "run", how it ended; "step" for each step; "pbd" and others, the comparison with PBD.
 
-    PBD is looked at for the tolerance of Table 4 only, at the times that DAHA reached.
+    PBD is looked at for the tolerance of Table 4 only, at the times that DAHA reached. Runs beyond SEEDS, and those of
+    readings without the parameters of Table 5, have the first kind alone.
     """
-    parameters = parameters_of(key["case"], key["eps"], end)
+    parameters, seed = parameters_of(key["case"], key["eps"], end), key["seed"]
     _warm_up()
     began = time.process_time()
-    run = simulate_quasi_steady(parameters, key["seed"], throw=False)
+    run = simulate_quasi_steady(parameters, seed, throw=False)
     seconds = time.process_time() - began
-    steps = zip(run.iterations.tolist(), run.terminated.tolist(), run.violation.tolist(), strict=True)
-    dt = parameters.numbers().dt
-    rows: list[dict[str, Any]] = [
-        {"kind": "step", "t": (k + 1) * dt, "iterations": made, "terminated": done, "violation": off}
-        for k, (made, done, off) in enumerate(steps)
-    ]
     about = {"kind": "run", "t": run.final.t, "seconds": seconds, "terminated": bool(run.status)}
-    about["stiffness"] = stiffness(run.final.cells, parameters)
-    rows.append(about | {"status": run.status.name, "iterations": int(run.iterations.sum())})
-    if key["eps"] == OWN:
-        rows += _against(run, parameters, key["seed"], fine)
+    about |= {"status": run.status.name, "iterations": int(run.iterations.sum())}
+    rows: list[dict[str, Any]] = [about]
+    if seed < SEEDS and key["case"] not in (SQUARED, PROGRAM):
+        about["stiffness"] = stiffness(run.final.cells, parameters)
+        steps = zip(run.iterations.tolist(), run.terminated.tolist(), run.violation.tolist(), strict=True)
+        for k, (made, done, off) in enumerate(steps):
+            t = (k + 1) * parameters.numbers().dt
+            rows.append({"kind": "step", "t": t, "iterations": made, "terminated": done, "violation": off})
+        rows += _against(run, parameters, seed) if key["eps"] == OWN else []
     return [dict(key) | row for row in rows]
 
 
@@ -121,18 +151,18 @@ def _warm_up() -> None:
     growing_from(quick, 0).to(1.0)
 
 
-def _against(run: QuasiSteadyRun, parameters: Parameters, seed: int, fine: tuple[float, ...]) -> list[dict[str, Any]]:
+def _against(run: QuasiSteadyRun, parameters: Parameters, seed: int) -> list[dict[str, Any]]:
     """Compare PBD with each damping and number of substeps, and with other noise, at the times that DAHA reached."""
     done = len(run.frames) if run.status else len(run.frames) - 1
     targets = {t: frame for frame in run.frames[:done] for t in TIMES if abs(frame.t - t) < parameters.numbers().dt / 2}
     few, many = PBD_SUBSTEPS
-    tried = [(mu, few) for mu in DAMPINGS] + [(mu, many) for mu in fine]
     rows, kept = [], {}
-    for mu, substeps in tried:
-        for t, frame, seconds in _states(growing_from(parameters, seed, mu=mu, substeps=substeps), targets):
-            kept[mu, substeps, t] = frame
-            about = {"kind": "pbd", "mu": mu, "substeps": substeps, "seconds": seconds}
-            rows.append(about | {"t": t} | _distances(targets[t], frame))
+    for substeps in PBD_SUBSTEPS:
+        for mu in DAMPINGS:
+            for t, frame, seconds in _states(growing_from(parameters, seed, mu=mu, substeps=substeps), targets):
+                kept[mu, substeps, t] = frame
+                about = {"kind": "pbd", "mu": mu, "substeps": substeps, "seconds": seconds}
+                rows.append(about | {"t": t} | _distances(targets[t], frame))
     other = with_noise(growing_from(parameters, seed, mu=COMPARED), OTHER + seed)
     for t, frame, _ in _states(other, targets):
         rows.append({"kind": "other noise", "mu": COMPARED, "t": t} | _distances(targets[t], frame))
@@ -155,8 +185,8 @@ def _distances(one: Frame, other: Frame) -> dict[str, float]:
         "rms": rms(x, y),
         "height": height(other),
         "reference_height": height(one),
-        "width": widths(other).apical,
-        "reference_width": widths(one).apical,
+        "width": extents(other).apical_width,
+        "reference_width": extents(one).apical_width,
     }
 
 
@@ -185,18 +215,16 @@ def failures(table: pd.DataFrame) -> pd.DataFrame:
     rows = []
     for (case, eps), mine in table[table["kind"] == "run"].groupby(["case", "eps"]):
         failed = mine[~mine["terminated"].astype(bool)]
-        low, high = wilson(len(failed), len(mine))
-        about = {"case": case, "eps": eps, "runs": len(mine), "failed": len(failed)}
-        about |= {"share": len(failed) / len(mine), "low": low, "high": high}
-        about["stiffness"] = failed["stiffness"].median()
-        rows.append(about | {"first": failed["t"].min(), "middle": failed["t"].median(), "last": failed["t"].max()})
+        share = binomtest(len(failed), len(mine)).proportion_ci(method="wilson")
+        about = {"case": case, "eps": eps, "runs": len(mine), "failed": len(failed), "share": len(failed) / len(mine)}
+        about |= {"low": float(share.low), "high": float(share.high), "stiffness": failed["stiffness"].median()}
+        rows.append(about | {"first": failed["t"].min(), "last": failed["t"].max()})
     return pd.DataFrame(rows)
 
 
-def wilson(hits: int, tries: int) -> tuple[float, float]:
-    """Return Wilson's 95 % interval of a probability."""
-    interval = binomtest(hits, tries).proportion_ci(method="wilson")
-    return float(interval.low), float(interval.high)
+def shares(failed: pd.DataFrame) -> pd.DataFrame:
+    """Return the rows of ``failures`` for each reading of the model, with the tolerance of Table 4."""
+    return failed[(failed["eps"] == OWN) & failed["case"].isin(READINGS)].reset_index(drop=True)
 
 
 def distances(table: pd.DataFrame) -> pd.DataFrame:
@@ -204,25 +232,83 @@ def distances(table: pd.DataFrame) -> pd.DataFrame:
     rows = []
     names = ["case", "kind", "t", "mu", "substeps"]
     for group, mine in table[table["relative"].notna()].groupby(names, dropna=False):
-        mean, low, high = over_seeds(mine["relative"])
-        tall, wide = (over_seeds(mine[name] / mine[f"reference_{name}"] - 1) for name in ("height", "width"))
-        about = dict(zip(names, group, strict=True)) | {"relative": mean, "low": low, "high": high}
-        about |= {"rms": mine["rms"].mean(), "least": mine["relative"].min(), "runs": len(mine)}
-        about |= {"height": tall.mean, "height_low": tall.low, "height_high": tall.high}
-        rows.append(about | {"width": wide.mean, "width_low": wide.low, "width_high": wide.high})
+        row: dict[str, Any] = dict(zip(names, group, strict=True))
+        row |= {"rms": mine["rms"].mean(), "least": mine["relative"].min(), "runs": len(mine)}
+        row["relative"], row["low"], row["high"] = over_seeds(mine["relative"])
+        for name in ("height", "width"):
+            off = mine[name] / mine[f"reference_{name}"] - 1
+            row[name], row[f"{name}_low"], row[f"{name}_high"] = over_seeds(off)
+        rows.append(row)
     return pd.DataFrame(rows)
 
 
-def speed(table: pd.DataFrame, end: float = END) -> pd.DataFrame:
-    """Return one row for each case with the ε of Table 4: seconds of runs of DAHA to ``end`` over seconds of PBD."""
+def speed(table: pd.DataFrame) -> pd.DataFrame:
+    """Return one row for each case with the ε of Table 4: seconds of runs of DAHA to END over seconds of PBD."""
     rows = []
-    ended = table[(table["kind"] == "run") & (table["eps"] == OWN) & table["terminated"].eq(True)]
+    runs = table[(table["kind"] == "run") & (table["eps"] == OWN) & table["terminated"].eq(True)]
     pbd = table[(table["kind"] == "pbd") & (table["substeps"] == min(PBD_SUBSTEPS)) & (table["mu"] == TABLE_5)]
-    for case, mine in ended.groupby("case"):
+    for case, mine in runs[runs["case"].isin(pbd["case"]) & (runs["seed"] < SEEDS)].groupby("case"):
         own = pbd[(pbd["case"] == case) & (pbd["t"] == pbd["t"].max())].set_index("seed")["seconds"]
-        ratio = mine.set_index("seed")["seconds"] / own
-        found = over_seeds(ratio.dropna())
+        found = over_seeds((mine.set_index("seed")["seconds"] / own).dropna())
         times = {"daha": mine["seconds"].median(), "pbd": own.median()}
-        work = mine["iterations"].mean() / (min(PBD_SUBSTEPS) * end / parameters_of(str(case), OWN).numbers().dt)
+        work = mine["iterations"].mean() / (min(PBD_SUBSTEPS) * END / parameters_of(str(case), OWN).numbers().dt)
         rows.append({"case": case} | times | {"ratio": found.mean, "low": found.low, "high": found.high, "work": work})
     return pd.DataFrame(rows, columns=["case", "daha", "pbd", "ratio", "low", "high", "work"])
+
+
+def fitted(table: pd.DataFrame) -> pd.DataFrame:
+    """Return one row for each case, time and number of substeps: the dampings of least distance and of equal height.
+
+    ``mu`` is the minimum of a parabola in log mu through the mean relative distances next to the least of them, with
+    the percentiles of resampled seeds; ``equal`` is where a line through the two nearest heights meets that of DAHA,
+    mean over the seeds with Student's interval. Where the minimum is an end of the dampings, ``mu`` is that end.
+    Fewer than NEIGHBOURS dampings make no row.
+    """
+    rows = []
+    pbd = table[(table["kind"] == "pbd") & table["relative"].notna()]
+    for (case, t, substeps), mine in pbd.groupby(["case", "t", "substeps"]):
+        grid = mine.pivot(index="seed", columns="mu", values="relative").dropna(axis="columns")
+        mu, relative = grid.columns.to_numpy(float), grid.to_numpy()
+        if len(mu) < NEIGHBOURS:
+            continue
+        about = {"case": case, "t": t, "substeps": int(substeps), "mu": best(mu, relative.mean(axis=0))}
+        about["mu_low"], about["mu_high"] = _resampled(mu, relative)
+        about |= {"least": relative.mean(axis=0).min(), "runs": len(grid)}
+        about["equal"], about["equal_low"], about["equal_high"] = over_seeds(_equal_heights(mine))
+        rows.append(about)
+    return pd.DataFrame(rows)
+
+
+def best(mu: Floats, distance: Floats) -> float:
+    """Return the minimum of distances (K,) over the dampings (K,), K >= NEIGHBOURS."""
+    k = int(np.argmin(distance))
+    first = int(np.clip(k - NEIGHBOURS // 2, 0, max(0, len(mu) - NEIGHBOURS)))
+    some = slice(first, first + NEIGHBOURS)
+    x = np.log(mu[some])
+    bend, slope, _ = np.polyfit(x, distance[some], 2)
+    if bend <= 0:
+        return float(mu[k])
+    return float(np.exp(np.clip(-slope / (2 * bend), x[0], x[-1])))
+
+
+def _resampled(mu: Floats, relative: Floats) -> tuple[float, float]:
+    """Return the interval of ``best`` over resampled rows of (seeds, K)."""
+    if len(relative) < 2:
+        return np.nan, np.nan
+    drawn = np.random.default_rng(0).integers(len(relative), size=(RESAMPLED, len(relative)))
+    found = [best(mu, relative[rows].mean(axis=0)) for rows in drawn]
+    low, high = np.quantile(found, (0.5 - CONFIDENCE / 2, 0.5 + CONFIDENCE / 2))
+    return float(low), float(high)
+
+
+def _equal_heights(rows: pd.DataFrame) -> list[float]:
+    """Return for each seed the damping with the height of DAHA; seeds beyond the dampings are left out."""
+    found = []
+    for _, mine in rows.sort_values("mu").groupby("seed"):
+        off, x = (mine["height"] - mine["reference_height"]).to_numpy(), np.log(mine["mu"].to_numpy())
+        change = np.flatnonzero(np.sign(off[1:]) != np.sign(off[:-1]))
+        if change.size:
+            k = int(change[0])
+            part = off[k] / (off[k] - off[k + 1])
+            found.append(float(np.exp(x[k] + part * (x[k + 1] - x[k]))))
+    return found

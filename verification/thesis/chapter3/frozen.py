@@ -1,4 +1,4 @@
-"""Frozen tissues: rules stand still, there is no noise, and every force has come to rest."""
+"""Frozen tissues: rules stand still, there is no noise; their substeps, their jitter, and states at rest."""
 
 from __future__ import annotations
 
@@ -6,13 +6,22 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from tissue.state.cells import CellLayers, Cells, first
-from tissue.state.numbers import Numbers
+from tissue.files.parameters import Parameters, preset
+from tissue.rules.slice import in_plane
+from tissue.runs.compiled_rules import rules_pointer
+from tissue.runs.group import Group
+from tissue.state.cells import COORDINATES, CellLayers, Cells, first
+from tissue.state.numbers import Numbers, numbers_pointer
+from tissue.state.running import contents, new_state
+from tissue.step.advance import apply_rules
 from verification.thesis.chapter3 import linear
-from verification.thesis.chapter3.growing import growing
-from verification.thesis.chapter3.jitter import substepped
+from verification.thesis.chapter3.growing import SUCCESS, growing, growing_from
 
+Floats = NDArray[np.float64]
+# One rule of the thesis preset changed: desired rest lengths that are not negative, as the published runs have it.
+FLOORED = {"rules.floor_rest_length": True}
 # The tissue is grown for so long [h], with so many substeps, before it is frozen.
 AGE, SEED = 10.0, 0
 FINE = {"thesis": 160, "published": 40}
@@ -23,11 +32,31 @@ NEIGHBOURS = 20
 
 
 class Frozen(NamedTuple):
-    """A state at rest."""
+    """A state whose rules stand still."""
 
     cells: Cells
     layers: CellLayers
     numbers: Numbers
+
+
+def floored() -> Parameters:
+    """Return the thesis preset with desired rest lengths that are not negative, with which DAHA terminates."""
+    return preset("thesis").changed(FLOORED)
+
+
+@cache
+def begun(parameters: Parameters, seed: int, t: float) -> Frozen:
+    """Return the state from which the step that ends at t + dt begins: rules and noise applied, nothing moved yet.
+
+    The tissue was grown by PBD. The state need not be in S.
+    """
+    run = growing_from(parameters, seed)
+    run.to(t)
+    if run.status != SUCCESS:
+        raise RuntimeError(f"seed {seed}: the tissue was lost before t = {t:g} h: {run.status}")
+    t, numbers = (run.made + 1) * run.numbers.dt, numbers_pointer(run.numbers)
+    apply_rules(run.held, t, numbers, rules_pointer([run.held]), run.random.cycle, run.random.noise)
+    return Frozen(*contents(run.held), run.numbers)
 
 
 @cache
@@ -39,16 +68,46 @@ def grown(name: str) -> Frozen:
     return Frozen(frame.cells, frame.layers, run.numbers)
 
 
+def substepped(state: Frozen, scale: float, substeps: int) -> Cells | None:
+    """Return the cells after so many substeps of h = scale mu, without rules and noise; None if cells are lost."""
+    cells, layers, numbers = state
+    still = numbers._replace(dt=scale * numbers.mu * substeps, substeps=substeps, noise_in_substeps=False)
+    group = Group([new_state(cells, layers, capacity=len(cells.x), space=in_plane())], still)
+    return contents(group.states[0])[0] if group.make_substeps() else None
+
+
+class Swing(NamedTuple):
+    """The period-two part of three states in a row: a, where Z_k = Y + (-1)^k a, is (Z_{k+1} - 2 Z_k + Z_{k-1})/4."""
+
+    nuclei: Floats  # |a| of each nucleus, shape (n,) [R_soft]
+    largest: float  # |a| of any coordinate [R_soft]
+    middle: Cells  # the cells at (Z_{k+1} + 2 Z_k + Z_{k-1})/4, where the swing is gone
+
+
+def swing(state: Frozen, scale: float) -> Swing | None:
+    """Return the swing of the state and the two after it; None if one of them is lost.
+
+    Beyond the linear limit of explicit Euler points swing from substep to substep: they jitter.
+    """
+    now = substepped(state, scale, 1)
+    after = None if now is None else substepped(state._replace(cells=now), scale, 1)
+    if now is None or after is None:
+        return None
+    z = [np.stack([getattr(one, name) for name in COORDINATES]) for one in (state.cells, now, after)]
+    turn, middle = (z[2] - 2 * z[1] + z[0]) / 4, (z[2] + 2 * z[1] + z[0]) / 4
+    calm = state.cells._replace(**dict(zip(COORDINATES, middle, strict=True)))
+    return Swing(np.hypot(turn[0], turn[1]), float(np.abs(turn).max()), calm)
+
+
 def at_rest(state: Frozen) -> Frozen:
     """Return the state after ROUNDS of substeps that are far below the linear limit."""
-    cells = state.cells
     for _ in range(ROUNDS):
-        scale = PART * _surely_below(state._replace(cells=cells))
-        moved = substepped(cells, state.layers, state.numbers, scale, SUBSTEPS)
+        scale = PART * _surely_below(state)
+        moved = substepped(state, scale, SUBSTEPS)
         if moved is None:
             raise RuntimeError(f"a tissue at rest was lost at h/mu = {scale:g}: must be stable there")
-        cells = moved
-    return state._replace(cells=cells)
+        state = state._replace(cells=moved)
+    return state
 
 
 def limit(state: Frozen) -> float:

@@ -18,7 +18,7 @@ from tissue.runs.start import started
 from tissue.state.cells import COORDINATES, Cells
 from tissue.state.checkpoint import Streams, streams
 from tissue.state.numbers import Numbers
-from tissue.state.running import CELLS, TissueState, contents
+from tissue.state.running import TissueState, contents
 
 Floats = NDArray[np.float64]
 PRESETS = ("thesis", "published")
@@ -93,15 +93,6 @@ def growing_from(parameters: Parameters, seed: int, **changes: Any) -> Growing:
     random, numbers = streams(seed), parameters.numbers()
     held, _ = started(parameters, random)
     return Growing(numbers._replace(**changes), held, random, far_from(contents(held)[0]))
-
-
-def disturbed(run: Growing, size: float) -> Growing:
-    """Move each coordinate of the nuclei of a run by N(0, size^2) [R_soft]."""
-    n, cells = run.held.sizes[CELLS], run.held.cells
-    moves = np.random.default_rng(0).normal(0.0, size, (2, n))
-    cells.x[:n] += moves[0]
-    cells.y[:n] += moves[1]
-    return run
 
 
 def with_noise(run: Growing, seed: int) -> Growing:

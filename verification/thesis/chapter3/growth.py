@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -14,49 +13,43 @@ from tissue.frames.observables import height
 from verification.thesis.chapter3.growing import PRESETS, SUCCESS, growing
 from verification.thesis.chapter3.intervals import over_seeds
 
-# How often a height is kept, within the runs of Figure 16 [h].
-EVERY = 2.0
+DAMPINGS = (0.2, 0.15, 0.1, 0.05, 0.025)
+# Length of the runs of Figure 16, how often a height is kept [h], largest h / mu of the fine runs.
+END, EVERY, FINE, SEEDS = 48.0, 2.0, 1 / 240, 24
 # What the embryo does in some places within 48 h.
 DOUBLED = 2.0
+COLUMNS = {
+    "preset": "Preset",
+    "kind": "Substeps",
+    "mu": "μ [h]",
+    "substeps": "Substeps",
+    "ratio": "Height at 48 h / at the start",
+    "low": "from",
+    "high": "to",
+    "least": "Least",
+    "largest": "Largest",
+    "runs": "Runs",
+    "lost": "Lost",
+}
 
 
-@dataclass(frozen=True)
-class GrowthForm:
-    """Extent of the study: number of seeds, largest h / mu of the fine runs, dampings, end of the runs [h]."""
-
-    seeds: int
-    fine: float
-    dampings: tuple[float, ...] = (0.2, 0.15, 0.1, 0.05, 0.025)
-    end: float = 48.0
-
-
-FULL = GrowthForm(24, 1 / 240)
+def study(smallest: bool = False) -> Study:
+    """Return one run for each preset, damping and number of substeps, with all seeds; few with fewest substeps."""
+    names = [(name, mu) for name in PRESETS for mu in DAMPINGS]
+    keys = [(*name, count) for name in names for count in substeps_of(*name)[: 1 if smallest else None]]
+    seeds, key = 2 if smallest else SEEDS, ("preset", "mu", "substeps")
+    runs = tuple(dict(zip(key, one, strict=True)) for one in sorted(keys, key=lambda one: -one[2]))
+    run, settings = partial(grown, seeds=seeds), {"seeds": seeds, "end": END, "every": EVERY}
+    return Study("tissue_growth", "Tissue: growth", key, runs, run, settings, COLUMNS, by=("seed", "t"))
 
 
-def study(form: GrowthForm) -> Study:
-    """Return the study: one run for each preset, damping and number of substeps, with all seeds."""
-    runs = [
-        {"preset": name, "mu": mu, "substeps": substeps}
-        for name in PRESETS
-        for mu in form.dampings
-        for substeps in substeps_of(name, mu, form.fine)
-    ]
-    return Study(
-        name="tissue_growth",
-        title="Tissue: growth",
-        key=("preset", "mu", "substeps"),
-        runs=tuple(sorted(runs, key=lambda run: -run["substeps"])),
-        run=partial(grown, seeds=form.seeds, end=form.end),
-    )
-
-
-def substeps_of(name: str, mu: float, fine: float) -> tuple[int, ...]:
+def substeps_of(name: str, mu: float, fine: float = FINE) -> tuple[int, ...]:
     """Return substeps of the preset, and as many more as h / mu <= ``fine`` takes."""
     numbers = preset(name).numbers()
     return tuple(sorted({numbers.substeps, max(numbers.substeps, int(np.ceil(numbers.dt / mu / fine - 1e-9)))}))
 
 
-def grown(key: Key, seeds: int, end: float) -> list[Row]:
+def grown(key: Key, seeds: int, end: float = END) -> list[Row]:
     """Return one row for each seed and time: the height over that of the start; NaN from where a run is lost."""
     rows: list[Row] = []
     for seed in range(seeds):
@@ -81,17 +74,15 @@ def last_rows(table: pd.DataFrame) -> pd.DataFrame:
 def ratios(table: pd.DataFrame) -> pd.DataFrame:
     """Return one row for each preset, damping and number of substeps: height at the end over that at the start.
 
-    Mean over the seeds with its interval, their least and largest; and how many were lost, and to what.
+    Mean over the seeds with its interval, their least and largest; and how many were lost.
     """
     rows = []
     for (name, mu, substeps), mine in last_rows(table).groupby(["preset", "mu", "substeps"]):
         kept = mine.loc[mine["status"] == SUCCESS, "ratio"]
-        lost = mine.loc[mine["status"] != SUCCESS, "status"]
         mean, low, high = over_seeds(kept)
         about = {"preset": name, "mu": mu, "substeps": substeps, "ratio": mean, "low": low, "high": high}
-        extremes = {"least": kept.min(), "largest": kept.max()}
-        counts = {"runs": len(mine), "lost": len(lost), "to": ", ".join(sorted(set(lost)))}
-        rows.append(about | extremes | counts)
+        about |= {"least": kept.min(), "largest": kept.max()}
+        rows.append(about | {"runs": len(mine), "lost": len(mine) - len(kept)})
     return pd.DataFrame(rows).sort_values(["preset", "substeps", "mu"], ignore_index=True)
 
 
@@ -104,10 +95,8 @@ def doubling(table: pd.DataFrame) -> pd.DataFrame:
     """
     rows = []
     for name, mine in last_rows(table).groupby("preset"):
-        for kind, one in (
-            ("as the preset", mine[mine["substeps"] == mine["substeps"].min()]),
-            ("fine", mine[fine(mine)]),
-        ):
+        own = mine["substeps"] == mine["substeps"].min()
+        for kind, one in (("as the preset", mine[own]), ("fine", mine[fine(mine)])):
             whole = one.pivot(index="seed", columns="mu", values="ratio").dropna(axis="columns")
             found = [_where_doubled(whole.columns.to_numpy(), ratio) for ratio in whole.to_numpy()]
             mean, low, high = over_seeds(found)

@@ -1,10 +1,9 @@
-"""The linear limit where theory is sharp: found by bisection, without the formula, and by the formula."""
+"""The linear limit of substeps where theory is sharp: found by bisection, without the formula, and by the formula."""
 # ruff: noqa: RUF001 - formulas for readers are written with Greek letters and minus signs
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
 from functools import partial
 from typing import TypedDict
 
@@ -14,32 +13,27 @@ from dincl.study import Study
 from tissue.files.parameters import preset
 from tissue.state.cells import CellLayers, empty
 from tissue.state.numbers import Numbers
-from verification.thesis.chapter2.stability.boundary import boundary
-from verification.thesis.chapter2.stability.case import Case, Found, within
-from verification.thesis.chapter2.stability.case import study as study_of_cases
+from verification.instruments.predicted import Case, Found, boundary, cases_study, within
 from verification.thesis.chapter3 import frozen, linear
-from verification.thesis.chapter3.frozen import Frozen
-from verification.thesis.chapter3.jitter import substepped, swing
+from verification.thesis.chapter3.frozen import Frozen, substepped, swing
 
 # A swing that is a hundred times the disturbance has grown; one part in a thousand above the limit it does so by 1.002
 # in each substep. It is looked for all along: once large, it may end in another state, bent or turned over. With
 # contacts the sweeps themselves leave something that swings, so the disturbance has to be larger [R_soft].
-SIZE, ROUGH = 1e-8, 1e-5
-GROWN = 100.0
+SIZE, ROUGH, GREW = 1e-8, 1e-5, 100.0
 # Substeps after which it is looked for: often enough to find it before it is of the size of a cell.
 LOOKS = tuple(2**k for k in range(3, 14))
 PRECISION, AGREEMENT, CONTACTS = 2e-4, 1e-3, 0.05
 # Where the search for a step that is too large begins [h/mu].
 SMALL = 1e-3
-HEIGHT = 8.0
 
 
 def standing(u: float, v: float, count: int = 1, spacing: float = 4.0, **stiffness: float) -> Frozen:
     """Return straight cells side by side at rest, nuclei ``u`` below the apical and ``v`` above the basal points.
 
-    Stiffnesses that are not given are 0. Too far from each other for the nuclei to meet; junctions are at rest.
+    Stiffnesses that are not given are 0. There are no hard discs; junctions are at rest.
     """
-    numbers: Numbers = preset("thesis").numbers()._replace(max_basal=2 * spacing, hard_radius=0.0)
+    numbers: Numbers = preset("thesis").numbers()._replace(max_basal_distance=2 * spacing, hard_radius=0.0)
     cells = empty(count)
     place = spacing * np.arange(count)
     given = {"x": place, "y": v, "ax": place, "ay": u + v, "bx": place, "rest_ax": u - 1, "rest_bx": v - 1}
@@ -52,9 +46,9 @@ def holds(state: Frozen, scale: float, size: float = SIZE) -> bool:
     """Return whether no swing grows out of a disturbance of ``size`` with substeps of h/mu = ``scale``."""
     now = frozen.disturbed(state, size)
     for more in np.diff((0, *LOOKS)).tolist():
-        cells = substepped(now.cells, now.layers, now.numbers, scale, more)
-        found = None if cells is None else swing(cells, now.layers, now.numbers, scale)
-        if cells is None or found is None or found.largest > GROWN * size:
+        cells = substepped(now, scale, more)
+        found = None if cells is None else swing(now._replace(cells=cells), scale)
+        if cells is None or found is None or found.largest > GREW * size:
             return False
         now = now._replace(cells=cells)
     return True
@@ -62,14 +56,10 @@ def holds(state: Frozen, scale: float, size: float = SIZE) -> bool:
 
 def found_limit(state: Frozen, size: float = SIZE) -> float:
     """Return the largest h/mu that ``holds``."""
-
-    def fine(scale: float) -> bool:
-        return holds(state, scale, size)
-
     high = SMALL
-    while fine(high):
+    while holds(state, high, size):
         high *= 2
-    return boundary(fine, high / 2, high, PRECISION)
+    return boundary(lambda scale: holds(state, scale, size), high / 2, high, PRECISION)
 
 
 class Stiffness(TypedDict):
@@ -96,7 +86,7 @@ def _bending(u: float, v: float) -> Found:
 def _springs(power: int) -> Found:
     given, length = _stiffness() | {"stiff_axb": 0.0}, 2.5
     state = standing(length, length, **given)
-    state = state._replace(numbers=state.numbers._replace(power=power))
+    state = state._replace(numbers=state.numbers._replace(spring_power=power))
     # Moves of A and X along the cell: [[k, -k], [-k, 2k]].
     expected = linear.LIMIT / (2 * given["stiff_ax"] / length**power * (3 + math.sqrt(5)) / 2)
     return within(expected, found_limit(state), AGREEMENT, f"h/μ, l = {length:g}, p = {power}")
@@ -130,11 +120,11 @@ def _grown(name: str) -> Found:
     return within(frozen.limit(state), found_limit(state, ROUGH), CONTACTS, words)
 
 
-BENDING = "h/μ · 2α(1/u² + 1/v² + 1/(uv)) = 2"
+STRAIGHT = "h/μ · 2α(1/u² + 1/v² + 1/(uv)) = 2"
 CASES = (
-    Case("bend-middle", "A straight cell, nucleus in the middle", BENDING, partial(_bending, 2.5, 2.5)),
-    Case("bend-apical", "A straight cell, nucleus at its apical end", BENDING, partial(_bending, 0.7, 7.3)),
+    Case("bend-apical", "A straight cell, nucleus at its apical end", STRAIGHT, partial(_bending, 0.7, 7.3)),
     Case("springs-1", "The springs of a cell, p = 1", "h/μ · (2α/l)(3 + √5)/2 = 2", partial(_springs, 1)),
+    Case("bend-middle", "A straight cell, nucleus in the middle", STRAIGHT, partial(_bending, 2.5, 2.5)),
     Case("springs-2", "The springs of a cell, p = 2", "h/μ · (2α/l²)(3 + √5)/2 = 2", partial(_springs, 2)),
     Case("junctions", "The apical layer", "h/μ · 2k(1 + cos(π/n)) = 2", _junctions),
     Case("crowd", "Cells at rest, no contact", "h/μ · λ_max of the Hessian of W = 2", _crowd),
@@ -143,17 +133,6 @@ CASES = (
 )
 
 
-@dataclass(frozen=True)
-class LimitsForm:
-    """The cases."""
-
-    cases: tuple[Case, ...] = CASES
-
-
-# There is one form only.
-FORM = LimitsForm()
-
-
-def study(form: LimitsForm) -> Study:
-    """Return the study: one run for each case."""
-    return replace(study_of_cases(form.cases), name="tissue_limits", title="Tissue: linear limits")
+def study(smallest: bool = False) -> Study:
+    """Return the limits by bisection beside those by the formula, one run for each case."""
+    return cases_study(CASES[:2] if smallest else CASES, "tissue_limits", "Tissue: linear limits")

@@ -60,6 +60,6 @@ def row_of(table: pd.DataFrame, **where: object) -> pd.Series:
 
 def daha_runs_ending(tables: Tables, reading: str) -> Comparison:
     """Compare the share of the runs of DAHA that reach 10 h with 1/2, for a reading of the model."""
-    row = row_of(tables["tissue_daha_shares"], reading=reading)
+    row = row_of(tables["tissue_daha_shares"], case=reading)
     what = f"share of {row['runs']} runs of DAHA that reach 10 h, {reading}"
     return at_least(what, 1 - row["share"], 0.5, interval=(1 - row["high"], 1 - row["low"]))

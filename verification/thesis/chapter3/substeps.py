@@ -1,12 +1,10 @@
-"""Accuracy against speed: nuclei and heights for n substeps in each dt, against the same run with many more.
+"""Accuracy of substeps: nuclei and heights for n substeps in each dt, against the same run with many more.
 
 Runs of one seed meet the same noise and the same divisions, whatever their substeps: a difference is an error.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
 from functools import partial
 from typing import Any
 
@@ -16,162 +14,107 @@ import pandas as pd
 from dincl.study import Key, Row, Study
 from tissue.frames.frame import Frame
 from tissue.frames.observables import height
-from verification.instruments.order import Order, estimate, order_text
-from verification.thesis.chapter3.growing import PRESETS, SUCCESS, Growing, growing, nuclei, rms
+from verification.instruments.order import estimate, order_text
+from verification.thesis.chapter3.growing import PRESETS, Growing, growing, nuclei, rms
 from verification.thesis.chapter3.intervals import over_seeds
 
-# When the states are looked at; all of them are multiples of dt in both presets [h].
-TIMES = (0.1, 1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 40.0, 48.0)
-# The length of the runs whose speed is told; when a height has to be right [h].
-TIMED = 10.0
-HEIGHTS = (10.0, 48.0)
-# Part of the height that is good enough.
+SUBSTEPS, REFERENCE, SEEDS = (1, 2, 5, 10, 20, 40, 80, 160, 320, 640), 2560, 20
+# Output times, multiples of dt in both presets; the length of the runs whose seconds are given [h].
+TIMES, TIMED = (0.1, 1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 40.0, 48.0), 10.0
+# Part of the height that is accurate enough.
 ENOUGH = 0.01
 # The reference is off by no more than this times its difference to half as many substeps: with order p it is
 # 1 / (2^p - 1) of it, and 1 / (sqrt(2) - 1) = 2.4 for the lowest order here.
 SAFETY = 2.5
+COLUMNS = {
+    "preset": "Preset",
+    "tissue": "Tissue",
+    "t": "t [h]",
+    "substeps": "Substeps",
+    "nuclei": "Order in h of nuclei [range]",
+    "rms": "Error of nuclei [R_soft]",
+    "own": "Error of nuclei of the reference [R_soft]",
+    "height": "Order in h of the height [range]",
+    "deviation": "Relative error of the height",
+    "low": "from",
+    "high": "to",
+    "own_height": "Relative error of the height of the reference",
+    "enough": "Substeps from which on heights are within 1 %",
+    "seconds": "Seconds for 10 h",
+    "lost": "Lost",
+    "runs": "Runs",
+}
 
 
-@dataclass(frozen=True)
-class SubstepsForm:
-    """Extent of the study: substeps and those of the reference by preset, number of seeds, times [h].
-
-    At the times ``heights`` a height has to be right [h].
-    """
-
-    substeps: Mapping[str, tuple[int, ...]]
-    reference: Mapping[str, int]
-    seeds: int
-    times: tuple[float, ...] = TIMES
-    heights: tuple[float, ...] = HEIGHTS
+def study(smallest: bool = False) -> Study:
+    """Return one run for each preset and seed: all numbers of substeps, and the reference with its half."""
+    times, seeds = (TIMES[:4], 1) if smallest else (TIMES, SEEDS)
+    runs = tuple({"preset": name, "seed": seed} for seed in range(seeds) for name in PRESETS)
+    run = partial(compared, times=times)
+    settings = {"substeps": SUBSTEPS, "reference": REFERENCE, "times": times}
+    key, by = ("preset", "seed"), ("substeps", "t")
+    return Study("tissue_substeps", "Tissue: substeps", key, runs, run, settings, COLUMNS, by)
 
 
-FEW, MANY = (1, 2, 5, 10, 20, 40, 80), (160, 320, 640)
-# The step dt of the published preset is half as long.
-FULL = SubstepsForm(dict.fromkeys(PRESETS, (*FEW, *MANY)), dict.fromkeys(PRESETS, 2560), 20)
-
-
-def study(form: SubstepsForm) -> Study:
-    """Return the study: one run for each preset and seed: all numbers of substeps, and the reference with its half."""
-    return Study(
-        name="tissue_substeps",
-        title="Tissue: substeps",
-        key=("preset", "seed"),
-        runs=tuple({"preset": name, "seed": seed} for seed in range(form.seeds) for name in PRESETS),
-        run=partial(compared, form=form),
-        # More seeds are more runs; the heights are looked at afterwards.
-        settings=asdict(form) | {"seeds": None, "heights": None},
-    )
-
-
-def compared(key: Key, form: SubstepsForm) -> list[Row]:
-    """Return one row for each number of substeps and time: distance of the nuclei to the reference, and both heights.
+def compared(key: Key, times: tuple[float, ...]) -> list[Row]:
+    """Return a row for each number of substeps and time: distance of the nuclei to the reference, error of the height.
 
     The reference is made first, so that loading and compiling are not in the seconds of the others.
     """
-    name = key["preset"]
-    exact = _states(growing(name, key["seed"], substeps=form.reference[name]), form)
+    exact = _states(growing(key["preset"], key["seed"], substeps=REFERENCE), times)
     rows: list[Row] = []
-    for substeps in (*form.substeps[name], form.reference[name] // 2):
-        run = growing(name, key["seed"], substeps=substeps)
-        for t, now, true in zip(form.times, _states(run, form), exact, strict=True):
-            about = {"substeps": substeps, "h": run.numbers.dt / substeps, "t": t}
-            rows.append(dict(key) | about | _measured(*now, true[0]))
+    for substeps in (*SUBSTEPS, REFERENCE // 2):
+        states = _states(growing(key["preset"], key["seed"], substeps=substeps), times)
+        for t, (now, status, seconds), (true, *_) in zip(times, states, exact, strict=True):
+            found = {"rms": np.nan, "deviation": np.nan}
+            if now is not None and true is not None:
+                found = {"rms": rms(nuclei(now), nuclei(true)), "deviation": height(now) / height(true) - 1}
+            rows.append({**key, "substeps": substeps, "t": t, "status": status, "seconds": seconds} | found)
     return rows
 
 
-def _states(run: Growing, form: SubstepsForm) -> list[tuple[Frame | None, str, float]]:
-    """Return the states at the times of the form, None where the run is lost, with status and seconds so far."""
-    return [(run.frame() if run.to(t) else None, run.status, run.seconds) for t in form.times]
+def _states(run: Growing, times: tuple[float, ...]) -> list[tuple[Frame | None, str, float]]:
+    """Return the states at the times, None where the run is lost, with status and seconds so far."""
+    return [(run.frame() if run.to(t) else None, run.status, run.seconds) for t in times]
 
 
-def _measured(now: Frame | None, status: str, seconds: float, true: Frame | None) -> dict[str, Any]:
-    numbers = dict.fromkeys(("rms", "relative", "height", "reference_height"), np.nan)
-    if now is not None and true is not None:
-        x, y = nuclei(now), nuclei(true)
-        numbers = {
-            "rms": rms(x, y),
-            "relative": float(np.linalg.norm(x - y) / np.linalg.norm(y)),
-            "height": height(now),
-            "reference_height": height(true),
-        }
-    return {"status": status, "seconds": seconds} | numbers
+def accuracy(table: pd.DataFrame, of: str = "preset") -> pd.DataFrame:
+    """Return a row for each tissue, time and number of substeps: median error of nuclei, mean error of heights.
 
-
-def errors(table: pd.DataFrame) -> pd.DataFrame:
-    """Return one row for each preset, number of substeps and time: medians over the seeds, and how many were lost.
-
-    ``own`` is the bound on the error of the reference, SAFETY times its median distance to half as many substeps.
+    ``own`` and ``own_height`` bound the errors of the reference, SAFETY times its difference to half as many substeps;
+    ``at_most`` is the largest error of the height by its interval over the seeds and the error of the reference.
+    Runs that are lost are counted; their height is NaN. The last number of substeps is half of the reference's.
     """
     rows = []
-    for (name, substeps, t), mine in table.groupby(["preset", "substeps", "t"], sort=False):
-        lost = (mine["status"] != SUCCESS).sum()
-        numbers = {column: mine[column].median() for column in ("h", "rms", "relative")}
-        rows.append({"preset": name, "substeps": substeps, "t": t, "lost": lost, "runs": len(mine)} | numbers)
+    for name, mine in table.groupby([of, "t", "substeps"]):
+        row: dict[str, Any] = dict(zip((of, "t", "substeps"), name, strict=True)) | {"rms": mine["rms"].median()}
+        row["deviation"], row["low"], row["high"] = over_seeds(mine["deviation"])
+        rows.append(row | {"lost": int(mine["rms"].isna().sum()), "runs": len(mine)})
     made = pd.DataFrame(rows)
-    made["largest"] = table.groupby(["preset", "substeps", "t"], sort=False)["rms"].max().to_numpy()
-    half = made["substeps"] == made.groupby("preset")["substeps"].transform("max")
-    own = SAFETY * made[half].set_index(["preset", "t"])["rms"]
-    timed = table[table["t"] == TIMED].groupby(["preset", "substeps"])["seconds"].median()
-    made["own"] = own.loc[list(zip(made["preset"], made["t"], strict=True))].to_numpy()
-    made["seconds"] = timed.loc[list(zip(made["preset"], made["substeps"], strict=True))].to_numpy()
-    return made[~half].reset_index(drop=True)
-
-
-def orders(made: pd.DataFrame) -> pd.DataFrame:
-    """Return one row for each preset and time: the order in h of the median error of the nuclei, from ``errors``."""
-    groups = made.groupby(["preset", "t"], sort=False)
-    return pd.DataFrame([{"preset": name, "t": t} | _order(mine) for (name, t), mine in groups])
-
-
-def _order(mine: pd.DataFrame) -> dict[str, Any]:
-    found = estimate(mine["h"], mine["rms"], floor=float(mine["own"].iloc[0]), failed=(mine["lost"] > 0).to_numpy())
-    return _told(found)
-
-
-def _told(found: Order) -> dict[str, Any]:
-    low, high = found.interval or (np.nan, np.nan)
-    slope = np.nan if found.slope is None else found.slope
-    return {"order": order_text(found), "slope": slope, "low": low, "high": high, "verdict": found.verdict}
-
-
-def heights(table: pd.DataFrame, times: Sequence[float] = HEIGHTS) -> pd.DataFrame:
-    """Return one row for each preset, time and number of substeps: the deviation of the height, in parts of it.
-
-    Mean over the seeds with its interval, and the largest that the deviation of the limit can be: beside the interval
-    the reference itself may be off by ``own``. Lost runs are counted; a height of which some are lost is not told.
-    """
-    rows = []
-    for (name, t, substeps), mine in table[table["t"].isin(times)].groupby(["preset", "t", "substeps"]):
-        lost = int((mine["status"] != SUCCESS).sum())
-        part = (mine["height"] / mine["reference_height"] - 1).to_numpy()
-        mean, low, high = over_seeds(part)
-        about = {"preset": name, "t": t, "substeps": substeps, "h": mine["h"].iloc[0], "lost": lost, "runs": len(mine)}
-        rows.append(about | {"height": mine["height"].mean(skipna=False), "deviation": mean, "low": low, "high": high})
-    made = pd.DataFrame(rows)
-    finest = made["substeps"] == made.groupby("preset")["substeps"].transform("max")
-    half = made[finest].set_index(["preset", "t"])["deviation"]
-    made["own"] = SAFETY * half.abs().loc[list(zip(made["preset"], made["t"], strict=True))].to_numpy()
-    made["at_most"] = made[["low", "high"]].abs().max(axis=1) + made["own"]
+    finest = made["substeps"] == made.groupby(of)["substeps"].transform("max")
+    for column, own in (("rms", "own"), ("deviation", "own_height")):
+        of_half = made[finest].set_index([of, "t"])[column].abs()
+        made[own] = SAFETY * of_half.loc[list(zip(made[of], made["t"], strict=True))].to_numpy()
+    made["at_most"] = made[["low", "high"]].abs().max(axis=1) + made["own_height"]
+    if "seconds" in table:
+        timed = table[table["t"] == TIMED].groupby([of, "substeps"])["seconds"].median().rename("seconds")
+        made = made.join(timed, on=[of, "substeps"])
     return made
 
 
-def enough(made: pd.DataFrame) -> pd.DataFrame:
-    """Return one row for each preset and time: the substeps from which on heights are right to ENOUGH.
+def orders(made: pd.DataFrame, of: str = "preset") -> pd.DataFrame:
+    """Return a row for each tissue and time: orders in h of both errors, and the substeps from which heights are right.
 
-    0 where none of those tried is; beside it the order in h of the mean deviation.
+    0 where none of those tried is right to ENOUGH. Orders are fitted without the half of the reference, whose error has
+    set the floor.
     """
     rows = []
-    finest_first = made.sort_values("substeps", ascending=False)
-    for (name, t), mine in finest_first.groupby(["preset", "t"]):
-        right = (mine["at_most"] <= ENOUGH).cummin()
-        least = int(mine.loc[right, "substeps"].min()) if right.any() else 0
-        coarse = mine.iloc[1:]
-        found = estimate(
-            coarse["h"],
-            coarse["deviation"].abs(),
-            floor=float(mine["own"].iloc[0]),
-            failed=(coarse["lost"] > 0).to_numpy(),
-        )
-        rows.append({"preset": name, "t": t, "substeps": least, "finest": int(mine["substeps"].max())} | _told(found))
+    for (name, t), mine in made.groupby([of, "t"]):
+        row: dict[str, Any] = {of: name, "t": t}
+        for column, error, own in (("nuclei", "rms", "own"), ("height", "deviation", "own_height")):
+            tried = mine[mine["substeps"] < mine["substeps"].max()]
+            floor, failed = float(tried[own].iloc[0]), (tried["lost"] > 0).to_numpy()
+            row[column] = order_text(estimate(1 / tried["substeps"], tried[error].abs(), floor=floor, failed=failed))
+        right = (mine.sort_values("substeps", ascending=False)["at_most"] <= ENOUGH).cummin()
+        rows.append(row | {"enough": int(mine.loc[right[right].index, "substeps"].min()) if right.any() else 0})
     return pd.DataFrame(rows)

@@ -2,16 +2,14 @@
 
 from verification.claims import Table
 
-
-def _tables(section: str, names: str) -> tuple[Table, ...]:
-    """Return tables that one section of the page makes."""
-    made_by = f"verification.thesis.chapter3.sections.{section}:PART.run"
-    return tuple(Table(f"tissue_{name}", made_by) for name in names.split())
-
-
-DAHA, ITERATIONS, DISTANCES, SPEED, FITS, SHARES = _tables(
-    "daha", "daha daha_iterations daha_distances daha_speed daha_fits daha_shares"
+PAGE = "verification.thesis.chapter3.page"
+DAHA, ITERATIONS, DISTANCES, SPEED, FITS, SHARES = (
+    Table(name, f"{PAGE}:compare")
+    for name in (
+        "tissue_daha",
+        *(f"tissue_daha_{one}" for one in ("iterations", "distances", "speed", "fits", "shares")),
+    )
 )
-RATIOS, DOUBLING = _tables("growth", "ratios doubling")
-(JUDGED_STEPS,) = _tables("judged", "judged_steps")
-SPACE_HEIGHTS = Table("space_heights", "verification.beyond.space.sections.page:grow")
+RATIOS, DOUBLING = (Table(name, f"{PAGE}:grow") for name in ("tissue_ratios", "tissue_doubling"))
+JUDGED_STEPS = Table("tissue_judged_steps", f"{PAGE}:judge")
+SPACE_HEIGHTS = Table("space_heights", "verification.tissues.space.page:grow")

@@ -1,56 +1,106 @@
-"""Which difference between the model as printed and the published runs makes which printed ratio: three studies.
+"""Which difference between the model as printed and the published runs makes which printed ratio: two tables.
 
-``alone``: the model as printed with one row of the published runs; ``without``: the published runs with one row as
-printed; ``design``: a fractional factorial design over all rows, of resolution VI, in which the effect of a row is
-averaged over the others and confounded with none of them, nor with any two.
-
-Of the keys in which the presets differ, those of [P] and [S] are reached by no printed ratio.
+``changed``: one row of the table of model variants changed at a time, in the model as printed to what was run, and in
+the published runs back to what is printed. ``effects``: a fractional factorial design over all rows, of resolution VI,
+in which the effect of a row is averaged over the others and confounded with none of them, nor with any two. Of the keys
+in which the presets differ, those of [P] and [S] are reached by no printed ratio.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
-from itertools import product
-from typing import Any, NamedTuple
+import math
+from collections.abc import Iterator
+from itertools import combinations, product
+from typing import NamedTuple
 
-from tissue.files.parameter_files import flat
-from tissue.files.parameters import Parameters, preset
-from tissue.study.plan import TissueStudy, load_study
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
 
-NAME = "differences"
-AS_PRINTED = "as printed"
-PUBLISHED = "published"
-# By name: the keys that one row of the table of model variants sets.
-ROWS: Mapping[str, tuple[str, ...]] = {
-    "energy of the cytoskeleton": ("rules.spring_power",),
-    "energy of the apical junctions": ("rules.junction_factor",),
-    "energy of the soft repulsion": ("rules.repulsion_factor",),
-    "rest length at least 0": ("rules.floor_rest_length",),
-    "junctions stiffer from G2 on": ("rules.g2_stiffening",),
-    "freed spring softer": ("events.freed_stiffness",),
-    "hard radius": ("cell.hard_radius",),
-    "distance of daughters": ("division.offset",),
-    "nuclei at the start": ("start.nuclei", "start.nuclei_height"),
-    "cells at the start": ("tissue.cells",),
-    "damping": ("numerics.mu",),
-    "time step": ("numerics.dt", "numerics.substeps"),
+from dincl.study import Key, Row, Study
+from tissue.files.parameters import Parameters
+from tissue.study.categories import outcome
+from tissue.study.estimates import LEVEL
+from verification.thesis.chapter4.categories import outcome_published
+from verification.thesis.chapter4.ensembles import ensemble, made, values_of
+from verification.thesis.chapter4.printed import END, LATER, OF, PRINTED, Printed, against_printed, agrees
+from verification.thesis.chapter4.ratios import quantile, ratio
+
+AS_PRINTED, PUBLISHED = "as printed", "published"
+
+
+class Variant(NamedTuple):
+    """A row of the table of model variants: the keys that it sets, and what they say in the two models."""
+
+    keys: tuple[str, ...]
+    printed: str
+    published: str
+
+
+ROWS: dict[str, Variant] = {
+    "energy of the cytoskeleton": Variant(
+        ("rules.spring_power",),
+        "a spring from the nucleus to an end of the cell is the softer the longer it is, in proportion to its length",
+        "in proportion to the square of its length: one of 4 R_soft is 4 times softer than as printed",
+    ),
+    "energy of the apical junctions": Variant(
+        ("rules.junction_factor",), "the springs between neighbours at the apical side", "a quarter as strong"
+    ),
+    "energy of the soft repulsion": Variant(
+        ("rules.repulsion_factor",), "nuclei that are pressed together push each other apart", "half as strong"
+    ),
+    "rest length at least 0": Variant(
+        ("rules.floor_rest_length",),
+        "springs may adapt to lengths below the radius of the nucleus",
+        "they may not",
+    ),
+    "junctions stiffer from G2 on": Variant(
+        ("rules.g2_stiffening",), "the junctions of a cell do not change in its cycle", "twice as stiff in G2, mitosis"
+    ),
+    "freed spring softer": Variant(
+        ("events.freed_stiffness",),
+        "after [A] or [B] the freed spring keeps its stiffness",
+        "it keeps a tenth of it",
+    ),
+    "hard radius": Variant(
+        ("cell.hard_radius",), "the hard core of a nucleus has a radius of 1/3 R_soft", "0.3 R_soft"
+    ),
+    "distance of daughters": Variant(
+        ("division.offset",), "daughters begin 0.05 μm beside their mother's place", "0.25 μm"
+    ),
+    "nuclei at the start": Variant(
+        ("start.nuclei", "start.nuclei_height"),
+        "anywhere in the tissue, at random",
+        "evenly spread along the tissue, in the middle two thirds of its height",
+    ),
+    "cells at the start": Variant(("tissue.cells",), "60", "51"),
+    "damping": Variant(("numerics.mu",), "0.15 h", "0.2 h: all cells move more slowly"),
+    "time step": Variant(("numerics.dt", "numerics.substeps"), "0.1 h in 20 substeps", "0.05 h in 40 substeps"),
 }
-# The keys of the preset "corrected".
-ENERGIES = ("rules.spring_power", "rules.junction_factor", "rules.repulsion_factor")
+COUNTING = "end and rule of counting"
+COUNTING_ROW = Variant(
+    (), "at 48 h, where they are then", "at 54 h; outside also on average over the next hour and the rest of the run"
+)
 # Keys of [P] and [S], which the runs below do not have.
 UNREACHED = ("events.at_depth", "events.bent_stiffness", "events.contraction", "events.spring_above")
 # How long runs last; it decides with the rule of basal extrusion when and how ratios are counted, not what happens.
 COUNTED = ("numerics.t_end",)
+# By which rule and at which time [h] cells are counted.
+COUNTS = {AS_PRINTED: (outcome, END), PUBLISHED: (outcome_published, LATER)}
+OTHER = {AS_PRINTED: PUBLISHED, PUBLISHED: AS_PRINTED}
 SCENARIOS = {"[A]": "figure10", "[B]": "figure10", "[A] no INM": "figure12", "[B] no INM": "figure12"}
 # The first eight rows take all combinations. The others are products of these, so that no product of fewer than six
 # rows is constant.
 FREE = 8
 PRODUCTS = ((0, 1, 2, 3, 4), (0, 1, 2, 5, 6), (0, 1, 3, 5, 7), (0, 2, 4, 6, 7))
-REPLICATES = {"alone": 400, "without": 200, "design": 24}
-SEEDS = {"alone": 201, "without": 202, "design": 203}
-# Isolated cells: one EMT cell in the middle of 51 in the published runs.
-PUBLISHED_CELLS = 51
-SEPARATOR = " | "
+REPLICATES = {AS_PRINTED: 400, PUBLISHED: 200}
+SEEDS, DESIGN_SEED, DESIGN_RUNS = {AS_PRINTED: 201, PUBLISHED: 202}, 203, 24
+PUBLISHED_CELLS = 51  # with one EMT cell in their middle
+SMALLEST, FEWEST = {"start": PUBLISHED, "row": "damping"}, {"scenario": "[B]", "replicates": 2}
+COLUMNS = {"start": "Start", "row": "Changed", "scenario": "Cells", "what": "Outcome", "printed": "Printed"}
+COLUMNS |= {"value": "Ratio", "low": "Lower end, 95 %", "high": "Upper end, 95 %", "agrees": "Agrees"}
+EFFECT_COLUMNS = {"row": "Changed", "with": "Together with", "scenario": "Cells", "what": "Outcome"}
+EFFECT_COLUMNS |= {"effect": "Effect", "low": "Lower end, 95 %", "high": "Upper end, 95 %"}
 
 
 class Swap(NamedTuple):
@@ -59,61 +109,109 @@ class Swap(NamedTuple):
     name: str
     published: frozenset[str]
 
+    def parameters(self, scenario: str) -> Parameters:
+        """Return those of a scenario of the figures; the runs end at the later end of the two presets."""
+        keys = [key for name, row in ROWS.items() if name in self.published for key in row.keys]
+        changes = values_of("published", (*keys, *COUNTED))
+        if "tissue.cells" in changes:
+            changes["tissue.cells"] = PUBLISHED_CELLS
+        return ensemble(SCENARIOS[scenario]).scenarios[scenario].changed(changes)
 
-def alone() -> Iterator[Swap]:
-    """None, and each row by itself."""
-    yield Swap(AS_PRINTED, frozenset())
-    for row in ROWS:
-        yield Swap(row, frozenset([row]))
+    def cells(self, scenario: str, seed: int, replicates: int) -> pd.DataFrame:
+        """Make runs, and return their EMT cells."""
+        return made(self.parameters(scenario), seed, f"{self.name} | {scenario}", replicates).cells
 
 
-def without() -> Iterator[Swap]:
-    """All, and all but one."""
-    yield Swap(PUBLISHED, frozenset(ROWS))
-    for row in ROWS:
-        yield Swap(row, frozenset(ROWS) - {row})
+def swap(start: str, row: str) -> Swap:
+    """Return the model as printed, or the published one, with one row as in the other; "" and ``COUNTING``: none."""
+    one = frozenset({row} & set(ROWS))
+    return Swap(row if one else start, one if start == AS_PRINTED else frozenset(ROWS) - one)
 
 
 def design() -> Iterator[Swap]:
-    """The 256 settings of the factorial design, by their signs."""
+    """Return the 256 settings of the factorial design, by their signs."""
     for free in product((-1, 1), repeat=FREE):
-        signs = (*free, *(_product(free, places) for places in PRODUCTS))
+        signs = (*free, *(math.prod(free[place] for place in places) for places in PRODUCTS))
         name = "".join("+" if sign > 0 else "-" for sign in signs)
         yield Swap(name, frozenset(row for row, sign in zip(ROWS, signs, strict=True) if sign > 0))
 
 
-def _product(signs: tuple[int, ...], places: tuple[int, ...]) -> int:
-    found = 1
-    for place in places:
-        found *= signs[place]
-    return found
+def changed(smallest: bool = False) -> Study:
+    """Count the printed ratios with one row changed, in the model as printed and in the published runs."""
+    keys = tuple({"start": start, "row": row} for start in REPLICATES for row in ("", *ROWS, COUNTING))
+    runs = (SMALLEST,) if smallest else keys
+    by = ("scenario", "what")
+    return Study("emt_changed", "EMT: one row changed", ("start", "row"), runs, ratios, columns=COLUMNS, by=by)
 
 
-SETTINGS = {"alone": alone, "without": without, "design": design}
+def ratios(key: Key) -> list[Row]:
+    """Return a row for each printed ratio; it agrees if the 99 % interval of its difference from that has 0 in it."""
+    start, row = key["start"], key["row"]
+    counted, t = COUNTS[OTHER[start] if row == COUNTING else start]
+    rows: list[Row] = []
+    for scenario in SCENARIOS:
+        cells = swap(start, row).cells(scenario, SEEDS[start], REPLICATES[start])
+        for printed in _printed(scenario):
+            one = ratio(counted(cells, printed.what, t), cells["replicate"])
+            low, high = one.interval()
+            counts = {"count": one.count, "of": one.of, "value": one.value, "low": low, "high": high}
+            what = {"scenario": scenario, "what": printed.what, "printed": printed.value}
+            rows.append({**key, **what, **counts, "agrees": agrees(against_printed(one, printed.value, OF))})
+    return rows
 
 
-def study(kind: str) -> TissueStudy:
-    """The runs of ``alone``, ``without`` or ``design``; scenarios are named by setting and scenario of the figures."""
-    scenarios = {
-        f"{setting.name}{SEPARATOR}{scenario}": _parameters(setting, figure, scenario)
-        for setting in SETTINGS[kind]()
-        for scenario, figure in SCENARIOS.items()
-    }
-    title = f"Rows in which the presets differ: {kind}"
-    return TissueStudy(title, REPLICATES[kind], SEEDS[kind], (), scenarios, text="")
+def _printed(scenario: str) -> list[Printed]:
+    return [printed for printed in PRINTED if printed.scenario == scenario]
 
 
-def _parameters(setting: Swap, figure: str, scenario: str) -> Parameters:
-    """The cell of a figure in the model as printed with these rows; the end is the later one of the two presets."""
-    given = load_study(figure).scenarios[scenario]
-    keys = [key for row, keys in ROWS.items() if row in setting.published for key in keys]
-    changes = values_of("published", (*keys, *COUNTED))
-    if "tissue.cells" in changes:
-        changes["tissue.cells"] = PUBLISHED_CELLS
-    return given.changed(changes)
+def effects(smallest: bool = False) -> Study:
+    """Average the effect of each row, and of each two, over all others."""
+    keys = tuple({"scenario": scenario, "replicates": DESIGN_RUNS} for scenario in SCENARIOS)
+    key, runs, by = ("scenario", "replicates"), (FEWEST,) if smallest else keys, ("what", "row", "with")
+    return Study("emt_effects", "EMT: effects of rows", key, runs, averages, columns=EFFECT_COLUMNS, by=by)
 
 
-def values_of(name: str, keys: Iterable[str]) -> dict[str, Any]:
-    """The values of a preset for some keys."""
-    values = flat(preset(name).as_dict())
-    return {key: values[key] for key in keys}
+def averages(key: Key) -> list[Row]:
+    """Return by how much a row changes each printed ratio, averaged over all the others; and so for each two rows.
+
+    With the sign s of a row in each of n settings (1: as published, -1: as printed) and the ratio p of its m runs,
+
+        effect = 2/n sum s p,  variance = 4/n^2 sum p (1 - p)/(m - 1);
+
+    of two rows s is the product of their signs, and the effect half of the difference that one makes to the effect of
+    the other. Cells are counted at the end and by the rule of the thesis; ``COUNTING`` is the mean difference of the
+    same cells.
+    """
+    scenario, settings = key["scenario"], list(design())
+    cells = [setting.cells(scenario, DESIGN_SEED, key["replicates"]) for setting in settings]
+    signs = np.array([[1.0 if row in setting.published else -1.0 for row in ROWS] for setting in settings])
+    rows: list[Row] = []
+    for printed in _printed(scenario):
+        hits, other = (
+            np.array([rule(each, printed.what, t) for each in cells], dtype=float) for rule, t in COUNTS.values()
+        )
+        apart = other - hits
+        half = quantile(LEVEL) * float(apart.std(ddof=1)) / math.sqrt(apart.size)
+        found = [(names, *effect(hits, sign)) for names, sign in contrasts(signs)]
+        found.append(((COUNTING, ""), float(apart.mean()), half))
+        rows += [
+            {**key, "row": row, "with": second, "what": printed.what, "effect": e, "low": e - h, "high": e + h}
+            for (row, second), e, h in found
+        ]
+    return rows
+
+
+def contrasts(signs: NDArray[np.float64]) -> Iterator[tuple[tuple[str, str], NDArray[np.float64]]]:
+    """Give the signs of each row, then of each two rows."""
+    for i, name in enumerate(ROWS):
+        yield (name, ""), signs[:, i]
+    for (i, name), (j, other) in combinations(enumerate(ROWS), 2):
+        yield (name, other), signs[:, i] * signs[:, j]
+
+
+def effect(hits: NDArray[np.float64], sign: NDArray[np.float64]) -> tuple[float, float]:
+    """Return an effect and half of its 95 % interval; hits of shape (settings, replicates)."""
+    settings, runs = hits.shape
+    p = hits.mean(axis=1)
+    half = quantile(LEVEL) * 2 / settings * math.sqrt(float((p * (1 - p)).sum()) / (runs - 1))
+    return float(2 / settings * (sign * p).sum()), half

@@ -1,101 +1,243 @@
-"""The figures of chapter 4 for the page: both presets beside each other, complete tables before runs."""
+"""Counterparts of Figures 10, 12 to 15 and 17 to 21 of chapter 4, the readings of the model beside each other."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Callable, Sequence
+from itertools import product
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
-from tissue.pictures.sheet import write
-from tissue.study.figures.catalogue import FIGURES, of_presets
-from tissue.study.figures.sources import RUNS, TABLES, by_preset, needed
-from tissue.study.plan import TissueStudy
-from tissue.study.read import Results
-from verification.page.context import Context
-from verification.page.parts import Picture
-from verification.thesis.chapter4 import kept, studies
-from verification.thesis.chapter4.beside import COLUMNS
+from tissue.pictures.charts import (
+    APART,
+    CHART_STYLE,
+    CONTROLS,
+    OUTCOMES,
+    RATIO,
+    TIME,
+    RatioSeries,
+    band,
+    draw_series,
+    grid,
+    legend,
+    time_axis,
+    time_series_entries,
+)
+from tissue.pictures.sheet import GREY, Axes, Figure, Line2D, Patch, style, write
+from verification.claims import Tables
+from verification.thesis.chapter4.categories import NO_INM
+from verification.thesis.chapter4.ensembles import POPULATIONS, PRESETS
+from verification.thesis.chapter4.groups import EVENTS, ONSETS, TIMES
+from verification.thesis.chapter4.in_time import CONTROL
+from verification.thesis.chapter4.printed import PRINTED
+from verification.thesis.chapter4.ratios import INTERVALS, wilson
 
-MAKES_NO_NUMBERS = True
-
-# Figures of single runs, which want every state of some.
-EXAMPLES = (11, 16)
-CHECKED = (13, 15, 17, 18, 19)  # over these the runs of the page are laid
-THESIS = "Plunder's thesis"
-
-
-@dataclass(frozen=True)
-class Pictures:
-    """Tables from which the figures of a page are drawn; made once for each page."""
-
-    context: Context
-    folder: Path  # of the results
-
-    @cached_property
-    def made(self) -> Mapping[str, TissueStudy]:
-        """The studies of which there are runs."""
-        return studies.chosen(self.context.form(studies.FULL if self.context.full else studies.SHORT))
-
-    @cached_property
-    def complete(self) -> Mapping[str, pd.DataFrame]:
-        """The tables of complete studies, with the headings that figures read."""
-        tables = {name: self.context.tables[f"{kept.COMPLETE_PREFIX}{name}"] for name in TABLES}
-        return tables | {"ratios": tables["ratios"].rename(columns={"what": "outcome"})}
-
-    def of(self, *numbers: int) -> Iterator[Picture]:
-        """Figures of the thesis, each of the presets whose studies are there; none if they are of neither."""
-        for number in numbers:
-            if presets := self._presets(number):
-                where = self._where(number, presets)
-                tables = {} if self.context.full and _is_of_runs(number) else self.complete
-                path = self.context.draw(f"emt_figure{number}", drawn, number, presets, where, tables)
-                yield Picture(path, self._caption(number, presets, where))
-
-    def _presets(self, number: int) -> list[str]:
-        """The presets that a figure can be drawn of."""
-        there = {name for name, study in self.made.items() if number not in EXAMPLES or study.trajectories}
-        wanted = {preset: source.lacks(FIGURES[number]) for preset, source in by_preset({}, self.complete).items()}
-        return [preset for preset, names in wanted.items() if there >= {one + studies.PRESETS[preset] for one in names}]
-
-    def _where(self, number: int, presets: Sequence[str]) -> dict[str, Path]:
-        """Folders of the results that a figure reads, or that are laid over."""
-        kinds = needed(FIGURES[number])
-        names = [
-            name + studies.PRESETS[preset]
-            for preset in presets
-            for name, kind in kinds.items()
-            if kind == RUNS or (number in CHECKED and not self.context.full)
-        ]
-        return {name: studies.place(name, self.made[name], self.folder) for name in names if name in self.made}
-
-    def _caption(self, number: int, presets: Sequence[str], where: Mapping[str, Path]) -> str:
-        runs, source = sum(self.made[name].runs for name in where), "from the complete studies"
-        if number in EXAMPLES:
-            source = "single runs of this page"
-        elif _is_of_runs(number):
-            source = f"from {runs} runs of this page"
-        elif where and number in CHECKED:
-            here = " and ".join(preset for preset in presets if preset in map(studies.preset_of, where))
-            counted = "the" if "categories" in needed(FIGURES[number]).values() else runs  # not all are in the figure
-            source += f", with {counted} runs of this page ({here} preset) laid over them"
-        which = " and ".join(presets) + (" presets beside each other" if len(presets) > 1 else " preset")
-        what = COLUMNS["figures"][str(number)]
-        return f"{what}: {which}, {source}. Counterpart of Figure {number} of chapter 4 of {THESIS}."
+PROGRAMS = ("[ABP]", "[BAP]", "[BPx]", "[BxP]", "[AxB]", "[BxA]", "[Ax]", "[xA]", "[Bx]", "[xB]", "no EMT")
+ALONE = ("[A]", "[B]", "[S]", "[BP]", "no EMT")
+# Figures 10, 12 and 14: the scenarios; of the last one time counts from [A] on in another panel.
+STILL = ("[A] no INM", "[B] no INM", "[S] no INM", "no EMT no INM")
+CURVES = {10: ALONE[:4], 12: STILL, 14: ("[AxB]", "[AB]", "[BxA]")}
+SINCE, SHADES = "Basal positioning since [A]", dict(zip(CURVES[14], ("#e0a100", "#8f6400", "#3f2c00"), strict=True))
+# Figures 17 to 19: the events, and the scenario of cells alone and in a homogeneous group.
+DELAYED = {17: ("[AB]", "[AxB]"), 18: ("[A]", "[Ax]"), 19: ("[B]", "[Bx]")}
+# Around a cell, with its colour.
+ENVIRONMENTS = {"individual": "#808080", "homogeneous group": "#8c6bb1"}
+COLOURS = dict(zip(POPULATIONS, ("#00796b", "#2fa89a", "#7fcabf"), strict=True))
+MARKERS = dict(zip(POPULATIONS, "os^", strict=True))
+ENDINGS = {"with INM": "", "without INM": NO_INM}
+BY_TIME = {"[A], cells without [P]": "t_a_h", "[B], cells without [P]": "t_b_h", "[P]": "t_p_h"}
+TWO = ("thesis", "published")  # the readings whose cells were followed in time
+MARK: Any = {"marker": "D", "markersize": 5.0, "color": "#ffe08a", "markeredgecolor": "black", "linestyle": "none"}
+END, HEIGHT, LINE, ROOM = "ratio of basal extrusion at the end [%]", 1.9, 0.23, 0.5  # inches: a panel, a line in one
+TITLES = {
+    10: "Ratios of isolated cells with one event, in time",
+    12: "Ratios of isolated cells without INM, in time",
+    13: "Isolated cells at the end",
+    14: "Isolated cells with [A] and [B] at different times",
+    15: "Eleven programs of events, alone and in groups",
+    17: "Cells with [A], then [B], in different environments",
+    18: "Cells with [A] alone in different environments",
+    19: "Cells with [B] alone in different environments",
+    20: "Basal extrusion given the time of an event",
+    21: "Basal extrusion given the position at the onset",
+}
+# Under the figures; the same words for those of one kind.
+ALONE_IN_TIME = f"Isolated EMT cell, 400 runs of each; bands: {INTERVALS}, for each time."
+PLACES = "Alone and in the homogeneous group: events at fixed times; in heterogeneous groups at any time"
+CAPTIONS = {
+    **dict.fromkeys(CURVES, ALONE_IN_TIME),
+    13: "Isolated EMT cells; [BP] without INM, and no EMT with INM, are not among them; whiskers: " + INTERVALS + ".",
+    15: f"One EMT cell, or a group of ten with the same events; x: a delay of 12 h; whiskers: {INTERVALS}.",
+    **dict.fromkeys(DELAYED, f"{PLACES}; whiskers: {INTERVALS}."),
+    20: f"[P]: when it begins to act, not before [B]; bands: {INTERVALS}.",
+    21: f"Cells of heterogeneous groups without [P]; bands: {INTERVALS}.",
+}
+Entries = dict[str, Line2D | Patch]
+Drawn = tuple[Figure, Entries]
 
 
-def _is_of_runs(number: int) -> bool:
-    return RUNS in needed(FIGURES[number]).values()
-
-
-def drawn(
-    number: int, presets: Sequence[str], where: Mapping[str, Path], complete: Mapping[str, pd.DataFrame], path: Path
-) -> Path:
-    """Draw Figure ``number`` of the studies in these folders and of complete tables, and give the path back."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    sources = by_preset({name: Results(folder) for name, folder in where.items()}, complete)
-    figure = of_presets(FIGURES[number], {preset: sources[preset] for preset in presets})
+def draw(number: int, tables: Tables, path: Path) -> Path:
+    """Draw the counterpart of a figure from the tables of this chapter."""
+    with style(**CHART_STYLE):
+        figure, entries = _kind(number)(number, tables)
+        if entries:
+            legend(figure, entries)
     write(figure, path)
     return path
+
+
+def _kind(number: int) -> Callable[[int, Tables], Drawn]:
+    if number in CURVES:
+        return in_time
+    return {13: at_end, 15: programs, 20: by_time, 21: by_place}.get(number, environments)
+
+
+def _grid(
+    parts: Sequence[str], presets: Sequence[str], height: float, x: str, y: str = "", **shared: Any
+) -> tuple[Figure, dict[tuple[str, str], Axes]]:
+    """Make a panel for each part and, beside each other, each preset."""
+    names = [(part, one) for part in parts for one in presets]
+    titles = [", ".join(name) for name in names]
+    figure, panels = grid(titles, height, x=x, y=y, columns=len(presets), sharey=True, **shared)
+    return figure, dict(zip(names, panels, strict=True))
+
+
+def in_time(number: int, tables: Tables) -> Drawn:
+    """Draw r(t) of (4.7) with 95 % bands, and apical extrusion of the control cells."""
+    names = [*CURVES[number], *([SINCE] if number == 14 else [])]
+    figure, panels = _grid(names, TWO, HEIGHT, TIME, RATIO)
+    entries = time_series_entries()
+    for (name, preset), panel in panels.items():
+        for scenario in CURVES[14] if name == SINCE else [name]:
+            rows = _curve(tables["emt_in_time"], f"figure{number}{PRESETS[preset]}", scenario)
+            if name == SINCE:
+                mine, look = rows[rows["what"] == "below"], {"color": SHADES[scenario], "label": scenario}
+                band(panel, mine["time_h"] - mine["a_h"], mine, **look)
+                entries[f"since [A]: {scenario}"] = Line2D([], [], color=SHADES[scenario])
+                panel.axvline(0.0, color=GREY, linestyle=":", linewidth=1.0)
+                continue
+            for what, (colour, line, label) in OUTCOMES.items():
+                mine = rows[rows["what"] == what]
+                band(panel, mine["time_h"], mine, color=colour, linestyle=line, label=label)
+            mine = rows[rows["what"] == CONTROL]
+            panel.plot(mine["time_h"], 100 * mine["value"], color=GREY, linewidth=0.8, label=CONTROLS)
+            time_axis(panel, float(rows["time_h"].max()))
+        panel.set_ylim(-2, 102)
+    return figure, entries
+
+
+def _curve(table: pd.DataFrame, study: str, scenario: str) -> pd.DataFrame:
+    rows = table[(table["study"] == study) & (table["scenario"] == scenario)]
+    value = rows["count"] / rows["of"]
+    low, high = wilson(value, rows["of"])
+    return rows.assign(value=value, low=low, high=high)
+
+
+def at_end(number: int, tables: Tables) -> Drawn:
+    """Draw r(t_end) of (4.7) of isolated cells, with INM and without, beside the printed ratios."""
+    names = {what: name for what, (*_, name) in OUTCOMES.items()}
+    height = ROOM + LINE * len(ALONE)
+    figure, panels = _grid(list(names.values()), list(PRESETS), height, "ratio at the end [%]", sharex=True)
+    looks: dict[str, Any] = {"with INM": {"marker": "o"}, "without INM": {"marker": "s", "markerfacecolor": "white"}}
+    for preset, (what, title) in product(PRESETS, names.items()):
+        panel = panels[title, preset]
+        series = []
+        for inm, study in zip(looks, ("figure10", "figure12"), strict=True):
+            rows = _of(tables, study + PRESETS[preset], what)
+            rows.index = rows.index.str.removesuffix(NO_INM)
+            series.append(RatioSeries(inm, rows, looks[inm] | {"color": OUTCOMES[what][0]}))
+        draw_series(panel, ALONE, series)
+        for one in PRINTED:
+            if one.what == what:
+                at = ALONE.index(one.scenario.removesuffix(NO_INM)) + (APART if NO_INM in one.scenario else -APART) / 2
+                panel.plot(100 * one.value, at, zorder=1.8, **MARK)
+    entries: Entries = {name: Line2D([], [], color="black", linestyle="none", **look) for name, look in looks.items()}
+    return figure, entries | {"printed in the thesis": Line2D([], [], **MARK)}
+
+
+def _of(tables: Tables, study: str, what: str = "basal") -> pd.DataFrame:
+    """Return the ratios of a study at the end by scenario."""
+    table = tables["emt_ratios"]
+    return table[(table["study"] == study) & (table["what"] == what)].set_index("scenario")
+
+
+def programs(number: int, tables: Tables) -> Drawn:
+    """Draw basal extrusion at the end: eleven programs of events, alone and in a group, with INM and without."""
+    figure, panels = _grid(list(ENDINGS), list(PRESETS), ROOM + LINE * len(PROGRAMS), END, sharex=True)
+    entries: Entries = {}
+    for (title, preset), panel in panels.items():
+        every, series = _of(tables, f"figure15{PRESETS[preset]}"), []
+        for (label, colour), ending, marker in zip(ENVIRONMENTS.items(), ("", ", 10 cells"), "os", strict=True):
+            rows = every.loc[[f"{name}{ENDINGS[title]}{ending}" for name in PROGRAMS]].set_axis(list(PROGRAMS))
+            look: dict[str, Any] = {"color": colour, "marker": marker}
+            series.append(RatioSeries(label, rows, look))
+            entries[label] = Line2D([], [], linestyle="none", **look)
+        draw_series(panel, PROGRAMS, series)
+    return figure, entries
+
+
+def environments(number: int, tables: Tables) -> Drawn:
+    """Draw cells with the same events alone, in a homogeneous group and in the heterogeneous ones."""
+    order, scenario = DELAYED[number]
+    names = [*ENVIRONMENTS, *(f"heterogeneous, {name}" for name in POPULATIONS.values())]
+    colours = [*ENVIRONMENTS.values(), *COLOURS.values()]
+    figure, panels = _grid([f"{order} {inm}" for inm in ENDINGS], list(PRESETS), HEIGHT, END, sharex=True)
+    mixed = tables["emt_groups"]
+    mixed = mixed[mixed["given"] == EVENTS].set_index(["study", "kind"])
+    for (inm, ending), (preset, suffix) in product(ENDINGS.items(), PRESETS.items()):
+        alone = _of(tables, f"figure15{suffix}")
+        rows = [alone.loc[f"{scenario}{ending}{group}"] for group in ("", ", 10 cells")]
+        rows += [mixed.loc[(study + suffix, order + ending)] for study in POPULATIONS]
+        table = pd.DataFrame(rows).set_axis(names)
+        for name, colour in zip(names, colours, strict=True):
+            look: dict[str, Any] = {"color": colour, "marker": "o"}
+            draw_series(panels[f"{order} {inm}", preset], names, [RatioSeries("", table.loc[[name]], look)])
+    return figure, {}
+
+
+def by_time(number: int, tables: Tables) -> Drawn:
+    """Draw E[basal extrusion | time of the event] of (4.12) for [A], [B], [P], with INM and without.
+
+    The caption of the thesis names [S] in place of [P], but [S] does not happen in the populations of Table 5.
+    """
+    x, y = "time of the event [h]", "basal extrusion at the end [%]"
+    figure, panels = _grid(list(BY_TIME), list(PRESETS), HEIGHT, x, y, sharex=True)
+    for (title, preset), panel in panels.items():
+        for study, filled in product(POPULATIONS, (True, False)):
+            look = {} if filled else {"markerfacecolor": "white", "linestyle": "--"}
+            _line(panel, tables, study, preset, BY_TIME[title], "INM" if filled else "no INM", **look)
+        panel.set(xlim=(TIMES[0], TIMES[-1]), xticks=TIMES[::2])
+        panel.set_ylim(-2, 102)
+    lines: Entries = {
+        "with INM": Line2D([], [], color="black", linestyle="-"),
+        "without INM": Line2D([], [], color="black", linestyle="--"),
+    }
+    return figure, _groups() | lines
+
+
+def by_place(number: int, tables: Tables) -> Drawn:
+    """Draw E[basal extrusion | position at the onset] of 3.3.4, cells without [P], with INM and without."""
+    x, y = "position at the onset, $y_{AB}$", "basal extrusion at the end [%]"
+    figure, panels = _grid(list(ENDINGS), list(PRESETS), HEIGHT, x, y, sharex=True)
+    for (title, preset), panel in panels.items():
+        for study in POPULATIONS:
+            _line(panel, tables, study, preset, "onset_ab", "no INM" if ENDINGS[title] else "INM")
+        panel.set(xlim=(ONSETS[0], ONSETS[-1]))
+        panel.set_ylim(-2, 102)
+    return figure, _groups()
+
+
+def _line(panel: Axes, tables: Tables, study: str, preset: str, given: str, kind: str, **look: Any) -> None:
+    """Draw the line of a population."""
+    table = tables["emt_groups"]
+    mine = table[(table["study"] == study + PRESETS[preset]) & (table["given"] == given) & (table["kind"] == kind)]
+    band(panel, (mine["low_edge"] + mine["high_edge"]) / 2, mine, **_look(study), **look)
+
+
+def _look(study: str) -> dict[str, Any]:
+    return {"color": COLOURS[study], "marker": MARKERS[study], "markersize": 4.0}
+
+
+def _groups() -> Entries:
+    return {f"heterogeneous, {name}": Line2D([], [], **_look(study)) for study, name in POPULATIONS.items()}

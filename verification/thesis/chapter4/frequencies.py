@@ -15,11 +15,11 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from tissue.statistics.comparisons import Difference, runs_needed
-from tissue.statistics.proportions import POWER, quantile, sample_size
-from tissue.statistics.ratios import Ratio, as_ratio
+from tissue.study.estimates import POWER
 from verification.claims import Comparison, Evidence, Interval, Table, Tables
-from verification.thesis.chapter4.studies import PRESETS
+from verification.thesis.chapter4.ensembles import PRESETS, preset_of
+from verification.thesis.chapter4.groups import EVENTS
+from verification.thesis.chapter4.ratios import ProportionContrast, Ratio, as_ratio, difference, quantile
 
 # By preset.
 READINGS = {"thesis": "printed energies", "published": "published program", "corrected": "corrected energies"}
@@ -29,11 +29,10 @@ RULE = (
     "The published program decides where the thesis reports outcomes of its simulations, "
     "the printed energies where it describes the model."
 )
-RATIOS, CATEGORIES, CONDITIONAL, ORDERS, RANKING, PRINTED, SINCE = (
-    Table(f"emt_complete_{name}", "verification.thesis.chapter4.kept:take_over")
-    for name in ("ratios", "categories", "conditional", "orders", "ranking", "printed", "since")
-)
+NAMES = ("ratios", "in_time", "groups", "ranking")
+RATIOS, IN_TIME, GROUPS, RANKING = (Table(f"emt_{name}", "verification.thesis.chapter4.page:read") for name in NAMES)
 CLAIM_LEVEL = 0.99  # at which a claim is judged: so narrow a chance of error is for several comparisons of a claim
+SHOWN = quantile(CLAIM_LEVEL) + quantile(2 * POWER - 1)  # standard deviations of an effect that is probably shown
 ALIKE = 0.1  # ratios that differ by less are alike: the thesis prints tenths and calls its results qualitative
 PERCENT = 100.0
 KINDS = ("INM", "no INM")
@@ -45,14 +44,6 @@ class Sized(NamedTuple):
 
     comparison: Comparison
     runs: int | None
-
-
-class Estimate(NamedTuple):
-    """A number with its interval at ``CLAIM_LEVEL``, and the independent cells that it is from."""
-
-    value: float
-    interval: Interval
-    cells: float
 
 
 def in_readings(compare: Callable[[str], Evidence], decides: str = OUTCOMES) -> Evidence:
@@ -75,9 +66,16 @@ def ratio_of(tables: Tables, preset: str, study: str, scenario: str, what: str) 
     return as_ratio(table.iloc[row])
 
 
+def groups(tables: Tables, preset: str, given: str) -> pd.DataFrame:
+    """Return the rows of the heterogeneous groups of a preset that are by this."""
+    table = tables[GROUPS]
+    mine = table[table["given"] == given]
+    return mine[mine["study"].map(preset_of) == preset]
+
+
 def category(tables: Tables, preset: str, study: str, *categories: str) -> Ratio:
     """Return the basally extruded ones among the cells of a mixed group with these events, in any of some orders."""
-    rows = tables[CATEGORIES].set_index(["study", "category"])
+    rows = groups(tables, preset, EVENTS).set_index(["study", "kind"])
     return pooled([as_ratio(rows.loc[(study + PRESETS[preset], name)]) for name in categories])
 
 
@@ -102,9 +100,8 @@ def basal(tables: Tables, preset: str, studies: Sequence[str], scenario: str) ->
 
 def bins(tables: Tables, preset: str, study: str, given: str, inm: str) -> pd.DataFrame:
     """Return basal extrusion by intervals of an event time, or of the position at the onset, cells without [P]."""
-    table = tables[CONDITIONAL]
-    mine = (table["study"] == study + PRESETS[preset]) & (table["given"] == given) & (table["inm"] == inm)
-    return table[mine].sort_values("low_edge")
+    table = groups(tables, preset, given)
+    return table[(table["study"] == study + PRESETS[preset]) & (table["kind"] == inm)].sort_values("low_edge")
 
 
 def between(tables: Tables, preset: str, study: str, given: str, inm: str, low: float, high: float) -> Ratio:
@@ -119,64 +116,53 @@ def pooled(ratios: Sequence[Ratio]) -> Ratio:
     return Ratio(sum(r.count for r in ratios), sum(r.of for r in ratios), sum(r.size for r in ratios))
 
 
-def minus(sides: Iterable[Ratio]) -> Difference:
+def minus(sides: Iterable[Ratio]) -> ProportionContrast:
     """Return the first of two ratios of separate cells minus the second."""
-    first, second = sides
-    return Difference(first, second)
+    return difference(*sides)
 
 
-def exclusive(first: Ratio, second: Ratio) -> Difference:
-    """Return the difference of two outcomes of the same cells, of which no cell has both; one cell in each run."""
-    p, q = first.value, second.value
-    spread = math.sqrt(p * (1 - p) * q * (1 - q))
-    return Difference(first, second, max(-1.0, -p * q / spread) if spread > 0 else 0.0)
+def averaged(found: Sequence[ProportionContrast], weights: Sequence[float] | None = None) -> ProportionContrast:
+    """Return the mean of differences of separate kinds of cells; by default each counts by n_1 n_2/(n_1 + n_2)."""
+    sizes = [1 / sum(1 / one.size for one in each.ratios) for each in found] if weights is None else weights
+    shares = [size / sum(sizes) for size in sizes]
+    return ProportionContrast(
+        tuple(share * w for share, each in zip(shares, found, strict=True) for w in each.weights),
+        tuple(one for each in found for one in each.ratios),
+    )
 
 
-def more(what: str, found: Difference, least: float = 0.0) -> Sized:
+def more(what: str, found: ProportionContrast, least: float = 0.0) -> Sized:
     """Compare: the first ratio is larger than the second by ``least``."""
-    first, second = found.first.value, found.second.value
-    runs = runs_for_margin(found, least) if least else runs_needed(first, second, level=CLAIM_LEVEL)
-    return Sized(_in_percent(f"{what} [points]", found.value, found.interval(CLAIM_LEVEL), least, math.inf), runs)
+    return weighted(f"{what} [points]", found, least, math.inf)
 
 
-def alike(what: str, found: Difference, margin: float = ALIKE) -> Sized:
+def alike(what: str, found: ProportionContrast, margin: float = ALIKE) -> Sized:
     """Compare: two ratios differ by less than a margin."""
-    comparison = _in_percent(f"{what} [points]", found.value, found.interval(CLAIM_LEVEL), -margin, margin)
-    return Sized(comparison, runs_for_margin(found, margin))
+    return weighted(f"{what} [points]", found, -margin, margin)
 
 
 def share(what: str, found: Ratio, low: float = -math.inf, high: float = math.inf) -> Sized:
     """Compare: a ratio is from ``low`` to ``high``."""
-    comparison = _in_percent(f"{what} [%]", found.value, found.interval(CLAIM_LEVEL), low, high)
-    return Sized(comparison, most_runs(runs_for_bound(found.value, end) for end in (low, high)))
+    return weighted(f"{what} [%]", ProportionContrast((1.0,), (found,)), low, high)
 
 
-def averaged(found: Sequence[Difference], weights: Sequence[float] | None = None) -> Estimate:
-    """Return the mean of differences of separate kinds of cells; by default each counts by n_1 n_2/(n_1 + n_2) cells.
-
-    The interval is d - sqrt(sum w^2 (d_k - l_k)^2) to d + sqrt(sum w^2 (u_k - d_k)^2) for intervals [l_k, u_k].
-
-    Source
-    ------
-    G. Y. Zou, A. Donner, Construction of confidence limits about effect measures, Statistics in Medicine 27 (2008).
-    """
-    sizes = [1 / (1 / each.first.size + 1 / each.second.size) for each in found] if weights is None else weights
-    shares = [size / sum(sizes) for size in sizes]
-    ends = [each.interval(CLAIM_LEVEL) for each in found]
-    value = sum(w * each.value for w, each in zip(shares, found, strict=True))
-    below, above = (
-        math.hypot(*(w * (each.value - end[side]) for w, each, end in zip(shares, found, ends, strict=True)))
-        for side in (0, 1)
-    )
-    return Estimate(value, (value - below, value + above), sum(sizes))
+def weighted(what: str, found: ProportionContrast, low: float, high: float) -> Sized:
+    """Compare: a weighted sum of ratios is from ``low`` to ``high``, parts of 1."""
+    runs = (runs_for_bound(found, end) for end in (low, high) if math.isfinite(end))
+    return Sized(_in_percent(what, found.value, found.interval(CLAIM_LEVEL), low, high), most_runs(runs))
 
 
-def estimated(what: str, found: Estimate, low: float, high: float) -> Sized:
-    """Compare: an estimate is from ``low`` to ``high``."""
-    nearest = min((end for end in (low, high) if math.isfinite(end)), key=lambda end: abs(end - found.value))
-    shifted = (found.interval[0] - nearest, found.interval[1] - nearest)
-    comparison = _in_percent(f"{what} [points]", found.value, found.interval, low, high)
-    return Sized(comparison, runs_by_width(found.cells, shifted, CLAIM_LEVEL))
+def cells_of(found: ProportionContrast) -> float:
+    """Return the independent cells of the side of a difference that has fewer."""
+    sides = ([one.size for w, one in zip(found.weights, found.ratios, strict=True) if w * sign > 0] for sign in (1, -1))
+    return min(sum(side) for side in sides if side)
+
+
+def apart(what: str, first: Interval, second: Interval, cells: float = math.inf) -> Sized:
+    """Compare: a number is larger than another one of the same cells, by intervals of both."""
+    ends = (first[0] - second[1], first[1] - second[0])
+    runs = runs_by_width(cells, sum(ends) / 2, ends) if math.isfinite(cells) else None
+    return Sized(_in_percent(f"{what} [points]", sum(ends) / 2, ends, 0.0, math.inf), runs)
 
 
 def counted(what: str, parts: Sequence[Comparison], least: int) -> Comparison:
@@ -191,43 +177,28 @@ def most_runs(sizes: Iterable[int | None]) -> int | None:
     return max((size for size in sizes if size is not None), default=None)
 
 
-def runs_for_bound(value: float, bound: float, level: float = CLAIM_LEVEL, power: float = POWER) -> int | None:
-    """Return the independent cells that show a ratio to be above or below a bound with the given probability.
+def runs_for_bound(found: ProportionContrast, bound: float) -> int | None:
+    """Return the independent cells of each kind that show a weighted sum of ratios to be above or below a bound.
 
-    n = (z_level sqrt(b (1 - b)) + z_power sqrt(p (1 - p)))^2/(p - b)^2 for the ratio p and the bound b; None if they
-    are equal, which no number of cells tells apart, and for a bound that no ratio crosses.
+    n = ((z + z_power)/(d - b))^2 sum w^2 p (1 - p) for the sum d and the bound b; None where no number shows it, as for
+    d = b, or for ratios that are all 0 or 1.
     """
-    if value == bound or not 0 < bound < 1:
+    variance = sum(w * w * one.value * (1 - one.value) for w, one in zip(found.weights, found.ratios, strict=True))
+    if found.value == bound or variance == 0:
         return None
-    spreads = (math.sqrt(p * (1 - p)) for p in (bound, value))
-    return max(1, math.ceil(sample_size(value - bound, *spreads, level=level, power=power)))
+    return max(1, math.ceil(variance * (SHOWN / (found.value - bound)) ** 2))
 
 
-def runs_for_margin(found: Difference, margin: float, level: float = CLAIM_LEVEL, power: float = POWER) -> int | None:
-    """Return the independent cells of each kind that show a difference to be above or below a margin.
+def runs_by_width(cells: float, distance: float, interval: Interval) -> int | None:
+    """Return the independent cells that show a number to be above or below a bound, by its interval from ``cells``.
 
-    n = ((z_level + z_power)/(|d| - margin))^2 (v_1 + v_2 - 2 c sqrt(v_1 v_2)) with v = p (1 - p) and the correlation c;
-    None for a difference at the margin.
+    n = cells (h/d (z + z_power)/z)^2 for the distance d from the bound and the half-width h at ``CLAIM_LEVEL``; None
+    for d = 0.
     """
-    distance = abs(abs(found.value) - margin)
     if distance == 0:
         return None
-    variances = [side.value * (1 - side.value) for side in (found.first, found.second)]
-    variance = sum(variances) - 2 * found.correlation * math.sqrt(math.prod(variances))
-    spread = math.sqrt(variance)
-    return max(1, math.ceil(sample_size(distance, spread, spread, level=level, power=power)))
-
-
-def runs_by_width(cells: float, interval: Interval, level: float) -> int | None:
-    """Return the independent cells that show a number to be above or below 0, by its interval from ``cells`` of them.
-
-    n = cells (h/m (z_claim + z_power)/z_level)^2 for the middle m and the half-width h; None for m = 0.
-    """
-    half, middle = (interval[1] - interval[0]) / 2, (interval[0] + interval[1]) / 2
-    if middle == 0:
-        return None
-    spread = half / quantile(level) * math.sqrt(cells)
-    return max(1, math.ceil(sample_size(middle, spread, spread, level=CLAIM_LEVEL)))
+    half = (interval[1] - interval[0]) / 2
+    return max(1, math.ceil(cells * (half / distance * SHOWN / quantile(CLAIM_LEVEL)) ** 2))
 
 
 def _in_percent(what: str, value: float, interval: Interval, low: float, high: float) -> Comparison:

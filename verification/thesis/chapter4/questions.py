@@ -14,28 +14,27 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from tissue.statistics.categories import NO_INM
-from tissue.statistics.comparisons import Difference
-from tissue.statistics.proportions import LEVEL, quantile
-from tissue.statistics.ratios import Ratio, as_ratio
+from tissue.study.estimates import LEVEL
 from verification.claims import Comparison, Evidence, Tables
+from verification.thesis.chapter4.categories import NO_INM
+from verification.thesis.chapter4.ensembles import POPULATIONS, PRESETS
 from verification.thesis.chapter4.frequencies import (
-    ALIKE,
     CLAIM_LEVEL,
     KINDS,
-    ORDERS,
     RANKING,
     RATIOS,
     READINGS,
     Sized,
     alike,
+    apart,
     averaged,
     basal,
     between,
     category,
+    cells_of,
     counted,
-    estimated,
     evidence,
+    groups,
     minus,
     mixed,
     more,
@@ -44,10 +43,10 @@ from verification.thesis.chapter4.frequencies import (
     pooled,
     runs_by_width,
 )
-from verification.thesis.chapter4.studies import PRESETS
+from verification.thesis.chapter4.groups import ORDERS, RANKED
+from verification.thesis.chapter4.ratios import ProportionContrast, Ratio, as_ratio, quantile
 
-ANSWERS = "emt_complete_answers"
-POPULATIONS = {"table5_63": "63 % [P]", "table5_35": "35 % [P]", "table5_7": "7 % [P]"}
+ANSWERS = "emt_answers"
 MIXTURES = ("[A]", "[B]", "[A] and [B]")
 INM = ("", NO_INM)
 GROUP = ", 10 cells"
@@ -123,7 +122,7 @@ def _row(comparison: Comparison) -> dict[str, str]:
 def _unlike(text: str, first: Ratio, second: Ratio) -> Iterator[Sized]:
     """Give the comparison "first more than second", unless no cell of both kinds leaves, or all do."""
     if 0 < first.count + second.count < first.of + second.of:
-        yield more(text, Difference(first, second))
+        yield more(text, minus((first, second)))
 
 
 def program(tables: Tables, preset: str, name: str) -> Ratio:
@@ -163,26 +162,23 @@ def _q3(tables: Tables, preset: str) -> Iterator[Sized]:
                 for ends in ((FIRST, EARLY), (LATE, LAST))
             )
             text = f"{population}, [{event}] until {EARLY:g} h minus after {LATE:g} h"
-            yield (more if event == "A" else alike)(text, Difference(early, late))
+            yield (more if event == "A" else alike)(text, minus((early, late)))
 
 
 def _q4(tables: Tables, preset: str) -> Iterator[Sized]:
     """[A] comes earlier in [AB] than in [BA]: the orders are compared among cells with [A] in the same three hours."""
-    table = tables[ORDERS]
-    mine = table[table["study"].isin([study + PRESETS[preset] for study in POPULATIONS])]
+    orders = [groups(tables, preset, order) for order in ORDERS]
     for inm in KINDS:
-        rows = mine[mine["inm"] == inm].set_index("order")
-        first, second = (rows.loc[order].set_index(["study", "low_edge"]) for order in ("[AB]", "[BA]"))
+        first, second = (rows[rows["kind"] == inm].set_index(["study", "low_edge"]) for rows in orders)
         both = first.index.intersection(second.index)
         found = averaged([minus(as_ratio(side.loc[key]) for side in (first, second)) for key in both])
-        yield estimated(f"{inm}, [AB] minus [BA] with [A] at the same time", found, -ALIKE, ALIKE)
-        whole = averaged([_all(first, second, study) for study in dict.fromkeys(mine["study"])])
-        less = (whole.interval[0] - found.interval[1], whole.interval[1] - found.interval[0])
+        yield alike(f"{inm}, [AB] minus [BA] with [A] at the same time", found)
+        whole = averaged([_all(first, second, study + PRESETS[preset]) for study in POPULATIONS])
         what = f"{inm}, [AB] minus [BA] with [A] at any time, minus with [A] at the same time"
-        yield estimated(what, found._replace(value=whole.value - found.value, interval=less), 0.0, math.inf)
+        yield apart(what, whole.interval(CLAIM_LEVEL), found.interval(CLAIM_LEVEL), cells_of(found))
 
 
-def _all(first: pd.DataFrame, second: pd.DataFrame, study: str) -> Difference:
+def _all(first: pd.DataFrame, second: pd.DataFrame, study: str) -> ProportionContrast:
     """Return the difference of all times together."""
     return minus(pooled([as_ratio(row) for _, row in side.loc[study].iterrows()]) for side in (first, second))
 
@@ -214,7 +210,7 @@ def _q7(tables: Tables, preset: str) -> Iterator[Sized]:
             pooled([between(tables, preset, study, "onset_ab", inm, *ends) for inm in KINDS])
             for ends in ((0.0, FIFTH), (FIFTH, 1.0))
         )
-        yield more(f"{population}, without [P], most basal fifth minus the others", Difference(low, high))
+        yield more(f"{population}, without [P], most basal fifth minus the others", minus((low, high)))
     yield onset_first(tables, preset)
 
 
@@ -224,14 +220,14 @@ def onset_first(tables: Tables, preset: str) -> Sized:
     The intervals of the table are of 95 %, and widened to the level of claims.
     """
     table = tables[RANKING]
-    mine = table[(table["preset"] == preset) & (table["factor"] != "P")].set_index("factor")
+    mine = table[(table["study"] == RANKED + PRESETS[preset]) & (table["factor"] != "P")].set_index("factor")
     wide = quantile(CLAIM_LEVEL) / quantile(LEVEL)
     low, high = (mine["value"] + wide * (mine[side] - mine["value"]) for side in ("low", "high"))
     others = mine.index != "onset"
     lead = (low["onset"] - high[others].max(), high["onset"] - low[others].max())
     value = mine.loc["onset", "value"] - mine.loc[others, "value"].max()
     text = f"importance of the onset minus that of the next factor, {mine.loc[others, 'value'].idxmax()} [nats]"
-    runs = runs_by_width(mine.loc["onset", "cells"], lead, CLAIM_LEVEL)
+    runs = runs_by_width(mine.loc["onset", "cells"], value, lead)
     return Sized(Comparison(text, value, 0.0, math.inf, lead), runs)
 
 
@@ -242,7 +238,7 @@ def _q8(tables: Tables, preset: str) -> Iterator[Sized]:
         minus(mixed(tables, preset, study, events, inm) for study in (few, many)) for events in MIXTURES for inm in INM
     ]
     text = f"mean of the six kinds without [P], in {POPULATIONS[few]} minus in {POPULATIONS[many]}"
-    yield estimated(text, averaged(found, [1.0] * len(found)), 0.0, math.inf)
+    yield more(text, averaged(found, [1.0] * len(found)))
 
 
 QUESTIONS = {

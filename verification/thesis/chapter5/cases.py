@@ -15,7 +15,7 @@ from meanfield.model.symbolic import library
 Floats = NDArray[np.float64]
 FIBRE = {"m": 1.0, "k0": 1.0, "y_rest": 1.5, "k1": 0.5}
 # Number of each stream of random numbers.
-STREAMS = {"start": 1, "rates": 2, "pairs": 3, "fit": 4}
+STREAMS = {"start": 1, "pairs": 3}
 
 
 @dataclass(frozen=True)

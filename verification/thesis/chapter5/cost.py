@@ -1,125 +1,60 @@
-"""Speed against accuracy: y at the end of a mean-field problem by every level of the model; one right-hand side."""
+"""Speed against accuracy: y at the end of a mean-field problem by every level of the model."""
+# ruff: noqa: RUF001 - formulas for readers are written with Greek letters and minus signs
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from functools import cache, partial
-from typing import Any
+from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from dincl.study import Key, Row, Study
+from dincl.study import Study, joined
 from meanfield import solve_characteristics
-from meanfield.forces.field import field, field_by_numpy
-from meanfield.forces.interaction import forces
-from verification.instruments.meanfield_methods import DensityProblem, prepared
+from verification.instruments.budget import CpuSeconds
+from verification.instruments.chart import WorkPrecision
+from verification.instruments.meanfield_methods import DensityProblem, density_methods
+from verification.instruments.result import draw_results
+from verification.instruments.speed_accuracy import WorkPrecisionRuns
+from verification.site.context import Context
+from verification.site.parts import Chart, Follows, Grid, Picture, Section, Text
 from verification.thesis.chapter5 import cases, exact
 
 Floats = NDArray[np.float64]
-T = np.array([4.0])
-MODELS = ("straight", "wavy")
-# Not for WavyFibre, whose moments do not close and which cannot be reduced.
-CLOSED = ("reduced", "moments")
-REFERENCE = 1e-13
-PARTICLES = (4, 32, 256, 2048, 16_384, 131_072, 1_048_576)
-TOLERANCES = tuple(10.0**-k for k in range(2, 13))
-TOLERATED = ("characteristics", "moments")
-CELLS = (32, 64, 128, 256, 512, 1024, 2048)
-SETTINGS: dict[str, Sequence[float]] = {
-    "dae": PARTICLES[:5],
-    "rattle4": PARTICLES[:5],
-    "ode": PARTICLES,
-    "reduced": PARTICLES,
-    "characteristics": TOLERANCES,
-    "moments": TOLERANCES,
-    "pde": CELLS,
+NAME, T, REFERENCE = "meanfield_cost", np.array([4.0]), 1e-13
+# Moments of WavyFibre do not close, and it cannot be reduced.
+METHODS = {
+    "straight": ("dae", "rattle4", "ode", "reduced", "characteristics", "moments", "pde"),
+    "wavy": ("dae", "rattle4", "ode", "characteristics", "pde"),
 }
-# The best of so many runs is taken.
-REPEATS = 4
-# One right-hand side: particles, and with all pairs.
-MANY, PAIRED = 1_000_000, 3000
-SIDES = ("straight", "linear", "wavy", "element", "interacting")
-TIMED = 3
-
-
-@dataclass(frozen=True)
-class CostForm:
-    """How far the study goes.
-
-    Attributes
-    ----------
-    enough
-        Finer settings are left out after a run that takes longer [s]; one that does is not repeated.
-    stride
-        Between the tolerances that are taken.
-    """
-
-    enough: float
-    stride: int
-    settings: Mapping[str, Sequence[float]]
-    models: tuple[str, ...] = MODELS
-
-
-@dataclass(frozen=True)
-class SideForm:
-    """The models, and how many particles."""
-
-    models: tuple[str, ...] = SIDES
-    particles: int = MANY
-
-
-FULL = CostForm(3.0, 1, SETTINGS)
-# There is one form only.
-SIDE = SideForm()
-
-
-def study(form: CostForm) -> Study:
-    """Plan all methods on both models, a row for each setting."""
-    runs = [
-        {"model": name, "method": method}
-        for method in form.settings
-        for name in form.models
-        if not (name == "wavy" and method in CLOSED)
-    ]
-    return Study(
-        name="meanfield_cost",
-        title="Mean field: speed against accuracy",
-        key=("model", "method"),
-        runs=tuple(runs),
-        run=partial(_rows, form.settings, form.enough, form.stride),
-    )
-
-
-def _rows(settings: Mapping[str, Sequence[float]], enough: float, stride: int, key: Key) -> list[Row]:
-    name, method = key["model"], key["method"]
-    true, rows = reference(name), list[Row]()
-    for setting in settings[method][:: stride if method in TOLERATED else 1]:
-        ask = question(name, method, setting)
-        # The first of them may compile: some kernels are made for many particles only.
-        seconds, found = _timed(ask, 2)
-        if seconds <= enough:
-            seconds = min(seconds, _timed(ask, REPEATS - 2)[0])
-        error = float(np.linalg.norm(found.y[-1] - true))
-        rows.append(
-            dict(key) | {"setting": setting, "seconds": seconds, "error": error, "unknowns": found.work.unknowns}
-        )
-        if seconds > enough:
-            break
-    return rows
-
-
-def question(name: str, method: str, setting: float) -> Callable[[], Any]:
-    """Return a call that computes y(T) from the density, to be timed; particles are at quantiles found before."""
-    case = cases.CASES[name]
-    problem = DensityProblem(cases.model(name), cases.law(name), case.y0, case.v0)
-    return prepared(method, problem, setting if method in TOLERATED else 1 / setting, T)
+PARTICLES = [1 / n for n in (4, 32, 256, 2048, 16_384, 131_072, 1_048_576)]
+SETTINGS = {
+    "1/N": PARTICLES,
+    "DAE (IDAS)": PARTICLES[:5],
+    "RATTLE of order 4": PARTICLES[:5],
+    "tol": [10.0**-k for k in range(2, 13)],
+    "1/cells": [1 / n for n in (32, 64, 128, 256, 512, 1024, 2048)],
+}
+TARGETS = (1e-3, 1e-6, 1e-9)
+HEADINGS = {"model": "Model", "method": "Method", "setting": "1/N, tolerance or 1/cells", "status": "Status"}
+HEADINGS |= {"final": "Error of y", "cpu_seconds": "CPU time [s]"}
 
 
 @cache
+def runs() -> dict[str, WorkPrecisionRuns]:
+    """Return what is run on each model."""
+    found, methods = {}, density_methods()
+    for name, used in METHODS.items():
+        case = cases.CASES[name]
+        problem = DensityProblem(cases.model(name), cases.law(name), case.y0, case.v0)
+        chosen = [methods[way] for way in used]
+        found[case.title] = WorkPrecisionRuns(
+            problem, chosen, SETTINGS, T, reference(name)[None], CpuSeconds(3.0), ("final",)
+        )
+    return found
+
+
 def reference(name: str) -> Floats:
     """Return y(T): in closed form from the second moment, or by characteristics to rounding."""
     law, case = cases.law(name), cases.CASES[name]
@@ -129,63 +64,51 @@ def reference(name: str) -> Floats:
     return np.asarray(solve_characteristics(cases.model(name), law, case.y0, case.v0, T, REFERENCE).y[0])
 
 
-def _timed(action: Callable[[], Any], repeats: int) -> tuple[float, Any]:
-    """Return the least of some times, and the result."""
-    best, found = np.inf, None
-    for _ in range(repeats):
-        began = time.process_time()
-        found = action()
-        best = min(best, time.process_time() - began)
-    return best, found
+def study(smallest: bool = False) -> Study:
+    """Return the study of all methods on both models."""
+    parts = {name: one.study(smallest=smallest) for name, one in runs().items()}
+    return replace(joined(NAME, "Mean field: speed against accuracy", parts, "model"), columns=HEADINGS)
 
 
-def side_study(form: SideForm) -> Study:
-    """Time one right-hand side of the ODE with many particles, one pass over the array, and the NumPy reference."""
-    return Study(
-        name="meanfield_side",
-        title="Mean field: one right-hand side",
-        key=("model",),
-        runs=tuple({"model": name} for name in form.models),
-        run=partial(_side, form.particles),
+def results(rows: pd.DataFrame) -> dict[str, WorkPrecision]:
+    """Return the chart of each model that rows of the study have."""
+    mine = {name: rows[rows["model"] == name].drop(columns="model") for name in runs()}
+    return {name: runs()[name].result(one) for name, one in mine.items() if len(one)}
+
+
+def section(context: Context) -> Section:
+    """Write about the cost of each level of the model."""
+    from verification.instruments.interactive import draw_chart, script
+
+    rows = context.tables[NAME]
+    charts = results(rows)
+    won = pd.concat([chart.cheapest(TARGETS).assign(model=name) for name, chart in charts.items()])
+    times = pd.concat([chart.costs(TARGETS).reset_index().assign(model=name) for name, chart in charts.items()])
+    costs = {"model": "Model", "method": "Method"} | {target: f"Time to {target:g} [s]" for target in TARGETS}
+    first = {"model": "Model", "target": "Error", "cheapest": "Cheapest", "tied": "Tied", "cost": "CPU time [s]"}
+    picture = Picture(context.draw(NAME, draw_results, charts, 1, 3.8), "Error of y at the end against CPU time.")
+    return Section(
+        "Which is cheapest: particles, characteristics, PDE or moments?",
+        [
+            Text(
+                "Particles are cheapest for rough answers; characteristics, and moments where they close, for small "
+                "errors. Particles at quantiles have an error of about $N^{−1.2}$, whichever solver moves them, so a "
+                "smaller tolerance needs a larger N. Characteristics put the particles at Gauss points and are as "
+                "accurate as their tolerance. Moments need four unknowns."
+            ),
+            Text(
+                "Settings go from coarse to fine until a run costs more than its budget; times are without compiling."
+            ),
+            Chart(
+                draw_chart(charts, ("cpu_seconds",)),
+                script(),
+                "Error of y at the end against CPU time, for each model. Point at a mark for its method, setting, "
+                "error and cost. Settings are tolerances, 1/N of particles and 1/cells of the PDE.",
+                picture,
+            ),
+            Grid(won[list(first)].rename(columns=first), "The cheapest method for each error.", NAME),
+            Grid(times[list(costs)].rename(columns=costs), "Time to an error (—: not reached in time).", NAME),
+            Grid(context.headed(NAME, rows), "All runs.", NAME, folded=True),
+            Follows("Take particles for rough answers and for questions about particles; characteristics otherwise."),
+        ],
     )
-
-
-def _side(many: int, key: Key) -> list[Row]:
-    name = key["model"]
-    model, case = cases.model(name), cases.CASES[name]
-    X = np.tile(cases.law(name).sample(cases.stream("start", many), many // 10), (10, 1))
-
-    def side(way: Callable[..., Any], given: Floats, repeats: int) -> tuple[float, Any]:
-        return _timed(lambda: way(model, given, None, np.array(case.y0), np.array(case.v0)), repeats)
-
-    side(field, X, 1)
-    one, _ = side(field, X, TIMED)
-    reading, _ = _timed(X.sum, TIMED)
-    # The twin takes so much longer that a tenth of the particles will do.
-    (part, found), (twin, other) = side(field, X[: many // 10], TIMED), side(field_by_numpy, X[: many // 10], 1)
-    off = max(float(np.abs(found.force - other.force).max()), float(np.abs(found.mass - other.mass).max()))
-    row = {"N": many, "seconds": one, "reading": one / reading, "twin": twin / part, "off": off}
-    row |= {"pairs": np.nan, "pairs_off": np.nan}
-    if model.V is not None:
-        row |= _pairs(name)
-    return [dict(key) | row]
-
-
-def _pairs(name: str) -> dict[str, float]:
-    """Time the sum over all pairs by NumPy against the interaction of the package, for PAIRED particles."""
-    model, X = cases.model(name), cases.law(name).sample(cases.stream("start", PAIRED), PAIRED)
-    fast, found = _timed(lambda: forces(model, X, None), TIMED)
-    direct, true = _timed(lambda: np.array([model.K(X - x).mean(axis=0) for x in X]), 1)
-    return {"pairs": direct / fast, "pairs_off": float(np.abs(found - true).max())}
-
-
-def seconds_to(table: pd.DataFrame, targets: Sequence[float]) -> pd.DataFrame:
-    """Return the least time of the settings that reach an error, for each model and method; NaN if none does."""
-    rows = []
-    for (name, method), mine in table.groupby(["model", "method"], sort=False):
-        row: dict[str, Any] = {"model": name, "method": method}
-        for target in targets:
-            reached = mine[mine["error"] <= target]
-            row |= {f"{target:g}": float(reached["seconds"].min()) if len(reached) else np.nan}
-        rows.append(row | {"best": float(mine["error"].min()), "most": int(mine["unknowns"].max())})
-    return pd.DataFrame(rows)

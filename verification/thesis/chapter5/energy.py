@@ -1,131 +1,153 @@
 """Drift of the energies (5.37) and (5.50): against the setting of each solver, and over many periods."""
+# ruff: noqa: RUF001 - formulas for readers are written with Greek letters and minus signs
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from functools import partial
+from dataclasses import replace
+from functools import cache, partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from dincl.study import Key, Row, Study
-from meanfield import Moments, solve_characteristics, solve_moments, solve_pde
+from dincl.study import Key, Row, Study, joined
+from meanfield import solve_ode
 from verification.instruments.lines import slope
-from verification.instruments.meanfield_methods import SOLVERS
-from verification.instruments.order import estimate, order_text
-from verification.thesis.chapter5 import cases
-from verification.thesis.chapter5.agreement import TIMES
+from verification.instruments.meanfield_methods import (
+    SOLVERS,
+    STYLES,
+    DensityProblem,
+    ParticleProblem,
+    density_methods,
+    particle_methods,
+)
+from verification.instruments.method import Method
+from verification.instruments.orders import OrderRuns
+from verification.instruments.references import Known
+from verification.site.context import Context
+from verification.site.parts import Follows, Grid, Picture, Section, Text
+from verification.site.sheet import legend_below, sheet
+from verification.thesis.chapter5 import agreement, cases
 
 Floats = NDArray[np.float64]
+NAME, LONG = "meanfield_energy", "meanfield_energy_long"
+T = agreement.T
+# Of the solvers of the mean-field equations: tolerances, cells.
+SETTINGS = {"tol": [10.0**-k for k in range(3, 12)], "1/cells": [1 / n for n in (32, 48, 72, 108, 162, 243, 365)]}
+LIMITS = {"straight": ("characteristics", "moments", "pde"), "wavy": ("characteristics", "pde")}
 # Over long times, WavyFibre with five particles; a period takes about PERIOD.
-PERIOD, SAMPLES = 7.0, 121
+PERIODS, PERIOD, SAMPLES = 1000, 7.0, 121
+FOLLOWED = (("dae", 1e-5), ("rattle2", 0.1), ("rattle4", 0.5), ("ode", 1e-5), ("ode", 1e-8))
+HEADINGS = {"model": "Model", "method": "Method", "setting": "Setting", "change": "Largest |E − E(0)|"}
+HEADINGS |= {"order": "Power of the setting [range]"}
+LONG_HEADINGS = {"method": "Method", "setting": "Step or tolerance", "periods": "Periods"}
+LONG_HEADINGS |= {"largest": "Largest |E − E(0)|", "slope": "Change of E per period", "low": "Lower end, 95 %"}
+LONG_HEADINGS |= {"high": "Upper end, 95 %", "drifts": "Drifts"}
 
 
-@dataclass(frozen=True)
-class LimitForm:
-    """Of the solvers of the mean-field equations: digits of the tolerances, numbers of cells; models."""
-
-    digits: tuple[int, ...]
-    cells: tuple[int, ...]
-    models: tuple[str, ...] = ("straight", "wavy")
-
-
-@dataclass(frozen=True)
-class LongForm:
-    """How many periods; pairs of method and setting."""
-
-    periods: int
-    methods: tuple[tuple[str, float], ...] = (
-        ("rattle2", 0.1),
-        ("rattle4", 0.5),
-        ("ode", 1e-5),
-        ("ode", 1e-8),
-        ("dae", 1e-5),
-    )
-
-
-FULL = LimitForm(tuple(range(3, 12)), (32, 48, 72, 108, 162, 243, 365))
-FULL_LONG = LongForm(1000)
-
-
-def limit_study(form: LimitForm) -> Study:
-    """Measure the energy (5.50) of characteristics, moments (where they close) and the PDE."""
-    runs = [{"model": name, "method": method} for method in ("pde", "characteristics") for name in form.models]
-    return Study(
-        name="meanfield_energy_limit",
-        title="Mean field: energy of the limit",
-        key=("model", "method"),
-        runs=(*runs, {"model": "straight", "method": "moments"}),
-        run=partial(_limit, digits=form.digits, cells=form.cells),
-    )
-
-
-def _limit(key: Key, digits: tuple[int, ...], cells: tuple[int, ...]) -> list[Row]:
-    name = key["model"]
-    model, law, case = cases.model(name), cases.law(name), cases.CASES[name]
-    start = case.y0, case.v0, TIMES
-    solve: Callable[[Any], Any] = {
-        "pde": lambda n: solve_pde(model, law, *start, cells=n),
-        "characteristics": lambda tol: solve_characteristics(model, law, *start, tol),
-        "moments": lambda tol: solve_moments(model, Moments(*law.moments()), *start, tol),
-    }[key["method"]]
-    settings: Sequence[float] = cells if key["method"] == "pde" else [10.0**-k for k in digits]
-    rows: list[Row] = []
-    for setting in settings:
-        energy = solve(setting).energy()
-        fine = 1 / setting if key["method"] == "pde" else setting
-        drift = float(np.abs(energy - energy[0]).max())
-        rows.append(dict(key) | {"setting": fine, "energy": drift, "energy_scale": float(abs(energy[0]))})
-    return rows
-
-
-def long_study(form: LongForm) -> Study:
-    """Measure the energy (5.37) over many periods."""
-    runs = tuple({"method": method, "setting": setting} for method, setting in form.methods)
-    return Study(
-        name="meanfield_energy_long",
-        title="Mean field: energy over long times",
-        key=("method", "setting"),
-        runs=runs,
-        run=partial(_long, periods=form.periods),
-    )
-
-
-def _long(key: Key, periods: int) -> list[Row]:
-    t = np.linspace(0.0, periods * PERIOD, SAMPLES)
-    motion = SOLVERS[key["method"]](cases.model("wavy"), cases.few("wavy", 5), t, key["setting"])
+def change(motion: Any) -> Floats:
+    """Return E - E(0), (K, 1), of a result that has the time 0."""
     energy = motion.energy()
+    return np.asarray(energy - energy[0])[:, None]
+
+
+def _runs(problem: Any, methods: list[Method], settings: Any, scale: float) -> OrderRuns:
+    """Return runs whose change of energy should be 0, to rounding of the energy."""
+    known = Known(T, np.zeros((len(T), 1)), np.full(len(T), np.finfo(float).eps * scale))
+    return OrderRuns(problem, methods, settings, T, known, {"change": np.ravel})
+
+
+@cache
+def runs() -> dict[str, OrderRuns]:
+    """Return what is run: particles of each model, and the mean-field equations of two."""
+    found, of_particles, of_density = {}, particle_methods(change), density_methods(change)
+    for name in agreement.MODELS:
+        model, start = cases.model(name), cases.few(name, agreement.PARTICLES)
+        scale = abs(float(solve_ode(model, start, T[1:], 1e-6).energy()[0]))
+        methods = [of_particles[way] for way in agreement.methods_of(name)]
+        found[cases.TITLES[name]] = _runs(ParticleProblem(model, start), methods, agreement.SETTINGS, scale)
+    for name, used in LIMITS.items():
+        case = cases.CASES[name]
+        problem = DensityProblem(cases.model(name), cases.law(name), case.y0, case.v0)
+        found[f"{case.title}, limit"] = _runs(problem, [of_density[way] for way in used], SETTINGS, 1.0)
+    return found
+
+
+def study(smallest: bool = False) -> Study:
+    """Return the study of the change of energy against the setting."""
+    parts = {name: one.study(smallest=smallest) for name, one in runs().items()}
+    return replace(joined(NAME, "Mean field: energy", parts, "model"), columns=HEADINGS)
+
+
+def powers(rows: pd.DataFrame) -> pd.DataFrame:
+    """Return the power p of |E - E(0)| ~ setting^p for each model and method."""
+    mine = {name: rows[rows["model"] == name].drop(columns="model") for name in runs()}
+    return pd.concat([runs()[name].result(one).fits.assign(model=name) for name, one in mine.items() if len(one)])
+
+
+def long_study(smallest: bool = False) -> Study:
+    """Return the study of the energy (5.37) over many periods."""
+    return Study(
+        LONG,
+        "Mean field: energy over long times",
+        ("method", "setting"),
+        tuple({"method": STYLES[name][0], "setting": setting} for name, setting in FOLLOWED[: 1 if smallest else None]),
+        partial(_followed, PERIODS),
+        columns=LONG_HEADINGS,
+    )
+
+
+def _followed(periods: int, key: Key) -> list[Row]:
+    (name,) = (name for name in SOLVERS if STYLES[name][0] == key["method"])
+    t = np.linspace(0.0, periods * PERIOD, SAMPLES)
+    energy = SOLVERS[name](cases.model("wavy"), cases.few("wavy", 5), t, key["setting"]).energy()
     return [dict(key) | {"t": at, "change": float(e - energy[0])} for at, e in zip(t, energy, strict=True)]
 
 
-def slopes(agreement: pd.DataFrame, limit: pd.DataFrame) -> pd.DataFrame:
-    """Fit the power p of |E - E(0)| ~ setting^p for the largest change of energy, with the range of local orders."""
-    rows = []
-    table = pd.concat([agreement, limit.assign(limit=True)])
-    for (name, method), mine in table.groupby(["model", "method"], sort=False):
-        fit = estimate(mine["setting"], mine["energy"], scale=float(mine["energy_scale"].iloc[0]))
-        rows.append({"model": name, "method": method, "slope": order_text(fit), "least": float(mine["energy"].min())})
-    return pd.DataFrame(rows).sort_values(["method", "model"], ignore_index=True)
-
-
-def trends(table: pd.DataFrame) -> pd.DataFrame:
+def trends(rows: pd.DataFrame) -> pd.DataFrame:
     """Fit a line through the changes of energy: its slope per period with the 95 % interval, and the largest change."""
-    rows = []
-    for (method, setting), mine in table.groupby(["method", "setting"]):
+    found = []
+    for (method, setting), mine in rows.groupby(["method", "setting"], sort=False):
         fit = slope(mine["t"] / PERIOD, mine["change"])
-        rows.append(
-            {
-                "method": method,
-                "setting": setting,
-                "periods": float(mine["t"].max()) / PERIOD,
-                "largest": float(mine["change"].abs().max()),
-                "slope": fit.value,
-                "low": fit.low,
-                "high": fit.high,
-                "drifts": fit.low > 0 or fit.high < 0,
-            }
-        )
-    return pd.DataFrame(rows)
+        row = {"method": method, "setting": setting, "periods": float(mine["t"].max()) / PERIOD}
+        row |= {"largest": float(mine["change"].abs().max()), "slope": fit.value, "low": fit.low, "high": fit.high}
+        found.append(row | {"drifts": fit.low > 0 or fit.high < 0})
+    return pd.DataFrame(found)
+
+
+def figure(rows: pd.DataFrame, path: Path) -> Path:
+    """Draw the largest change of energy so far, over many periods."""
+    with sheet(path, 3.2) as drawn:
+        panel = drawn.subplots()
+        for (method, setting), one in rows.groupby(["method", "setting"], sort=False):
+            largest = np.maximum.accumulate(np.abs(one["change"].to_numpy()))[1:]
+            panel.loglog(one["t"].to_numpy()[1:] / PERIOD, largest, label=f"{method}, {setting:g}")
+        panel.set(xlabel="periods", ylabel="largest |E − E(0)| so far")
+        legend_below(drawn, [panel], 3)
+    return path
+
+
+def section(context: Context) -> Section:
+    """Write about the energy."""
+    long = context.tables[LONG]
+    return Section(
+        "Which solvers keep the energy?",
+        [
+            Text(
+                "Over many periods DAE and ODE gain or lose energy steadily, in proportion to their tolerance. The "
+                "energy of RATTLE swings about its start by an amount that falls with the order of the method, and the "
+                "swings do not add up. Within one period every solver changes the energy by a power of its setting."
+            ),
+            Picture(context.draw(LONG, figure, long), "Energy of a WavyFibre with five particles."),
+            Grid(context.headed(LONG, trends(long)), "Slope of a line through E − E(0), with its 95 % interval.", LONG),
+            Grid(
+                context.headed(NAME, powers(context.tables[NAME])),
+                "Change of energy until t = 2 against tolerance, step or width of a cell.",
+                NAME,
+                folded=True,
+            ),
+            Follows("For long times take RATTLE."),
+        ],
+    )

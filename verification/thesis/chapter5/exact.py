@@ -23,14 +23,17 @@ class ExactMotion(NamedTuple):
     multipliers: Floats
 
 
-def harmonic(name: str, X: Floats, t: Floats) -> ExactMotion:
+def harmonic(name: str, X: Floats, t: Floats, v0: float | None = None) -> ExactMotion:
     """Return the motion of particles X (N, 1) with StraightFibre ("straight") or LinearFibre ("linear")::
 
     straight: (1 + m s) y'' = -k0 (y - y_rest) - k1 s y,  s = <X^2>/y^2;  lambda = -y (k1 X + m X y''/y)
     linear:   (1 + m) y'' = -k0 (y - y_rest) - k1 <X>,  X - y constant;   lambda = -(k1 X + m y'')
+
+    from y(0) and y'(0) of the case, unless ``v0`` is another y'(0).
     """
     m, k0, rest, k1 = (FIBRE[key] for key in ("m", "k0", "y_rest", "k1"))
-    (y0,), (v0,) = CASES[name].y0, CASES[name].v0
+    (y0,) = CASES[name].y0
+    v0 = CASES[name].v0[0] if v0 is None else v0
     share, offset = (float((X**2).mean()) / y0**2, 0.0) if name == "straight" else (1.0, float(X.mean()) - y0)
     stiffness = k0 + k1 * share
     middle, rate = (k0 * rest - k1 * offset) / stiffness, np.sqrt(stiffness / (1 + m * share))

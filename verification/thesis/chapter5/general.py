@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from verification.formal.algebra import library, matrices
+from verification.claims.formal.algebra import library, matrices
 
 # A name with T is a transpose. G and B are the derivatives of g in X and y, dG and dB their rates along the motion.
 # a and

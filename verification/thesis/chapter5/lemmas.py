@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from verification.formal.algebra import library, matrices, vanishes
-from verification.formal.reals import follows, reals
+from verification.claims.formal.algebra import library, matrices, vanishes
+from verification.claims.formal.reals import follows, reals
 from verification.thesis.chapter5.general import a, curved, eliminated, f, m, phi, phiT, vT
 
 A, B, C, D = matrices("A B C D")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cache, partial
 from typing import Any
 
@@ -12,7 +11,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from dincl.errors import StepFailure
-from dincl.study import Key, Row, Study
+from dincl.study import Study
 from meanfield import (
     LinearFibre,
     Model,
@@ -27,30 +26,34 @@ from meanfield import (
 )
 from meanfield.solvers.rattle import SUBSTEPS
 from verification.instruments.outcome import FAR, Outcome
-from verification.thesis.chapter2.stability.outcome import ERROR
-from verification.thesis.chapter2.stability.plane import Axis, Line, Plane, geometric
-from verification.thesis.chapter5.methods import LABELS
+from verification.instruments.result import Result
+from verification.instruments.stability import Limit, StabilityRuns
+from verification.site.context import Context
+from verification.site.parts import Follows, Grid, Picture, Section, Text
 from verification.thesis.chapter5.naive import solve_naive_rk4
-from verification.thesis.chapter5.provoked import SINGULAR
 
 Floats = NDArray[np.float64]
+STIFF, PUSHED = "meanfield_stiff", "meanfield_pushed"
 M, REST, K1 = 1.0, 1.5, 0.5
 # Steps of a run with stiff springs, and how far from rest it starts: far beyond a limit it then grows past all bounds.
 STEPS, AWAY = 100, 0.1
+# Largest error of a run that converged, over its amplitude.
+ERROR = 0.02
 # Of classical Runge-Kutta on y'' = -y: |1 + z + z^2/2 + z^3/6 + z^4/24| = 1 at z = i dt.
-RK4_LIMIT = 2 * np.sqrt(2)
+RK4, RK4_LIMIT = "naive RK4", 2 * np.sqrt(2)
 # Cells nearer to a limit than this, relative to it, may fall on either side: growth beyond it begins slowly.
-NEAR = 0.05
-ROUNDING = 1e-9
-STIFF: dict[str, Callable[..., Motion]] = {
-    "rattle2": partial(solve_rattle, order=2),
-    "rattle4": partial(solve_rattle, order=4),
-    "rk4": solve_naive_rk4,
+NEAR, ROUNDING = 0.05, 1e-9
+# Endings that say that dg/dX is about to become singular.
+SINGULAR = (Status.SINGULAR, Status.STEP_TOO_SMALL, Status.NOT_CONVERGED)
+STIFF_METHODS: dict[str, Callable[..., Motion]] = {
+    "RATTLE of order 2": partial(solve_rattle, order=2),
+    "RATTLE of order 4": partial(solve_rattle, order=4),
+    RK4: solve_naive_rk4,
 }
-PUSHED: dict[str, Callable[..., Motion]] = {
-    "ode": partial(solve_ode, tol=1e-8, throw=False),
-    "dae": partial(solve_dae, tol=1e-6, throw=False),
-    "rattle2": partial(solve_rattle, dt=0.02, throw=False),
+PUSHED_METHODS: dict[str, Callable[..., Motion]] = {
+    "ODE (DOP853)": partial(solve_ode, tol=1e-8, throw=False),
+    "DAE (IDAS)": partial(solve_dae, tol=1e-6, throw=False),
+    "RATTLE of order 2": partial(solve_rattle, dt=0.02, throw=False),
 }
 
 
@@ -60,7 +63,7 @@ def grows(method: str, x: Floats) -> NDArray[np.bool_]:
     RATTLE is Verlet's scheme there; a composition of its steps grows where the trace of their product is beyond 2,
     which it need not be for all x beyond the first.
     """
-    if method == "rk4":
+    if method == RK4:
         return np.asarray(x > RK4_LIMIT)
     product = np.broadcast_to(np.eye(2), (len(x), 2, 2))
     for part in SUBSTEPS[int(method[-1])]:
@@ -77,22 +80,19 @@ def limit(method: str) -> float:
     return float(x[grows(method, x)][0])
 
 
-def longest_step(method: str, k0: Floats) -> Floats:
-    """Return the limit of dt for LinearFibre."""
-    found: Floats = limit(method) / frequency(k0)
-    return found
-
-
 def frequency(k0: Floats | float) -> Any:
     """Return sqrt((k0 + k1 s)/(1 + m s)) with s = 1: of LinearFibre, and of StraightFibre with particles at +-y."""
     return np.sqrt((k0 + K1) / (1 + M))
 
 
-def least_speed(k0: Floats) -> Floats:
-    """Return the speed inwards from y = 1 with which StraightFibre reaches 0, by its amplitude."""
-    middle = k0 * REST / (k0 + K1)
-    found: Floats = frequency(k0) * np.sqrt(np.maximum(2 * middle - 1, 0.0))
-    return found
+def stiffest(method: str, dt: float) -> float:
+    """Return the k0 of LinearFibre with dt omega at the limit of a method."""
+    return (1 + M) * (limit(method) / dt) ** 2 - K1
+
+
+def pushed_through(speed: float) -> float:
+    """Return the k0 of StraightFibre that reaches y = 0 from y = 1 with this speed inwards, by its amplitude."""
+    return ((1 + M) * speed**2 + K1) / (2 * REST - 1)
 
 
 def stiff(method: str, dt: float, k0: float) -> dict[str, Any]:
@@ -103,7 +103,7 @@ def stiff(method: str, dt: float, k0: float) -> dict[str, Any]:
     # The particles are at y +- 0.3, so that their mean pull is that of one at y.
     end = STEPS * dt
     try:
-        motion = STIFF[method](model, start, [end], dt)
+        motion = STIFF_METHODS[method](model, start, [end], dt)
     except (SolveFailed, StepFailure) as failure:
         return {"outcome": Outcome.UNSTABLE.value, "status": failure.status.name}
     if not abs(motion.y[-1, 0] - middle) <= FAR * AWAY:
@@ -116,8 +116,7 @@ def pushed(method: str, speed: float, k0: float) -> dict[str, Any]:
     """Run StraightFibre with particles at +-1 over one period, from y = 1 inwards."""
     model, start = _model(StraightFibre, k0), State(X=[[-1.0], [1.0]], y=[1.0], v=[-speed])
     rate, middle = frequency(k0), k0 * REST / (k0 + K1)
-    end = 2 * np.pi / rate
-    motion = PUSHED[method](model, start, [end])
+    motion = PUSHED_METHODS[method](model, start, [2 * np.pi / rate])
     if motion.status in SINGULAR:
         return {"outcome": Outcome.REFUSED.value, "status": motion.status.name}
     if not motion.status:
@@ -135,64 +134,72 @@ def _model(kind: Callable[..., Model], k0: float) -> Model:
     return kind(m=M, k0=k0, y_rest=REST, k1=K1)
 
 
-PLANES = (
-    Plane(
-        name="meanfield_stiff",
-        title="stiff springs",
-        x=Axis("dt", geometric(0.01, 4.0, 40)),
-        y=Axis("stiffness k0", geometric(1.0, 1e4, 30)),
-        methods={"rattle2": LABELS["rattle2"], "rattle4": LABELS["rattle4"], "rk4": "naive RK4"},
-        cell=stiff,
-        lines=tuple(Line(f"dt ω = {limit(method):.3g}", (method,), partial(longest_step, method)) for method in STIFF),
+MAPS = {
+    STIFF: StabilityRuns(
+        None,
+        {method: partial(stiff, method) for method in STIFF_METHODS},
+        x=("dt", np.geomspace(0.01, 4.0, 40).tolist(), "step dt [time]"),
+        y=("k0", np.geomspace(1.0, 1e4, 30).tolist(), "stiffness k0"),
+        limits=[Limit(f"dt ω = {limit(method):.3g}", partial(stiffest, method), [method]) for method in STIFF_METHODS],
     ),
-    Plane(
-        name="meanfield_pushed",
-        title="y through 0",
-        x=Axis("speed inwards", geometric(0.25, 8.0, 30)),
-        y=Axis("stiffness k0", geometric(0.3, 8.0, 20)),
-        methods={method: LABELS[method] for method in PUSHED},
-        cell=pushed,
-        lines=(Line("y reaches 0", tuple(PUSHED), least_speed),),
+    PUSHED: StabilityRuns(
+        None,
+        {method: partial(pushed, method) for method in PUSHED_METHODS},
+        x=("speed", np.geomspace(0.25, 8.0, 30).tolist(), "speed inwards"),
+        y=("k0", np.geomspace(0.3, 8.0, 20).tolist(), "stiffness k0"),
+        limits=[Limit("y reaches 0", pushed_through)],
     ),
-)
+}
+TITLES = {STIFF: "stiff springs", PUSHED: "y through 0"}
 
 
-@dataclass(frozen=True)
-class MeanFieldMapsForm:
-    """Which planes are mapped."""
-
-    planes: tuple[Plane, ...] = PLANES
+def study(name: str, smallest: bool = False) -> Study:
+    """Return the study of one of the maps."""
+    return MAPS[name].study(name, f"Mean field, map: {TITLES[name]}", smallest)
 
 
-# There is one form only.
-FORM = MeanFieldMapsForm()
-
-
-def study(plane: Plane) -> Study:
-    """Run each method at each y, with a row for each x."""
-    return Study(
-        name=plane.name,
-        title=f"Mean field, map: {plane.title}",
-        key=("method", "y"),
-        runs=tuple({"method": method, "y": y} for y in plane.y.values[::-1] for method in plane.methods),
-        run=partial(_row, plane.cell, plane.x.values),
-    )
-
-
-def _row(cell: Callable[[str, float, float], dict[str, Any]], xs: tuple[float, ...], key: Key) -> list[Row]:
-    return [dict(key) | {"x": x} | cell(key["method"], x, key["y"]) for x in xs]
-
-
-def agreement(table: pd.DataFrame, plane: Plane) -> pd.DataFrame:
+def agreement(name: str, table: pd.DataFrame) -> pd.DataFrame:
     """Count, for each method, the cells away from the limit and those that failed exactly where they should."""
     rows = []
     for method, mine in table.groupby("method", sort=False):
-        x, y = mine["x"].to_numpy(), mine["y"].to_numpy()
-        stepped = plane.cell is stiff
-        ratio = x / (longest_step(method, y) if stepped else least_speed(y))
-        expected = grows(method, x * frequency(y)) if stepped else ratio > 1
+        k0 = mine["k0"].to_numpy()
+        if name == STIFF:
+            x = mine["dt"].to_numpy() * frequency(k0)
+            ratio, expected = x / limit(str(method)), grows(str(method), x)
+        else:
+            ratio = mine["speed"].to_numpy() / np.sqrt(np.maximum((2 * REST - 1) * k0 - K1, 0.0) / (1 + M))
+            expected = ratio > 1
         failed = mine["outcome"].isin([Outcome.UNSTABLE.value, Outcome.REFUSED.value]).to_numpy()
         clear = np.abs(ratio - 1) > NEAR
         right = int((failed == expected)[clear].sum())
-        rows.append({"map": plane.title, "method": plane.methods[method], "cells": int(clear.sum()), "right": right})
+        rows.append({"Map": TITLES[name], "Method": method, "Cells": int(clear.sum()), "As theory says": right})
     return pd.DataFrame(rows)
+
+
+def section(context: Context) -> Section:
+    """Write about the two maps."""
+    drawn = {name: context.draw(name, Result.draw, MAPS[name].result(context.tables[name])) for name in MAPS}
+    counts = pd.concat([agreement(name, context.tables[name]) for name in MAPS], ignore_index=True)
+    return Section(
+        "Do the solvers fail at the limits that theory gives?",
+        [
+            Text(
+                "On a stiff spring RATTLE is Verlet's scheme, which is unstable beyond $dt ω = 2$; a composition of "
+                "its steps has another limit. A StraightFibre that is pushed fast enough reaches $y = 0$, where dg/dX "
+                "has no rank, and all solvers stop; a slower one comes back. Away from a limit by 5 % or more, the "
+                "cells of both maps end as theory says."
+            ),
+            Picture(
+                drawn[STIFF],
+                "LinearFibre over 100 steps, from near its rest. Unstable: more than twice as far from rest as at the "
+                "start; converged: error at most 2 % of the amplitude.",
+            ),
+            Picture(
+                drawn[PUSHED],
+                "StraightFibre over one period. Refused: stopped with a Status that says singular, or a vanishing "
+                "step.",
+            ),
+            Grid(counts, "Cells 5 % or more away from a limit.", STIFF),
+            Follows("Choose the step of RATTLE below the limit of the stiffest spring."),
+        ],
+    )

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from verification.formal.algebra import library
+from verification.claims.formal.algebra import library
 from verification.thesis.chapter5.instant import Floats
 
 M, T, STEPS = 0.01, 3.0, 200

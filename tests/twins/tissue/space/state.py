@@ -37,11 +37,10 @@ class Steps(NamedTuple):
     mu: float = 0.2
     power: int = 2
     repulsion: float = 0.5
-    max_basal: float = 1 / 3
+    max_basal_distance: float = 1 / 3
     variance: float = 0.0  # of the noise per coordinate and hour, in substeps
     key: tuple[int, int] = (7, 8)
     surface: Surface = FLAT_SURFACE
-    ordered: bool = False  # whether neighbours are a row around a cylinder, in this order
 
 
 def still(state: SpaceTissue) -> SpaceTissue:

@@ -12,7 +12,6 @@ import numpy as np
 from tests.twins.tissue.normals import normals
 from tests.twins.tissue.space.state import SpaceTissue, Steps
 from tissue.model import bending, junctions, repulsion, springs
-from tissue.model.basal_network import LEAST_GAP
 from tissue.model.energy import Elastic, nearest_image
 from tissue.state.cells import Floats, Integers
 from tissue.state.surface import CYLINDER, PLANE, Surface
@@ -90,9 +89,8 @@ def outward(points: Floats, surface: Surface) -> Floats:
 
 
 def swept(state: SpaceTissue, steps: Steps) -> SpaceTissue:
-    """One sweep of projections: hard balls, order of basal points, their distance, surface."""
-    b = keep_order(state.b, state.neighbours, steps) if steps.ordered else state.b
-    b = put_on_surface(hold_together(b, state.neighbours, steps), state.held, steps.surface)
+    """One sweep of projections: hard balls, distance of basal points, surface."""
+    b = put_on_surface(hold_together(state.b, state.neighbours, steps), state.held, steps.surface)
     return state._replace(x=separate(state.x, state.radius, steps.surface), b=b)
 
 
@@ -118,25 +116,14 @@ def separate(x: Floats, radius: Floats, surface: Surface) -> Floats:
     return np.array(points).T
 
 
-def keep_order(b: Floats, neighbours: Integers, steps: Steps) -> Floats:
-    """Twin of ``basal.keep_order``: B_i before B_j (C4), with x and y as complex numbers."""
-    points = b[0] + 1j * b[1]
-    for i, j in neighbours.tolist():
-        if steps.surface.side * (points[i].conjugate() * points[j]).imag < 0.0:
-            middle = 0.5 * (points[i] + points[j])
-            forward = 1j * steps.surface.side * middle / abs(middle)
-            points[i], points[j] = middle - 0.5 * LEAST_GAP * forward, middle + 0.5 * LEAST_GAP * forward
-    return np.vstack((points.real, points.imag, b[2]))
-
-
 def hold_together(b: Floats, neighbours: Integers, steps: Steps) -> Floats:
-    """Twin of ``basal.hold_together``: |B_i - B_j| <= max_basal (C2), edge by edge; each moves by half."""
+    """Twin of ``basal.hold_together``: |B_i - B_j| <= max_basal_distance (C2), edge by edge; each moves by half."""
     points = b.T.tolist()
     for i, j in neighbours.tolist():
         d = nearest([p - q for p, q in zip(points[j], points[i], strict=True)], steps.surface)
         square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
-        if square > steps.max_basal * steps.max_basal:
-            part = 0.5 * (1.0 - steps.max_basal / math.sqrt(square))
+        if square > steps.max_basal_distance * steps.max_basal_distance:
+            part = 0.5 * (1.0 - steps.max_basal_distance / math.sqrt(square))
             points[i] = [p + part * along for p, along in zip(points[i], d, strict=True)]
             points[j] = [p - part * along for p, along in zip(points[j], d, strict=True)]
     return np.array(points).T

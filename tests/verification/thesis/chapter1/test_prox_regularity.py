@@ -1,12 +1,15 @@
 """The table of constants: what the report says of Proposition 1.22."""
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from dincl.geometry import normal_cone
-from verification.page.kept import STUDIES
-from verification.thesis.chapter1 import prox_regularity
+from tests.executors import Here
+from verification.site import store
+from verification.site.agreement import compare_studies
+from verification.site.context import Context
+from verification.site.report import write_report
+from verification.thesis.chapter1 import page, prox_regularity
 
 
 @pytest.fixture(scope="module")
@@ -16,15 +19,18 @@ def constants():
 
 def shipped(name, key):
     """The complete study."""
-    return pd.read_parquet(STUDIES / f"{name}.parquet").set_index(key)
+    return store.shipped(name).set_index(key)
 
 
 @pytest.mark.slow
-def test_what_ships_is_what_the_search_finds(constants):
+def test_the_smallest_forms_make_the_page_and_agree_with_what_ships(tmp_path):
+    made = Context(tmp_path, False, Here(), page.STUDIES, smallest=True)
     with np.errstate(all="raise", under="ignore"):
-        (row,) = prox_regularity.constants(prox_regularity.FULL).run({"count": 2})
-    for name, found in row.items():
-        assert name == "count" or constants.loc[2, name] == pytest.approx(found, rel=1e-6), name
+        text = write_report([page.CHAPTER], made).parent.joinpath(page.CHAPTER.file).read_text("utf-8")
+    assert text.count("<h2") >= 2
+    for name, study in page.STUDIES.items():
+        found = compare_studies(made.tables[name], store.shipped(name), study())
+        assert (found.rows, found.apart) == (2, 0)
 
 
 def test_measured_constants_lie_between_proof_and_row(constants):

@@ -1,77 +1,49 @@
-"""The chapter on the tissue from its studies to the page."""
+"""The pages of the tissue, in the plane and in space: what they show, and that their studies give what ships."""
 
 import re
-from pathlib import Path
 
-import pandas as pd
 import pytest
 
 from tests.executors import Here
-from tests.verification.thesis.shortened_tissue import TISSUE, shorten_tissue
 from tests.verification.undrawn import draw_nothing
-from verification.page.context import Context
-from verification.page.parts import number
-from verification.page.report import write_report
-from verification.thesis.chapter3.growing import SUCCESS
-from verification.thesis.chapter3.sections import growth, kernel, predicted, stability, substeps
-from verification.thesis.chapter3.sections import page as chapter
+from verification.site.agreement import compare_studies
+from verification.site.context import Context
+from verification.site.parts import Grid, Picture
+from verification.site.report import write_report
+from verification.site.store import DATA, shipped
+from verification.thesis.chapter3 import page as tissue
+from verification.thesis.shipped_studies import STUDIES
+from verification.tissues.space import page as space
 
-pytestmark = pytest.mark.slow
-
-PARTS = (substeps.PART, predicted.PART, growth.PART, stability.PART, kernel.PART)
-
-
-@pytest.fixture(scope="module")
-def made(tmp_path_factory):
-    out = tmp_path_factory.mktemp("report")
-    context = Context(out, False, Here(), TISSUE)
-    with pytest.MonkeyPatch.context() as patch:
-        shorten_tissue(patch)
-        draw_nothing(patch)
-        patch.setattr(chapter, "PARTS", PARTS)
-        write_report([chapter.CHAPTER], context)
-    return (out / "tissue.html").read_text("utf-8"), context
+# The amplitude of a tissue at rest far from its limit is as small as the last digits.
+LAST_DIGITS = ("tissue_map_bending", "tissue_map_springs")
+NAMES = [name for name in STUDIES if name.startswith(("tissue_", "space_")) and STUDIES[name](smallest=True).runs]
 
 
-def test_the_page_says_what_the_tables_say(made):
-    page, context = made
-    assert not re.search(r"\bnan\b", page)
-    tables = context.tables
-    for order in tables["tissue_orders"]["order"]:
-        assert order in page
-    for row in tables["tissue_enough"].itertuples():
-        assert f"{row.preset}, {row.t:g} h: " + (f"from {row.substeps} " if row.substeps else "with none tried") in page
-    own = tables["tissue_swing"].set_index(["preset", "substeps"])["beyond"]
-    assert f"{100 * own['thesis', 20]:.1f} % [" in page
-    assert "The condition does not hold" in page
-    for row in tables["tissue_swing"].itertuples():
-        assert f">{number(row.scale)}</td>" in page
-        assert f">{number(row.mean)}</td>" in page
-    assert (tables["tissue_limits_found"]["agrees"]).all()
-    assert set(tables["tissue_kernel"]["status"]) == {SUCCESS}
+@pytest.mark.slow
+@pytest.mark.parametrize("name", NAMES)
+def test_the_smallest_form_gives_the_rows_that_ship(name):
+    study, complete = STUDIES[name](smallest=True), shipped(name)
+    rows = study.rows()
+    assert set(rows) == set(complete)
+    found = compare_studies(rows, complete, STUDIES[name](), study.by)
+    assert found.rows == len(rows)
+    assert found.apart == 0 or (name in LAST_DIGITS and found.worst.startswith("amplitude"))
 
 
-def test_the_page_is_written_from_tables_alone(made, monkeypatch):
-    shorten_tissue(monkeypatch)
-    monkeypatch.setattr(chapter, "PARTS", PARTS)
-    again = Context(made[1].out, False, Here(), TISSUE)
-    monkeypatch.setattr(Here, "submit", _nothing_runs)
-    chapter.run(again)
-    for name, rows in again.tables.items():
-        pd.testing.assert_frame_equal(rows, made[1].tables[name])
-
-
-def test_tables_lie_beside_the_page(made):
-    folder = Path(made[1].folder)
-    assert {path.stem for path in folder.glob("*.csv")} == {
-        *("tissue_substeps", "tissue_errors", "tissue_orders", "tissue_heights", "tissue_enough"),
-        *("tissue_disturbed", "tissue_distances", "tissue_rates", "tissue_predicted"),
-        *("tissue_growth", "tissue_ratios", "tissue_doubling"),
-        *(f"tissue_map_{name}" for name in ("steps", "damping", "bending", "springs")),
-        *("tissue_losses", "tissue_jitter", "tissue_swing", "tissue_limits", "tissue_limits_found"),
-        *("tissue_kernel", "tissue_kernel_growth"),
-    }
-
-
-def _nothing_runs(*_):
-    raise AssertionError("a study ran again")
+@pytest.mark.slow
+@pytest.mark.parametrize("page", [tissue, space])
+def test_a_page_is_written_from_what_ships(page, tmp_path, monkeypatch):
+    draw_nothing(monkeypatch)
+    monkeypatch.setattr(Context, "_repeat", lambda *_: None)
+    context = Context(tmp_path, False, Here(), STUDIES, complete=DATA)
+    write_report([page.CHAPTER], context)
+    assert not re.search(r"\bnan\b", (tmp_path / page.CHAPTER.file).read_text("utf-8"))
+    parts = [part for section in page.CHAPTER.sections(context) for part in section.parts]
+    for part in parts:
+        if isinstance(part, Picture):
+            assert part.path.exists()
+        if isinstance(part, Grid):
+            assert part.file in context.tables
+            assert len(part.rows.columns) == len(set(part.rows.columns)) > 1
+            assert len(part.rows)

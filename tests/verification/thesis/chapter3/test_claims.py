@@ -26,7 +26,7 @@ def shares(printed: float, floored: float) -> pd.DataFrame:
     return pd.DataFrame(
         [
             about
-            | {"reading": name, "failed": round(100 * share), "share": share}
+            | {"case": name, "failed": round(100 * share), "share": share}
             | {"low": max(share - 0.05, 0.0), "high": min(share + 0.05, 1.0)}
             for name, share in rows
         ]

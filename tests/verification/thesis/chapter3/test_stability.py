@@ -1,16 +1,17 @@
-"""The linear limit and the jitter of the tissue: predicted and found, seen by other means."""
+"""The linear limits and the jitter of the tissue, and the limits of DAHA: predicted and found, seen by other means."""
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from tests.tissue.states import THESIS, cells, layers, tissue
 from tests.twins.tissue.steps import make_substeps
-from tests.verification.thesis.shortened_tissue import simulated
-from tissue.files.parameters import preset
+from tests.verification.thesis.simulated import simulated
 from tissue.model.energy import energy, forces
-from verification.thesis.chapter3 import beyond, frozen, growing, limits, linear, maps
+from verification.site.store import shipped
+from verification.thesis.chapter3 import frozen, growing, limits, linear, stability
+from verification.thesis.chapter3.frozen import Frozen, substepped, swing
 from verification.thesis.chapter3.growing import PRESETS, SUCCESS
-from verification.thesis.chapter3.jitter import substepped, swing
 
 
 def test_hessian_is_that_of_the_energy():
@@ -56,7 +57,7 @@ def test_swing_is_the_period_two_part_of_the_substeps():
     for _ in range(2):
         path.append(make_substeps(path[-1], network, h, np.random.default_rng(0)))
     x = [growing.nuclei(growing.Frame(0.0, one, network)) for one in path]
-    found = swing(state, network, THESIS, scale)
+    found = swing(Frozen(state, network, THESIS), scale)
     assert found.nuclei == pytest.approx(np.hypot(*(x[2] - 2 * x[1] + x[0])) / 4, abs=1e-9)
     assert found.largest >= np.abs(x[2] - 2 * x[1] + x[0]).max() / 4 - 1e-9
     assert found.middle.x == pytest.approx((x[2] + 2 * x[1] + x[0])[0] / 4, abs=1e-9)
@@ -89,47 +90,22 @@ def test_a_tissue_at_rest_jitters_above_its_limit_only(name, monkeypatch):
     limit = frozen.limit(state)
     for part, jitters in ((0.9, False), (1.3, True)):
         pushed = frozen.disturbed(state, 1e-5)
-        end = substepped(pushed.cells, pushed.layers, pushed.numbers, part * limit, 1000)
-        assert (swing(end, state.layers, state.numbers, part * limit).largest > 1e-4) == jitters
+        end = substepped(pushed, part * limit, 1000)
+        assert (swing(state._replace(cells=end), part * limit).largest > 1e-4) == jitters
 
 
 def test_far_above_the_limit_the_amplitude_depends_on_rounding(monkeypatch):
     """As the reason says that the page gives for maps whose reruns differ."""
     monkeypatch.setattr(frozen, "AGE", 1.0)
     state = frozen.at_rest(frozen.grown.__wrapped__("thesis"))
-    limit, pushes = frozen.limit(state), (maps.PUSH, (1 + 1e-9) * maps.PUSH)
+    limit, pushes = frozen.limit(state), (stability.PUSH, (1 + 1e-9) * stability.PUSH)
     for part, chaotic in ((0.9, False), (8.0, True)):
         found = []
         for push in pushes:
             pushed = frozen.disturbed(state, push)
-            end = substepped(pushed.cells, pushed.layers, pushed.numbers, part * limit, maps.SUBSTEPS)
-            found.append(swing(end, state.layers, state.numbers, part * limit).nuclei.mean())
+            end = substepped(pushed, part * limit, stability.SUBSTEPS)
+            found.append(swing(state._replace(cells=end), part * limit).nuclei.mean())
         assert (found[1] != pytest.approx(found[0], rel=1e-3)) == chaotic
-
-
-def test_what_the_text_says_of_jitter():
-    # By the twins, and without the Hessian: the thesis preset jitters, the published one does not.
-    mean, least = {}, {}
-    for name in PRESETS:
-        frame, numbers = simulated(name, 1, 6).final, preset(name).numbers()
-        one = numbers._replace(dt=numbers.dt / numbers.substeps, substeps=1)
-        path = [frame.cells]
-        for _ in range(2):
-            path.append(make_substeps(path[-1], frame.layers, one, np.random.default_rng(0)))
-        x, a, b = (
-            [np.stack((getattr(state, end + "x"), getattr(state, end + "y"))) for state in path]
-            for end in ("", "a", "b")
-        )
-        mean[name] = (np.hypot(*(x[2] - 2 * x[1] + x[0])) / 4).mean()
-        calm_x, *ends = ((point[2] + 2 * point[1] + point[0]) / 4 for point in (x, a, b))
-        least[name] = min(np.hypot(*(calm_x - end)).min() for end in ends)
-        row = beyond.watched({"preset": name, "seed": 1, "substeps": numbers.substeps}, (6.0,))[0]
-        assert row["mean"] == pytest.approx(mean[name], rel=1e-6)
-        assert row["least"] == pytest.approx(least[name], rel=1e-6)
-        assert (row["beyond"] > 0) == (name == "thesis")
-    assert mean["thesis"] > 0.003
-    assert mean["published"] < 1e-4
-    assert least["thesis"] < 0.75
 
 
 def test_the_least_distance_is_that_of_the_step():
@@ -144,18 +120,66 @@ def test_the_least_distance_is_that_of_the_step():
         assert least[count] == pytest.approx(np.sqrt(15 * 0.1 / count / 0.15), rel=0.15)
 
 
-def test_maps_tell_jitter_from_loss(monkeypatch):
-    numbers = preset("thesis").numbers()
-    assert maps.mitotic_limit(numbers, 8.0) == pytest.approx(2 / (30 * (1 + 1 / 49 + 1 / 7)))
-    fine, coarse = (maps.grown_with_step("published", dt, 40) for dt in (0.05, 0.4))
-    assert fine["amplitude"] < 1e-4 < coarse["amplitude"]
-    assert (
-        fine["limit"]
-        == coarse["limit"]
-        == pytest.approx(40 * 0.2 * maps.mitotic_limit(preset("published").numbers(), 8.0))
-    )
-    lost = maps.grown_with_damping("thesis", 0.0125, 20)
+def test_maps_tell_jitter_from_loss():
+    assert stability.mitotic_limit("thesis") == pytest.approx(2 / (30 * (1 + 1 / 49 + 1 / 7)))
+    fine, coarse = (stability.grow("published", dt=dt, substeps=40.0) for dt in (0.05, 0.4))
+    assert (fine["outcome"], coarse["outcome"]) == ("bounded", "inaccurate")
+    assert fine["amplitude"] < 1e-4 < stability.SEEN < coarse["amplitude"]
+    lost = stability.grow("thesis", mu=0.0125, substeps=20.0)
     assert np.isnan(lost["amplitude"])
+    assert lost["outcome"] == "unstable"
     assert lost["status"] != SUCCESS
     assert lost["scale"] == pytest.approx(0.4)
-    assert lost["limit"] == pytest.approx(0.1 / 20 / maps.mitotic_limit(numbers, 8.0))
+
+
+@pytest.mark.parametrize("name", stability.TITLED)
+def test_limits_are_drawn_over_maps(name):
+    found = stability.map_of(name, shipped(name))
+    assert set(found.limits["method"]) == (set() if name == "tissue_daha_multipliers" else set(found.table["method"]))
+    if name == "tissue_map_steps":  # dt = substeps mu limit
+        mine = found.limits[found.limits["method"] == "Thesis"]
+        np.testing.assert_allclose(mine["x"] / mine["y"], 0.15 * stability.mitotic_limit("thesis"))
+    elif "limit" in found.table and not found.limits.empty:
+        line = found.limits[found.limits["method"] == found.table["method"].iloc[0]]
+        at = found.table[found.table["method"] == found.table["method"].iloc[0]]
+        x, y = at[found.x].median(), at.loc[at[found.x] == at[found.x].median(), "limit"].iloc[0]
+        assert np.interp(x, line["x"], line["y"]) == pytest.approx(y, rel=0.05)
+
+
+def test_most_tissues_at_rest_jitter_where_the_hessian_says():
+    found = stability.losses({name: shipped(name) for name in stability.TITLED}).set_index("preset")
+    assert (found["predicted"] > 0.99).all()
+    assert (found["mitosis"] < found["lost"]).all()
+
+
+@pytest.mark.parametrize("c", [0.2, 2.0, 20.0])
+def test_the_linear_limit_of_alpha_does_not_depend_on_c(c):
+    def left(k):
+        before = z = 1.0
+        for _ in range(20_000):
+            z, before = (2 * z - (1 - c / 2) * before - k * z) / (1 + c / 2), z
+            if abs(z) > 1e6:
+                break
+        return abs(z)
+
+    assert left(0.99 * stability.daha_limit()) < 1e-3
+    assert left(1.01 * stability.daha_limit()) > 1e3
+
+
+def test_outcomes_of_one_step():
+    assert stability.stepped(0, alpha=1.0)["outcome"] == "converged"
+    assert stability.stepped(0, alpha=1e-2)["outcome"] == "infeasible"
+    wild = stability.stepped(0, alpha=1e3)
+    assert wild["limit"] < 1e3
+    assert wild["outcome"] in ("did not terminate", "unstable")
+
+
+def test_held_is_the_range_around_table_4():
+    good, bad, lost = "converged", "infeasible", "did not terminate"
+    line = pd.DataFrame({"alpha": [0.01, 0.1, 1.0, 10.0, 100.0], "beta": 1.0, "outcome": [good, bad, good, good, lost]})
+    table = pd.concat([line, pd.DataFrame({"alpha": 1.0, "beta": [0.1, 10.0], "outcome": good})])
+    table = table.assign(method="Seed 0", limit=50.0)
+    tables = dict(zip(stability.DAHA, (table, table.rename(columns={"alpha": "gamma", "beta": "c"})), strict=True))
+    found = stability.held(tables).set_index("parameter")
+    assert found.loc["alpha", ["from", "to", "below", "above", "limit"]].tolist() == [1.0, 10.0, bad, lost, 50.0]
+    assert found.loc["beta", ["from", "to", "below"]].tolist() == [0.1, 10.0, "as far as tried"]

@@ -1,127 +1,175 @@
-"""The chapter on EMT from its studies to the page, and the numbers it is made of."""
+"""The chapter on EMT: its studies come out again, and its page, its figures and corrections say what the tables say."""
 
-import re
+from functools import cache
 
-import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.colors import to_hex
 
-from dincl.errors import InvalidProblem
 from tests.executors import Here, Nowhere
-from tests.verification.thesis.shortened_emt import FEW, emt_form
 from tests.verification.undrawn import draw_nothing
-from verification.page.context import Context
-from verification.page.report import write_report
-from verification.thesis.chapter4 import kept, printed, sensitivity, studies, summaries
+from tissue.pictures.charts import OUTCOMES
+from verification.site.agreement import compare_studies
+from verification.site.context import Context
+from verification.site.report import write_report
+from verification.site.store import DATA, shipped
+from verification.thesis.chapter4 import differences, figures, printed, swapped
 from verification.thesis.chapter4 import page as chapter
-from verification.thesis.chapter4.claims import s3_1_counts
+from verification.thesis.chapter4.claims import s3_1_counts, s4_1_isolated
+from verification.thesis.chapter4.ensembles import NAMES, PRESETS, ensemble, preset_of
+from verification.thesis.chapter4.questions import QUESTIONS, answered
+from verification.thesis.chapter4.ratios import Ratio, difference
+from verification.thesis.studies import STUDIES
 
-pytestmark = pytest.mark.slow
-
-FORM = emt_form(FEW)
-
-
-@pytest.fixture(scope="module")
-def made(tmp_path_factory):
-    context = Context(tmp_path_factory.mktemp("report"), False, Here(), [FORM])
-    with pytest.MonkeyPatch.context() as patch:
-        draw_nothing(patch)
-        write_report([chapter.CHAPTER], context)
-    return (context.out / "emt.html").read_text("utf-8"), context
+EMT = [name for name in STUDIES if name.startswith("emt_")]
 
 
-def test_the_page_shows_all_figures_and_printed_tables(made):
-    text, context = made
-    drawn = [path for path in (context.out / "figures").iterdir() if not path.name.startswith("card_")]
-    assert len(drawn) > 10
-    assert not re.search(r"\bnan\b", text)
-    for row in kept.read("printed").itertuples():
-        assert f"<td>{row.scenario}</td>" in text
+@cache
+def tables() -> dict[str, pd.DataFrame]:
+    found = {name: shipped(name) for name in EMT}
+    return found | {"emt_printed": printed.compared(found), "emt_answers": answered(found)}
 
 
-def test_a_second_call_runs_nothing(made):
-    again = Context(made[1].out, False, Nowhere(), [FORM])
-    chapter.run(again)
-    for name, table in again.tables.items():
-        pd.testing.assert_frame_equal(table, made[1].tables[name])
+@pytest.mark.slow
+@pytest.mark.parametrize("name", EMT)
+def test_the_smallest_form_has_the_rows_of_the_complete_study(name: str) -> None:
+    """Those of the same runs are the same; tables of which a part has fewer runs have the same columns."""
+    study, complete = STUDIES[name](smallest=True), tables()[name]
+    rows = study.rows(Here())
+    assert set(rows) == set(complete)
+    assert set(study.columns) <= set(rows)
+    found = compare_studies(rows, complete, study, study.by)
+    assert found.rows == (len(rows) if name in chapter.IN_PARTS else 0)
+    assert (found.apart, found.worst) == (0, "")
 
 
-def test_tables_say_what_the_cells_say(made):
-    """Counted again from the stored cells, without the statistics."""
-    context = made[1]
-    table = context.tables["emt_ratios"].set_index(["study", "scenario", "what"])
-    assert len(table) == 3 * (4 + 4 + 3 + 44 + 3 + 4 + 4)
-    results = studies.completed(studies.chosen(FORM), context.out / "emt", Nowhere())
-    cells = results["figure15"].cells("[ABP] no INM, 10 cells")
-    row = table.loc["figure15", "[ABP] no INM, 10 cells", "basal"]
-    assert (row["count"], row["of"], row["runs"]) == ((cells["ab_25h"] < 0).sum(), 80, 8)
-    cells = results["table5_63"].cells("63 % [P]")
-    kind = (cells["t_a_h"] < 25) & (cells["t_b_h"] > 25) & cells["inm"]
-    categories = context.tables["emt_categories"].set_index(["study", "category"])
-    assert categories.loc[("table5_63", "[A]"), "of"] == kind.sum()
-    assert context.tables["emt_outside"]["preset"].tolist() == ["thesis"]
-    assert context.tables["emt_outside"]["of"].item() == sum(
-        results[name].cells(f"{name[7:]} % [P]")["onset_ab"].notna().sum() for name in summaries.POPULATIONS
-    )
+@pytest.mark.slow
+def test_complete_tables_have_every_run() -> None:
+    for name in EMT:
+        study, rows = STUDIES[name](), tables()[name]
+        runs = [tuple(key[column] for column in study.key) for key in study.runs]
+        assert sorted(set(rows[list(study.key)].itertuples(index=False, name=None))) == sorted(runs), name
+    ratios = tables()["emt_ratios"]
+    assert (ratios["runs"] == ratios["study"].map({name: ensemble(name).replicates for name in NAMES})).all()
 
 
-def test_printed_ratios_are_compared_at_their_level(made):
-    table = made[1].tables["emt_printed"]
-    assert len(table) == 2 * len(printed.PRINTED)
-    assert (table["agrees"] == ((table["low"] <= 0) & (table["high"] >= 0))).all()
-    assert np.allclose(table["difference"], table["measured"] - table["printed"])
+@pytest.mark.slow
+def test_the_page_has_its_sections_from_tables_alone(tmp_path, monkeypatch) -> None:
+    draw_nothing(monkeypatch)
+    context = Context(tmp_path, False, Nowhere(), STUDIES, complete=DATA)
+    monkeypatch.setattr(context, "_repeat", lambda *_: None)
+    write_report([chapter.CHAPTER], context)
+    text = (tmp_path / "emt.html").read_text("utf-8")
+    assert all(title in text for title in (*chapter.SECTIONS, swapped.TITLE))
+    assert all(f"Figure {number} of chapter 4" in text for number in figures.TITLES)
+    assert "nan" not in text.split()
 
 
-def test_kept_tables_are_of_the_complete_studies():
-    """As many runs as the studies say, for each of their scenarios."""
-    ratios = kept.read("ratios")
-    for name, study in studies.chosen(studies.FULL).items():
-        mine = ratios[ratios["study"] == name]
-        wanted = 0 if name in studies.FURTHER else 3 * len(study.scenarios)
-        assert len(mine) == wanted, name
-        assert (mine["runs"] == study.replicates).all()
-    assert (kept.read("controls")["failed"] == 0).all()
+def coloured(panel, colour):
+    return [line for line in panel.lines if to_hex(line.get_color()) == colour]
 
 
-def test_rows_of_one_preset_take_the_place_of_its_own():
-    """The rows of the other stay, in their order, before or behind them as the presets are."""
-    before = pd.DataFrame({"study": ["figure10", "table5_7", "figure10_published"], "count": [1, 2, 3]})
-    made = {"published": ["figure12_published"], "thesis": ["questions"]}
-    expected = {
-        "published": ["figure10", "table5_7", *made["published"]],
-        "thesis": [*made["thesis"], "figure10_published"],
-    }
-    for preset, studies_made in made.items():
-        table = kept.with_others(pd.DataFrame({"count": [9], "study": studies_made}), before, preset)
-        assert table["study"].tolist() == expected[preset]
-        assert list(table) == ["study", "count"]
-    by_preset = pd.DataFrame({"preset": ["thesis", "published"], "of": [1, 2]})
-    table = kept.with_others(pd.DataFrame({"preset": ["published"], "of": [3]}), by_preset, "published")
-    assert table["of"].tolist() == [1, 3]
+@pytest.mark.slow_with("10", "12", "14", "15", "17", "18", "20")
+@pytest.mark.parametrize("number", figures.TITLES)
+def test_figures_are_drawn(number: int, tmp_path, monkeypatch) -> None:
+    """Of Figures 10, 13 and 21 a line has the numbers of the table."""
+    drawn = []
+    monkeypatch.setattr(figures, "write", lambda figure, path: drawn.append(figure))
+    assert figures.draw(number, tables(), tmp_path / "x.png") == tmp_path / "x.png"
+    panels = {panel.get_title("left"): panel for panel in drawn[0].axes}
+    assert all(panel.get_title("left").endswith(tuple(PRESETS)) for panel in drawn[0].axes)
+    if number == 10:
+        rows = tables()["emt_in_time"].query("study == 'figure10_published' and scenario == '[A]' and what == 'basal'")
+        (line,) = coloured(panels["[A], published"], OUTCOMES["basal"][0])
+        assert line.get_ydata() == pytest.approx((100 * rows["count"] / rows["of"]).to_numpy())
+    if number == 13:
+        marks = [line for line in panels["basal extrusion, thesis"].lines if line.get_marker() == "D"]
+        assert sorted(float(mark.get_xdata()[0]) for mark in marks) == [0.0, 10.0, 20.0, 70.0]
+        rows = tables()["emt_ratios"].query("study == 'figure10' and what == 'basal'").set_index("scenario")["value"]
+        found = panels["basal extrusion, thesis"].containers[0].lines[0].get_xdata()
+        assert found == pytest.approx(100 * rows.to_numpy())
+    if number == 21:
+        rows = tables()["emt_groups"].query("study == 'table5_7' and given == 'onset_ab' and kind == 'no INM'")
+        (line,) = coloured(panels["without INM, thesis"], figures.COLOURS["table5_7"])
+        assert line.get_ydata() == pytest.approx(100 * rows["value"].to_numpy())
 
 
-def test_unknown_preset_is_refused_before_any_run(tmp_path):
-    with pytest.raises(InvalidProblem, match=r"^preset = 'publishd': must be thesis or corrected or published$"):
-        kept.main(tmp_path, "publishd")
-    assert not list(tmp_path.iterdir())
+def test_readings_stand_beside_each_other() -> None:
+    (programs,), (isolated,) = (list(found(tables())) for found in (chapter.programs, chapter.isolated))
+    assert list(programs.rows) == ["Scenario", *chapter.LABELS.values()]
+    rows = tables()["emt_ratios"].query("study == 'figure15_published' and scenario == '[Bx] no INM'")
+    value = rows.set_index("what").loc["basal", "value"]
+    row = programs.rows.set_index("Scenario").loc["[Bx] no INM"]
+    assert row["Published program"].startswith(f"{100 * value:.1f} % [")
+    assert len(programs.rows) == 44
+    cells = isolated.rows.iloc[:, 3:].to_numpy().ravel()
+    assert sum(text.count("off by") for text in cells) == (~tables()["emt_printed"]["agrees"]).sum()
 
 
-def test_sensitivity_has_a_scenario_for_each_point():
-    study = sensitivity.study()
-    assert len(study.scenarios) == sensitivity.BASE_POINTS * (len(sensitivity.BOUNDS) + 2)
-    stiffness = {given.cell.alpha_ax for given in study.scenarios.values()}
-    assert 1.0 <= min(stiffness) < 1.1
-    assert 2.9 < max(stiffness) <= 3.0
-    kept_table = kept.read(sensitivity.NAME)
-    assert set(kept_table["parameter"]) == set(sensitivity.BOUNDS)
+@pytest.mark.slow
+def test_no_comparison_is_lost() -> None:
+    whole, parts = chapter.questions(tables())
+    assert whole.rows[""].tolist() == list(QUESTIONS)
+    assert len(parts.rows) == len(tables()["emt_answers"][["id", "compared"]].drop_duplicates())
 
 
-def test_the_footnote_of_orders():
+def test_unchanged_runs_give_the_ratios_of_the_studies() -> None:
+    """Other seeds: the same ratios beyond chance."""
+    bare = tables()["emt_changed"].query("row == ''")
+    known = tables()["emt_printed"].set_index(["preset", "time_h", "scenario", "what"])["measured"]
+    level = 1 - 0.01 / len(bare)
+    for row in bare.itertuples():
+        preset, time = ("published", printed.LATER) if row.start == "published" else ("thesis", printed.END)
+        value = known.loc[(preset, time, row.scenario, row.what)]
+        low, high = difference(Ratio(row.count, row.of), Ratio(round(value * printed.OF), printed.OF)).interval(level)
+        assert low <= 0 <= high
+
+
+def test_what_gives_a_printed_ratio_is_told() -> None:
+    changed, effects = tables()["emt_changed"], tables()["emt_effects"]
+    for start in (differences.AS_PRINTED, differences.PUBLISHED):
+        shown = swapped.one_by_one(changed, start)
+        assert list(shown["Changed"]) == ["nothing changed", *differences.ROWS, differences.COUNTING]
+        marks = shown.iloc[:, 1:].map(lambda text: text.endswith("✓")).to_numpy()
+        assert marks.sum() == changed[changed["start"] == start]["agrees"].sum()
+    told = swapped.answers(changed, effects).set_index("Cells")
+    given, taken = told["Given by one difference alone"], told["Taken from the published runs by undoing"]
+    assert given["[B] leaves basally"] == "needs none"
+    assert set(given) == {"needs none", "none"}  # what the page says of single differences
+    assert taken["[B] without INM leaves basally"] == "energy of the cytoskeleton"
+    assert taken["[A] leaves basally"] == "energy of the cytoskeleton, energy of the apical junctions"
+    assert told["Largest average effects [points]"]["[A] leaves basally"].startswith("energy of the cytoskeleton +28 [")
+
+
+def test_the_correction_of_the_printed_ratios_has_the_effects_of_the_table() -> None:
+    main = tables()["emt_effects"].query("`with` == ''")
+    points = (100 * main["effect"]).round().astype(int).abs()
+    basal = (main["what"] == "basal") & (main["scenario"] != "[B]")
+    two = main["row"].isin(["energy of the cytoskeleton", "energy of the apical junctions"])
+    said = s4_1_isolated._printed.correction
+    assert said is not None
+    assert "28 points, without INM by 40, of [B] without INM by 58" in said.depends
+    assert "14, 17, 9" in said.depends
+    assert sorted(points[basal & two]) == [9, 14, 17, 28, 40, 58]
+    assert "no other by over 6" in said.depends
+    assert (100 * main["effect"][basal & ~two]).abs().max() < 6
+
+
+def test_control_cells_rarely_leave() -> None:
+    rows = tables()["emt_in_time"].query("what == 'control cells, apical'")
+    assert (rows["count"] / rows["of"]).max() < 0.01
+
+
+def test_the_footnote_of_orders() -> None:
     """34 orders by another way of counting: a selection of k events has k! orders, half of them with P after B."""
     count = 3 + 6 + 6  # of one, two and three of A, B, S
     count += 1 + 2 * 3 + 12  # with B and P: of two, three and four events
     assert len(s3_1_counts._orders()) == count == 34
 
 
-def test_few_runs_are_enough_for_all_tables():
-    assert set(FEW) == set(studies.SHORT.replicates)
+def test_names_of_ensembles_tell_the_reading() -> None:
+    assert {preset_of(name) for name in NAMES} == set(PRESETS)
+    for name in ("figure12", "figure12_corrected", "figure12_published"):
+        assert len(ensemble(name).scenarios) == 4
+    printed_, mended = (ensemble(name).scenarios["[B] no INM"] for name in ("figure12", "figure12_corrected"))
+    assert printed_.rules.spring_power != mended.rules.spring_power

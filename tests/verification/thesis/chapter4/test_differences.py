@@ -7,7 +7,8 @@ import pytest
 
 import tissue
 from tissue.files.parameter_files import flat
-from verification.thesis.chapter4 import differences, effects
+from verification.thesis.chapter4 import differences
+from verification.thesis.chapter4.ensembles import ENERGIES
 
 # Written in other units, and equal.
 SAME = ("cell.initial_rest_length", "tissue.diffusion", "tissue.height", "tissue.width")
@@ -19,7 +20,7 @@ def values(name: str) -> dict[str, object]:
 
 def test_the_rows_are_all_in_which_the_presets_differ() -> None:
     thesis, published = values("thesis"), values("published")
-    rows = [key for keys in differences.ROWS.values() for key in keys]
+    rows = [key for row in differences.ROWS.values() for key in row.keys]
     known = [*rows, *differences.UNREACHED, *differences.COUNTED, *SAME]
     assert len(known) == len(set(known))
     assert set(known) == {key for key in thesis if thesis[key] != published[key]}
@@ -33,12 +34,12 @@ def test_what_is_written_in_other_units_is_equal() -> None:
 
 def test_the_corrected_preset_differs_from_the_thesis_in_the_energies_alone() -> None:
     thesis, corrected = values("thesis"), values("corrected")
-    assert {key for key in thesis if thesis[key] != corrected[key]} == set(differences.ENERGIES)
+    assert {key for key in thesis if thesis[key] != corrected[key]} == set(ENERGIES)
 
 
 @pytest.mark.parametrize("scenario", differences.SCENARIOS)
 def test_what_no_printed_ratio_reaches_changes_no_run(scenario: str) -> None:
-    given = differences.study("alone").scenarios[f"{differences.AS_PRINTED}{differences.SEPARATOR}{scenario}"]
+    given = differences.swap(differences.AS_PRINTED, "").parameters(scenario)
     given = given.changed({"numerics.t_end": "20 h"})
     other = given.changed({key: values("published")[key] for key in differences.UNREACHED})
     one, two = (tissue.simulate(parameters, 3).table() for parameters in (given, other))
@@ -60,7 +61,7 @@ def test_effects_are_those_of_a_known_law() -> None:
     signs = np.where(signs, 1.0, -1.0)
     p = 0.5 + 0.2 * signs[:, 0] - 0.1 * signs[:, 1] * signs[:, 2]
     hits = (np.arange(10) < np.round(10 * p)[:, None]).astype(float)
-    found = {names: effects._effect(hits, sign)["effect"] for names, sign in effects._contrasts(signs)}
+    found = {names: differences.effect(hits, sign)[0] for names, sign in differences.contrasts(signs)}
     names = list(differences.ROWS)
     assert found.pop((names[0], "")) == pytest.approx(0.4)
     assert found.pop((names[1], names[2])) == pytest.approx(-0.2)

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 from dincl.errors import InvalidProblem
-from tissue.statistics.comparisons import Difference
-from tissue.statistics.ratios import Ratio
 from verification.claims import Evidence, Verdict
 from verification.thesis.chapter4 import frequencies
+from verification.thesis.chapter4.claims import s4_1_isolated
 from verification.thesis.chapter4.frequencies import (
     CLAIM_LEVEL,
     MODEL,
@@ -19,28 +18,12 @@ from verification.thesis.chapter4.frequencies import (
     share,
 )
 from verification.thesis.chapter4.printed import against_printed, agrees
+from verification.thesis.chapter4.ratios import ProportionContrast, Ratio, difference
 
 
-def test_runs_for_a_bound_are_those_of_the_textbook() -> None:
-    """(1.96 sqrt(0.25) + 0.8416 sqrt(0.24))^2/0.1^2 = 193.9."""
-    assert frequencies.runs_for_bound(0.6, 0.5, level=0.95) == 194
-    assert frequencies.runs_for_bound(0.5, 0.5) is None
-    assert frequencies.runs_for_bound(0.5, np.inf) is None
-
-
-def test_outcomes_of_the_same_cells_differ_as_those_of_a_multinomial() -> None:
-    """The variance of p - q is (p + q - (p - q)^2)/n."""
-    found = frequencies.exclusive(Ratio(200, 400), Ratio(100, 400))
-    p, q = found.first.value, found.second.value
-    spread = [share * (1 - share) / 400 for share in (p, q)]
-    variance = sum(spread) - 2 * found.correlation * np.sqrt(np.prod(spread))
-    assert variance == pytest.approx((p + q - (p - q) ** 2) / 400)
-    assert frequencies.runs_for_margin(found, 0.0, level=0.95) == 87  # (2.8016/0.25)^2 0.6875 = 86.3
-
-
-def apart(count: int, other: int = 500) -> Difference:
+def apart(count: int, other: int = 500) -> ProportionContrast:
     """A difference of two ratios of 1000 cells each."""
-    return Difference(Ratio(count, 1000), Ratio(other, 1000))
+    return difference(Ratio(count, 1000), Ratio(other, 1000))
 
 
 @pytest.mark.parametrize(("count", "verdict"), [(700, Verdict.HOLDS), (300, Verdict.REFUTED), (500, Verdict.OPEN)])
@@ -64,7 +47,7 @@ def test_numbers_are_in_per_cent_and_points() -> None:
 
 
 def test_ratios_are_alike_within_a_margin() -> None:
-    many = Difference(Ratio(53_000, 100_000), Ratio(50_000, 100_000))
+    many = difference(Ratio(53_000, 100_000), Ratio(50_000, 100_000))
     assert alike("x", many).comparison.true is True
     assert alike("x", many, 0.01).comparison.true is False
     assert alike("x", apart(600)).comparison.true is None
@@ -79,9 +62,9 @@ def test_runs_are_those_of_the_comparison_that_needs_most() -> None:
 def test_the_mean_of_equal_differences_has_the_interval_of_all_cells() -> None:
     """Four differences of 1000 cells each are one of 4000, as long as normal intervals are good."""
     found = averaged([apart(600)] * 4)
-    low, high = Difference(Ratio(2400, 4000), Ratio(2000, 4000)).interval(CLAIM_LEVEL)
+    low, high = difference(Ratio(2400, 4000), Ratio(2000, 4000)).interval(CLAIM_LEVEL)
     assert found.value == pytest.approx(0.1)
-    assert found.interval == pytest.approx((low, high), abs=1e-3)
+    assert found.interval(CLAIM_LEVEL) == pytest.approx((low, high), abs=1e-3)
     assert averaged([apart(600), apart(500)], [3.0, 1.0]).value == pytest.approx(0.075)
 
 
@@ -97,18 +80,28 @@ def test_agreement_with_a_printed_ratio() -> None:
         against_printed(Ratio(1, 2), 30, 400)
 
 
-def test_runs_for_a_margin_shrink_with_the_square_of_the_distance() -> None:
-    """((1.96 + 0.8416)/0.1)^2 (0.25 + 0.25) = 392.4 for two equal ratios of a half."""
-    found = Difference(Ratio(500, 1000), Ratio(500, 1000))
-    assert frequencies.runs_for_margin(found, 0.1, level=0.95) == 393
-    assert frequencies.runs_for_margin(found, 0.2, level=0.95) == 99
-    assert frequencies.runs_for_margin(Difference(Ratio(3, 4), Ratio(1, 4)), 0.5) is None
+def test_runs_by_the_width_of_an_interval_shrink_with_the_square_of_the_distance() -> None:
+    """n = 1000 (h/m (2.576 + 0.842)/2.576)^2."""
+    assert frequencies.runs_by_width(1000, 0.2, (0.1, 0.3)) == 441
+    assert frequencies.runs_by_width(1000, 0.4, (0.3, 0.5)) == 111
+    assert frequencies.runs_by_width(1000, 0.0, (-0.1, 0.1)) is None
 
 
-def test_runs_by_the_width_of_an_interval_are_those_of_the_difference() -> None:
-    """Half the width is 1.96 sqrt((0.24 + 0.25)/n)."""
-    found = Difference(Ratio(600, 1000), Ratio(500, 1000))
-    half = 1.959964 * np.sqrt(0.49 / 1000)
-    expected = frequencies.runs_for_margin(found, 0.0)
-    assert frequencies.runs_by_width(1000, (0.1 - half, 0.1 + half), 0.95) == pytest.approx(expected, abs=1)
-    assert frequencies.runs_by_width(1000, (-0.1, 0.1), 0.95) is None
+def test_runs_for_a_bound_are_those_of_the_textbook() -> None:
+    """((2.576 + 0.8416)/0.1)^2 (0.25 + 0.25) = 584 for two equal ratios of a half and a margin of ten points."""
+    equal = difference(Ratio(500, 1000), Ratio(500, 1000))
+    assert frequencies.runs_for_bound(equal, 0.1) == 584
+    assert frequencies.runs_for_bound(equal, 0.2) == 146
+    assert frequencies.runs_for_bound(equal, 0.0) is None
+    assert frequencies.runs_for_bound(difference(Ratio(0, 9), Ratio(9, 9)), 0.0) is None
+
+
+def test_outcomes_that_exclude_each_other_are_compared_among_the_cells_with_one_of_both() -> None:
+    assert s4_1_isolated.of_both(Ratio(30, 400), Ratio(10, 400)) == Ratio(30, 40)
+
+
+def test_a_multiple_of_a_ratio_has_the_interval_of_both_sides() -> None:
+    """p - 1.5 q is below 0 for p = q, and near 0 for p = 1.5 q."""
+    for count, true in ((500, False), (750, None), (999, True)):
+        contrast = ProportionContrast((1.0, -1.5), (Ratio(count, 1000), Ratio(500, 1000)))
+        assert more("x", contrast).comparison.true is true

@@ -4,7 +4,7 @@ import pytest
 
 from tests.verification.thesis.emt_tables import KEPT, exchanged, of_more_cells, with_counts
 from verification.claims import Comparison, Verdict
-from verification.thesis.chapter4.frequencies import CATEGORIES, RATIOS, READINGS, Sized
+from verification.thesis.chapter4.frequencies import GROUPS, RATIOS, READINGS, Sized
 from verification.thesis.chapter4.questions import QUESTIONS, QuestionAnswer, answer, answered
 
 
@@ -51,9 +51,9 @@ def test_the_last_question_is_asked_of_cells_with_inm_and_without() -> None:
     """The mean of six kinds changes with either."""
     (mean,) = answer(KEPT, "Q8", "published").parts
     for kind in ("[A]", "[A] no INM", "[BA]", "[B] no INM"):
-        table = KEPT[CATEGORIES]
-        mine = (table["category"] == kind) & (table["study"] == "table5_7_published")
-        changed = {**KEPT, CATEGORIES: table.assign(count=table["count"].where(~mine, 0))}
+        table = KEPT[GROUPS]
+        mine = (table["kind"] == kind) & (table["study"] == "table5_7_published")
+        changed = {**KEPT, GROUPS: table.assign(count=table["count"].where(~mine, 0))}
         (less,) = answer(changed, "Q8", "published").parts
         assert less.comparison.value < mean.comparison.value
 
@@ -67,7 +67,7 @@ def test_orders_are_compared_at_the_same_time_of_a() -> None:
             more = found[f"{inm}, [AB] minus [BA] with [A] at any time, minus with [A] at the same time [points]"]
             assert same.true or preset == "thesis"
             assert more.value > abs(same.value)
-    swapped = [part.comparison.true for part in answer(exchanged("order", "[AB]", "[BA]"), "Q4", "published").parts]
+    swapped = [part.comparison.true for part in answer(exchanged("given", "[AB]", "[BA]"), "Q4", "published").parts]
     assert False in swapped
 
 

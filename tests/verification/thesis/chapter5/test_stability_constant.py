@@ -5,16 +5,14 @@ import pandas as pd
 import pytest
 from flint import arb
 
-from verification.thesis.chapter5 import (
-    cases,
-    stability_constant,
-)
+from verification.thesis.chapter5 import cases, stability_constant
+from verification.thesis.chapter5.stability_bound import SHARES, lipschitz
 
 
 def test_the_bound_of_the_linear_fibre_is_known():
     """Phi = 1 and a = F with slopes k1 = 0.5 in X and k0 = 1 in y, m_eff constant: L = max(0.5, 1, 1 + 1)."""
     reach = _reach(level=(-0.2, 0.2), X=(0.5, 1.0))
-    assert stability_constant.lipschitz("linear", pd.DataFrame([reach])) == pytest.approx(2.0)
+    assert lipschitz("linear", pd.DataFrame([reach])) == pytest.approx(2.0)
 
 
 def _reach(**others):
@@ -28,10 +26,10 @@ def test_the_bound_of_the_straight_fibre_is_known():
     |F| <= 1.5; with X fixed |Phi_y| = c/y <= 4, |m_y| = 2 c^2/y <= 16, |F_y| = |c^2/2 - 1| <= 1: L = 4 + 1 + 1.5 16.
     """
     reach = _reach(level=(1.0, 2.0), X=(0.5, 2.0))
-    assert stability_constant.lipschitz("straight", pd.DataFrame([reach])) == pytest.approx(29)
+    assert lipschitz("straight", pd.DataFrame([reach])) == pytest.approx(29)
 
 
-@pytest.mark.parametrize("name", stability_constant.SHARES)
+@pytest.mark.parametrize("name", SHARES)
 def test_the_shares_are_those_of_the_models(name):
     """Values by the model, slopes by differences of balls."""
     h, first, y = 1e-6, 0.8, 1.3
@@ -39,7 +37,7 @@ def test_the_shares_are_those_of_the_models(name):
 
     def shares(X, y):
         own = {"straight": X / y, "linear": X - y, "wavy": X}[name]
-        return [float(each.mid()) for each in stability_constant.SHARES[name](arb(own), arb(y))]
+        return [float(each.mid()) for each in SHARES[name](arb(own), arb(y))]
 
     phi, phi_x, phi_y, bend, bend_x, force, force_x, force_y = shares(position, y)
     X = np.array([[position]])

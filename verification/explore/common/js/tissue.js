@@ -52,12 +52,13 @@ export const tissue = {
     const i = a.places.get(id);
     if (i === undefined) return `cell ${id} is not here`;
     const look = a.look[i] < 0 ? head.phases[a.phase[i]].name : `events: ${head.looks[a.look[i]].name || "none"}`;
-    return `cell ${id}, ${head.types[a.kind[i]].name}, ${look}, y_AB = ${a.yab[i].toFixed(2)}`;
+    return `cell ${id}, ${head.types[a.kind[i]].name}, ${look}, y_AB = ${a.folded ? "none" : a.yab[i].toFixed(2)}`;
   },
 
   caption({ a, t }) {
     const height = a.height === null ? "" : ` · height ${a.height.toFixed(1)} µm`;
-    return `t = ${t.toFixed(1)} h · ${a.n} cells${height}`;
+    const folded = a.folded ? `folded, no height: ${a.folded} · ` : "";
+    return `${folded}t = ${t.toFixed(1)} h · ${a.n} cells${height}`;
   },
 
   legend(head, colouring) {
@@ -71,7 +72,7 @@ export const tissue = {
 /** The cells of a frame: ids, lengths, kinds, positions y_AB, and the place of each id. */
 export function cellsOf(header, columns, lengths) {
   const n = header.cells;
-  const frame = { t: header.t, n, height: header.height, id: columns.integers(n) };
+  const frame = { t: header.t, n, height: header.height, folded: header.folded, id: columns.integers(n) };
   for (const name of lengths) frame[name] = columns.numbers(n);
   for (const name of ["phase", "kind", "look", "free"]) frame[name] = columns.integers(n);
   frame.yab = columns.numbers(n);

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from verification.claims import Correction, Effect
-from verification.formal.algebra import library, matrices, vanishes
-from verification.formal.stated import argument, identity
+from verification.claims.formal.algebra import library, matrices, vanishes
+from verification.claims.formal.stated import argument, identity
 
 sp = library()
 

@@ -6,9 +6,9 @@ import math
 from typing import Any
 
 from verification.claims import Correction, Effect, Evidence, at_most, claim, equal
-from verification.formal.algebra import library, vanishes
-from verification.formal.reals import follows, reals
-from verification.formal.stated import argument
+from verification.claims.formal.algebra import library, vanishes
+from verification.claims.formal.reals import follows, reals
+from verification.claims.formal.stated import argument
 
 sp = library()
 t, m, mu, w, speed = sp.symbols("t m mu w v", positive=True)

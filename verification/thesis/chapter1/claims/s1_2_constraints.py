@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from verification.claims import Correction, Effect
-from verification.formal.reals import follows, reals, solver_library
-from verification.formal.stated import argument, implication
+from verification.claims.formal.reals import follows, reals, solver_library
+from verification.claims.formal.stated import argument, implication
 from verification.thesis.chapter1.lemmas import CONES
 from verification.thesis.chapter1.sets import ROUNDING, Floats
 

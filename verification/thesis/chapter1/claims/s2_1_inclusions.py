@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from verification.claims import Correction, Effect, Evidence, at_least, claim, equal
-from verification.formal.algebra import library, vanishes
-from verification.formal.reals import follows, reals
-from verification.formal.stated import argument
+from verification.claims.formal.algebra import library, vanishes
+from verification.claims.formal.reals import follows, reals
+from verification.claims.formal.stated import argument
 from verification.thesis.chapter1.lemmas import sign_values
 
 # h and k are values of sign at x and y, any of [-1, 1] at 0; (1.13) has the right side -h.

@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 
 from verification.claims import Correction, Effect, Evidence, claim, equal
-from verification.formal.reals import follows, reals, solver_library
-from verification.formal.stated import argument, implication
+from verification.claims.formal.reals import follows, reals, solver_library
+from verification.claims.formal.stated import argument, implication
 from verification.thesis.chapter1.lemmas import sign_values
 
 z3 = solver_library()

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from verification.claims import Correction, Effect
-from verification.formal.reals import reals, solver_library
-from verification.formal.stated import implication
+from verification.claims.formal.reals import reals, solver_library
+from verification.claims.formal.stated import implication
 
 z3 = solver_library()
 # p = v.(y - x) <= 0 and q = w.(x - y) <= 0 for v in N_C(x), w in N_C(y).

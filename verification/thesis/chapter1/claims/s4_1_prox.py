@@ -7,9 +7,9 @@ import math
 import numpy as np
 
 from verification.claims import Correction, Effect, Evidence, at_least, at_most, claim, equal
-from verification.formal.algebra import library
-from verification.formal.reals import follows, reals
-from verification.formal.stated import argument, identity
+from verification.claims.formal.algebra import library
+from verification.claims.formal.reals import follows, reals
+from verification.claims.formal.stated import argument, identity
 from verification.thesis.chapter1.lemmas import NEAREST
 from verification.thesis.chapter1.sets import ROUNDING, contact_gradients
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from verification.formal.reals import follows, reals
-from verification.formal.stated import argument, implication
+from verification.claims.formal.reals import follows, reals
+from verification.claims.formal.stated import argument, implication
 
 # p = v.(y - x), q = w.(x - y), D = |x - y|^2, k = 1/(2 eta); c = p/|v|, square is |x + eta v/|v| - y|^2.
 p, q, v, w, D, k, eta, c, square = reals("p q v w D k eta c square")

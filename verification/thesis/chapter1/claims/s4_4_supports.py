@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from verification.claims import Correction, Effect
-from verification.formal.reals import follows, reals, solver_library
-from verification.formal.stated import argument, implication
+from verification.claims.formal.reals import follows, reals, solver_library
+from verification.claims.formal.stated import argument, implication
 
 z3 = solver_library()
 a, b, c, p, q, bound = reals("a b c p q bound")

@@ -6,8 +6,8 @@ import numpy as np
 
 import dincl
 from verification.claims import Correction, Effect, Evidence, at_least, at_most, claim, equal
-from verification.formal.reals import follows, reals
-from verification.formal.stated import argument
+from verification.claims.formal.reals import follows, reals
+from verification.claims.formal.stated import argument
 from verification.thesis.chapter1.cells import GROWN, HARD, TOL, away, in_mitosis, resting
 from verification.thesis.chapter1.lemmas import GROWTH_OF_DISTANCE
 from verification.thesis.chapter1.sets import ROUNDING, SAMPLES, SEED, Floats, apart, catch_up, falling

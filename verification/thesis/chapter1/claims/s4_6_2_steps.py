@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from verification.claims import Correction, Effect, Evidence, at_least, at_most, claim
-from verification.formal.reals import follows, reals
-from verification.formal.stated import argument, implication
+from verification.claims.formal.reals import follows, reals
+from verification.claims.formal.stated import argument, implication
 
 # Sizes: r = |x_k|, new = |x_(k+1)|, start = |x_0|, n = |x_(k+1) - x_k|/h, f = |F(x_k)|, d = dist(x_k + h F(x_k), S), g
 # = h M_F (1 + |x_k|), G = (1 + 2 h M_F)^k; p, q are two nearest points, D = |p - q|^2, rho their distance.

@@ -8,8 +8,8 @@ import numpy as np
 
 import dincl
 from verification.claims import Correction, Effect, Evidence, at_most, claim
-from verification.formal.algebra import library
-from verification.formal.stated import identity
+from verification.claims.formal.algebra import library
+from verification.claims.formal.stated import identity
 from verification.thesis.chapter1.cells import TOL, State, divided, in_mitosis, nearest, overlap, problem
 
 sp = library()

@@ -8,10 +8,10 @@ import numpy as np
 
 import dincl
 from verification.claims import Correction, Effect, Evidence, at_least, at_most, claim, equal
-from verification.formal.algebra import library
-from verification.formal.reals import follows, reals, solver_library
-from verification.formal.stated import argument, identity
-from verification.thesis.chapter2.runs import exact
+from verification.claims.formal.algebra import library
+from verification.claims.formal.reals import follows, reals, solver_library
+from verification.claims.formal.stated import argument, identity
+from verification.instruments.references import reference
 
 sp, z3 = library(), solver_library()
 
@@ -40,7 +40,7 @@ def linearised(dt: float) -> dincl.Scheme:
 def error(scheme: dincl.Scheme) -> float:
     """Return the largest distance of a disc from where it should be at END."""
     final = dincl.solve(SCENE, scheme, t=END).final
-    return float(np.linalg.norm(final - exact(SCENE, END), axis=-1).max())
+    return float(np.linalg.norm(final - reference(SCENE, EVENT_TOL)(END).x[0], axis=-1).max())
 
 
 def event_driven() -> dincl.Scheme:

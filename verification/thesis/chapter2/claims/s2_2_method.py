@@ -8,11 +8,11 @@ import numpy as np
 
 import dincl
 from verification.claims import Correction, Effect, Evidence, Tables, at_least, at_most, claim, equal
-from verification.formal.algebra import library, vanishes
-from verification.formal.reals import follows, reals
-from verification.formal.stated import argument, identity
-from verification.thesis.chapter2.methods import PBD
-from verification.thesis.chapter2.tables import LARGE_STEPS
+from verification.claims.formal.algebra import library, vanishes
+from verification.claims.formal.reals import follows, reals
+from verification.claims.formal.stated import argument, identity
+from verification.methods.methods import PBD
+from verification.methods.tables import LARGE_STEPS
 
 sp = library()
 

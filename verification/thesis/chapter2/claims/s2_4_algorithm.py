@@ -10,15 +10,17 @@ from scipy.spatial import cKDTree
 
 import dincl
 from verification.claims import Correction, Effect, Evidence, at_most, claim, equal
-from verification.formal.algebra import library, vanishes
-from verification.formal.reals import follows, reals
-from verification.formal.stated import argument
+from verification.claims.formal.algebra import library, vanishes
+from verification.claims.formal.reals import follows, reals
+from verification.claims.formal.stated import argument
 from verification.thesis.chapter1.sets import Floats
 from verification.thesis.chapter2.discs import RADIUS
 
 SEED = 21
 # The four discs of Figure 4; a power of two, so that t += dt ends at END exactly.
 DT, END = 1 / 64, 1.0
+# Discs that are drawn together soon move chaotically: later, rounding decides how far off the printed lines are.
+EARLY = 0.25
 # Numbers of discs in squares and in piles whose work is counted.
 COUNTS, PILES, ORDER_BAND = (400, 1600, 6400), (800, 3200), 0.05
 
@@ -63,10 +65,10 @@ _gauss_newton = argument(
 )
 
 
-def algorithm(d: Callable[[float], float]) -> Floats:
+def algorithm(d: Callable[[float], float], end: float) -> Floats:
     """Run Algorithm 1 line by line for F = -X; ``d`` of δ_ij is what the lines "Fix overlap" call d."""
     x, t = dincl.scenes.four_disks().x0.copy(), 0.0
-    while t < END:
+    while t < end:
         t += DT
         x = x + DT * -x
         for i in range(len(x)):
@@ -107,11 +109,10 @@ def dimension(_delta: float) -> float:
     rests_on=("c2.gauss-newton",),
 )
 def _algorithm() -> Evidence:
-    method = dincl.solve(dincl.scenes.four_disks(), dincl.PBD(dt=DT), t=END).final
-    as_delta, as_dimension, right = (
-        float(np.abs(algorithm(d) - method).max()) for d in (delta_itself, dimension, lambda delta: -delta)
-    )
-    best = min(as_delta, as_dimension)
+    method = dincl.solve(dincl.scenes.four_disks(), dincl.PBD(dt=DT), t=[EARLY, END])
+    early, late = method.x
+    best = min(float(np.abs(algorithm(d, EARLY) - early).max()) for d in (delta_itself, dimension))
+    right = float(np.abs(algorithm(lambda delta: -delta, END) - late).max())
     return Evidence(
         printed=(at_most("distance from Method 2.3, four discs, d read as δ_ij or as the dimension", best, 0, 1e-9),),
         corrected=(at_most("distance from Method 2.3, d read as −δ_ij", right, 0, 1e-9),),

@@ -6,9 +6,9 @@ import numpy as np
 
 import dincl
 from verification.claims import Correction, Effect, Evidence, at_least, at_most, claim, equal
-from verification.formal.algebra import library
-from verification.formal.reals import follows, reals, solver_library
-from verification.formal.stated import argument, identity, implication
+from verification.claims.formal.algebra import library
+from verification.claims.formal.reals import follows, reals, solver_library
+from verification.claims.formal.stated import argument, identity, implication
 from verification.thesis.chapter1.sets import Floats
 from verification.thesis.chapter2.discs import RADIUS, ROUNDING, points_of_step, row
 

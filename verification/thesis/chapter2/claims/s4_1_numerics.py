@@ -8,13 +8,14 @@ import numpy as np
 
 import dincl
 from verification.claims import Correction, Effect, Evidence, Tables, at_least, at_most, claim, equal
-from verification.thesis.chapter2.methods import CHECK_TOL, PBD, REFERENCE_TOL
-from verification.thesis.chapter2.tables import CONVERGENCE, ORDERS, REFERENCES
+from verification.methods.methods import CHECK_TOL, PBD, REFERENCE_TOL
+from verification.methods.tables import FITS, ORDERS, REFERENCES
 
 # "Much smaller" and "much larger" are read as at least this factor.
 MUCH = 100.0
-# The four discs: a step from which the error of smaller ones follows, and the most steps that anyone would make.
-FOUR_DT, MOST_STEPS = 0.02, 1e6
+# The four discs: their name in tables, a step from which the error of smaller ones follows, and the most steps that
+# anyone would make.
+FOUR, FOUR_DT, MOST_STEPS = "Four discs drawn to one point", 0.02, 1e6
 # An order is one if its interval lies within this distance of 1.
 ORDER_BAND = 0.1
 # Scenes with known solutions, at times at which discs slide or have been pressed together; steps that are small there.
@@ -102,12 +103,12 @@ def _exact() -> Evidence:
 
 
 def _order(scene: str, tables: Tables) -> Evidence:
-    rows = tables["orders"]
-    mine = rows[(rows["scene"] == scene) & (rows["method"] == PBD.name)]
+    rows = tables["order_fits"]
+    mine = rows[(rows["problem"] == scene) & (rows["method"] == PBD.label) & rows["error"].str.startswith("t = ")]
     return Evidence(
         printed=tuple(
             equal(
-                f"order at t = {row.t:g}, range of the local orders:",
+                f"order at {row.error}, range of the local orders:",
                 (row.low + row.high) / 2,
                 1.0,
                 ORDER_BAND,
@@ -124,13 +125,12 @@ def _order(scene: str, tables: Tables) -> Evidence:
     source="Figure 4; Figure 5; section 4.2",
     also=("c2.order-ten", "c2.decreases"),
     quote="The PBD method converges to the reference solution with order 1.",
-    needs=(ORDERS, CONVERGENCE),
+    needs=(FITS, ORDERS),
     chosen="the start",
 )
 def _four(tables: Tables) -> Evidence:
-    rows = tables["convergence"]
-    mine = rows[(rows["scene"] == "four_disks") & (rows["method"] == PBD.name)]
-    errors = mine.pivot(index="dt", columns="t", values="error")
-    ratio = errors[2.0] / errors[1.0]
+    rows = tables["orders"]
+    mine = rows[(rows["problem"] == FOUR) & (rows["method"] == PBD.label)]
+    ratio = mine["t = 2"] / mine["t = 1"]
     name = f"error of PBD at t = 2 over that at t = 1, largest of {len(ratio)} step sizes"
-    return Evidence(printed=(*_order("four_disks", tables).printed, at_most(name, float(ratio.max()), 1.0)))
+    return Evidence(printed=(*_order(FOUR, tables).printed, at_most(name, float(ratio.max()), 1.0)))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from verification.claims import Evidence, Tables, at_least, claim
-from verification.thesis.chapter2.tables import PENALTY_BEST, PENALTY_SCAN
+from verification.methods.tables import PENALTY_BEST, PENALTY_SCAN
 
 # Discs that end farther than this, a radius, from where they belong have been thrown away [length].
 THROWN = 0.5

@@ -11,10 +11,10 @@ import pandas as pd
 from tissue.files.parameters import preset
 from tissue.frames.observables import ab_positions
 from tissue.runs.simulate import simulate
-from tissue.statistics.ratios import Ratio
 from verification.claims import Evidence, at_least, at_most, claim, equal
 from verification.thesis.chapter3.growing import PRESETS
 from verification.thesis.chapter3.sampled import MODEL, MOST_RUNS, SEEDS, of_mean, runs_for
+from verification.thesis.chapter4.ratios import Ratio
 
 # Hours before division: the passive part that is looked at, and the rise (T^G2 + T^mitosis = 1 h).
 PASSIVE, RISE = (-9.0, -1.1), (-1.0, -0.1)

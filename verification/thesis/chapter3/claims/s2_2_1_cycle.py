@@ -10,8 +10,8 @@ import pandas as pd
 from tissue.files.parameters import preset
 from tissue.runs.simulate import simulate
 from verification.claims import Correction, Effect, Evidence, Tables, at_least, at_most, claim
-from verification.formal.algebra import library
-from verification.formal.stated import identity
+from verification.claims.formal.algebra import library
+from verification.claims.formal.stated import identity
 from verification.thesis.chapter3 import tables as made
 from verification.thesis.chapter3.claims.s1_3_model import grown
 from verification.thesis.chapter3.printed import DT, G2, MITOSIS, R_SOFT

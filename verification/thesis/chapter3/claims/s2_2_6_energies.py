@@ -8,9 +8,9 @@ from tissue.files.parameters import preset
 from tissue.frames.observables import height
 from tissue.runs.simulate import simulate
 from verification.claims import Correction, Effect, Evidence, at_most, claim, equal
-from verification.formal.algebra import library, vanishes
-from verification.formal.reals import follows, reals, solver_library
-from verification.formal.stated import argument, identity, implication
+from verification.claims.formal.algebra import library, vanishes
+from verification.claims.formal.reals import follows, reals, solver_library
+from verification.claims.formal.stated import argument, identity, implication
 from verification.thesis.chapter3.printed import AA, AX, AXB, R_SOFT, XX
 from verification.thesis.chapter3.sampled import of_mean
 from verification.thesis.chapter3.terms import Point, bending, junction, repulsion, slope, spring

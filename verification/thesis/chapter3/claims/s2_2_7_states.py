@@ -8,10 +8,10 @@ import numpy as np
 
 from tissue.files.parameters import preset
 from tissue.model.energy import energy
-from tissue.quasi_steady.frozen import constraints, particles
 from tissue.runs.simulate import simulate
 from verification.claims import Correction, Effect, Evidence, at_least, at_most, claim, equal
 from verification.thesis.chapter3.printed import ENLARGED, HARD, R_SOFT
+from verification.thesis.quasi_steady.frozen import constraints, particles
 
 # Of (3.7) [μm].
 OFFSET = 0.05

@@ -8,11 +8,11 @@ from itertools import pairwise
 import numpy as np
 
 from tissue.files.parameters import preset
-from tissue.frames.observables import nuclear_layers, widths
+from tissue.frames.observables import extents
 from tissue.runs.simulate import simulate
 from verification.claims import Correction, Effect, Evidence, at_least, claim, equal
-from verification.formal.algebra import library
-from verification.formal.stated import identity
+from verification.claims.formal.algebra import library
+from verification.claims.formal.stated import identity
 from verification.thesis.chapter3.intervals import over_seeds
 from verification.thesis.chapter3.printed import G2, HEIGHT, MITOSIS, R_SOFT, WIDTH
 from verification.thesis.chapter3.sampled import MODEL, SEEDS, runs_for
@@ -30,7 +30,7 @@ def layers(distance: str) -> list[float]:
     """Return the layers of nuclei after 8 h with such a distance of apical and basal points [R_soft]."""
     places = ("tissue.basal_spacing", "tissue.max_basal_distance", "tissue.apical_spacing")
     parameters = preset("thesis").changed({"numerics.t_end": "8 h"} | dict.fromkeys(places, distance))
-    return [nuclear_layers(simulate(parameters, seed).final) for seed in SEEDS]
+    return [extents(simulate(parameters, seed).final).nuclear_layers for seed in SEEDS]
 
 
 @claim(
@@ -106,7 +106,7 @@ def _box() -> Evidence:
 def basal_width(distance: str) -> float:
     """Return the width of the basal layer of 60 cells after an hour [R_soft]."""
     changes = {"tissue.max_basal_distance": distance, "tissue.basal_spacing": distance, "numerics.t_end": "1 h"}
-    return float(widths(simulate(preset("thesis").changed(changes), 0).final).basal)
+    return extents(simulate(preset("thesis").changed(changes), 0).final).basal_width
 
 
 @claim(

@@ -9,8 +9,8 @@ import numpy as np
 import dincl
 from dincl.minimise import DampedArrowHurwicz, minimise
 from verification.claims import Correction, Effect, Evidence, at_least, at_most, claim, equal
-from verification.formal.algebra import library, vanishes
-from verification.formal.stated import argument, identity
+from verification.claims.formal.algebra import library, vanishes
+from verification.claims.formal.stated import argument, identity
 from verification.thesis.chapter3.printed import ALPHA, BETA, EPS, GAMMA, C
 
 sp = library()

@@ -10,9 +10,9 @@ import numpy as np
 import dincl
 from dincl.minimise import ArrowHurwicz, DampedArrowHurwicz, Stationary, minimise
 from verification.claims import Correction, Effect, Evidence, at_least, at_most, claim, equal
-from verification.formal.algebra import library
-from verification.formal.reals import reals
-from verification.formal.stated import identity, implication
+from verification.claims.formal.algebra import library
+from verification.claims.formal.reals import reals
+from verification.claims.formal.stated import identity, implication
 from verification.thesis.chapter3.claims.s2_3_1_daha import damped
 
 STEPS = 2000

@@ -12,8 +12,8 @@ from dincl.minimise import DampedArrowHurwicz, Stationary, minimise
 from tissue.files.parameters import preset
 from tissue.state.cells import empty
 from verification.claims import Correction, Effect, Evidence, at_most, claim, equal
-from verification.formal.algebra import library
-from verification.formal.stated import identity
+from verification.claims.formal.algebra import library
+from verification.claims.formal.stated import identity
 from verification.thesis.chapter3.linear import own_hessians
 from verification.thesis.chapter3.printed import ALPHA, AX, AXB, BETA, DT, GAMMA, MU, USUAL, C
 

@@ -8,9 +8,6 @@ import numpy as np
 import pandas as pd
 from scipy.special import stdtrit
 
-from tissue.quasi_steady.daha import TissueArrowHurwicz
-from tissue.quasi_steady.frozen import particles
-from tissue.quasi_steady.judge import local_minimum
 from verification.claims import (
     Comparison,
     Correction,
@@ -24,11 +21,15 @@ from verification.claims import (
     equal,
 )
 from verification.thesis.chapter3 import tables as made
+from verification.thesis.chapter3.accuracy import TOL
 from verification.thesis.chapter3.daha import COMPARED, DOUBLED_CASE, OWN, PRINTED, TERMINATING, THEORY, TIMES
+from verification.thesis.chapter3.frozen import begun, floored
 from verification.thesis.chapter3.intervals import CONFIDENCE
-from verification.thesis.chapter3.judged import TOL, begun, floored
 from verification.thesis.chapter3.printed import SUBSTEPS, USUAL
 from verification.thesis.chapter3.sampled import SEEDS, daha_runs_ending, needed, of_column, of_mean, row_of
+from verification.thesis.quasi_steady.daha import TissueArrowHurwicz
+from verification.thesis.quasi_steady.frozen import particles
+from verification.thesis.quasi_steady.judge import local_minimum
 
 SHARE, DISTANCE = 0.25, 0.06
 # "Roughly every fourth", "close to", "almost optimal": what is taken as such.
@@ -105,7 +106,7 @@ def _failures(tables: Tables) -> Evidence:
     """Let the reading nearest to one in four decide."""
     rows = [row for _, row in tables["tissue_daha_shares"].iterrows()]
     rows.sort(key=lambda row: abs(row["share"] - SHARE))
-    told = "; ".join(f"{row['failed']} of {row['runs']} {row['reading']}" for row in rows)
+    told = "; ".join(f"{row['failed']} of {row['runs']} {row['case']}" for row in rows)
     what = f"share of runs that do not end, nearest reading (all: {told})"
     return Evidence(
         printed=(of_column(what, rows[0], "share", equal, SHARE, ROUGHLY),),

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from verification.claims import Correction, Effect
-from verification.formal.algebra import library
-from verification.formal.stated import identity
+from verification.claims.formal.algebra import library
+from verification.claims.formal.stated import identity
 
 # A freed spring at rest, long after the event: its length R + eta less R, eta by (3.2) with eta* = 0, or as it was.
 sp = library()

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from verification.claims import Correction, Effect
-from verification.formal.algebra import library, vanishes
-from verification.formal.reals import follows, reals, solver_library
-from verification.formal.stated import argument
+from verification.claims.formal.algebra import library, vanishes
+from verification.claims.formal.reals import follows, reals, solver_library
+from verification.claims.formal.stated import argument
 
 sp, z3 = library(), solver_library()
 t, r, v, turn, d, size, alpha, k = sp.symbols("t r v w d R alpha k", positive=True)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from verification.claims import Correction, Effect
-from verification.formal.reals import reals, solver_library
-from verification.formal.stated import implication
+from verification.claims.formal.reals import reals, solver_library
+from verification.claims.formal.stated import implication
 
 # The times of [A], [B] and [S], as drawn; [P] happens at the later one of p and b.
 z3 = solver_library()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from itertools import permutations
 
-from tissue.statistics.categories import EVENTS
+from tissue.study.categories import EVENTS
 from verification.claims import Comparison, Correction, Effect, Evidence, claim, equal
 
 # The footnote on possible orders: counts as printed, and the orders that it lists.

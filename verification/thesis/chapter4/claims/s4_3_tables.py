@@ -8,13 +8,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from tissue.files.parameters import preset as named
-from tissue.files.timing import timing
+from tissue.files.quantities import timing
 from tissue.frames.observables import ab_positions
 from tissue.runs.simulate import simulate_many
 from tissue.state.cells import Floats
-from tissue.statistics.proportions import wilson
 from verification.claims import Comparison, Correction, Effect, Evidence, at_least, at_most, claim, equal
-from verification.thesis.chapter4.frequencies import in_readings, most_runs, runs_for_bound
+from verification.thesis.chapter4.frequencies import in_readings, most_runs, runs_by_width
+from verification.thesis.chapter4.ratios import wilson
 
 SEED = 5
 DRAWS = 200_000
@@ -106,7 +106,10 @@ def _seven() -> Evidence:
         corrected=against(63, 35, 7),
         seed=SEED,
         runs_needed=most_runs(
-            runs_for_bound(each.value / 100, end / 100) for each in against(63, 35, 7) for end in (each.low, each.high)
+            runs_by_width(DRAWS, each.value - end, each.interval)
+            for each in against(63, 35, 7)
+            for end in (each.low, each.high)
+            if each.interval is not None
         ),
     )
 

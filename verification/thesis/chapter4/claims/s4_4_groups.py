@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from tissue.statistics.ratios import Ratio
 from verification.claims import Correction, Effect, Evidence, Tables, claim
 from verification.thesis.chapter4.claims.s4_1_isolated import of_event
 from verification.thesis.chapter4.frequencies import RATIOS, alike, evidence, in_readings, minus, more, ratio_of, share
+from verification.thesis.chapter4.ratios import Ratio
 
 # Ends of the names of the scenarios of Figure 15.
 SIZES = {"": "one with INM", " no INM": "one without", ", 10 cells": "ten with INM", " no INM, 10 cells": "ten without"}

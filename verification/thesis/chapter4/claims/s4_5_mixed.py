@@ -4,24 +4,21 @@ from __future__ import annotations
 
 import math
 
-from tissue.statistics.ratios import Ratio
 from verification.claims import Correction, Effect, Evidence, Tables, claim
 from verification.thesis.chapter4.frequencies import (
-    CATEGORIES,
-    CLAIM_LEVEL,
+    GROUPS,
     RATIOS,
-    Estimate,
     Sized,
-    averaged,
     counted,
-    estimated,
     evidence,
     in_readings,
     minus,
     mixed,
     more,
     own,
+    weighted,
 )
+from verification.thesis.chapter4.ratios import ProportionContrast, Ratio
 
 # Of the sentence "almost double"; and a difference that is none.
 ALMOST_TWICE, LITTLE = 1.5, 0.05
@@ -46,7 +43,7 @@ def gain(tables: Tables, preset: str, events: str, inm: str, group: str, sign: i
     ),
     source="section 4.5.1",
     quote="for EMT cells with INM the frequency of basal extrusion is lowest in the case of heterogeneous EMT",
-    needs=(CATEGORIES, RATIOS),
+    needs=(GROUPS, RATIOS),
     chosen=GROUP_35,
 )
 def _with_inm(tables: Tables) -> Evidence:
@@ -66,7 +63,7 @@ def _with_inm(tables: Tables) -> Evidence:
     "Cells without INM leave basally more often in a mixed group than among cells with the same events.",
     source="section 4.5.2",
     quote="EMT cells without INM show higher rates of basal extrusion than they would show in a homogeneous case",
-    needs=(CATEGORIES, RATIOS),
+    needs=(GROUPS, RATIOS),
     chosen=GROUP_35,
 )
 def _no_inm(tables: Tables) -> Evidence:
@@ -96,7 +93,7 @@ def _no_inm(tables: Tables) -> Evidence:
         ),
         place=3007,
     ),
-    needs=(CATEGORIES, RATIOS),
+    needs=(GROUPS, RATIOS),
     rests_on=("c4.mixed-with-inm", "c4.mixed-without-inm"),
     chosen=f"{GROUP_35}; most: more than half of [A], [B] and both, with and without INM; to gain: one point or more",
 )
@@ -118,12 +115,7 @@ def _q5_mixed(tables: Tables) -> Evidence:
 
 def lead(what: str, first: Ratio, second: Ratio, factor: float) -> Sized:
     """Compare: the first ratio is larger than so many times the second."""
-    (low_1, high_1), (low_2, high_2) = (each.interval(CLAIM_LEVEL) for each in (first, second))
-    value = first.value - factor * second.value
-    below = math.hypot(first.value - low_1, factor * (high_2 - second.value))
-    above = math.hypot(high_1 - first.value, factor * (second.value - low_2))
-    found = Estimate(value, (value - below, value + above), min(first.size, second.size))
-    return estimated(what, found, 0.0, math.inf)
+    return more(what, ProportionContrast((1.0, -factor), (first, second)))
 
 
 @claim(
@@ -147,7 +139,7 @@ def lead(what: str, first: Ratio, second: Ratio, factor: float) -> Sized:
         ),
         place=2934,
     ),
-    needs=(CATEGORIES, RATIOS),
+    needs=(GROUPS, RATIOS),
     rests_on=("c4.mixed-without-inm",),
     chosen=f"the group '35 % [P]'; alone and in a homogeneous group: [A] at any time, as in the mixed one; "
     f"almost twice: {ALMOST_TWICE:g} times; no more often: by less than {LITTLE:.0%} of the cells",
@@ -160,7 +152,7 @@ def _double(tables: Tables) -> Evidence:
         return evidence(
             [lead(f"{what} {ALMOST_TWICE:g} times alone", mine, alone, ALMOST_TWICE)],
             [
-                estimated(f"{what} alone", averaged([minus((mine, alone))]), -math.inf, LITTLE),
+                weighted(f"{what} alone [points]", minus((mine, alone)), -math.inf, LITTLE),
                 gain(tables, preset, "[A]", " no INM", ", 10 cells"),
             ],
         )
@@ -173,7 +165,7 @@ def _double(tables: Tables) -> Evidence:
     "The more cells of a group have [P], the fewer of those without [P] and without INM leave basally.",
     source="Figure 19",
     quote="the presence of more protrusive cells … decreases the basal extrusion rates for cells without protrusions",
-    needs=(CATEGORIES,),
+    needs=(GROUPS,),
 )
 def _competition(tables: Tables) -> Evidence:
     def crowded_out(preset: str, events: str) -> Sized:

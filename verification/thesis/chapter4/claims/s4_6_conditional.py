@@ -4,29 +4,29 @@ from __future__ import annotations
 
 import math
 
-from tissue.statistics.comparisons import Difference
-from tissue.statistics.ratios import Ratio, as_ratio
-from verification.claims import Comparison, Evidence, Tables, Verdict, claim
+from verification.claims import Evidence, Tables, Verdict, claim
+from verification.thesis.chapter4.ensembles import PRESETS
 from verification.thesis.chapter4.frequencies import (
     ALIKE,
     CLAIM_LEVEL,
-    CONDITIONAL,
+    GROUPS,
     KINDS,
-    PERCENT,
     RANKING,
     RATIOS,
     Sized,
     alike,
+    apart,
     between,
     bins,
+    cells_of,
     evidence,
     in_readings,
+    minus,
     more,
-    runs_by_width,
     share,
 )
 from verification.thesis.chapter4.questions import onset_first
-from verification.thesis.chapter4.studies import PRESETS
+from verification.thesis.chapter4.ratios import ProportionContrast, Ratio, as_ratio
 
 # The middle row of Table 5, whose cells Figure 22 shows.
 MIDDLE = "table5_35"
@@ -35,14 +35,14 @@ FEWEST = 100  # cells of an interval; fewer tell nothing
 STUDY, FIFTH, LEAST, MOST = "table5_7", 0.2, 0.7, 0.8
 
 
-def first_minus_last(tables: Tables, preset: str, given: str, inm: str) -> Difference:
+def first_minus_last(tables: Tables, preset: str, given: str, inm: str) -> ProportionContrast:
     """Return the difference between the first and the last interval."""
     found = bins(tables, preset, MIDDLE, given, inm)
     found = found[found["of"] >= FEWEST]
-    return Difference(as_ratio(found.iloc[0]), as_ratio(found.iloc[-1]))
+    return minus(as_ratio(found.iloc[place]) for place in (0, -1))
 
 
-def early_minus_late(tables: Tables, preset: str, event: str) -> list[tuple[str, Difference]]:
+def early_minus_late(tables: Tables, preset: str, event: str) -> list[tuple[str, ProportionContrast]]:
     """Return the difference between 6 h to 9 h and 21 h to 24 h, of cells with INM and of those without."""
     return [
         (
@@ -66,7 +66,7 @@ def early_minus_late(tables: Tables, preset: str, event: str) -> list[tuple[str,
         "the basal extrusion ratios are independent of the timing of [B] and [P] … there is some trend concerning [A],"
         " preferring earlier timings"
     ),
-    needs=(CONDITIONAL,),
+    needs=(GROUPS,),
     rests_on=("c4.figure-20",),
     chosen=f"the group '35 % [P]', [A] and [B] of cells without [P]; alike: within {ALIKE:.0%} of the cells",
 )
@@ -85,7 +85,7 @@ def _timing(tables: Tables) -> Evidence:
     "Basal extrusion of cells without [P] depends more on where than on when EMT begins.",
     source="section 4.6, Figures 20, 21",
     quote="Comparing Figure 21 and Figure 20 … basal positioning has more impact on basal extrusion than the timing",
-    needs=(CONDITIONAL,),
+    needs=(GROUPS,),
     chosen="the group '35 % [P]'",
 )
 def _onset(tables: Tables) -> Evidence:
@@ -100,11 +100,9 @@ def _onset(tables: Tables) -> Evidence:
 def _onset_lead(tables: Tables, preset: str, inm: str, given: str) -> Sized:
     """Compare the fall of basal extrusion from low to high positions with that from early to late events."""
     onset, time = (first_minus_last(tables, preset, each, inm) for each in ("onset_ab", given))
-    what = f"fall of basal extrusion by position minus by time of [{given[2].upper()}], {inm} [points]"
-    first, second = (each.interval(CLAIM_LEVEL) for each in (onset, time))
-    ends = (PERCENT * (first[0] - second[1]), PERCENT * (first[1] - second[0]))
-    fewest = min(side.size for each in (onset, time) for side in (each.first, each.second))
-    return Sized(Comparison(what, sum(ends) / 2, 0.0, math.inf, ends), runs_by_width(fewest, ends, CLAIM_LEVEL))
+    what = f"fall of basal extrusion by position minus by time of [{given[2].upper()}], {inm}"
+    fewest = min(map(cells_of, (onset, time)))
+    return apart(what, onset.interval(CLAIM_LEVEL), time.interval(CLAIM_LEVEL), fewest)
 
 
 @claim(
@@ -125,7 +123,7 @@ def _predictor(tables: Tables) -> Evidence:
     source="section 4.6, Figure 21",
     quote="EMT cells which are in the most basal 20% of the tissue do exit basally with rates between 70 % up to 80 %.",
     recorded=Verdict.OPEN,
-    needs=(CONDITIONAL, RATIOS),
+    needs=(GROUPS, RATIOS),
     chosen="the group '7 % [P]', in which the rates are highest",
 )
 def _most_basal(tables: Tables) -> Evidence:
@@ -147,7 +145,7 @@ def _most_basal(tables: Tables) -> Evidence:
     "More than half of the basally extruded cells without INM began EMT at a position below 1/2.",
     source="Figure 22",
     quote="Most cells which extrude basally start EMT from the lower half of the tissue.",
-    needs=(CONDITIONAL,),
+    needs=(GROUPS,),
     chosen="cells without [P], as the figure shows",
 )
 def _lower_half(tables: Tables) -> Evidence:

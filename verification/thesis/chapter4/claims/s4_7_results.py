@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from tissue.statistics.ratios import Ratio
 from verification.claims import Correction, Effect, Evidence, Tables, claim
+from verification.thesis.chapter4.ensembles import POPULATIONS
 from verification.thesis.chapter4.frequencies import (
-    CATEGORIES,
-    CONDITIONAL,
-    ORDERS,
+    GROUPS,
     RANKING,
     RATIOS,
     between,
@@ -21,7 +19,8 @@ from verification.thesis.chapter4.frequencies import (
     pooled,
     share,
 )
-from verification.thesis.chapter4.questions import POPULATIONS, answer
+from verification.thesis.chapter4.questions import answer
+from verification.thesis.chapter4.ratios import Ratio
 
 # 'Get extruded': one cell in a hundred, at least. 'Favourable': the lower half of the scale, as in Figure 22.
 SOME, FAVOURABLE = 0.01, 0.5
@@ -34,27 +33,27 @@ STATED = {
         "Are groups of EMT cells more efficient than isolated ones? No, in most cases heterogeneous groups are less "
         "efficient than individual cells.",
         "Cells with the same events leave basally more often alone than in a mixed group.",
-        (RATIOS, CATEGORIES),
+        (RATIOS, GROUPS),
         MOST,
     ),
     "Q2": (
         "Is basal extrusion possible without all EMT events, and which have to occur? Yes, without INM all cell events"
         " with [A], [B] or [P] lead to extrusion.",
         "Without INM cells with [A], with [B] and with [P] are extruded, more often than cells without event.",
-        (CATEGORIES,),
+        (GROUPS,),
         ALL,
     ),
     "Q3": (
         "Are early EMT events more efficient? Mostly no. Only early [A] shows some increase.",
         "Early [A] extrudes more cells than late [A]; early and late [B] are alike, and so are early and late [P].",
-        (CONDITIONAL,),
+        (GROUPS,),
         f"{MOST}: the answer says mostly",
     ),
     "Q4": (
         "Do specific orders of EMT events lead to more basal extrusion? The order can lead to small differences, which"
         " are better explained by the absolute timing of one event.",
         "With [A] at the same time [AB] and [BA] extrude alike; the order matters more where the times differ.",
-        (ORDERS,),
+        (GROUPS,),
         f"{ALL}; the same time: the same interval of 3 h; 2,000 runs of each group",
     ),
     "Q5": (
@@ -76,13 +75,13 @@ STATED = {
         "it is more important than the timing and selection of events.",
         "Of cells without [P] those in the most basal fifth leave basally more often, and the position at the onset "
         "tells more than the events and their times.",
-        (CONDITIONAL, RANKING),
+        (GROUPS, RANKING),
         f"{ALL}; what a factor tells: the loss of a classifier without it",
     ),
     "Q8": (
         "Do cells with very effective EMT programs decrease the efficiency of non-effective programs? Yes, a bit.",
         "The more cells of a group have [P], the fewer of the others leave basally, with INM and without on average.",
-        (CATEGORIES,),
+        (GROUPS,),
         "the mean of cells with [A], [B] and both, with INM and without, in '7 % [P]' and in '63 % [P]'",
     ),
 }
@@ -157,7 +156,7 @@ def favourable(tables: Tables, preset: str) -> Ratio:
         why="of cells with INM and [B] alone fewer than one in a hundred leave basally, wherever EMT begins",
         place=2990,
     ),
-    needs=(CATEGORIES, CONDITIONAL),
+    needs=(GROUPS,),
     rests_on=("c4.q2",),
     chosen=f"favourable: the lower half at the onset, in which cells with [B] are as often as those with [A];"
     f" get extruded: {SOME:.0%} of the cells, at least; each limit between [B] and [A] decides alike",

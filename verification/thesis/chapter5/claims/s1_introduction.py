@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from verification.claims import Correction, Effect, Evidence, at_least, at_most, claim, equal
-from verification.formal.algebra import library, vanishes
-from verification.formal.reals import reals
-from verification.formal.stated import argument, identity, implication
+from verification.claims.formal.algebra import library, vanishes
+from verification.claims.formal.reals import reals
+from verification.claims.formal.stated import argument, identity, implication
 from verification.thesis.chapter5.instant import TOL, WRONG, effective_force, force1, with_springs
 from verification.thesis.chapter5.wavy import symbolic_soft
 

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from verification.claims import Correction, Effect, Evidence, at_least, at_most, claim
-from verification.formal.algebra import library, matrices, vanishes
-from verification.formal.reals import follows, reals
-from verification.formal.stated import argument, identity
+from verification.claims.formal.algebra import library, matrices, vanishes
+from verification.claims.formal.reals import follows, reals
+from verification.claims.formal.stated import argument, identity
 from verification.thesis.chapter5 import general as of
 from verification.thesis.chapter5.instant import TOL, WRONG, Floats, general_instant, instant, pulls
 

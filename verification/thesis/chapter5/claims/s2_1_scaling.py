@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from verification.claims import Evidence, at_least, claim, equal
-from verification.formal.algebra import library, vanishes
-from verification.formal.stated import argument
+from verification.claims.formal.algebra import library, vanishes
+from verification.claims.formal.stated import argument
 from verification.thesis.chapter5.general import BT, GT, multiplier
 from verification.thesis.chapter5.instant import Floats, force1, general_instant, kernel
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from verification.claims import Correction, Effect
-from verification.formal.algebra import library, matrices
-from verification.formal.stated import identity
+from verification.claims.formal.algebra import library, matrices
+from verification.claims.formal.stated import identity
 
 sp = library()
 x, y, m, a, f, n, c = sp.symbols("x y m a f N y_c", positive=True)

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from verification.claims import Correction, Effect, Evidence, at_most, claim
-from verification.formal.algebra import library, matrices, vanishes
-from verification.formal.stated import argument, identity
+from verification.claims.formal.algebra import library, matrices, vanishes
+from verification.claims.formal.stated import argument, identity
 from verification.thesis.chapter5.instant import TOL, omega, phi, with_springs
 
 sp = library()

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from verification.claims import Correction, Effect, Evidence, at_most, claim
-from verification.formal.algebra import library, squares, vanishes
-from verification.formal.reals import follows, reals
-from verification.formal.stated import argument, identity
+from verification.claims.formal.algebra import library, squares, vanishes
+from verification.claims.formal.reals import follows, reals
+from verification.claims.formal.stated import argument, identity
 from verification.thesis.chapter5.general import curved, eliminated, m, phiT
 from verification.thesis.chapter5.instant import Floats, kernel, wavy_system
 from verification.thesis.chapter5.lemmas import PRODUCTS

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from verification.claims import Correction, Effect
-from verification.formal.algebra import library
-from verification.formal.stated import identity
+from verification.claims.formal.algebra import library
+from verification.claims.formal.stated import identity
 from verification.thesis.chapter5.general import a, curved, even, f, m, phi, phiT
 from verification.thesis.chapter5.lemmas import energy_rate
 

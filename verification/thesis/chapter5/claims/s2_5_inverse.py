@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from verification.claims import Correction, Effect
-from verification.formal.algebra import matrices, vanishes
-from verification.formal.reals import follows, reals
-from verification.formal.stated import argument, implication
+from verification.claims.formal.algebra import matrices, vanishes
+from verification.claims.formal.reals import follows, reals
+from verification.claims.formal.stated import argument, implication
 
 # Norms: d = delta_m, e = |w|, f = |m w|, p = w·mw, b = |m^-1| or |B^-1|, a = |A^-1|, r = |A - B|, n = |A^-1 - B^-1|.
 d, e, f, p, a, b, r, n, i, s, q, k = reals("d e f p a b r n i s q k")

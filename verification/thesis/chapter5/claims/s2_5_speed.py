@@ -7,9 +7,9 @@ from collections.abc import Callable
 import numpy as np
 
 from verification.claims import Correction, Effect, Evidence, at_most, claim
-from verification.formal.algebra import library, vanishes
-from verification.formal.reals import follows, reals
-from verification.formal.stated import argument
+from verification.claims.formal.algebra import library, vanishes
+from verification.claims.formal.reals import follows, reals
+from verification.claims.formal.stated import argument
 from verification.thesis.chapter5.wavy import runge_kutta, symbolic_soft
 
 # What the integration of the pendulum leaves, and far above it.

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from verification.claims import Correction, Effect, Evidence, at_least, at_most, claim
-from verification.formal.algebra import library, vanishes
-from verification.formal.stated import argument, identity
+from verification.claims.formal.algebra import library, vanishes
+from verification.claims.formal.stated import argument, identity
 from verification.thesis.chapter5.instant import WRONG, Floats, effective_force, effective_mass, general_instant, phi
 from verification.thesis.chapter5.lemmas import REDUCED
 from verification.thesis.chapter5.wavy import runge_kutta, soft, symbolic_soft

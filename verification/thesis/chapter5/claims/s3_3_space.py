@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from verification.formal.algebra import library, vanishes
-from verification.formal.reals import follows, reals
-from verification.formal.stated import argument
+from verification.claims.formal.algebra import library, vanishes
+from verification.claims.formal.reals import follows, reals
+from verification.claims.formal.stated import argument
 from verification.thesis.chapter5.lemmas import PRODUCTS, WEIGHTED
 
 h, w, r = library().symbols("h w r")

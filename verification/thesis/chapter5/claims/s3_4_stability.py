@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from verification.claims import Correction, Effect, Evidence, at_most, claim
-from verification.formal.algebra import library, vanishes
-from verification.formal.reals import reals
-from verification.formal.stated import argument, implication
+from verification.claims.formal.algebra import library, vanishes
+from verification.claims.formal.reals import reals
+from verification.claims.formal.stated import argument, implication
 from verification.thesis.chapter5.lemmas import GRONWALL, MEANS_APART
 from verification.thesis.chapter5.wavy import M, soft
 

@@ -8,9 +8,9 @@ from statistics import NormalDist
 import numpy as np
 
 from verification.claims import Evidence, Interval, at_least, claim
-from verification.formal.algebra import library, matrices, vanishes
-from verification.formal.reals import follows, reals, solver_library
-from verification.formal.stated import argument, identity, implication
+from verification.claims.formal.algebra import library, matrices, vanishes
+from verification.claims.formal.reals import follows, reals, solver_library
+from verification.claims.formal.stated import argument, identity, implication
 from verification.thesis.chapter5.instant import Floats
 from verification.thesis.chapter5.lemmas import ESTIMATE
 

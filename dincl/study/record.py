@@ -1,0 +1,193 @@
+"""Record of a table: the versions of this package and of its libraries, the settings, the date."""
+
+from __future__ import annotations
+
+import datetime
+import enum
+import inspect
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import fields, is_dataclass
+from functools import cache, cached_property, partial
+from hashlib import sha256
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from types import CodeType, ModuleType
+from typing import Any
+
+import numpy as np
+
+PACKAGE = "dincl-testbed"
+# Libraries whose version may change a number.
+LIBRARIES = (
+    *("numpy", "scipy", "numba", "pandas", "casadi", "clarabel", "cvxpy-base", "daqp", "piqp"),
+    *("mpmath", "python-flint", "POT", "statsmodels", "sympy", "z3-solver"),
+)
+LONGEST_SETTING = 1000
+
+
+def record(settings: Mapping[str, Any]) -> dict[str, str]:
+    """Return what is written into a table: "package", "libraries" (JSON), "settings" (JSON) and "date".
+
+    Settings may be any objects (``described``); of long ones the beginning and a digest are written.
+    """
+    texts = {name: _short(described(value)) for name, value in settings.items()}
+    return {
+        "package": version_of(PACKAGE),
+        "libraries": json.dumps(libraries()),
+        "settings": json.dumps(texts, sort_keys=True),
+        "date": datetime.datetime.now(datetime.UTC).date().isoformat(),
+    }
+
+
+def differences(old: Mapping[str, str], new: Mapping[str, str]) -> list[str]:
+    """Write a line for each setting in which two records differ, and for the version of this package.
+
+    Rows may stand in one table if there is none. Versions of libraries are noted only: they change the last digits.
+    """
+    try:
+        package, before = str(old["package"]), dict(json.loads(old["settings"]))
+    except (LookupError, TypeError, ValueError):
+        return ["the file does not record what it was made by"]
+    lines = [] if package == new["package"] else [f"{PACKAGE}: {package} -> {new['package']}"]
+    after = json.loads(new["settings"])
+    for name in sorted({*before, *after}):
+        if name not in before:
+            lines.append(f"setting {name} is new")
+        elif name not in after:
+            lines.append(f"setting {name} is gone")
+        elif before[name] != after[name]:
+            lines.append(f"setting {name}: {before[name]} -> {after[name]}")
+    return lines
+
+
+def libraries() -> dict[str, str]:
+    """Return the versions of the libraries that are here."""
+    found = {name: version_of(name) for name in LIBRARIES}
+    return {name: one for name, one in found.items() if one}
+
+
+@cache
+def version_of(name: str) -> str:
+    """Return the version of a distribution, "" if there is none."""
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return ""
+
+
+def bound_in(function: Callable[..., Any]) -> dict[str, Any]:
+    """Return what a partial, a method or a callable dataclass binds, by name."""
+    bound: dict[str, Any] = {}
+    while isinstance(function, partial):
+        bound = {f"argument {k}": value for k, value in enumerate(function.args)} | function.keywords | bound
+        function = function.func
+    owner = getattr(function, "__self__", None if hasattr(function, "__qualname__") else function)
+    if is_dataclass(owner):
+        bound |= {field.name: getattr(owner, field.name) for field in fields(owner) if field.compare}
+    return bound
+
+
+def described(value: Any, above: tuple[Any, ...] = ()) -> Any:
+    """Convert a setting to what JSON can store, the same in each process.
+
+    Objects are named by their class and their attributes, but for cached properties; ``above`` are those that hold the
+    value, so that one that holds itself ends.
+    """
+    match value:
+        case enum.Enum():
+            return f"{type(value).__qualname__}.{value.name}"
+        case None | bool() | int() | float() | str():
+            return value
+        case Path():
+            return str(value)
+        case complex() | bytes():
+            return repr(value)
+        case ModuleType():
+            return value.__name__
+    if any(one is value for one in above):
+        return "itself"
+    convert = partial(described, above=(*above, value))
+    match value:
+        case Mapping():
+            return {str(key): convert(item) for key, item in value.items()}
+        case list() | tuple() | range():
+            return [convert(item) for item in value]
+        case set() | frozenset():
+            return sorted(map(convert, value), key=repr)
+        case partial():
+            return [convert(part) for part in (value.func, value.args, value.keywords)]
+        case type():
+            codes = [_code_digest(one.__code__) for one in vars(value).values() if hasattr(one, "__code__")]
+            return f"{value.__module__}.{value.__qualname__} {digest_of(' '.join(codes).encode())}"
+    if is_dataclass(value):
+        mine = {field.name: convert(getattr(value, field.name)) for field in fields(value) if field.compare}
+        return {type(value).__qualname__: mine}
+    if hasattr(value, "__qualname__") and hasattr(value, "__module__"):
+        return _of_function(value, convert)
+    if hasattr(value, "model_dump_json"):  # models of pydantic
+        return {type(value).__qualname__: value.model_dump_json()}
+    if hasattr(value, "tolist"):  # arrays and numbers of NumPy
+        return convert(value.tolist())
+    held = {name: one for name, one in getattr(value, "__dict__", {}).items() if not _is_cached(value, name)}
+    return [described(type(value)), convert(held)]
+
+
+def _is_cached(value: Any, name: str) -> bool:
+    return isinstance(getattr(type(value), name, None), cached_property)
+
+
+def _of_function(value: Any, convert: Callable[[Any], Any]) -> Any:
+    """Name a function with a digest of its compiled code, and the values that it has from around.
+
+    These are its defaults, the variables of functions around it, the object that a method belongs to, and constants of
+    its module that it reads: numbers, texts, tuples and arrays. The code of functions that it calls is left out.
+    """
+    name, plain = f"{value.__module__}.{value.__qualname__}", getattr(value, "py_func", value)
+    if not hasattr(plain, "__code__"):  # of functools.cache
+        plain = getattr(plain, "__wrapped__", plain)
+    code = getattr(plain, "__code__", None)
+    if code is None:
+        return name
+    around = inspect.getclosurevars(plain).nonlocals if hasattr(plain, "__closure__") else {}
+    constants = {one: plain.__globals__[one] for one in _names(code) if _is_constant(plain.__globals__.get(one))}
+    parts = (plain.__defaults__, plain.__kwdefaults__, around, getattr(plain, "__self__", None), constants)
+    return [f"{name} {_code_digest(code)}", *(convert(part) for part in parts if part)]
+
+
+def _is_constant(value: Any) -> bool:
+    if isinstance(value, tuple):
+        return all(map(_is_constant, value))
+    return isinstance(value, bool | int | float | complex | str | bytes | np.ndarray | np.generic)
+
+
+def _names(code: CodeType) -> list[str]:
+    """Return the names that code reads, with those of functions within."""
+    inner = [name for one in code.co_consts if isinstance(one, CodeType) for name in _names(one)]
+    return sorted({*code.co_names, *inner})
+
+
+def _code_digest(code: CodeType) -> str:
+    """Return a short name for compiled code, without its place in the file."""
+    constants = [_constant(one) for one in code.co_consts]
+    return digest_of(repr((code.co_code, code.co_names, code.co_varnames, constants)).encode())
+
+
+def _constant(one: Any) -> str:
+    """Return the text of a constant; sets of texts have another order in each process."""
+    if isinstance(one, CodeType):
+        return _code_digest(one)
+    if isinstance(one, tuple | frozenset):
+        return repr((type(one).__name__, (sorted if isinstance(one, frozenset) else list)(map(_constant, one))))
+    return repr(one)
+
+
+def _short(setting: Any) -> Any:
+    """Replace a long setting by its beginning and a digest."""
+    text = json.dumps(setting, sort_keys=True)
+    return setting if len(text) <= LONGEST_SETTING else f"{text[:20]}... ({digest_of(text.encode())})"
+
+
+def digest_of(data: bytes) -> str:
+    """Return a short name for bytes."""
+    return sha256(data).hexdigest()[:16]

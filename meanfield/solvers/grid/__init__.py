@@ -1,1 +1,0 @@
-"""Finite volumes for the mean-field PDE on a fixed grid."""

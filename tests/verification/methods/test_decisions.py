@@ -1,0 +1,134 @@
+"""Random scenes, what is counted of ``Auto`` on them, and scenes with exact solutions that are hard for it."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import dincl
+from verification.methods.decisions import section, study
+from verification.methods.decisions.scenes import DRIFTS, LAYOUTS, SETS, scene
+from verification.site.store import shipped
+
+PBD, EVENTS, MIDPOINT, ADAPTIVE = "PBD", "event-driven", "midpoint catch-up", "adaptive catch-up"
+
+
+def test_scenes_come_again_and_are_of_all_kinds() -> None:
+    """Each start is feasible, or ``Problem`` would refuse it."""
+    made = [scene(seed) for seed in study.SEEDS[:70]]
+    np.testing.assert_array_equal(made[3].problem.x0, scene(study.SEEDS[3]).problem.x0)
+    assert {one.drift for one in made} == set(DRIFTS)
+    assert {one.layout for one in made} == set(LAYOUTS)
+    assert {name for one in made for name in one.sets.split(", ")} == set(SETS)
+    assert max(len(one.problem.x0) for one in made) > 200
+    assert {one.problem.x0.shape[1] for one in made} == {1, 2, 3}
+    assert all((np.diff(one.t) > 0).all() for one in made)
+
+
+def row(seed: int, method: str, error: float, seconds: float, **others: object) -> dict[str, object]:
+    """Return a run on a scene that asks for an error of 1e-3."""
+    about = {"seed": seed, "asked": 1e-3, "reference_error": 1e-6, "setting": 0.1, "status": "SUCCESS"}
+    about |= {"stated": np.nan, "drift_evaluations": 7.0, "spread": np.nan}
+    return about | {"method": method, "largest": error, "cpu_seconds": seconds} | others
+
+
+def test_the_promise_of_auto_is_judged_against_what_is_true() -> None:
+    """A right run, one whose stated error is too small, one that is wrong, and one that fails."""
+    rows = [row(seed, MIDPOINT, 1e-4, 2.0) for seed in range(4)]
+    rows += [row(seed, ADAPTIVE, 1e-4, 4.0) for seed in range(4)]
+    rows += [row(seed, PBD, 1e-2, 0.1) for seed in range(4)]
+    rows.append(row(0, study.AUTO, 5e-4, 6.0, stated=4.995e-4))  # within the error of the reference
+    rows.append(row(1, study.AUTO, 5e-4, 8.0, stated=4.9e-4))
+    rows.append(row(2, study.AUTO, 5e-3, 12.0, stated=5e-4))
+    rows.append(row(3, study.AUTO, np.nan, 1.0, status="NOT_CONVERGED"))
+    rows.append(row(4, "", np.nan, np.nan, status=study.NO_REFERENCE))
+    kept = section.promise(pd.DataFrame(rows))
+    assert kept[["count", "of"]].to_numpy().tolist() == [[2, 4], [2, 3], [1, 3], [1, 3]]
+    assert (kept["low"] < kept["share"]).all()
+    assert (kept["share"] < kept["high"]).all()
+    costs = section.costs_of_auto(pd.DataFrame(rows))
+    assert costs["scenes"].tolist() == [3, 3, 3]
+    assert costs["median"].tolist() == [4.0, 4.0, 2.0]
+    assert costs["most"].tolist() == pytest.approx([5.6, 5.6, 2.8])
+
+
+def test_a_profile_counts_who_is_the_cheapest_who_ties_and_who_fails() -> None:
+    """PBD alone the cheapest, a tie, a scene that only the event-driven scheme solves, and one that nobody does."""
+    rows = []
+    for seed, seconds in enumerate([(1.0, 2.0, np.inf), (1.0, 1.2, 3.0), (np.inf, np.inf, 1.0), 3 * (np.inf,)]):
+        for name, cost in zip((PBD, MIDPOINT, EVENTS), seconds, strict=True):
+            rows.append(row(seed, name, 1e-4 if np.isfinite(cost) else 1.0, min(cost, 9.0)))
+    rows.append(row(4, "", np.nan, np.nan, status=study.NO_REFERENCE))
+    found = section.shares(pd.DataFrame(rows)).set_index(["cost", "error", "method"]).sort_index()
+    mine = found.loc["CPU time", "10⁻⁴ to 10⁻³"]
+    assert (mine["scenes"] == 4).all()
+    assert mine.loc[PBD, ["alone", "1", "reached"]].tolist() == [0.25, 0.5, 0.5]
+    assert mine.loc[MIDPOINT, ["alone", "1", "2"]].tolist() == [0, 0.25, 0.5]
+    assert mine.loc[EVENTS, ["alone", "1", "10"]].tolist() == [0.25, 0.25, 0.5]
+    assert mine.loc[ADAPTIVE, "reached"] == 0
+    counted = found.loc["evaluations of the drift", "10⁻⁴ to 10⁻³"]
+    assert (counted["1"] == counted["reached"]).all()
+    assert found.loc["CPU time", "10⁻⁵ to 10⁻⁴"]["scenes"].tolist() == [0, 0, 0, 0, 0]
+
+
+@pytest.mark.slow
+def test_a_scene_is_run_by_all_methods() -> None:
+    rows = pd.DataFrame(study.run({"seed": 2}, smallest=False))
+    assert set(rows["method"]) == {*study.LOOKS, study.AUTO}
+    assert set(rows) == set(shipped("decisions"))
+    auto = rows[rows["method"] == study.AUTO].iloc[0]
+    assert auto["largest"] <= auto["stated"] <= auto["asked"]
+    for _, runs in rows[rows["method"] != study.AUTO].groupby("method"):
+        assert runs["largest"].iloc[-1] <= auto["asked"] or runs["status"].iloc[-1] != "SUCCESS"
+        assert (runs["setting"].diff().dropna() < 0).all()
+
+
+def test_auto_keeps_the_error_on_the_kept_scenes() -> None:
+    right, _, stated, beyond = section.promise(shipped("decisions")).itertuples()
+    assert right.of >= 0.9 * len(study.SEEDS)
+    assert right.share >= section.WANTED["right"]
+    assert stated.share >= section.WANTED["stated"]
+    assert beyond.count == 0
+
+
+def meeting(radius: float, d: int) -> tuple[dincl.Problem, list[float], np.ndarray]:
+    """Return two discs that run into each other at speed 1, and where they stay."""
+    along = np.eye(d)[0]
+    drift = dincl.drifts.constant([along, -along])
+    problem = dincl.Problem([-0.5 * along, 0.47 * along], drift, [dincl.NonOverlap(radius)])
+    return problem, [1.0], np.array([[(-0.015 - radius) * along, (-0.015 + radius) * along]])
+
+
+def wedge(angle: float) -> tuple[dincl.Problem, list[float], np.ndarray]:
+    """Return a point that falls to the apex of a wedge with this half angle."""
+    walls = [dincl.HalfSpace((side * np.cos(angle), np.sin(angle))) for side in (1, -1)]
+    problem = dincl.Problem([[0.0, 1.0]], dincl.drifts.constant((0.0, -1.0)), walls)
+    return problem, [0.3, 1.0, 3.0], np.array([[[0.0, 0.7]], [[0.0, 0.0]], [[0.0, 0.0]]])
+
+
+def tiny(d: int) -> tuple[dincl.Problem, list[float], np.ndarray]:
+    """Return seven discs of radii 3e-9 to 3e-3 that run into each other, and their event-driven solution."""
+    rng, radii = np.random.default_rng(7), 3 * 10.0 ** np.arange(-9, -2)
+    x0 = np.column_stack((np.linspace(-0.5, 0.5, 7), *(0.5 * radii * rng.uniform(-1, 1, (d - 1, 7)))))
+    drift = dincl.drifts.constant(np.outer(-np.sign(x0[:, 0]) * rng.uniform(0.5, 1.0, 7), np.eye(d)[0]))
+    problem, t = dincl.Problem(x0, drift, [dincl.NonOverlap(rng.permutation(radii))]), [0.5, 1.0]
+    return problem, t, dincl.solve(problem, dincl.EventDriven(1e-7), t).x
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("error", [1e-2, 1e-3])
+@pytest.mark.parametrize(
+    ("make", "arguments"),
+    [
+        *((meeting, (radius, d)) for d in (1, 2) for radius in (1e-1, 1e-2, 1e-3, 1e-4)),
+        *((wedge, (angle,)) for angle in (1e-1, 1e-2, 1e-3, 1e-4, 1e-6)),
+        *((tiny, (d,)) for d in (1, 2)),
+    ],
+)
+def test_auto_states_its_error_where_steps_could_jump_over_a_set(make, arguments, error) -> None:
+    problem, t, exact = make(*arguments)
+    path = dincl.solve(problem, dincl.Auto(error), t, throw=False)
+    assert path.status, path.status
+    assert path.error is not None
+    off = np.linalg.norm(path.x - exact, axis=2).max(axis=1)
+    assert (off <= path.error + 1e-7).all()
+    assert off.max() <= error

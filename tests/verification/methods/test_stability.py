@@ -1,0 +1,237 @@
+"""Where methods fail: cases are found where theory predicts them, maps run and ship, and the command shows both."""
+
+import math
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from typer.testing import CliRunner
+
+import dincl
+from dincl import FixedStep, study
+from tests.executors import Here
+from tests.verification.undrawn import draw_nothing
+from verification import cli
+from verification.instruments.predicted import boundary
+from verification.methods.stability import cases, crowd, drift, penalty, radius, rows, saddle, sweeps_or_steps
+from verification.methods.stability.catalogue import MAPS, STUDIES
+from verification.methods.stability.page import CHAPTER, places_and_kinds
+from verification.methods.stability.schemes import SCHEMES
+from verification.site.context import Context
+from verification.site.report import write_report
+from verification.site.store import DATA, shipped
+
+# Slow; those of springs are found in short form below.
+LONG = {
+    "penalty-row-2",
+    "penalty-row-4",
+    "penalty-row-8",
+    "penalty-dense",
+    "penalty-printed",
+    "penalty-pair",
+    "collapse",
+    "pbd-sweeps",
+    "saddle-uzawa",
+}
+
+
+@pytest.mark.slow_with("limits", "saddle-alpha", "saddle-beta", "saddle-damped", "saddle-weight")
+@pytest.mark.parametrize("case", [case for case in cases.CASES if case.id not in LONG], ids=lambda case: case.id)
+def test_case(case):
+    found = case.find()
+    assert found.agrees, found
+
+
+@pytest.mark.xslow
+@pytest.mark.parametrize("case", [case for case in cases.CASES if case.id in LONG], ids=lambda case: case.id)
+def test_long_case(case):
+    found = case.find()
+    assert found.agrees, found
+
+
+def test_numbers_found_are_of_the_quantity_that_is_predicted():
+    table = shipped("stability_cases")
+    assert sorted(table["case"]) == sorted(case.id for case in cases.CASES)
+    assert table["agrees"].all()
+    places, kinds = places_and_kinds(table)
+    assert places["found"].to_numpy() == pytest.approx(places["expected"].to_numpy(), rel=1e-2, abs=1e-6)
+    assert {"collapse", "gap-linearised"} <= set(kinds["case"])
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 8])
+def test_penalty_limit_of_a_row(n):
+    # The formula against the matrix of the scene, and the program just inside and just outside.
+    assert cases.row_limit(n) == pytest.approx(cases.spring_limit(rows.pressed(n)), rel=1e-12)
+    assert cases.rests(rows.pressed(n), 0.98 * cases.row_limit(n) / cases.DT)
+    assert not cases.rests(rows.pressed(n), 1.02 * cases.row_limit(n) / cases.DT)
+
+
+@pytest.mark.parametrize("scene", [cases.pair, cases.hexagon])
+def test_penalty_limit_of_discs(scene):
+    limit = cases.spring_limit(scene()) / cases.DT
+    assert cases.rests(scene(), 0.98 * limit)
+    assert not cases.rests(scene(), 1.02 * limit)
+
+
+@pytest.mark.parametrize("dt", [1e-1, 1e-3])
+def test_printed_penalty_never_rests(dt):
+    strength = 10 * math.sqrt(2)
+    assert 0.95 < cases.chatter(dt, strength) / (dt * strength) <= 1 + 1e-9
+
+
+@pytest.mark.parametrize("count", [2, 3, 7, 30])
+def test_contraction_of_dual_sweeps(count):
+    # Young: the spectral radius of the Gauss-Seidel matrix itself, by dense linear algebra.
+    matrix = 2 * np.eye(count) - np.eye(count, k=1) - np.eye(count, k=-1)
+    sweep = np.eye(count) - np.linalg.solve(np.tril(matrix), matrix)
+    largest = float(np.abs(np.linalg.eigvals(sweep)).max())
+    assert cases.predicted_contraction(count) == pytest.approx(largest, rel=1e-6)
+    assert cases.contraction(count) == pytest.approx(largest, rel=1e-6)
+
+
+def test_sweeps_of_pbd_grow_as_the_square():
+    few, many = cases.sweeps_needed(8), cases.sweeps_needed(16)
+    assert 3.5 < many / few < 4.5
+    assert cases.overlap_after(8, few) <= cases.SORTED < cases.overlap_after(8, few - 1)
+
+
+@pytest.mark.parametrize("n", [1, 2, 4, 6])
+def test_equilibrium_of_pbd_in_a_row(n):
+    # All discs, not only the last: overlap of pair k, from the balance of a step.
+    dt = 1e-3
+    overlaps = [n - k - 1 + (n if k == 1 else 0) for k in range(1, n)]
+    assert cases.equilibrium(n, dt) == pytest.approx(dt * np.concatenate(([0], np.cumsum(overlaps))), abs=1e-10)
+    assert rows.sunk(n) == sum(overlaps)
+    # More sweeps help, and smaller steps.
+    if n > 1:
+        assert cases.equilibrium(n, dt, sweeps=4)[-1] < cases.equilibrium(n, dt)[-1] / 2
+
+
+def test_crowd_collapses_under_a_single_sweep():
+    path = {n: dincl.solve(crowd.crowd(300), dincl.PBD(dt=0.1, sweeps=n), t=3.0) for n in (1, 16)}
+    true = crowd.densest(300)
+    assert crowd.gyration(path[1].final) < 0.5 * true < 0.85 * true < crowd.gyration(path[16].final)
+    assert path[1].violation()[-1] > 0.9
+
+
+def test_densest_heap():
+    # Four discs: a rhombus; seven: a disc and its ring; ten: a double hexagon around a bond, sum |x|^2 = 13.5. A heap
+    # of many is a round disc, R / sqrt(2).
+    assert crowd.densest(4) == pytest.approx(math.sqrt(0.5))
+    assert crowd.densest(10) == pytest.approx(math.sqrt(1.35))
+    assert crowd.densest(7) == pytest.approx(math.sqrt(6 / 7))
+    assert crowd.densest(4000) == pytest.approx(crowd.radius(4000) / math.sqrt(2), rel=1e-3)
+
+
+@pytest.mark.parametrize("label", ["PBD with 16 sweeps", "catch-up with Ipopt", "linearised with Daqp"])
+def test_gap(label):
+    passed = [cases.stays(SCHEMES[label], 0.8 * part) for part in (0.95, 1.9, 2.1)]
+    expected = {"PBD with 16 sweeps": [True, False, False], "catch-up with Ipopt": [True, True, False]}
+    assert passed == expected.get(label, [True] * 3)
+
+
+def test_exact_motion_of_a_stiff_drift():
+    t = np.array([0.5])
+    for label in ("PBD", "second-order PBD"):
+        path = dincl.solve(drift.drawn(2.0), SCHEMES[label](dt=1e-3), t=t)
+        assert path.x == pytest.approx(drift.exact(2.0, t, newton=label != "PBD"), abs=2e-3)
+
+
+def test_a_chain_is_pulled_straight_and_a_column_stands():
+    far = dincl.solve(sweeps_or_steps.chain(), dincl.EventDriven(1e-8), t=[20.0]).final
+    assert np.linalg.norm(np.diff(far, axis=0), axis=1) == pytest.approx(np.ones(sweeps_or_steps.LINKS - 1), abs=1e-6)
+    rest = dincl.solve(sweeps_or_steps.column(), dincl.EventDriven(1e-8), t=[5.0]).final
+    assert rest[:, 0] == pytest.approx(0.5 + np.arange(sweeps_or_steps.COLUMN), abs=1e-6)
+
+
+def test_one_sweep_with_the_smallest_step_is_never_far_from_the_best():
+    best = sweeps_or_steps.divisions(shipped("stability_sweeps_or_steps"))
+    assert best["one"].max() < 2.0
+    four = best[best["method"].str.contains("four discs")]
+    assert (four["best"] == 1).all()
+    assert four["most"].min() > 30
+
+
+# Name of a map -> values of x and y, method -> outcome.
+CELLS = [
+    (rows.MAP, (1 / 64, 2), {"PBD": "inaccurate"}),
+    (rows.MAP, (1 / 64, 8), {"PBD": "infeasible", "catch-up with Daqp": "converged"}),
+    (crowd.NUMBERS, (1.0, 16), {"PBD": "refused"}),
+    (crowd.NUMBERS, (2.2, 16), {"PBD": "unstable"}),
+    (crowd.SWEEPS, (0.3, 1), {"PBD": "infeasible"}),
+    (penalty.MAP, (0.01, 300.0), {penalty.SPRINGS: "unstable", penalty.PRINTED: "infeasible"}),
+    (penalty.MAP, (0.01, 100.0), {penalty.SPRINGS: "converged"}),
+    (penalty.MAP, (0.01, 5.0), {penalty.SPRINGS: "infeasible"}),
+    (radius.MAP, (0.5, 3.0), {"catch-up with Daqp": "inaccurate", "linearised with Daqp": "converged"}),
+    (drift.MAP, (0.5, 4.5), {"PBD": "unstable", "second-order PBD": "inaccurate"}),
+    (saddle.MAP, (0.5, 0.5), {saddle.PLAIN: "converged"}),
+    (saddle.MAP, (1.0, 1.5), {saddle.UZAWA: "converged"}),
+    (saddle.MAP, (1.0, 2.5), {saddle.UZAWA: "did not terminate"}),
+]
+
+
+@pytest.mark.parametrize(("drawn", "at", "expected"), CELLS)
+def test_cells_say_what_happened(drawn, at, expected):
+    values = dict(zip((drawn.runs.x[0], drawn.runs.y[0]), at, strict=True))
+    run = pickle.loads(pickle.dumps(drawn.study().run))  # as it is sent to other processes
+    assert {method: run({"method": method} | values)[0]["outcome"] for method in expected} == expected
+
+
+@pytest.mark.parametrize(
+    ("drawn", "method", "failure"),
+    [
+        (drift.MAP, "PBD", "unstable"),
+        (drift.MAP, "second-order PBD", "unstable"),
+        (penalty.MAP, penalty.SPRINGS, "unstable"),
+        (radius.MAP, "catch-up with Daqp", "inaccurate"),
+    ],
+)
+def test_shipped_cells_fail_beyond_the_limit_that_is_drawn(drawn, method, failure):
+    table = shipped(f"stability_{drawn.name}")
+    mine, (x, y) = table[table["method"] == method], (drawn.runs.x[0], drawn.runs.y[0])
+    limit = next(one for one in drawn.runs.limits if method in one.methods).at(mine[x].to_numpy())
+    clear = np.abs(mine[y] / limit - 1) > 0.05
+    failed = mine["outcome"] == failure
+    assert (failed[clear] | (mine[y] < limit)[clear]).mean() > 0.99
+    assert not (failed & (mine[y] < limit) & clear).any() or failure == "inaccurate"
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_shipped_tables_are_complete_and_the_smallest_form_is_a_part(name):
+    table, complete = shipped(name), STUDIES[name]()
+    assert set(study.table.run_names(table, complete.key)) == set(map(complete.name_of, complete.runs))
+    small = STUDIES[name](smallest=True)
+    assert set(map(small.name_of, small.runs)) < set(map(complete.name_of, complete.runs))
+
+
+def test_every_scheme_is_on_a_map():
+    own = {kind for kind in vars(dincl).values() if isinstance(kind, type) and issubclass(kind, FixedStep)}
+    assert {type(make(dt=0.1)) for make in SCHEMES.values()} == own - {FixedStep}
+    drawn = {method for one in MAPS for method in one.runs.method}
+    assert set(SCHEMES) <= drawn
+
+
+@pytest.mark.slow
+def test_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    draw_nothing(monkeypatch)
+    monkeypatch.setattr(study, "workers", Here)
+    result = CliRunner().invoke(cli.app, ["stability", "--out", str(tmp_path)])
+    assert result.exit_code == 0, result.output
+    assert result.output.count("yes") == len(cases.CASES)
+    assert {f"stability_{one.name}.png" for one in MAPS} <= {file.name for file in (tmp_path / "figures").iterdir()}
+    counts = pd.read_parquet(tmp_path / "tables" / "stability_outcomes.parquet")
+    assert set(counts["map"]) == {one.name for one in MAPS}
+    # The page is written from the tables alone.
+    monkeypatch.setattr(Context, "_repeat", lambda *_: None)
+    write_report([CHAPTER], Context(tmp_path, False, Here(), STUDIES, complete=DATA))
+    assert "others happen as predicted" in (tmp_path / "failures.html").read_text("utf-8")
+
+
+def test_boundary_is_found_from_either_kind_of_end():
+    assert boundary(lambda x: x < np.pi, 1.0, 100.0, 1e-9) == pytest.approx(np.pi, rel=1e-9)
+    with pytest.raises(ValueError, match="must hold"):
+        boundary(lambda x: x < np.pi, 4.0, 100.0, 1e-3)
+    with pytest.raises(ValueError, match="must hold"):
+        boundary(lambda x: x < np.pi, 1.0, 2.0, 1e-3)

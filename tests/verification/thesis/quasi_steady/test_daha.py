@@ -1,0 +1,298 @@
+"""The damped Arrow-Hurwicz method on a frozen tissue: against plain NumPy, dincl, PBD, Ipopt and its own stability."""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+import dincl
+from dincl.minimise import DampedArrowHurwicz as OnAProblem
+from dincl.minimise import RelativeMove, minimise
+from tests.tissue.states import cells, divided, layers, numbers, tissue
+from tissue.model.energy import energy, forces
+from tissue.rules.slice import in_plane
+from tissue.runs.group import Group
+from tissue.state.cells import COORDINATES
+from tissue.state.numbers import Daha
+from tissue.state.running import contents, new_state
+from verification.thesis.quasi_steady.daha import TissueArrowHurwicz, violation
+from verification.thesis.quasi_steady.frozen import constraints, frozen_problem, particles
+from verification.thesis.quasi_steady.judge import local_minimum
+
+TABLE_4 = Daha(alpha=1e-4, beta=0.25, gamma=1e-3, c=2.0, dtau=1.0, eps=1e-6, most_iterations=100_000)
+NEVER = 1e-100  # an eps that no move meets
+BAD = {"alpha": 0.0, "beta": -1.0, "gamma": -1e-9, "c": math.nan, "dtau": 0, "eps": 0.0, "most_iterations": 0}
+
+
+def found(state, network, given, **changes):
+    return TissueArrowHurwicz(TABLE_4._replace(**changes)).minimise(state, network, given)
+
+
+def steps_of(count, **changes):
+    return {"eps": NEVER, "most_iterations": count, **changes}
+
+
+def moved(state, rng, by):
+    return state._replace(
+        **{name: getattr(state, name) + by * rng.standard_normal(len(state.x)) for name in ("x", "y", "bx")}
+    )
+
+
+def literal(state, network, given, daha, *, printed=False):
+    """Method 3.4 on all pairs, typed from the text; ``printed``: with its min(0, .).
+
+    Also the multipliers, and of (C1), (C4), (C2) the largest number of rows that pushed at once.
+    """
+    bound = np.minimum if printed else np.maximum
+    i, j = np.tril_indices(len(state.x), -1)
+    left, right = network.basal[:-1], network.basal[1:]
+    reach = state.radius[i] + state.radius[j]
+    z = np.array([getattr(state, name) for name in COORDINATES])
+    before, multipliers, pushed = z, [np.zeros(len(i)), np.zeros(len(left)), np.zeros(len(left))], np.zeros(3)
+    for _ in range(daha.most_iterations):
+        slope = -np.array(forces(state._replace(**dict(zip(COORDINATES, z, strict=True))), network, given))
+        slope[5, network.basal] = 0.0
+        dx, dy, db = z[0, i] - z[0, j], z[1, i] - z[1, j], z[4, right] - z[4, left]
+        values = [dx**2 + dy**2 - reach**2, db, given.max_basal_distance**2 - db**2]
+        p = daha.alpha * slope
+        for row, at, fro, arrow, g, own in [
+            (0, i, j, 2 * dx, values[0], multipliers[0]),
+            (1, i, j, 2 * dy, values[0], multipliers[0]),
+            (4, right, left, np.ones(len(db)), values[1], multipliers[1]),
+            (4, right, left, -2 * db, values[2], multipliers[2]),
+        ]:
+            weight = own * (daha.alpha - daha.gamma * g) * arrow
+            np.subtract.at(p[row], at, weight)
+            np.add.at(p[row], fro, weight)
+        multipliers = [bound(0.0, own - daha.dtau * daha.beta * g) for own, g in zip(multipliers, values, strict=True)]
+        pushed = np.maximum(pushed, [(own > 0).sum() for own in multipliers])
+        half = daha.c * daha.dtau / 2
+        z, before = (2 * z - (1 - half) * before - daha.dtau**2 * p) / (1 + half), z
+    return state._replace(**dict(zip(COORDINATES, z, strict=True))), multipliers, pushed.tolist()
+
+
+def broken(state, network, given):
+    return violation(constraints(state, network, given), state)
+
+
+def distance(one, other):
+    return max(abs(getattr(one, name) - getattr(other, name)).max() for name in COORDINATES)
+
+
+CASES = {
+    "table 4": ({}, {}),
+    "published energies": ({}, {"spring_power": 2, "junction_factor": 0.25, "repulsion": 0.5}),
+    "three levels": ({"c": 0.3, "dtau": 1.0}, {}),
+    "overdamped": ({"c": 5.0, "dtau": 2.0}, {}),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_the_kernel_is_the_method(case, rng):
+    """From a state outside of S, with cells that left a layer; constraints of all kinds push."""
+    choices, changes = CASES[case]
+    state, given = moved(cells(21, 3), rng, 0.1), numbers(max_basal_distance=0.17, **changes)
+    network = layers(21, apical=np.delete(np.arange(21), 4), basal=np.delete(np.arange(21), [0, 9]))
+    state.by[[0, 9]] = 0.2, -0.4
+    steps = steps_of(400, alpha=1e-3, **choices)
+    expected, _, pushed = literal(state, network, given, TABLE_4._replace(**steps))
+    assert min(pushed) > 0
+    reached = found(state, network, given, **steps)
+    assert distance(state, expected) > 0.1
+    assert distance(reached.cells, expected) < 1e-11
+    assert (reached.status, reached.iterations) == (dincl.Status.NOT_CONVERGED, 400)
+    assert reached.violation == pytest.approx(broken(expected, network, given), abs=1e-10)
+    assert reached.energy == pytest.approx(energy(expected, network, given), rel=1e-11)
+
+
+def test_hard_discs_as_large_as_soft_ones_meet():
+    """Their pair is listed before the soft repulsion looks at it."""
+    state = tissue([[-1.3, 4.0], [1.3, 4.1]], [[-0.3, 8.0], [0.3, 8.0]], [[-0.1, 0.0], [0.1, 0.0]], radius=1.0)
+    steps = steps_of(400, alpha=1e-3)
+    expected, _, pushed = literal(state, layers(2), numbers(), TABLE_4._replace(**steps))
+    assert pushed[0] == 1
+    assert distance(found(state, layers(2), numbers(), **steps).cells, expected) < 1e-11
+
+
+@pytest.mark.slow
+def test_daughters_fly_apart_and_keep_their_multiplier():
+    """So hard a push takes a pair out of the list of near ones while its multiplier pulls it back."""
+    state, given = divided(cells(20, 1), 7), numbers()
+    gaps = []
+    for count in range(50, 401, 50):
+        steps = steps_of(count, beta=2.0, gamma=1e-5)
+        expected, multipliers, _ = literal(state, layers(21), given, TABLE_4._replace(**steps))
+        assert distance(found(state, layers(21), given, **steps).cells, expected) < 1e-11
+        gap = math.hypot(expected.x[8] - expected.x[7], expected.y[8] - expected.y[7]) - 2 * state.radius[7]
+        gaps.append((gap, multipliers[0][8 * 7 // 2 + 7] > 0))
+    assert max(gap for gap, pushes in gaps if pushes) > 0.3  # three times what is listed as near
+
+
+def test_agrees_with_dincl():
+    state, network, given = cells(24, 2), layers(24), numbers()
+    method = OnAProblem(1e-3, 0.25, 1e-3, 0.5, 1.5, RelativeMove(NEVER), 300, squared=True)
+    expected = minimise(frozen_problem(state, network, given._replace(mu=1.0)), method, throw=False)
+    assert len(expected.reactions()) > 4
+    reached = found(state, network, given, **steps_of(300, alpha=1e-3, c=0.5, dtau=1.5))
+    assert particles(reached.cells) == pytest.approx(expected.x, abs=1e-12)
+
+
+def test_is_explicit_euler_with_half_of_alpha():
+    """Where no constraint is near: n iterations are n substeps of PBD with h/mu = alpha/2; (3.32) has alpha."""
+    state, network = cells(30, 5, radius=1e-3), layers(30)
+    n, dt = 200, 0.1
+    reached = found(state, network, numbers(max_basal_distance=9.0), **steps_of(n))
+    for factor, same in [(0.5, True), (1.0, False)]:
+        given = numbers(dt=dt, substeps=n, mu=dt / (n * factor * TABLE_4.alpha), max_basal_distance=9.0)
+        group = Group([new_state(state, network, capacity=30, space=in_plane())], given)
+        assert group.make_substeps()
+        assert (distance(contents(group.states[0])[0], reached.cells) < 1e-12) == same
+        assert distance(state, reached.cells) > 0.05
+
+
+def test_stops_at_the_first_short_move():
+    """(3.24) with dtau, from literal moves; |z| depends on the origin, and far from it the rule is met at once."""
+    state, network, given = cells(10, 6), layers(10), numbers()
+    rule = {"alpha": 1e-3, "c": 1.0, "dtau": 2.0, "eps": 1e-3}
+    reached = found(state, network, given, **rule)
+    assert reached.status is dincl.Status.SUCCESS
+    assert reached.detail == ""
+    assert 10 < reached.iterations < 1000
+    z = [
+        particles(literal(state, network, given, TABLE_4._replace(**rule, most_iterations=n))[0])
+        for n in range(reached.iterations + 1)
+    ]
+    short = [np.linalg.norm(b - a) / 2.0 <= 1e-3 * np.linalg.norm(a) for a, b in pairwise(z)]
+    assert short == [False] * (reached.iterations - 1) + [True]
+    away = state._replace(**{name: getattr(state, name) + 1e4 for name in ("x", "ax", "bx")})
+    assert found(away, network, given, **rule).iterations == 1
+
+
+def test_a_stop_is_no_minimum_and_need_not_be_feasible():
+    """The gradient left is up to 2 eps |z| / alpha, Remark 3.6 prints half of it; nobody asks for (C1)."""
+    state, network, given = cells(30, 7), layers(30), numbers()
+    reached = found(state, network, given, eps=1e-5)
+    assert reached.status is dincl.Status.SUCCESS
+    assert 1e-4 < reached.violation < 0.05
+    state, network, given = cells(30, 7, radius=1e-3), layers(30, basal=[]), numbers()
+    reached = found(state, network, given, eps=1e-5)
+    assert reached.status is dincl.Status.SUCCESS
+    slope = np.linalg.norm(forces(reached.cells, network, given))
+    bound = 2 * 1e-5 * np.linalg.norm(particles(reached.cells)) / TABLE_4.alpha
+    assert 0.99 * bound < slope < 1.001 * bound
+
+
+def test_converges_to_a_minimum_as_ipopt_certifies():
+    """Stopped late enough it is at a state that meets all optimality conditions, with constraints that push."""
+    given, network = numbers(max_basal_distance=0.15), layers(8)
+    state = cells(8, 4, rest_ax=3.0, rest_bx=3.0)
+    quick = {"alpha": 2e-2, "gamma": 2e-1, "eps": 1e-12, "most_iterations": 1_000_000}
+    reached = found(state._replace(radius=1.5 * state.radius), network, given, **quick)
+    assert reached.status is dincl.Status.SUCCESS
+    exact = local_minimum(reached.cells, network, given, 1e-9)
+    assert exact.status is dincl.Status.SUCCESS
+    assert (exact.multipliers > 1e-2).sum() > 8
+    assert distance(reached.cells, exact.cells) < 1e-6
+    assert reached.energy == pytest.approx(exact.energy, abs=1e-8)
+    assert reached.violation < 1e-8
+
+
+def two(gap):
+    """Two upright cells whose hard discs are ``gap`` apart.
+
+    A little pull on the apical points keeps (3.24) from stopping at once because nothing moves yet.
+    """
+    half = 1 / 3 + gap / 2
+    places = np.array([[-half, 4.0], [half, 4.0]])
+    return tissue(places, places + np.array((0.0, 4.0)), places * (1, 0), stiff_ax=0.01, stiff_bx=0.01, stiff_axb=0.0)
+
+
+FREE = numbers(junction_factor=0.0, repulsion=0.0, max_basal_distance=9.0)
+
+
+@pytest.mark.parametrize("gap", [-0.1, 0.05])
+def test_printed_signs_let_discs_overlap_and_attract_others(gap):
+    state, network, apart = two(gap), layers(2, apical=[0], basal=[0]), lambda c: c.x[1] - c.x[0]
+    steps = TABLE_4._replace(**steps_of(300))
+    as_printed = apart(literal(state, network, FREE, steps, printed=True)[0])
+    right = apart(TissueArrowHurwicz(steps).minimise(state, network, FREE).cells)
+    if gap < 0:
+        assert as_printed == apart(state)
+        assert right > apart(state) + 0.05
+    else:
+        assert as_printed < apart(state) - 0.02
+        assert right == apart(state)
+
+
+@pytest.mark.parametrize(("side", "terminates"), [(1.03, True), (0.97, False)])
+def test_a_nucleus_too_near_to_its_apical_point_never_rests(side, terminates):
+    """The bending energy has the curvature 2 alpha_axb / |A - X|^2: stable where alpha/2 of it is below 2."""
+    limit = math.sqrt(TABLE_4.alpha * 15.0 / 2)
+    length = limit * side
+    state = tissue([(1e-3, 8.0 - length)], [(0.0, 8.0)], [(0.0, 0.0)], rest_ax=length - 1, rest_bx=7.0 - length)
+    reached = found(state, layers(1), numbers(), most_iterations=20_000)
+    assert reached.status is (dincl.Status.SUCCESS if terminates else dincl.Status.NOT_CONVERGED)
+    if not terminates:
+        assert "did not terminate in 20,000 iterations" in reached.detail
+        end = reached.cells
+        assert np.hypot(end.x - end.ax, end.y - end.ay)[0] == pytest.approx(limit, rel=3e-3)
+        later = found(state, layers(1), numbers(), most_iterations=20_001).cells
+        assert abs(end.x - end.ax)[0] > 1e-4
+        assert (later.x - later.ax)[0] == pytest.approx(-(end.x - end.ax)[0], rel=0.02)
+
+
+def test_divergence_is_told():
+    reached = found(cells(12, 1), layers(12), numbers(), alpha=3.0)
+    assert np.isfinite(particles(reached.cells)).all()
+    assert reached.status is dincl.Status.NON_FINITE
+    assert reached.iterations < 1000
+    assert (reached.energy, reached.violation) == (math.inf, math.inf)
+    assert "did not terminate" in reached.detail
+
+
+def test_a_crowd_is_told():
+    reached = found(
+        tissue(*[np.linspace(0.0, 0.3, 90)[:, None] * (1, 0.1) + (0, y) for y in (4, 8, 0)]),
+        layers(90, basal=[]),
+        numbers(),
+    )
+    assert reached.status is dincl.Status.CROWDED
+
+
+def test_what_is_given_stays_as_it_is():
+    state, network = cells(9, 4), layers(9)
+    copies = [array.copy() for array in (*state, *network)]
+    reached = found(state, network, numbers(), **steps_of(50))
+    assert all((a == b).all() for a, b in zip(copies, (*state, *network), strict=True))
+    assert all((getattr(reached.cells, name) == getattr(state, name)).all() for name in state._fields[6:])
+    assert (reached.cells.by == 0.0).all()
+
+
+def test_violation_is_the_largest_of_all():
+    state = cells(5, 1, radius=1e-3)._replace(bx=np.array([0.0, 0.1, 0.05, 0.25, 0.35]))
+    assert broken(state, layers(5), numbers(max_basal_distance=0.2)) == pytest.approx(0.05)
+    assert broken(state, layers(5), numbers(max_basal_distance=0.12)) == pytest.approx(0.08)
+    assert broken(two(-0.1), layers(2), FREE) == pytest.approx(0.1)
+    assert broken(two(0.1), layers(2), FREE) == 0.0
+
+
+@pytest.mark.parametrize(("name", "value"), BAD.items())
+def test_bad_numbers(name, value):
+    with pytest.raises(dincl.InvalidProblem, match=name):
+        TissueArrowHurwicz(TABLE_4._replace(**{name: value}))
+
+
+@pytest.mark.parametrize("place", [1e7, math.inf, math.nan])
+def test_a_state_beyond_all_bounds(place):
+    state = cells(4, 1)
+    state.x[2] = place
+    with pytest.raises(dincl.InvalidProblem, match="must be below"):
+        found(state, layers(4), numbers())
+
+
+def test_layers_and_numbers_of_another_tissue():
+    with pytest.raises(dincl.InvalidProblem, match="= 8: must be an index"):
+        found(cells(8, 1), layers(8, basal=[0, 8]), numbers())
+    with pytest.raises(dincl.InvalidProblem, match="daha_numbers"):
+        TissueArrowHurwicz(numbers())

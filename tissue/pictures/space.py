@@ -1,0 +1,155 @@
+"""A tissue in space for VTK: nuclei, apical and basal surface, and a view of them. Only here is PyVista."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Sequence
+from ctypes.util import find_library
+from os import PathLike
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dincl.checks import path as checked_path
+from dincl.errors import InvalidProblem
+from dincl.extras import needs
+from tissue.files.parameters import Parameters
+from tissue.frames.frame import Frame
+from tissue.frames.observables import is_measurable
+from tissue.frames.section import cut, in_one_period
+from tissue.pictures.emt import event_colours, label_of
+from tissue.pictures.movie import ENDINGS, write_images
+from tissue.pictures.sheet import APICAL, BASAL, COLOURS, colours_of_cells, shades
+from tissue.pictures.state import title_of
+from tissue.state.mesh import Sheets
+
+# Rendered by VTK itself, so that a picture has the same dots with and without a display.
+RENDERER = ("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
+SIZE = (900, 760)  # pixels
+FROM, UP, ROOM = (0.5, 0.55, 1.0), (0.0, 1.0, 0.0), 1.05  # direction of the camera, and room around the tissue
+SURFACE: dict[str, Any] = {"opacity": 0.35, "show_edges": True, "edge_color": "#4a4a4a", "ambient": 0.35}
+TUBE = 0.06  # radius of the line of the section [R_soft]
+
+
+def load_library() -> Any:
+    """Import PyVista; MissingLibrary where it is not installed, InvalidProblem where nothing renders."""
+    if find_library("EGL") is None:
+        raise InvalidProblem(
+            "a view of a tissue in space needs EGL, not installed here: apt install libegl1, on Debian"
+        )
+    os.environ.setdefault(*RENDERER)
+    with needs("a view of a tissue in space", "views"):
+        import pyvista
+    return pyvista
+
+
+def to_vtk(frame: Frame, parameters: Parameters) -> Any:
+    """Return a state in three dimensions as a ``pyvista.MultiBlock``, lengths in um.
+
+    Its blocks are ``nuclei``, points with ``id``, ``radius`` and ``colour``, and the triangles of the networks
+    ``apical`` and ``basal``, those of the first with the ``colour`` of cells at their corners. Of a periodic sheet each
+    triangle is in the period around the origin.
+    """
+    library, sheets = load_library(), _sheets(frame)
+    um, cells = parameters.cell.soft_radius.value, frame.cells
+    colours = shades(colours_of_cells(frame, parameters, event_colours([frame]))[0].tolist())[: len(cells.x)]
+    nuclei = library.PolyData(um * in_one_period(sheets.surface, _points(frame, "")[:, None])[:, 0])
+    nuclei.point_data.update({"id": cells.id, "radius": um * cells.radius, "colour": colours})
+    blocks = {"nuclei": nuclei}
+    for name, mesh in (("apical", sheets.apical), ("basal", sheets.basal)):
+        corners = in_one_period(sheets.surface, _points(frame, name[0])[mesh.triangles])
+        faces = np.insert(np.arange(3 * len(corners)).reshape(-1, 3), 0, 3, axis=1)
+        blocks[name] = library.PolyData(um * corners.reshape(-1, 3), faces=faces.ravel())
+    blocks["apical"].point_data["colour"] = colours[sheets.apical.triangles.ravel()]
+    return library.MultiBlock(blocks)
+
+
+def view(
+    frames: Sequence[Frame],
+    parameters: Parameters,
+    path: str | PathLike[str],
+    watch: Callable[[int], None] | None = None,
+) -> None:
+    """Draw the last state into a PNG, or all into a movie: nuclei below the apical surface, and the line of sections.
+
+    Parameters
+    ----------
+    frames
+        At least one, of one run in three dimensions.
+    parameters
+        Of the run.
+    path
+        Where to write: .png, or .gif and .webp for a movie, which repeats for ever.
+    watch
+        Called with the number of frames drawn so far.
+
+    Raises
+    ------
+    InvalidProblem
+        For another ending, no frame at all, one of a slice, one with coordinates that are not finite; MissingLibrary
+        where PyVista is not installed, which the extra ``views`` brings.
+    """
+    kind = checked_path("path", path).suffix.lower()
+    if kind not in (".png", *ENDINGS):
+        raise InvalidProblem(f"path = {str(path)!r}: must end in .png, {', '.join(ENDINGS)}")
+    if not frames:
+        raise InvalidProblem("frames is empty: must have one, to be drawn")
+    chosen = frames[-1:] if kind == ".png" else frames
+    write_images(_rendered(chosen, parameters, watch), len(chosen), path)
+
+
+def _rendered(
+    frames: Sequence[Frame], parameters: Parameters, watch: Callable[[int], None] | None
+) -> Iterator[NDArray[np.uint8]]:
+    """Give red, green, blue (h, w, 3) of each frame, in the scale of the last one."""
+    library = load_library()
+    plotter: Any = library.Plotter(off_screen=True, window_size=list(SIZE), lighting="light kit")
+    plotter.enable_anti_aliasing("ssaa")
+    plotter.enable_parallel_projection()
+    bounds = to_vtk(frames[-1], parameters).bounds
+    try:
+        for k, frame in enumerate(frames, 1):
+            plotter.clear_actors()
+            _add(plotter, library, frame, parameters)
+            plotter.view_vector(FROM, UP, render=False, bounds=bounds)
+            plotter.camera.zoom(1.0 / ROOM)
+            shot: NDArray[np.uint8] = plotter.screenshot(return_img=True)
+            if watch is not None:
+                watch(k)
+            yield shot[:, :, :3].copy()
+    finally:
+        plotter.close()
+
+
+def _add(plotter: Any, library: Any, frame: Frame, parameters: Parameters) -> None:
+    """Add a state to the scene; inside of a surface that bends the half behind the section alone."""
+    blocks, sheets, um = to_vtk(frame, parameters), _sheets(frame), parameters.cell.soft_radius.value
+    if sheets.surface.side < 0.0:
+        blocks = {name: blocks[name].clip("z", value=0.0) for name in blocks.keys()}  # noqa: SIM118
+    ball = library.Sphere(radius=1.0, theta_resolution=20, phi_resolution=20)
+    balls = blocks["nuclei"].glyph(geom=ball, scale="radius", orient=False)
+    plotter.add_mesh(balls, scalars="colour", rgb=True, smooth_shading=True, render=False)
+    plotter.add_mesh(blocks["apical"], scalars="colour", rgb=True, render=False, **SURFACE)
+    plotter.add_mesh(blocks["basal"], color=BASAL, opacity=0.15, render=False)
+    pieces = cut(sheets.surface, sheets.apical, _points(frame, "a"))
+    if len(pieces):
+        ends = um * np.pad(pieces, ((0, 0), (0, 0), (0, 1))).reshape(-1, 3)
+        plotter.add_mesh(library.line_segments_from_points(ends).tube(radius=um * TUBE), color=APICAL, render=False)
+    plotter.add_text(title_of(frame, parameters, 2), font_size=10, color="black", render=False)
+    events = {label_of(name): colour for name, colour in event_colours([frame]).items()}
+    labels = [[f" {name}", colour] for name, colour in (COLOURS | events).items()]
+    plotter.add_legend(labels, bcolor=None, face="circle", loc="lower left", size=(0.16, 0.04 * len(labels)))
+
+
+def _sheets(frame: Frame) -> Sheets:
+    if frame.sheets is None:
+        raise InvalidProblem("frames are of a slice: must be of a tissue in three dimensions; draw a slice with plot")
+    if not is_measurable(frame):
+        raise InvalidProblem(f"frame of t = {frame.t:g} h: must have finite coordinates, to be drawn")
+    return frame.sheets
+
+
+def _points(frame: Frame, letter: str) -> NDArray[np.float64]:
+    """Return nuclei, apical ("a") or basal points ("b"), (n, 3)."""
+    return np.column_stack([getattr(frame.cells, letter + axis) for axis in "xyz"])

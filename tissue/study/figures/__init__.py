@@ -1,1 +1,0 @@
-"""The counterparts of Figures 10 to 22 of chapter 4, from the stored tables of studies."""

@@ -1,1 +1,0 @@
-"""Measurements beyond the thesis: better schemes, proofs, moving sets, curved layers, three dimensions."""

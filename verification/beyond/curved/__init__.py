@@ -1,1 +1,0 @@
-"""Tissue on curved basal layers and in closed tubes."""

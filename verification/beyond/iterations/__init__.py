@@ -1,1 +1,0 @@
-"""Iterations or smaller steps: PBD and XPBD at equal cost."""

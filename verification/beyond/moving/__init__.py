@@ -1,1 +1,0 @@
-"""Scenes whose sets turn, close and grow."""

@@ -1,1 +1,0 @@
-"""Solutions with proved bounds, of exact and of random scenes."""

@@ -1,1 +1,0 @@
-"""The sections of the chapter on the tissue in three dimensions."""

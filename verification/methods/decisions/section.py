@@ -1,0 +1,207 @@
+"""How often each method is the cheapest on random scenes, and whether ``Auto`` keeps its promise on them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import pandas as pd
+
+from verification.instruments.cheapest import LEAST_SPREAD
+from verification.methods.decisions.scenes import MOST_PARTICLES
+from verification.methods.decisions.study import AUTO, BUDGET, LOOKS, NO_REFERENCE, charts
+from verification.site import cards
+from verification.site.cards import share
+from verification.site.context import Context
+from verification.site.parts import Follows, Grid, Picture, Section, Text, number
+from verification.site.prose import fill
+from verification.site.report import Card
+from verification.site.sheet import Axes, legend_below, sheet
+
+PROSE = Path(__file__).parent / "prose" / "decisions.html"
+TITLE = "Does Auto keep the error that is asked for?"
+PROFILE = "How often is each method the cheapest?"
+# Ranges of the errors that are asked for [length].
+BANDS = ((1e-3, 10**-1.5), (1e-4, 1e-3), (1e-5, 1e-4))
+ALL = (BANDS[-1][0], BANDS[0][1])
+COSTS: Mapping[str, str] = {"cpu_seconds": "CPU time", "drift_evaluations": "evaluations of the drift"}
+# What the CPU time of Auto is divided by -> the methods of which it is the least.
+OVER = {
+    "the least cost of the five methods": list(LOOKS),
+    "the least cost of midpoint catch-up with a fixed step": ["midpoint catch-up"],
+    "the least cost of adaptive catch-up": ["adaptive catch-up"],
+}
+# Shares of scenes that are wanted: true error at most the one asked for, stated error at least the true one. No error
+# is larger than so many times the one asked for.
+WANTED, BEYOND = {"right": 0.97, "stated": 0.99}, 3.0
+
+
+def in_band(rows: pd.DataFrame, band: tuple[float, float]) -> pd.DataFrame:
+    """Return the rows whose error asked for is above the first bound, and at most the second one."""
+    return rows[(rows["asked"] > band[0]) & (rows["asked"] <= band[1])]
+
+
+def band_words(band: tuple[float, float]) -> str:
+    """Return a range of errors in words."""
+    return f"{number(band[0])} to {number(float(f'{band[1]:.1g}'))}"
+
+
+def shares(rows: pd.DataFrame) -> pd.DataFrame:
+    """Return a row for each cost, band and method: in which shares of the scenes it is the cheapest, or nearly so.
+
+    ``1``: it is the cheapest or ties with it, ``alone``: nobody ties with it; ``2``, ``10``: its cost is at most so
+    many times the least one; ``reached``: it reaches the error at any cost.
+    """
+    found = []
+    profiles, asked = charts(rows)
+    for cost, words in COSTS.items():
+        every, errors = profiles.ratios(asked, cost=cost), pd.Series(asked)
+        for band in (ALL, *BANDS):
+            over = every[(errors > band[0]) & (errors <= band[1])]
+            alone = (over == 1).sum(axis=1) == 1
+            for method in LOOKS:
+                row = {"cost": words, "error": band_words(band), "scenes": len(over), "method": method}
+                row["alone"] = float(((over[method] == 1) & alone).mean())
+                row |= {f"{ratio}": float((over[method] <= ratio).mean()) for ratio in (1, 2, 10)}
+                found.append(row | {"reached": float(over[method].notna().mean())})
+    return pd.DataFrame(found)
+
+
+def promise(rows: pd.DataFrame) -> pd.DataFrame:
+    """Return a row for each question about ``Auto``: number of scenes, share with its 95 % interval (Wilson)."""
+    auto = rows[rows["method"] == AUTO]
+    success, over = auto["status"] == "SUCCESS", auto["largest"] / auto["asked"]
+    stated = (auto["largest"] <= auto["stated"] + auto["reference_error"])[success]
+    asked = {
+        "SUCCESS, and the true error is at most the one asked for": success & (over <= 1),
+        "Of those with SUCCESS: the true error is at most the one asked for": (over <= 1)[success],
+        "Of those with SUCCESS: the stated error is at least the true one": stated,
+        f"Of those with SUCCESS: the true error is above {number(BEYOND)} times the one asked for": (over > BEYOND)[
+            success
+        ],
+    }
+    found = []
+    for what, good in asked.items():
+        count, of = int(good.sum()), len(good)
+        part, low, high = share(count, of)
+        found.append({"what": what, "count": count, "of": of, "share": part, "low": low, "high": high})
+    return pd.DataFrame(found)
+
+
+def costs_of_auto(rows: pd.DataFrame) -> pd.DataFrame:
+    """Return a row for each entry of OVER: number of scenes, median and 90 % quantile of the ratio of CPU times."""
+    auto = rows[(rows["method"] == AUTO) & (rows["status"] == "SUCCESS")]
+    seconds = auto.set_index(auto["seed"].astype(str))["cpu_seconds"]
+    profiles, asked = charts(rows)
+    least = profiles.costs(asked)
+    ratios = {over: (seconds / least[methods].min(axis=1)).dropna() for over, methods in OVER.items()}
+    return pd.DataFrame(
+        {"over": over, "scenes": len(one), "median": one.median(), "most": one.quantile(0.9)}
+        for over, one in ratios.items()
+    )
+
+
+def draw(rows: pd.DataFrame, path: Path) -> Path:
+    """Draw the performance profiles over all scenes, by CPU time and by counted work."""
+    with sheet(path, 4.2) as figure:
+        panels = figure.subplots(1, len(COSTS), sharey=True)
+        for panel, cost in zip(panels, COSTS, strict=True):
+            _draw(panel, rows, cost)
+        panels[1].set_ylabel("")
+        legend_below(figure, panels[:1], len(LOOKS))
+    return path
+
+
+def draw_bands(rows: pd.DataFrame, path: Path) -> Path:
+    """Draw the performance profiles by CPU time, a panel for each range of errors."""
+    with sheet(path, 3.2) as figure:
+        panels = figure.subplots(1, len(BANDS), sharey=True)
+        for panel, band in zip(panels, BANDS, strict=True):
+            count = _draw(panel, in_band(rows, band), "cpu_seconds")
+            panel.set_title(f"error {band_words(band)}, {count} scenes")
+        for panel in panels[1:]:
+            panel.set_ylabel("")
+        legend_below(figure, panels[:1], len(LOOKS))
+    return path
+
+
+def draw_card(rows: pd.DataFrame, path: Path) -> Path:
+    """Draw the profiles by CPU time over all errors."""
+    with cards.card(path) as panel:
+        _draw(panel, rows, "cpu_seconds")
+        panel.set(title="", ylabel="share of random scenes")
+        panel.legend(fontsize=7.5, ncols=3, loc="lower center", bbox_to_anchor=(0.5, 1.0))
+    return path
+
+
+def _draw(panel: Axes, rows: pd.DataFrame, cost: str) -> int:
+    """Draw the profiles of some scenes; return how many these are."""
+    profiles, asked = charts(rows)
+    profiles.plot(panel, asked, cost=cost)
+    panel.set_title(f"{len(asked)} random scenes")
+    if legend := panel.get_legend():
+        legend.remove()
+    return len(asked)
+
+
+def run(context: Context) -> None:
+    """Complete the study; keep how often each method is the cheapest, and what ``Auto`` keeps."""
+    rows = context.rows("decisions")
+    context.keep("decisions_profile", shares(rows))
+    context.keep("decisions_promise", promise(rows))
+    context.keep("decisions_cost", costs_of_auto(rows))
+
+
+def _said(context: Context) -> dict[str, str]:
+    rows, kept = context.tables["decisions"], context.tables["decisions_promise"]
+    found = context.tables["decisions_profile"]
+    by_time = found[(found["error"] == band_words(ALL)) & (found["cost"] == COSTS["cpu_seconds"])].to_dict("records")
+    return fill(
+        PROSE,
+        most=MOST_PARTICLES,
+        scenes=rows["seed"].nunique(),
+        without=int((rows["status"] == NO_REFERENCE).sum()),
+        compared=by_time[0]["scenes"],
+        by_time=by_time,
+        usually=max(by_time, key=lambda row: row["1"]),
+        within=LEAST_SPREAD,
+        budget=BUDGET,
+        kept=next(kept.iloc[:1].itertuples()),
+        cost=context.tables["decisions_cost"].iloc[0],
+    )
+
+
+def profile_section(context: Context) -> Section:
+    """Return how often each method is the cheapest on random scenes, by CPU time and by counted work."""
+    said, rows = _said(context), context.tables["decisions"]
+    return Section(
+        PROFILE,
+        [
+            Picture(context.draw("decisions_profile", draw, rows), said["curves"]),
+            Picture(context.draw("decisions_bands", draw_bands, rows), said["bands"]),
+            Follows(said["often"]),
+            _grid(context, "decisions_profile", said["shares"]),
+            Text(said["compared"]),
+        ],
+    )
+
+
+def section(context: Context) -> Section:
+    """Return what ``Auto`` keeps, and what it costs."""
+    said = _said(context)
+    grids = (_grid(context, f"decisions_{name}", said[name]) for name in ("promise", "cost"))
+    return Section(TITLE, [Follows(said["auto"]), *grids, Text(said["why"])])
+
+
+def _grid(context: Context, name: str, caption: str) -> Grid:
+    return Grid(context.headed("decisions", context.tables[name]), caption, name)
+
+
+def card(context: Context, place: int) -> Card:
+    """Return the profiles over all errors, for the first page."""
+    return Card(context.draw("card_speed", draw_card, context.tables["decisions"]), often(context), place)
+
+
+def often(context: Context) -> str:
+    """Return in a sentence how often each method is the cheapest."""
+    return _said(context)["often"]

@@ -1,0 +1,559 @@
+"""Single failures that theory predicts, with the number or the kind that is expected."""
+# ruff: noqa: RUF001 - formulas for readers are written with Greek letters and minus signs
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+import dincl
+from dincl.drifts import attraction, constant
+from dincl.minimise import minimise
+from dincl.study import Study
+from verification.instruments.predicted import Case, Found, boundary, cases_study, happens, within
+from verification.methods.stability import crowd, drift, radius, rows, saddle
+from verification.methods.stability.schemes import SCHEMES, TOL, Maker
+
+Floats = NDArray[np.float64]
+PRECISION = 1e-3
+
+
+# Springs come to rest up to dt strength = 2 / lambda_max(J J^T).
+
+DT = 1e-3
+# A run is at rest if it moves, in its last step, by less than this part of dt |F|.
+RESTING = 1e-2
+# At the distance e from the limit a step changes the error by the factor 1 -+ 2 e: SPRING_PRECISION SPRING_STEPS is 6.
+SPRING_STEPS, SPRING_PRECISION = 1500, 4e-3
+
+
+def spring_limit(problem: dincl.Problem) -> float:
+    """Return 2 / lambda_max(J J^T) of the closed rows, which bounds dt strength in z' = -strength J^T J z."""
+    matrix = problem.rows_within(0.0, problem.x0, rows.RADIUS / 10).jacobian(problem.x0).toarray()
+    return 2 / float(np.linalg.eigvalsh(matrix @ matrix.T)[-1])
+
+
+def row_limit(n: int) -> float:
+    """Return 2 / (2 + 2 cos(2 pi / (2 n + 1))): n discs on a wall, J J^T = tridiag(-1, 2, -1), but 1 at the wall."""
+    return 1 / (1 + math.cos(2 * math.pi / (2 * n + 1)))
+
+
+def pair() -> dincl.Problem:
+    """Return two discs that are pressed together along the diagonal."""
+    push = np.array([[0.6, 0.8], [-0.6, -0.8]])
+    return dincl.Problem([[0.0, 0.0], [0.6, 0.8]], constant(push), [dincl.NonOverlap(0.5)])
+
+
+def hexagon() -> dincl.Problem:
+    """Return seven discs, densely packed and drawn to the middle one; a little off, so that every mode is excited."""
+    angle = np.arange(6) * np.pi / 3
+    ring = np.column_stack((np.cos(angle), np.sin(angle)))
+    x = 1.002 * np.vstack(([[0.0, 0.0]], ring)) + 5e-4 * np.random.default_rng(3).uniform(-1, 1, (7, 2))
+    return dincl.Problem(x, attraction(0), [dincl.NonOverlap(0.5)])
+
+
+def rests(problem: dincl.Problem, strength: float) -> bool:
+    """Return whether springs of this strength come to rest."""
+    end = SPRING_STEPS * DT
+    path = dincl.solve(problem, dincl.Penalty(dt=DT, strength=strength), t=[end - DT, end], throw=False)
+    load = float(np.abs(problem.drift(0.0, problem.x0)).max())
+    return bool(path.status) and float(np.abs(path.x[-1] - path.x[-2]).max()) <= RESTING * DT * load
+
+
+def _springs(make: Callable[[], dincl.Problem], expected: float, allowed: float, words: str) -> Found:
+    found = DT * boundary(partial(rests, make()), expected / DT / 2, 2 * expected / DT, SPRING_PRECISION)
+    return within(expected, found, allowed, words)
+
+
+def _hexagon() -> Found:
+    # The load adds terms of size load / strength = O(dt), and the ring has slack in its first steps.
+    return _springs(hexagon, spring_limit(hexagon()), 1e-2, "seven discs, twelve contacts")
+
+
+def chatter(dt: float, strength: float) -> float:
+    """Measure how far a disc that the force 1 presses onto a wall moves to and fro, under the force as printed."""
+    scheme = dincl.Penalty(dt=dt, strength=strength, exponent=1)
+    return float(np.ptp(dincl.solve(rows.pressed(1), scheme, t=dt * np.arange(1000, 2001)).x))
+
+
+def _printed() -> Found:
+    # The load and the strengths have no common measure, so that chatter does not become periodic.
+    strengths = [math.sqrt(2) * factor for factor in (1, 10, 100)]
+    ratios = [chatter(dt, s) / (dt * s) for dt in (1e-1, 1e-2, 1e-3, 1e-4) for s in strengths]
+    agrees = max(ratios) <= 1 + 1e-9 and min(ratios) > 0.95
+    words = f"range / (dt strength) is {min(ratios):.3f} ... {max(ratios):.3f} for dt from 1e-4 to 0.1"
+    return Found(1.0, min(ratios), agrees, words)
+
+
+SPRINGS = (
+    Case(
+        "penalty-wall",
+        "Springs, one disc on a wall",
+        "unstable beyond dt k |J Jᵀ| = 2: dt k = 2",
+        partial(_springs, partial(rows.pressed, 1), 2.0, 2 * SPRING_PRECISION, "one disc on a wall"),
+    ),
+    Case(
+        "penalty-pair",
+        "Springs, two discs",
+        "|J Jᵀ| = 2: dt k = 1",
+        partial(_springs, pair, 1.0, 2 * SPRING_PRECISION, "two discs pressed together"),
+    ),
+    *(
+        Case(
+            f"penalty-row-{n}",
+            f"Springs, a row of {n} on a wall",
+            "λ_max(J Jᵀ) = 2 + 2 cos(2π/(2n + 1)) → 4",
+            partial(_springs, partial(rows.pressed, n), row_limit(n), 2 * SPRING_PRECISION, f"{n} discs in a row"),
+        )
+        for n in (2, 4, 8)
+    ),
+    Case(
+        "penalty-dense",
+        "Springs, seven discs packed densely",
+        "dt k = 2/λ_max(J Jᵀ), numerically",
+        _hexagon,
+    ),
+    Case(
+        "penalty-printed",
+        "The force as printed",
+        "constant in size, so a disc chatters at every dt: its range over dt k",
+        _printed,
+    ),
+)
+
+
+# Sweeps over rows of discs.
+
+# Sweeps over which a contraction is measured, after the faster modes have died out: multiples of n^2.
+SETTLING, MEASURING = 1.0, 0.25
+# Overlap at which a row is called sorted out [diameters].
+SORTED = 1e-3
+
+
+def contraction(count: int) -> float:
+    """Return the factor by which a sweep of XPBD shortens the overlap of a row of ``count`` contacts in a step."""
+    row = np.arange(count + 1)[:, None]
+    problem = dincl.Problem(1.0 * row, constant(-1e-3 * row), [dincl.NonOverlap(rows.RADIUS)])
+    first, more = max(4, round(SETTLING * count**2)), max(6, round(MEASURING * count**2))
+    ends = [dincl.solve(problem, dincl.XPBD(1.0, sweeps=sweeps), t=1.0) for sweeps in (first, first + more)]
+    overlaps = [float(end.violation()[-1]) for end in ends]
+    return float((overlaps[1] / overlaps[0]) ** (1 / more))
+
+
+def predicted_contraction(count: int) -> float:
+    """Return cos^2(pi / (m + 1)): the spectral radius of I - (D + L)^{-1} A for A = tridiag(-1, 2, -1)  (Young)."""
+    return math.cos(math.pi / (count + 1)) ** 2
+
+
+def _contraction(count: int) -> Found:
+    """Compare the sweeps for a factor e, 1 / -log(rho), since rho itself is near 1."""
+    expected, found = (-1 / math.log(rho) for rho in (predicted_contraction(count), contraction(count)))
+    return within(expected, found, 1e-3, f"sweeps for a factor e, {count} contacts")
+
+
+def _two() -> Found:
+    return within(predicted_contraction(2), contraction(2), 1e-6, "factor of a sweep, two contacts")
+
+
+def overlap_after(n: int, sweeps: int) -> float:
+    """Return the overlap of a row, a tenth of a diameter at first, after a step of PBD."""
+    start = (0.9 * np.arange(n) + rows.RADIUS)[:, None]
+    problem = dincl.Problem(rows.packed(n), constant(start - rows.packed(n)), rows.pressed(n).constraints)
+    return float(dincl.solve(problem, dincl.PBD(dt=1.0, sweeps=sweeps), t=1.0).violation()[-1])
+
+
+def sweeps_needed(n: int) -> int:
+    """Count the sweeps of PBD until a row that overlaps by a tenth of a diameter overlaps by ``SORTED`` at most."""
+    few, many = 0, 1
+    while overlap_after(n, many) > SORTED:
+        few, many = many, 2 * many
+    while many - few > 1:
+        middle = (few + many) // 2
+        few, many = (few, middle) if overlap_after(n, middle) <= SORTED else (middle, many)
+    return many
+
+
+def _sweeps_grow() -> Found:
+    counts = {n: sweeps_needed(n) for n in (8, 16, 32, 64)}
+    slope = math.log(counts[64] / counts[16]) / math.log(4)
+    listed = ", ".join(f"{count} for {n}" for n, count in counts.items())
+    return Found(2.0, slope, abs(slope - 2) < 0.15, f"sweeps to an overlap of {SORTED:g}: {listed}")
+
+
+def equilibrium(n: int, dt: float, sweeps: int = 1) -> Floats:
+    """Return where PBD leaves the row, shape (n,): how much closer to the wall than it should be, from a run of PBD."""
+    end = dt * (40 * n + 4 * n**2)
+    path = dincl.solve(rows.pressed(n), dincl.PBD(dt=dt, sweeps=sweeps), t=end)
+    left: Floats = (rows.packed(n) - path.final)[:, 0]
+    return left
+
+
+def _equilibrium() -> Found:
+    counts = (2, 3, 5, 8, 16)
+    worst = max(abs(equilibrium(n, dt)[-1] / (dt * rows.sunk(n)) - 1) for n in counts for dt in (1e-4, 1e-3, 2e-3))
+    shown = ", ".join(f"{n}: {rows.sunk(n):g}" for n in counts)
+    words = f"depth of the last disc / (dt |F|), n: depth {shown}; largest deviation {worst:.0e}"
+    return Found(0.0, worst, worst < 1e-3, words)
+
+
+ROWS = (
+    Case("sweep-contraction-2", "Dual sweeps, two contacts", "factor of a sweep cos²(π/(m + 1)) = 1/4", _two),
+    *(
+        Case(
+            f"sweep-contraction-{count}",
+            f"Dual sweeps, {count} contacts in a row",
+            "−1/log cos²(π/(m + 1)) ≈ (m + 1)²/π² sweeps for a factor e",
+            partial(_contraction, count),
+        )
+        for count in (10, 50, 200)
+    ),
+    Case("pbd-sweeps", "Sweeps of PBD to sort out a row", "as n²: the exponent", _sweeps_grow),
+    Case(
+        "pbd-equilibrium",
+        "Equilibrium of PBD in a row",
+        "dt |F| (n + (n − 1)(n − 2)/2) too deep: relative deviation",
+        _equilibrium,
+    ),
+)
+
+
+# Crowds.
+
+MANY = 1000
+# Most of the way is done by then: e^-3 of the spread is left [time].
+SETTLED = 3.0
+
+
+def _collapse() -> Found:
+    """Let a thousand discs collapse under one sweep."""
+    found = []
+    for dt, sweeps in ((1e-3, 1), (1e-2, 1), (1e-1, 1), (1e-1, 16), (1e-2, 16)):
+        path = dincl.solve(crowd.crowd(MANY), dincl.PBD(dt=dt, sweeps=sweeps), t=SETTLED)
+        found.append((dt, sweeps, crowd.gyration(path.final) / crowd.densest(MANY), float(path.violation()[-1])))
+    listed = "; ".join(f"dt = {dt:g}, {sweeps}: {size:.2f}, {overlap:.2f}" for dt, sweeps, size, overlap in found)
+    # Across a radius of the heap R discs lie behind each other, and dt R^2/2 is what their drift adds up to in a step.
+    load = crowd.radius(MANY) ** 2 / 2
+    collapsed, cured = found[1][2], found[-1][2]
+    return happens(
+        collapsed < 0.75 and found[2][2] < 0.4 and cured > 1 - crowd.ALIKE and found[0][3] > 1e-3 * load / 2,
+        f"radius of gyration over that of the densest heap, and largest overlap, for dt, sweeps: {listed} (a single "
+        f"sweep needs dt well below 2/R² = {1 / load:.3f}, R = {crowd.radius(MANY):.0f} discs)",
+    )
+
+
+def _coincide(label: str) -> Found:
+    outcomes = {}
+    for dt in (1 - 1e-3, 1.0, 1 + 1e-3):
+        path = dincl.solve(dincl.scenes.four_disks(), SCHEMES[label](dt=dt), t=20 * dt, throw=False)
+        outcomes[dt] = path.status
+    refused = dincl.Status.COINCIDENT_CENTRES
+    words = ", ".join(f"dt = {dt:g}: {status.name}" for dt, status in outcomes.items())
+    return happens([dt for dt, status in outcomes.items() if status is refused] == [1.0], words)
+
+
+def _coincide_linearised() -> Found:
+    """Rows are linearised where the discs were, and there they have directions."""
+    scheme = SCHEMES["linearised with Daqp"](dt=1.0)
+    path = dincl.solve(dincl.scenes.four_disks(), scheme, t=20.0, throw=False)
+    overlap = float(path.violation()[-1])
+    words = f"{path.status.name}, overlap {overlap:.0e}, while the prediction is a single point"
+    return happens(bool(path.status) and overlap < 1e-8, words)
+
+
+COINCIDING = {"pbd": "PBD", "second_order": "second-order PBD", "penalty_tied": "springs of 0.3/dt"}
+CROWDS = (
+    Case(
+        "collapse",
+        "A thousand attracted discs, one sweep",
+        "one sweep does not carry the load dt R²/2: the heap collapses",
+        _collapse,
+    ),
+    *(
+        Case(
+            f"coincide-{name}",
+            f"Centres driven to coincide, {label}",
+            "F = −x, dt = 1: refused just there, not at dt = 1 ± 0.001",
+            partial(_coincide, label),
+        )
+        for name, label in COINCIDING.items()
+    ),
+    Case(
+        "coincide-linearised",
+        "Centres driven to coincide, linearised",
+        "rows have directions where the discs were: it goes on, without overlap",
+        _coincide_linearised,
+    ),
+)
+
+
+# Stiff drifts.
+
+# Below the limit symplectic Euler swings by up to 1/sqrt(4 - dt^2 k) of the start, so a large bound is taken.
+BLOWN, DRIFT_STEPS = 100.0, 1000
+
+
+def bounded(label: str, rate: float) -> bool:
+    """Return whether steps of length 1 stay within BLOWN times the start."""
+    path = dincl.solve(drift.drawn(rate), SCHEMES[label](dt=1.0), t=float(DRIFT_STEPS), throw=False)
+    return float(np.abs(path.final).max()) <= BLOWN * float(np.abs(drift.START).max())
+
+
+def _stiff(label: str, expected: float) -> Found:
+    found = boundary(partial(bounded, label), expected / 2, 2 * expected, PRECISION)
+    # Just above the limit the growth over the steps of a run is too small to be seen.
+    return within(expected, found, 1e-2, f"dt rate, {label}")
+
+
+DRIFTS = (
+    Case("drift-pbd", "A stiff drift, PBD", "explicit Euler: dt k = 2", partial(_stiff, "PBD", 2.0)),
+    Case(
+        "drift-second",
+        "A stiff drift, second-order PBD",
+        "symplectic Euler: dt² k = 4",
+        partial(_stiff, drift.SECOND, 4.0),
+    ),
+)
+
+
+# Steps of the prox-regularity radius.
+
+# Two starts differ by this much: small, but far above rounding.
+TWIN = 1e-12
+GAP_PRECISION = 1e-4
+# So many that a step is as good as a projection.
+MANY_SWEEPS = 256
+
+
+def on_ball(side: float, step: float) -> dincl.Problem:
+    """Return a point on a ball of radius 1, a little to the side, that a step pushes into it."""
+    push = constant(np.array([[-step, 0.0]]))
+    obstacle = dincl.OutsideBall(centre=(0, 0), distance=1.0)
+    return dincl.Problem([[math.sqrt(1 - side**2), side]], push, [obstacle])
+
+
+def touching(side: float, step: float) -> dincl.Problem:
+    """Return two touching discs of radius 1/2, a little turned; a step in R^4 moves each by step / sqrt(2)."""
+    each, turn = step / math.sqrt(2), side / math.sqrt(2)  # each is moved across, in opposite directions
+    push = constant(np.array([[each, 0.0], [-each, 0.0]]))
+    return dincl.Problem([[-0.5, -turn], [0.5, turn]], push, [dincl.NonOverlap(0.5)])
+
+
+def landed(problem: dincl.Problem) -> Floats:
+    """Return P_S (x0 + F), by its formula, where the end of the step is in the ball or the discs overlap."""
+    y = problem.x0 + problem.velocity(0.0, problem.x0)
+    middle, distance = (0.0, 1.0) if len(y) == 1 else (y.mean(axis=0), 0.5)
+    nearest: Floats = middle + distance * (y - middle) / np.linalg.norm(y - middle, axis=1, keepdims=True)
+    return nearest
+
+
+def stepped(problem: dincl.Problem) -> Floats:
+    """Return the state after one step of PBD."""
+    return dincl.solve(problem, dincl.PBD(dt=1.0), t=1.0).final
+
+
+def spread(
+    make: Callable[[float, float], dincl.Problem], move: Callable[[dincl.Problem], Floats], step: float
+) -> float:
+    """Return the distance after one step of two states that start ``TWIN`` apart."""
+    ends = [move(make(side, step)) for side in (-TWIN / 2, TWIN / 2)]
+    return float(np.linalg.norm(ends[1] - ends[0]))
+
+
+def _amplified(eta: float, make: Callable[[float, float], dincl.Problem], what: str) -> Found:
+    """P_S has the Lipschitz constant eta / (eta - s) at the distance s < eta from S, and no constant at eta."""
+    moves, parts = (landed, stepped), (0.5, 0.9, 0.99, 0.999)
+    worst = max(abs(spread(make, one, part * eta) / TWIN * (1 - part) - 1) for one in moves for part in parts)
+    split = min(spread(make, one, eta * (1 + 1e-15)) for one in moves)
+    words = f"{what}: steps s of {parts} η, to {worst:.0e}; a step of η takes them {split:.2f} apart"
+    return Found(1.0, 1 + worst, worst < 1e-3 and split > 1.0, words)
+
+
+def stays(make: Maker, dt: float, c: float = 0.6) -> bool:
+    """Return whether the point is above the gap after one step."""
+    problem, height = radius.opening(c)
+    path = dincl.solve(problem, make(dt=dt), t=dt, throw=False)
+    return bool(path.status) and float(path.final[0, 1]) > height / 2
+
+
+def _passes(make: Maker, over: float, words: str) -> Found:
+    """Find the step, over h, at which the point stops staying above."""
+    height = radius.opening(0.6)[1]
+    found = boundary(lambda part: stays(make, part * height), 0.5 * over, 2 * over, GAP_PRECISION)
+    return within(over, found, 3 * GAP_PRECISION, f"{words}, c = 0.6")
+
+
+def _linearised() -> Found:
+    """S~ at the corner is the tangent wedge, which the point cannot leave."""
+    steps = (0.5, 1.0, 2.0, 10.0, 1e3)
+    held = [stays(SCHEMES["linearised with Daqp"], s) for s in steps]
+    return happens(all(held), f"it stays above for steps up to {steps[-1]:g} times η")
+
+
+RADII = (
+    Case(
+        "radius-disc",
+        "A step of η into a round obstacle",
+        "distance of two starts over δ η/(η − s); split at η",
+        partial(_amplified, 1.0, on_ball, "two starts 1e-12 apart on a disc, η = its radius"),
+    ),
+    Case(
+        "radius-pair",
+        "A step of η into another disc",
+        "the same with η = √2 R for two discs",
+        partial(_amplified, 1 / math.sqrt(2), touching, "two discs of radius R, η = √2 R"),
+    ),
+    Case(
+        "gap-sweeps",
+        "Through the gap of two discs, PBD",
+        "each projection keeps the side until step = η = h",
+        partial(_passes, partial(dincl.PBD, sweeps=MANY_SWEEPS), 1.0, f"PBD, {MANY_SWEEPS} sweeps: step / h"),
+    ),
+    *(
+        Case(
+            f"gap-{name}",
+            f"Through the gap of two discs, {label}",
+            "a local minimum above: it passes only at step = 2h, not at h",
+            partial(_passes, SCHEMES[label], 2.0, f"{label}: step / h"),
+        )
+        for name, label in zip(("catch_up_ipopt", "catch_up_daqp"), radius.SEARCH, strict=True)
+    ),
+    Case("gap-linearised", "Through the gap of two discs, linearised", "never: S̃ is the wedge above", _linearised),
+)
+
+
+# Saddle points.
+
+# A residual of a tenth of that of the start, in at most so many steps: a factor of 1 - 1/800 a step.
+NEAR, MOST, ALLOWED = 0.05, 2000, 1e-2
+
+
+def weight() -> dincl.Problem:
+    """Return min x for x >= 1, from 1.5: the same minimum as ``saddle.spring`` with h = 0."""
+    push = constant(np.array([[-1.0]]))
+    return dincl.Problem([[1.5]], push, [dincl.HalfSpace(normal=(1,), offset=1.0)])
+
+
+def converges(method: str, alpha: float, beta: float) -> bool:
+    """Return whether a method gets near the minimum of ``saddle.spring``."""
+    limit = MOST // 4 if method == saddle.UZAWA else MOST  # each of its steps is a minimisation
+    found = minimise(saddle.spring(), saddle.minimiser(method, alpha, beta, limit=limit), throw=False)
+    return found.residual <= NEAR
+
+
+def _alpha() -> Found:
+    """alpha (2 h + beta j) = 4 at beta = 1: the eigenvalue -1 of [[1 - a, a], [-b (1 - a), 1 - a b]]."""
+    found = boundary(lambda alpha: converges(saddle.PLAIN, alpha, 1.0), 0.3, 1.9, PRECISION)
+    return within(4 / 3, found, ALLOWED, "α at β = 1, Arrow-Hurwicz")
+
+
+def _beta() -> Found:
+    found = boundary(lambda beta: converges(saddle.PLAIN, 0.5, beta), 1.0, 50.0, PRECISION)
+    return within(6.0, found, ALLOWED, "β at α = 0.5, Arrow-Hurwicz")
+
+
+def _damped() -> Found:
+    """The modulus 1 of a complex pair of [[1 - a h / 2, a / 2], [-b, 1]]: its determinant 1 - a (h - b) / 2."""
+    found = boundary(lambda beta: converges(saddle.DAMPED, 1.0, beta), 0.2, 5.0, PRECISION)
+    return within(1.0, found, ALLOWED, "dτ β at α = 1, damped, γ = 0: β dτ < h")
+
+
+def _uzawa() -> Found:
+    found = boundary(lambda step: converges(saddle.UZAWA, 1.0, step), 0.3, 9.0, PRECISION)
+    return within(2.0, found, ALLOWED, "step of Uzawa, 2 / |B A⁻¹ Bᵀ|")
+
+
+def _weight() -> Found:
+    """h = 0: the determinant is 1, and the pair swings for ever, whatever the steps; gamma damps it."""
+    choices = [(alpha, beta) for alpha in (0.01, 0.1) for beta in (0.1, 1.0)]
+    swings = [minimise(weight(), saddle.minimiser(saddle.PLAIN, *steps), throw=False).status for steps in choices]
+    damped = minimise(weight(), saddle.minimiser(saddle.DAMPED, 0.1, 0.1, gamma=0.1), throw=False)
+    reported = sum(status is dincl.Status.NOT_CONVERGED for status in swings)
+    words = f"a weight on a floor: {reported} of {len(swings)} choices reach {saddle.LIMIT} steps; damped with γ: "
+    agrees = reported == len(swings) and bool(damped.status)
+    return happens(agrees, f"{words}{damped.status.name} in {damped.iterations}")
+
+
+SADDLES = (
+    Case("saddle-alpha", "Arrow-Hurwicz beyond its descent step", "α (2h + β|J|²) = 4: α = 4/3", _alpha),
+    Case("saddle-beta", "Arrow-Hurwicz beyond its ascent step", "α (2h + β|J|²) = 4: β = 6", _beta),
+    Case("saddle-damped", "Damped Arrow-Hurwicz beyond its ascent step", "dτ β = h for c dτ = 2, γ = 0", _damped),
+    Case("saddle-uzawa", "Uzawa beyond its step", "2/|B A⁻¹ Bᵀ| = 2", _uzawa),
+    Case("saddle-weight", "Arrow-Hurwicz without curvature", "never at rest for h = 0; the damped form is", _weight),
+)
+
+
+# Solvers that find a local minimum only, or reach their limit.
+
+DISCS, STARTS, DEEP = 7, 10, 0.3
+# The valley of Rosenbrock's function: g >= 0 is a thin crooked strip.
+STEEP, WIDE = 1e4, 1e-3
+
+
+def projected(start: Floats, y: Floats) -> Floats:
+    """Return P_S(y) of discs, searched from ``start``, by Ipopt: one catch-up step."""
+    problem = dincl.Problem(start, constant(y - start), [dincl.NonOverlap(0.5)])
+    return dincl.solve(problem, SCHEMES["catch-up with Ipopt"](dt=1.0), t=1.0).final
+
+
+def _swapped() -> Found:
+    """Two intervals predicted past each other by 0.1: it is shorter to let them pass, but Ipopt puts them back."""
+    passed = 0.1
+    y = np.array([[0.5 + passed / 2], [0.5 - passed / 2]])
+    found = projected(np.array([[0.0], [1.0]]), y)
+    nearest = (1 - passed) / math.sqrt(2)
+    words = f"distance (1 + 0.1)/√2, in the old order; the nearest point, in the new order, is {nearest:.4f} away"
+    return within((1 + passed) / math.sqrt(2), float(np.linalg.norm(found - y)), 1e-6, words)
+
+
+def _many() -> Found:
+    """Seven discs nearly on one point, searched from ten numberings of a ring."""
+    rng = np.random.default_rng(0)
+    y = DEEP * rng.normal(size=(DISCS, 2))
+    angle = 2 * np.pi * np.arange(DISCS) / DISCS
+    ring = 3 * np.column_stack((np.cos(angle), np.sin(angle)))
+    away = [float(np.linalg.norm(projected(ring[rng.permutation(DISCS)], y) - y)) for _ in range(STARTS)]
+    different = len(np.unique(np.round(away, 6)))
+    words = f"{different} points that meet the first-order conditions, {min(away):.3f} ... {max(away):.3f} away"
+    return happens(different > 1, words)
+
+
+def _strip(x: Floats) -> Floats:
+    a, b = x[0]
+    return np.array([WIDE - STEEP * (b - a * a) ** 2 - (1 - a) ** 2])
+
+
+def _slope(x: Floats) -> Floats:
+    a, b = x[0]
+    return np.array([[4 * STEEP * a * (b - a * a) + 2 * (1 - a), -2 * STEEP * (b - a * a)]])
+
+
+def _limits() -> Found:
+    """Push a point far out of a thin crooked strip."""
+    crooked = dincl.Problem([[1.0, 1.0]], constant(np.array([[-3.0, 2.0]])), [dincl.Smooth(_strip, _slope)])
+    solvers = (dincl.Ipopt(tol=TOL), dincl.Daqp(tol=TOL), dincl.Piqp(tol=TOL), dincl.Clarabel(tol=TOL))
+    schemes: dict[str, dincl.Scheme] = {type(one).__name__: dincl.CatchUp(dt=1.0, projection=one) for one in solvers}
+    schemes["PBD"] = dincl.PBD(dt=1.0)
+    ended = {name: dincl.solve(crooked, scheme, t=1.0, throw=False) for name, scheme in schemes.items()}
+    words = "; ".join(f"{name}: {path.detail.split(' This was')[0]}" for name, path in ended.items())
+    return happens(all(path.status is dincl.Status.NOT_CONVERGED for path in ended.values()), words)
+
+
+LOCAL = (
+    Case("local-swapped", "Ipopt in a local minimum: two intervals that passed each other", "(1 + δ)/√2", _swapped),
+    Case("local-many", "Ipopt in a local minimum: seven discs on one point", "many minima, by the start", _many),
+    Case("limits", "Solvers at their limit: a thin crooked set", "each one reports it", _limits),
+)
+
+CASES: tuple[Case, ...] = (*SPRINGS, *ROWS, *CROWDS, *DRIFTS, *RADII, *SADDLES, *LOCAL)
+# Each takes less than a second.
+QUICK = ("penalty-wall", "sweep-contraction-10", "coincide-pbd", "drift-second", "gap-linearised", "local-swapped")
+
+
+def study(smallest: bool = False) -> Study:
+    """Return all cases, or a few."""
+    cases = [case for case in CASES if case.id in QUICK] if smallest else CASES
+    return cases_study(cases, "stability_cases", "Stability: cases")

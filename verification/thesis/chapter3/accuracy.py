@@ -1,0 +1,197 @@
+"""Accuracy on frozen tissues: the overdamped motion over dt by PBD and catch-up; steps by DAHA beside the minimum."""
+# ruff: noqa: RUF001 - headings for readers are written with mathematical signs
+
+from __future__ import annotations
+
+import time
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from scipy.optimize import nnls
+
+import dincl
+from dincl.study import Key, Row, Study
+from tissue.model.energy import energy, forces
+from tissue.state.cells import Cells
+from verification.instruments.budget import CpuSeconds
+from verification.instruments.method import Method
+from verification.instruments.references import Known
+from verification.instruments.speed_accuracy import WorkPrecisionRuns
+from verification.thesis.chapter3.frozen import Frozen, begun, floored, substepped
+from verification.thesis.chapter3.intervals import over_seeds
+from verification.thesis.chapter3.printed import DT
+from verification.thesis.quasi_steady.daha import TissueArrowHurwicz, violation
+from verification.thesis.quasi_steady.frozen import constraints, frozen_problem, made_feasible, particles
+from verification.thesis.quasi_steady.judge import local_minimum
+
+Floats = NDArray[np.float64]
+# The frozen tissue of the motion: seed, age [h], tolerance of its projections; steps in dt of the reference.
+SEED, AGE, FINE_TOL, REFERENCE = 0, 5.0, 1e-10, 2560
+SUBSTEPS = (5, 10, 20, 40, 80, 160, 320, 640, 1280, 2560)
+STEPS = (20, 40, 80, 160, 320, 640)
+# Single steps of so many tissues, at these times [h]; tolerance of the minima.
+SEEDS, TIMES, TOL = 20, (0.1, 1.0, 2.0, 5.0, 10.0), 1e-7
+# A gap below this is looked at as a contact [R_soft]: DAHA leaves gaps of up to 0.01 either way.
+CONTACT = 0.02
+COLUMNS = {
+    "where": "State",
+    "energy": "W, mean",
+    "part": "Part of the way down",
+    "low": "from",
+    "high": "to",
+    "distance": "Nuclei to the minimum [R_soft]",
+    "relative": "Relative",
+    "gradient": "‖∇W − Jᵀλ‖/‖z‖, median",
+    "steepest": "Largest",
+    "violation": "Largest violation [R_soft]",
+    "made": "Iterations, mean",
+    "seconds": "Seconds, median",
+    "solved": "Solved",
+    "steps": "Steps",
+}
+
+
+@cache
+def start() -> tuple[Frozen, dincl.Problem]:
+    """Return the frozen tissue of the motion, moved into S, and its problem."""
+    given = begun(floored(), SEED, AGE)
+    state = given._replace(cells=made_feasible(*given, dincl.Ipopt(tol=FINE_TOL)))
+    return state, frozen_problem(*state)
+
+
+def _substeps(problem: object, h: float, t: Floats) -> Floats:
+    """Return the particles after substeps of at most h, by the kernel."""
+    state, _ = start()
+    steps = round(float(t[-1]) / h)
+    cells = substepped(state, float(t[-1]) / steps / state.numbers.mu, steps)
+    if cells is None:
+        raise RuntimeError(f"cells are lost with {steps} substeps")
+    return particles(cells)[None]
+
+
+def _linearised(problem: object, h: float, t: Floats) -> Floats:
+    return dincl.solve(start()[1], dincl.LinearisedCatchUp(h, dincl.ProjectedCG(tol=FINE_TOL)), t).x
+
+
+def _midpoint(problem: object, h: float, t: Floats) -> Floats:
+    return dincl.solve(start()[1], dincl.MidpointCatchUp(h, dincl.ProjectedCG(tol=FINE_TOL)), t).x
+
+
+@cache
+def _exact(t: float) -> Known:
+    coarse, fine = (_midpoint(None, t / steps, np.array([t])) for steps in (REFERENCE // 2, REFERENCE))
+    off = (fine - coarse) / 3
+    return Known(np.array([t]), fine + off, np.array([np.hypot(off[..., 0], off[..., 1]).max()]))
+
+
+def exact(t: Any) -> Known:
+    """Return the motion at one time by MidpointCatchUp, with its error of h^2 taken out.
+
+    The error is 1/3 of the change by the last halving of the step, and the reference is off by no more than that.
+    """
+    return _exact(float(np.ravel(t)[-1]))
+
+
+MOTION = WorkPrecisionRuns(
+    "a frozen tissue",
+    [
+        Method("substeps of PBD", "PBD", run=_substeps),
+        Method("LinearisedCatchUp", "catch-up", run=_linearised),
+        Method("MidpointCatchUp", "catch-up", run=_midpoint),
+    ],
+    {"substeps of PBD": [DT / n for n in SUBSTEPS]} | {"dt": [DT / n for n in STEPS]},
+    [DT],
+    exact,
+    CpuSeconds(10.0),
+    errors=("final",),
+)
+
+
+def motion(smallest: bool = False) -> Study:
+    """Return the runs of the motion over dt, without rules and noise: one for each method."""
+    return MOTION.study("tissue_motion", "Tissue: a frozen tissue", smallest)
+
+
+def steps(smallest: bool = False) -> Study:
+    """Return single steps: one run for each seed and time."""
+    times, seeds = ((5.0,), 1) if smallest else (TIMES, SEEDS)
+    runs = tuple({"seed": seed, "t": t} for t in times for seed in range(seeds))
+    return Study("tissue_judged", "Tissue: steps, judged", ("seed", "t"), runs, judged, {"tol": TOL}, COLUMNS)
+
+
+def judged(key: Key) -> list[Row]:
+    """Return one row for the start, DAHA, PBD over dt, and the minima from the start and from where DAHA stopped."""
+    parameters = floored()
+    state = begun(parameters, key["seed"], key["t"])
+    cells, layers, numbers = state
+    minimiser = TissueArrowHurwicz(parameters.daha_numbers())
+    minimiser.minimise(*state)  # loading and compiling
+    began = time.process_time()
+    daha = minimiser.minimise(*state)
+    times, counts = {"DAHA": time.process_time() - began}, {"DAHA": daha.iterations}
+    moved = substepped(state, numbers.dt / numbers.substeps / numbers.mu, numbers.substeps)
+    reached: dict[str, Cells] = {"start": cells, "DAHA": daha.cells}
+    if moved is not None:
+        reached["PBD"] = moved
+    solved = {"start": True, "DAHA": bool(daha.status), "PBD": moved is not None}
+    for name, begin in (("minimum", cells), ("minimum from DAHA", daha.cells)):
+        began = time.process_time()
+        found = local_minimum(begin, layers, numbers, TOL)
+        times[name], counts[name], solved[name] = time.process_time() - began, found.iterations, bool(found.status)
+        reached[name] = found.cells
+    least = particles(reached["minimum from DAHA"])
+    return [
+        dict(key)
+        | {"where": name, "solved": solved[name], "seconds": times.get(name, np.nan), "made": counts.get(name, 0)}
+        | _measured(at, state, least)
+        for name, at in reached.items()
+    ]
+
+
+def _measured(at: Cells, state: Frozen, least: Floats) -> dict[str, Any]:
+    """Return energy, violation, what is left of the gradient over |z|, and distance of the nuclei to the minimum."""
+    n, x = len(at.x), particles(at)
+    off = (x - least)[:n]
+    return {
+        "energy": energy(at, state.layers, state.numbers),
+        "violation": violation(constraints(*state), at),
+        "gradient": left_over(at, state) / float(np.linalg.norm(x)),
+        "distance": float(np.sqrt((off**2).sum(axis=1).mean())),
+        "relative": float(np.linalg.norm(off) / np.linalg.norm(least[:n])),
+    }
+
+
+def left_over(cells: Cells, state: Frozen) -> float:
+    """Return min |grad W - J^T lambda| over lambda >= 0 of constraints with a gap below CONTACT: 0 at a minimum."""
+    x = particles(cells)
+    sets = constraints(cells, state.layers, state.numbers)
+    free = np.ones_like(x, dtype=bool)
+    free[2 * len(cells.x) + state.layers.basal, 1] = False
+    slope = -particles(forces(cells, state.layers, state.numbers))[free]
+    rows = [family.select(x, 2 * CONTACT) for family in sets]
+    pushing = np.vstack([r.jacobian(x).toarray()[r.values(x) < CONTACT][:, free.ravel()] for r in rows])
+    if not len(pushing):  # nnls of scipy takes no empty matrix
+        return float(np.linalg.norm(slope))
+    return float(nnls(pushing.T, slope)[1])
+
+
+def summary(table: pd.DataFrame) -> pd.DataFrame:
+    """Return one row for each place: means over all steps, the part of the way down to the minimum with its interval.
+
+    The way down is counted from the start of the step to the minimum that is reached from where DAHA stopped.
+    """
+    energies = table.pivot(index=["seed", "t"], columns="where", values="energy")
+    least = energies["minimum from DAHA"]
+    rows = []
+    for name, mine in table.groupby("where", sort=False):
+        down = (energies["start"] - energies[name]) / (energies["start"] - least)
+        part = over_seeds(down.groupby("seed").mean().dropna())
+        means = mine[["energy", "distance", "relative", "made"]].mean().to_dict()
+        extremes = {"violation": mine["violation"].max(), "gradient": mine["gradient"].median()}
+        extremes |= {"steepest": mine["gradient"].max(), "seconds": mine["seconds"].median()}
+        about = {"where": name, "part": part.mean, "low": part.low, "high": part.high}
+        rows.append(about | means | extremes | {"solved": int(mine["solved"].sum()), "steps": len(mine)})
+    return pd.DataFrame(rows)

@@ -1,0 +1,232 @@
+"""Importance of factors for what becomes of a cell, by a model of all cells at once.
+
+A time of an event is only there if the event is. So it is a factor of its own among the cells that have the event,
+beside the factor whether they have it; the others carry the mean time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from dincl.checks import seed as checked_seed
+from dincl.errors import InvalidProblem
+from tissue.study.categories import EVENTS, time_column
+from tissue.study.estimates import LEVEL
+from verification.thesis.chapter4.categories import happened
+from verification.thesis.chapter4.ratios import quantile
+
+FOLDS = 5
+SHUFFLES = 5  # of each factor in each fold
+MOST_CELLS = 20_000  # about 10 s; more cells are thinned to whole replicates of about so many
+FEWEST = 25  # cells with and without the outcome that a model needs
+# Small slow trees: of those tried on tables with known causes they fit least to chance.
+TREES = {"learning_rate": 0.05, "max_leaf_nodes": 8, "min_samples_leaf": 50, "early_stopping": False, "random_state": 0}
+LEAST_PROBABILITY = 1e-6  # of an outcome, so that its logarithm stays finite
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Factor:
+    """One thing that may matter.
+
+    Attributes
+    ----------
+    name
+        For a table.
+    columns
+        Of the matrix of numbers; shuffled together.
+    among
+        Mask of the cells that have it; only these are shuffled among each other.
+    """
+
+    name: str
+    columns: tuple[str, ...]
+    among: NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Ranking:
+    """Factors by importance, largest first.
+
+    Attributes
+    ----------
+    table
+        ``factor``, ``value``, ``low``, ``high``; mean growth of the log loss [nats].
+    cells, replicates
+        How many entered, after thinning.
+    loss, without
+        Mean log loss per cell [nats] of the model, and of the ratio of all cells as the only prediction. A model whose
+        loss is not clearly smaller has found nothing, and its ranking means nothing.
+    """
+
+    table: pd.DataFrame
+    cells: int
+    replicates: int
+    loss: float
+    without: float
+
+
+def factors(cells: pd.DataFrame, end: float) -> tuple[pd.DataFrame, list[Factor]]:
+    """Return the factors of EMT cells: INM, each event and its time, onset, neighbours with [P], place in the group.
+
+    Parameters
+    ----------
+    cells
+        Table of the EMT cells; whole replicates, as neighbours are counted in it.
+    end
+        Of the runs [h]; later events did not happen.
+
+    Returns
+    -------
+    pd.DataFrame, list[Factor]
+        Numbers, all finite: ``inm``; ``A`` and ``A time`` [h] and so on; ``onset`` (4.8); ``others with [P]`` [cells of
+        the replicate]; ``place`` [0 to 1, left to right]. And the factors: columns that are the same for all cells they
+        concern are none.
+    """
+    had = happened(cells, end)
+    columns: dict[str, NDArray[np.float64]] = {"inm": cells["inm"].to_numpy(dtype=np.float64)}
+    among: dict[str, NDArray[np.bool_]] = {}
+    for event in EVENTS:
+        columns[event], among[f"{event} time"] = had[event].to_numpy(dtype=np.float64), had[event].to_numpy()
+        columns[f"{event} time"] = _filled(cells[time_column(event)], among[f"{event} time"])
+    onset = cells["onset_ab"].to_numpy(dtype=np.float64, na_value=np.nan)
+    among["onset"] = np.isfinite(onset)
+    columns["onset"] = _filled(pd.Series(onset), among["onset"])
+    protruding = had["P"].groupby(cells["replicate"]).transform("sum") - had["P"]
+    columns["others with [P]"] = protruding.to_numpy(dtype=np.float64)
+    columns["place"] = cells["cell"].to_numpy(dtype=np.float64) / max(1, int(cells["cell"].max()))
+    table = pd.DataFrame(columns, index=cells.index)
+    return table, list(_varying(table, among))
+
+
+def shuffled(part: pd.DataFrame, factor: Factor, test: NDArray[np.intp], rng: np.random.Generator) -> Floats:
+    """Return the numbers of some cells with the columns of a factor in another order among those that have it.
+
+    ``test`` are the positions of these cells in the table that the factor is of.
+    """
+    rows = np.flatnonzero(factor.among[test])
+    columns = [part.columns.get_loc(name) for name in factor.columns]
+    values: Floats = part.to_numpy(copy=True)
+    values[np.ix_(rows, columns)] = values[np.ix_(rng.permutation(rows), columns)]
+    return values
+
+
+def by_importance(cells: pd.DataFrame, hits: pd.Series, end: float, *, seed: int, level: float = LEVEL) -> Ranking:
+    """Rank by permutation importance: how much the log loss of a model grows if a factor is shuffled among cells.
+
+    The model, boosted regression trees, is fitted five times to four fifths of the replicates; losses are those of the
+    cells of the other fifth. A time is shuffled among the cells that have the event, an event together with its time.
+    Two factors that tell the same share their importance. Where they depend on each other, as the times of [B] and [P]
+    do, shuffling one makes cases that the model has hardly seen: importances near 0 are then no finding.
+
+    Parameters
+    ----------
+    cells, hits
+        Table of the EMT cells; whether each has the outcome.
+    end
+        Of the runs [h].
+    seed
+        Of the thinning, folds and shuffles: the result is a function of it and the table.
+    level
+        Of the intervals, which are for the fitted models: they hold the scatter over replicates, not that of the fit.
+
+    Returns
+    -------
+    Ranking
+        ``value``: mean growth of the log loss per cell [nats].
+
+    Raises
+    ------
+    InvalidProblem
+        If fewer than ``FEWEST`` cells have the outcome, or have it not, or there are fewer than five replicates.
+
+    Source
+    ------
+    L. Breiman, Random forests, Machine Learning 45 (2001), section 10.
+    """
+    cells, hits = _thinned(cells, hits, checked_seed("seed", seed))
+    numbers, found = factors(cells, end)
+    y, runs = hits.to_numpy(dtype=np.int64), cells["replicate"].to_numpy()
+    losses, growth = _losses(numbers, found, y, runs, np.random.default_rng(seed))
+    rows = [(factor.name, *_mean_over(growth[:, k], runs, level)) for k, factor in enumerate(found)]
+    return _ranked(rows, y, runs, float(losses.mean()))
+
+
+def _losses(
+    numbers: pd.DataFrame, found: list[Factor], y: NDArray[np.int64], runs: Any, rng: np.random.Generator
+) -> tuple[Floats, Floats]:
+    """Compute the log loss of each cell by the model that has not seen its replicate, and its growth by each factor."""
+    from sklearn.ensemble import HistGradientBoostingClassifier
+    from sklearn.model_selection import StratifiedGroupKFold
+
+    losses, growth = np.empty(len(y)), np.empty((len(y), len(found)))
+    folds = StratifiedGroupKFold(FOLDS, shuffle=True, random_state=int(rng.integers(2**31)))
+    for train, test in folds.split(numbers, y, runs):
+        model = HistGradientBoostingClassifier(**TREES)
+        model.fit(numbers.iloc[train].to_numpy(), y[train])
+        part = numbers.iloc[test]
+        losses[test] = _log_loss(model, part.to_numpy(), y[test])
+        for k, factor in enumerate(found):
+            grown = [_log_loss(model, shuffled(part, factor, test, rng), y[test]) for _ in range(SHUFFLES)]
+            growth[test, k] = np.mean(grown, axis=0) - losses[test]
+    return losses, growth
+
+
+def _log_loss(model: Any, x: Floats, y: NDArray[np.int64]) -> Floats:
+    """Compute - log of the probability that the model gave to what happened [nats]."""
+    right: Floats = model.predict_proba(x)[np.arange(len(y)), y]
+    return -np.log(np.maximum(right, LEAST_PROBABILITY))
+
+
+def _mean_over(values: Floats, runs: Any, level: float) -> tuple[float, float, float]:
+    """Return the mean over cells and its interval from the scatter over replicates."""
+    mean = float(values.mean())
+    rests = pd.Series(values - mean).groupby(runs).sum()
+    half = quantile(level) * float(np.sqrt((rests**2).sum())) / len(values)
+    return mean, mean - half, mean + half
+
+
+def _thinned(cells: pd.DataFrame, hits: pd.Series, seed: int) -> tuple[pd.DataFrame, pd.Series]:
+    """Return whole replicates with about ``MOST_CELLS`` cells, if there are more."""
+    runs = cells["replicate"].unique()
+    keep = int(len(runs) * MOST_CELLS / max(1, len(cells)))
+    if keep < len(runs):
+        chosen = cells["replicate"].isin(np.random.default_rng(seed).choice(runs, keep, replace=False))
+        cells, hits, runs = cells[chosen], hits[chosen], runs[:keep]
+    with_it = int(hits.sum())
+    if min(with_it, len(hits) - with_it) < FEWEST or len(runs) < FOLDS:
+        raise InvalidProblem(
+            f"{with_it} of {len(hits)} cells in {len(runs)} replicates have the outcome: for a ranking at least "
+            f"{FEWEST} must have it and {FEWEST} not, in {FOLDS} replicates or more"
+        )
+    return cells, hits
+
+
+def _ranked(rows: list[tuple[Any, ...]], y: NDArray[np.int64], runs: Any, loss: float) -> Ranking:
+    p = float(y.mean())
+    table = pd.DataFrame(rows, columns=["factor", "value", "low", "high"])
+    table = table.iloc[np.argsort(-table["value"].abs().to_numpy(), kind="stable")].reset_index(drop=True)
+    return Ranking(table, len(y), len(np.unique(runs)), loss, float(-p * np.log(p) - (1 - p) * np.log1p(-p)))
+
+
+def _filled(values: pd.Series, there: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """Return the values that are there, and their mean for the others; 0 if there are none."""
+    numbers = values.to_numpy(dtype=np.float64)
+    return np.where(there, numbers, numbers[there].mean() if there.any() else 0.0)
+
+
+def _varying(table: pd.DataFrame, among: dict[str, NDArray[np.bool_]]) -> Iterator[Factor]:
+    everywhere = np.ones(len(table), dtype=np.bool_)
+    for name in table:
+        mask = among.get(str(name), everywhere)
+        # An event without its time would be no case of the model: the two are shuffled together.
+        parts = tuple(part for part in (str(name), f"{name} time") if part in table)
+        if table.loc[mask, name].nunique() > 1:
+            yield Factor(str(name), parts, mask)

@@ -1,0 +1,195 @@
+"""Rates at which N particles find the mean-field limit: W1 at the start and through the flow, and the error of y.
+
+Starts of the unit cube in d = 1, 2, 3 without a flow, for the laws of E W1; densities of models and their flows to T.
+"""
+# ruff: noqa: RUF001 - formulas for readers are written with Greek letters and minus signs
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from scipy.special import ndtri
+
+from dincl.study import Study, joined
+from meanfield import Density
+from verification.instruments.lines import CONFIDENCE
+from verification.instruments.rates import FEWEST_SIZES, QUANTILES, W1Rates, W1Runs, log_points
+from verification.instruments.result import draw_results
+from verification.site.context import Context
+from verification.site.parts import Follows, Grid, Picture, Section, Text
+from verification.thesis.chapter5 import cases
+
+Floats = NDArray[np.float64]
+NAME, TITLE, T = "meanfield_rates", "How fast do N particles find their limit?", 4.0
+# Random numbers: of the cube and of the flows; the place of a model among these.
+CUBE_SEED, FLOW_SEED, PLACE = (20260105, 0, 0, 0), 2, {"wavy": 2, "element": 3, "uniform": 5, "cube": 6}
+# N: repeats. They fall with the cost of a value; at 1e4 in two dimensions it is half a minute.
+LINE = {n: 400 if n <= 10_000 else 100 for n in (10, 30, 100, 300, 1000, 3000, 10_000, 30_000, 100_000)}
+SPACE = {10: 400, 30: 400, 100: 400, 300: 200, 1000: 100, 3000: 40, 10_000: 16}
+FLOW_LINE = {n: 200 if n <= 10_000 else 50 for n in LINE}
+FLOW_SPACE = {10: 200, 30: 200, 100: 200, 300: 100, 1000: 40, 3000: 10}
+# Fits begin where the faces of the cube no longer touch most particles.
+FIRST = 100
+# Of particles and their limit: random particles have errors far above it, quantiles fall to 1e-9.
+FINE, FINER = 1e-7, 1e-12
+# Of a fitted power.
+ROUNDING = 1e-9
+CUBES = {1: "Unit interval", 2: "Unit square", 3: "Unit cube"}
+HEADINGS = {
+    "case": "Density",
+    "start": "Compared",
+    "quantity": "Quantity",
+    "t": "t [time]",
+    "from": "N from",
+    "to": "N to",
+    "slope": "Power of N",
+    "low": "Lower end, 95 %",
+    "high": "Upper end, 95 %",
+    "known": "Power in theory",
+    "agrees": "Theory within the interval",
+}
+
+
+@cache
+def runs() -> dict[str, W1Runs]:
+    """Return what is run for each density and start."""
+    found = {}
+    for d, name in CUBES.items():
+        law, counts = Density.uniform(np.zeros(d), np.ones(d)), LINE if d == 1 else SPACE
+        found[name] = W1Runs(None, law, list(counts), list(counts.values()), (*CUBE_SEED, d))
+    found[f"{CUBES[1]}, quantiles"] = W1Runs(
+        None, Density.uniform(0.0, 1.0), list(LINE), 1, (*CUBE_SEED, 1), quantiles=True
+    )
+    for name, place in PLACE.items():
+        case, law = cases.CASES[name], cases.law(name)
+        flow: dict[str, Any] = {"t": [T], "y0": case.y0, "v0": case.v0}
+        counts = FLOW_LINE if law.nx == 1 else FLOW_SPACE
+        seed = (FLOW_SEED, place)
+        found[case.title] = W1Runs(cases.model(name), law, list(counts), list(counts.values()), seed, **flow, tol=FINE)
+        if law.nx == 1:
+            sizes = [n for n in counts if FIRST <= n <= 10_000]
+            found[f"{case.title}, quantiles"] = W1Runs(
+                cases.model(name), law, sizes, 1, seed, **flow, tol=FINER, quantiles=True
+            )
+    return found
+
+
+def study(smallest: bool = False) -> Study:
+    """Return the study of all of them."""
+    parts = {name: one.study(smallest=smallest) for name, one in runs().items()}
+    return replace(joined(NAME, "Mean field: rates of W1", parts, "case"), columns=HEADINGS)
+
+
+def results(rows: pd.DataFrame) -> dict[str, W1Rates]:
+    """Return the rates of each density that rows of the study have, of N >= ``FIRST`` where these are enough."""
+    found = {}
+    for name, one in runs().items():
+        mine = rows[rows["case"] == name].drop(columns="case")
+        late = mine[mine["N"] >= FIRST]
+        if len(mine):
+            found[name] = one.result(late if late["N"].nunique() >= FEWEST_SIZES else mine)
+    return found
+
+
+def fits(found: dict[str, W1Rates]) -> pd.DataFrame:
+    """Return the powers of N with 95 % intervals beside those of theory: of W1, and -1/2 for y with random starts."""
+    tables = []
+    for name, rates in found.items():
+        by_w1 = -1.0 if rates.start == QUANTILES else -1.0 / max(runs()[name].density.nx, 2)
+        of_y = np.nan if rates.start == QUANTILES else -0.5
+        known = rates.fit["quantity"].map({"w1": by_w1, "error_y": of_y})
+        tables.append(rates.fit.assign(case=name, start=rates.start, known=known))
+    table = pd.concat(tables, ignore_index=True)
+    inside = (table["low"] - ROUNDING <= table["known"]) & (table["known"] <= table["high"] + ROUNDING)
+    return table.assign(agrees=inside.map({True: "yes", False: "no"}).where(table["known"].notna(), "—"))
+
+
+class Law(NamedTuple):
+    """(E W1)^power = a term_1 + b term_2 in dimension d; terms: (N, log N) -> one or two arrays."""
+
+    d: int
+    name: str
+    power: int
+    terms: Callable[[Floats, Floats], list[Floats]]
+
+
+# In one dimension a = sqrt(pi / 32), the mean of int |B| for the Brownian bridge B. In two the logarithm is that of
+# Ajtai, Komlos and Tusnady (1984): disorder of all scales adds up. In three, that of the scale of the cube adds N^-1/2.
+LAWS = (
+    Law(1, "a N^-1/2", 1, lambda n, log: [n**-0.5]),
+    Law(2, "a N^-1/2", 1, lambda n, log: [n**-0.5]),
+    Law(2, "a (log N / N)^1/2", 1, lambda n, log: [np.sqrt(log / n)]),
+    Law(2, "a N^-1/2 log N", 1, lambda n, log: [log * n**-0.5]),
+    Law(2, "((a + b log N) / N)^1/2", 2, lambda n, log: [1 / n, log / n]),
+    Law(3, "a N^-1/3", 1, lambda n, log: [n ** (-1 / 3)]),
+    Law(3, "a N^-1/3 + b N^-1/2", 1, lambda n, log: [n ** (-1 / 3), n**-0.5]),
+)
+LAW_HEADINGS = {"d": "Dimension", "law": "Mean of W1", "a": "a", "a_half": "a ±", "b": "b", "b_half": "b ±"}
+LAW_HEADINGS |= {"misfit": "χ² per degree of freedom", "largest": "Largest deviation"}
+
+
+def laws(found: dict[str, W1Rates]) -> pd.DataFrame:
+    """Fit ``LAWS`` to the means of W1 on the cubes: a and b with half their 95 % intervals, and how they fit.
+
+    ``misfit`` is chi^2 per degree of freedom, about 1 for a law that describes the data; ``largest`` is the largest
+    relative distance of a mean from the law.
+    """
+    rows = []
+    for law in LAWS:
+        x, y, error = log_points(found[CUBES[law.d]].means)
+        target = np.exp(law.power * y)
+        basis = np.stack(law.terms(np.exp(x), x), axis=1) / (law.power * target * error)[:, None]
+        covariance = np.linalg.inv(basis.T @ basis)
+        terms = covariance @ basis.T @ (1 / (law.power * error))
+        ratio = (basis @ terms) * law.power * error
+        misfit = float((((ratio - 1) / (law.power * error)) ** 2).sum()) / (len(x) - len(terms))
+        half = ndtri((1 + CONFIDENCE) / 2) * np.sqrt(np.diag(covariance) * max(1.0, misfit))
+        row = dict(zip(("a", "a_half", "b", "b_half"), np.stack([terms, half], axis=1).ravel().tolist(), strict=False))
+        largest = np.abs(np.maximum(ratio, 0.0) ** (1 / law.power) - 1).max()
+        rows.append({"d": law.d, "law": law.name} | row | {"misfit": misfit, "largest": largest})
+    return pd.DataFrame(rows)
+
+
+def section(context: Context) -> Section:
+    """Write about the powers of N."""
+    found = results(context.tables[NAME])
+    flows = {cases.TITLES[name]: found[cases.TITLES[name]] for name in PLACE}
+    picture = context.draw(NAME, draw_results, flows, 2, 3.6)
+    fitted = fits(found)
+    return Section(
+        TITLE,
+        [
+            Text(
+                "At the start the mean of W1 falls like $N^{−1/2}$ on a line with random particles, like 1/N with "
+                "quantiles, and like $N^{−1/3}$ in space. In two dimensions one power does not fit: the square root "
+                "has the logarithm of Ajtai, Komlós and Tusnády. In two and three dimensions W1 is taken between two "
+                "independent samples, which is one to two times the mean of W1 to the law."
+            ),
+            Text(
+                "The flow keeps the rate. The error of y falls like $N^{−1/2}$ with random starts, whatever the "
+                "dimension: y depends on a mean over the particles. Where the density vanishes at the ends of its "
+                "support, W1 of quantiles approaches 1/N slowly; the error of y is that of a quadrature, and falls "
+                "faster."
+            ),
+            Picture(picture, "Means with 95 % intervals and fitted powers, random starts."),
+            Grid(
+                context.headed(NAME, fitted),
+                "Fitted powers of N with 95 % intervals. W1 in two and three dimensions is between two samples.",
+                NAME,
+            ),
+            Grid(
+                laws(found).rename(columns=LAW_HEADINGS),
+                "Laws fitted to the means of W1 on the unit cubes; a $χ²$ of about 1 per degree of freedom is as good "
+                "as the data allow.",
+                NAME,
+                folded=True,
+            ),
+            Follows("Four times as many random particles halve the error of y; quantiles gain more."),
+        ],
+    )

@@ -1,1 +1,0 @@
-"""The sections of the mean-field chapter, one file each."""

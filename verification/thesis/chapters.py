@@ -1,0 +1,20 @@
+"""The chapters of the report, in the order of its pages."""
+
+from verification.methods import page as experiments
+from verification.methods.chart import page as chart
+from verification.methods.stability import page as stability
+from verification.site.report import Chapter
+from verification.thesis import page as claims
+from verification.thesis.chapter1 import page as geometry
+from verification.thesis.chapter3 import page as minimisers
+from verification.thesis.chapter4 import page as transitions
+from verification.thesis.chapter5 import page as meanfield
+from verification.tissues import curved
+from verification.tissues.needs import page as needs
+from verification.tissues.space import page as space
+
+PAGES = (
+    *(experiments, chart, needs, stability, geometry),
+    *(minimisers, transitions, curved, space, meanfield, claims),
+)
+CHAPTERS: tuple[Chapter, ...] = tuple(page.CHAPTER for page in PAGES)

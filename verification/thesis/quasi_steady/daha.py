@@ -1,0 +1,131 @@
+"""The damped Arrow-Hurwicz method (DAHA) for the energy of a tissue."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from dincl.checks import instance, integer, number
+from dincl.constraints import Constraint
+from dincl.errors import InvalidProblem
+from dincl.status import Status
+from tissue.model.energy import energy
+from tissue.rules.slice import in_plane
+from tissue.state.cells import CellLayers, Cells
+from tissue.state.numbers import Daha, Numbers, numbers_pointer
+from tissue.state.running import contents, new_state
+from tissue.step.advance import DONE
+from verification.thesis.quasi_steady.frozen import constraints, particles
+from verification.thesis.quasi_steady.iteration import (
+    CROWDED,
+    NON_FINITE,
+    TOO_FAR,
+    UNFINISHED,
+    iterate,
+    memory_for,
+    workspaces_for,
+)
+
+STATUS = {
+    DONE: Status.SUCCESS,
+    CROWDED: Status.CROWDED,
+    NON_FINITE: Status.NON_FINITE,
+    UNFINISHED: Status.NOT_CONVERGED,
+}
+
+
+class Stopped(NamedTuple):
+    """Where the iteration stopped; the fields are described in ``minimiser.Minimised``."""
+
+    cells: Cells
+    energy: float
+    violation: float
+    iterations: int
+    status: Status
+    detail: str
+
+
+@dataclass(frozen=True)
+class TissueArrowHurwicz:
+    r"""Method 3.4 for the energy W of a tissue and its constraints g >= 0.
+
+        z_{n+1} = (2 z_n - (1 - a) z_{n-1} - dtau^2 p_n) / (1 + a),   a = c dtau / 2,                        (3.25)
+        p_n = alpha (grad W(z_n) - sum_l lambda_l grad g_l(z_n)) + gamma sum_l lambda_l g_l(z_n) grad g_l(z_n),
+        lambda_l <- max(0, lambda_l - dtau beta g_l(z_n)),
+
+    from z_1 = z_0 and lambda = 0, until |z_{n+1} - z_n| <= dtau eps |z_n|  (3.24). The z are the coordinates of nuclei,
+    apical points and basal points, these without the y that is 0 on the basal line  (C3). The g are
+
+        (C1) |X_i - X_j|^2 - (R_i + R_j)^2,   (C2) max_basal_distance^2 - (b_{k+1} - b_k)^2,   (C4) b_{k+1} - b_k.
+
+    "The square of (C1) to (C4)" in the thesis cannot include (C4), whose square has lost the sign. With min in place
+    of max, as printed, discs that overlap do not notice each other, and those that do not overlap attract each other.
+
+    For c dtau = 2, as in Table 4 of chapter 3, it is z_{n+1} = z_n - dtau^2 p_n / 2; (3.26) to (3.28) omit the 1/2.
+    Where no constraint pushes, n iterations are n steps of explicit Euler for mu dz/dt = -grad W with
+    h/mu = dtau^2 alpha / 2, and |grad W| <= 2 eps |z| / (alpha dtau) when it stops. So a nucleus cannot rest nearer to
+    its apical or basal point than dtau sqrt(alpha alpha^axb / 2), 0.027 for that table, where the bending energy is too
+    stiff for the step: it goes on swinging around this distance, and the iteration does not stop.
+
+    The rule looks at the last move only: it asks neither for a small gradient nor for g >= 0. |z| depends on the
+    origin of the coordinates: the farther away it is, the earlier the iteration stops.
+
+    Parameters
+    ----------
+    numbers
+        alpha, beta, gamma, c, dtau, eps and most_iterations, as ``Parameters.daha_numbers()`` gives them.
+
+    Raises
+    ------
+    InvalidProblem
+        For numbers that cannot be right.
+    """
+
+    numbers: Daha
+
+    def __post_init__(self) -> None:
+        instance("numbers", self.numbers, Daha, "those of Parameters.daha_numbers()")
+        for name in ("alpha", "beta", "c", "dtau", "eps"):
+            number(name, getattr(self.numbers, name), positive=True)
+        number("gamma", self.numbers.gamma, non_negative=True)
+        integer("most_iterations", self.numbers.most_iterations, least=1)
+
+    def minimise(self, cells: Cells, layers: CellLayers, numbers: Numbers) -> Stopped:
+        """Return the state at which the rule (3.24) stops the iteration from ``cells``, which need not be in S.
+
+        The status is NOT_CONVERGED if it does not in ``most_iterations``, NON_FINITE if coordinates grow beyond all
+        bounds, CROWDED if too many discs are near each other. Raises InvalidProblem as ``energy`` and
+        ``frozen.constraints`` do, and for coordinates that are beyond all bounds from the start.
+        """
+        sets = constraints(cells, layers, numbers)
+        size = float(np.square(particles(cells)).sum())
+        if not size < TOO_FAR:
+            raise InvalidProblem(f"|z|^2 = {size:g}: must be below {TOO_FAR:g} R_soft^2, z all coordinates")
+        state = new_state(cells, layers, capacity=len(cells.x), space=in_plane())
+        workspaces = workspaces_for(len(state.cells.x), numbers, self.numbers)
+        place, running = np.array([state.address]), np.zeros(1, np.int64)
+        made, end = iterate(
+            place,
+            running,
+            workspaces.flat,
+            workspaces.wide,
+            numbers_pointer(numbers),
+            self.numbers,
+            memory_for(workspaces),
+        )
+        found = contents(state)[0]
+        reached = math.inf, math.inf
+        if end != NON_FINITE:
+            reached = energy(found, layers, numbers), violation(sets, found)
+        detail = "" if end == DONE else f"DAHA did not terminate in {made:,} iterations."
+        return Stopped(found, *reached, made, STATUS[end], detail)
+
+
+def violation(sets: Sequence[Constraint], cells: Cells) -> float:
+    """By how much the constraints of ``frozen`` are broken at most [R_soft], 0 in S."""
+    x = particles(cells)
+    return -min(float(rows.select(x, 0.0).values(x).min(initial=0.0)) for rows in sets)

@@ -1,0 +1,174 @@
+"""The quasi-steady model of growing epithelium: after each update of the rules the energy is minimised (Model 3.1)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from dincl.checks import flag, function, instance
+from dincl.errors import InvalidProblem
+from dincl.status import Status
+from tissue.files.parameters import Parameters
+from tissue.files.sections import PAIR_KEYS
+from tissue.frames.frame import Frame
+from tissue.runs.batch import WATCH, checkpoint_at, output_steps
+from tissue.runs.compiled_rules import answered, rules_pointer, users_of
+from tissue.runs.run import Run, RunFailed
+from tissue.runs.start import started
+from tissue.state.cells import COORDINATES, Cells, Flags, Floats, Integers
+from tissue.state.checkpoint import streams
+from tissue.state.numbers import numbers_pointer
+from tissue.state.running import COUNTERS, TissueState, contents, grown
+from tissue.step.advance import apply_rules, is_full
+from verification.thesis.quasi_steady.daha import TissueArrowHurwicz
+from verification.thesis.quasi_steady.minimiser import TissueMinimiser
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class QuasiSteadyRun(Run):
+    """A run with what its minimiser did in each step dt, arrays of shape (K,): the last step is that of a failure.
+
+    Attributes
+    ----------
+    iterations
+        Made by the minimiser.
+    terminated
+        Whether it met its rule: false for the step that ended the run, if any.
+    energy
+        W at the end of the step.
+    violation
+        By how much (C1), (C2) or (C4) is broken at most at the end of the step [R_soft].
+    """
+
+    iterations: Integers
+    terminated: Flags
+    energy: Floats
+    violation: Floats
+
+
+def simulate_quasi_steady(
+    parameters: Parameters,
+    seed: int = 0,
+    minimiser: TissueMinimiser | None = None,
+    *,
+    throw: bool = True,
+    watch: Callable[[float], None] | None = None,
+) -> QuasiSteadyRun:
+    """Grow a tissue from t = 0 to ``parameters.t_end`` through minima of its energy.
+
+    Z^{k+1} in argmin W(Z, P^{k+1}) over S, near (A^k, X^k + noise, B^k)  (Model 3.1). Rules, noise and divisions are
+    those of ``simulate`` with the same seed; mu and the substeps do not matter.
+
+    Parameters
+    ----------
+    parameters, seed, throw, watch
+        As of ``simulate``.
+    minimiser
+        What finds the minima, such as ``Judge(tol=1e-6)``; None: ``TissueArrowHurwicz`` with the numbers in
+        ``parameters``.
+
+    Raises
+    ------
+    InvalidProblem
+        As ``simulate``, and in three dimensions, for noise in each substep, a basal layer that is no line, EMT cells,
+        a force that is not of the thesis, or cells without hard discs.
+    RunFailed
+        If the minimiser fails in a step, for DAHA: does not terminate; the error carries the run up to then.
+    """
+    instance("parameters", parameters, Parameters, "tissue.Parameters, made by load, preset or changed")
+    flag("throw", throw)
+    if watch is not None:
+        function("watch", watch, "a function of the time")
+    if minimiser is not None:
+        function("minimiser.minimise", getattr(minimiser, "minimise", None), "a method of the minimiser")
+    if faults := list(_faults(parameters)):
+        raise InvalidProblem(faults[0])
+    steps = _Steps(parameters, seed, minimiser or TissueArrowHurwicz(parameters.daha_numbers()))
+    found = steps.run(watch)
+    if throw and not found.status:
+        raise RunFailed(found)
+    return found
+
+
+def _faults(parameters: Parameters) -> Iterator[str]:
+    """Say what the quasi-steady model does not have: a line for each."""
+    noise, layer, types = parameters.numerics.noise, parameters.layer, parameters.types.named()
+    if parameters.in_space:
+        yield "tissue.dimension = 3: must be 2, the quasi-steady model is one of slices"
+    if noise != "step":
+        yield f'numerics.noise = "{noise}": must be "step", the quasi-steady model has no substeps'
+    if layer.shape != "line":
+        yield f'layer.shape = "{layer.shape}": must be "line" for the quasi-steady model'
+    cells = {"emt": parameters.emt.cells} | {
+        f"types.{name}": one.cells for name, one in types.items() if one.has_events
+    }
+    for section, count in cells.items():
+        if count:
+            yield f"{section}.cells = {count}: must be 0, the quasi-steady model has no EMT events"
+    for force, strength in parameters.forces.acting():
+        yield f"forces.{force.name} = {strength:g}: must be 0, the quasi-steady model does not know it"
+    for name, one in types.items():
+        for key in PAIR_KEYS:
+            if key in one.own():
+                yield f"types.{name}.{key}: must be left out, the quasi-steady model has one of all cells"
+    of = ("cell", *(f"types.{name}" for name in types))
+    for section, numbers in zip(of, (parameters.numbers(), *parameters.named_numbers()), strict=True):
+        if numbers.hard_radius == 0:
+            yield f"{section}.hard_radius = 0: must be > 0, the quasi-steady model has hard discs"
+
+
+class _Steps:
+    """Makes the steps and keeps what the minimiser says about each."""
+
+    def __init__(self, parameters: Parameters, seed: int, minimiser: TissueMinimiser) -> None:
+        self._parameters, self._seed, self._minimiser = parameters, seed, minimiser
+        self._random = streams(seed)
+        self._state, self._separation = started(parameters, self._random)
+        self._found: list[tuple[int, bool, float, float]] = []
+
+    def run(self, watch: Callable[[float], None] | None) -> QuasiSteadyRun:
+        """Make all steps; return the run with its states at the output times."""
+        frames, made, detail, status = [self._frame(0.0)], 0, "", Status.SUCCESS
+        for wanted in output_steps(self._parameters):
+            while status and made < wanted:
+                made += 1
+                t = made * self._parameters.numerics.dt.value
+                status, detail = self._step(t)
+            frames.append(self._frame(t))
+            if watch is not None:
+                WATCH.call(watch, t)
+            if not status:
+                break
+        stats = dict(zip(COUNTERS, self._state.counts.tolist(), strict=True))
+        run = Run(self._parameters, self._seed, tuple(frames), status, detail, stats, self._separation)
+        iterations, terminated, energy, violation = (np.array(column) for column in zip(*self._found, strict=True))
+        return QuasiSteadyRun(
+            **vars(run), iterations=iterations, terminated=terminated, energy=energy, violation=violation
+        )
+
+    def _frame(self, t: float) -> Frame:
+        """Return a copy of the present state."""
+        text = self._parameters.as_toml()
+        checkpoint = checkpoint_at(self._state, self._seed, self._random, self._separation, text)
+        return Frame(t, *contents(self._state), checkpoint=checkpoint)
+
+    def _step(self, t: float) -> tuple[Status, str]:
+        """Make one step dt to time t, through a minimum; return how it ended, and a failure in words."""
+        numbers, named = self._parameters.numbers(), self._parameters.named_numbers()
+        if is_full(self._state, t):
+            self._state = grown(self._state)
+        rules = rules_pointer([self._state], self._parameters.division_rule())
+        with answered(users_of(rules)):
+            apply_rules(self._state, t, numbers_pointer(numbers, named), rules, self._random.cycle, self._random.noise)
+        found = self._minimiser.minimise(*contents(self._state), numbers)
+        self._found.append((found.iterations, bool(found.status), found.energy, found.violation))
+        _place(self._state, found.cells)
+        return found.status, "" if found.status else f"t = {t:g} h: {found.detail}"
+
+
+def _place(state: TissueState, cells: Cells) -> None:
+    """Take over the positions."""
+    for name in COORDINATES:
+        getattr(state.cells, name)[: len(cells.x)] = getattr(cells, name)

@@ -1,0 +1,1 @@
+"""Examples of tissue: what a scene needs, three dimensions, curved layers."""

@@ -1,0 +1,169 @@
+"""What a scene needs: the simplest models that answer the eight questions of chapter 4, and five others.
+
+Each of the eight is asked by a difference of basal extrusion at the end of the runs that answers it: of two scenarios,
+or of two kinds of cells of one scenario. The model is the one printed in the thesis.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, NamedTuple
+
+import pandas as pd
+
+from dincl.study import Key, Row, Study, read_sealed
+from tissue.study.categories import outcome
+from tissue.study.simplify import AND, FRESH, FULL, simplify
+
+NAME = "needs_answers"
+# Programs at random times that no study of the program has.
+PROGRAMS = str(Path(__file__).parent / "programs.toml")
+ANY_TIME, GROUP = "[A] and [B] at any time", "[A] and [B] at any time, 10 cells"
+# Q7: the most basal part of the apical-basal scale, and the share of cells of GROUP that begin EMT there in the full
+# model: 0.07 of 640 cells of 64 runs.
+BASAL_PART, THERE = 0.2, 0.07
+SMALLEST = {"question": "height at 48 h", "runs": 128}
+COLUMNS = {
+    "model": "Model",
+    "verdict": "Verdict",
+    "difference": "Difference, with its interval",
+    "work": "Work over that of the full model",
+    "runs": "Runs",
+    "reason": "Why not",
+}
+
+
+def placed(cells: pd.DataFrame, end: float) -> pd.Series:
+    """Weigh basal extrusion by the place at the onset: 1/p below BASAL_PART, -1/(1 - p) elsewhere, p = THERE.
+
+    The mean is basal extrusion of cells that begin EMT in the most basal fifth minus that of the others, as long as
+    their share is p; a model that puts another share there is biased by this, too.
+    """
+    low = cells["onset_ab"] < BASAL_PART
+    return outcome(cells, "basal", end) * (low / THERE - (~low) / (1 - THERE))
+
+
+def without_protrusions(cells: pd.DataFrame, end: float) -> pd.Series:
+    """Weigh basal extrusion so that the mean over a run is that of its cells without [P]; 0 if it has none."""
+    chosen = (cells["t_p_h"] >= end).astype(float)
+    share = chosen.groupby(cells["replicate"]).transform("mean")
+    return outcome(cells, "basal", end) * (chosen / share).where(share > 0, 0.0)
+
+
+class Asked(NamedTuple):
+    """A question with its name, what is measured, a study, by name or path, and what ``tissue.simplify`` is asked.
+
+    Shares are parts, heights um.
+    """
+
+    name: str
+    about: str
+    study: str
+    what: dict[str, Any]
+
+
+def _basal(study: str, tolerance: float, runs: int, *scenarios: str) -> tuple[str, dict[str, Any]]:
+    return study, {"outcome": "basal", "scenarios": list(scenarios), "tolerance": tolerance, "runs": runs}
+
+
+FIVE = {
+    "basal extrusion after [A]": Asked(
+        "Basal extrusion after [A]",
+        "An isolated cell loses its apical adhesion at 12 h.",
+        *_basal("figure10", 0.03, 512, "[A]"),
+    ),
+    "apical extrusion after [A]": Asked(
+        "Apical extrusion after [A]",
+        "An isolated cell loses its apical adhesion at 12 h.",
+        "figure10",
+        {"outcome": "apical", "scenarios": ["[A]"], "tolerance": 0.05, "runs": 768},
+    ),
+    "basal extrusion of a group": Asked(
+        "Basal extrusion of a group",
+        "Ten cells in the middle lose apical and basal adhesion, each at its own time from 6 h to 24 h.",
+        *_basal("questions", 0.05, 256, GROUP),
+    ),
+    "effect of INM on a group": Asked(
+        "Effect of INM on a group",
+        "Ten such cells without interkinetic nuclear movement, minus ten such cells with it.",
+        *_basal("questions", 0.05, 256, f"{ANY_TIME} no INM, 10 cells", GROUP),
+    ),
+    "height at 48 h": Asked(
+        "Height at 48 h",
+        "Mean height of the apical layer of a tissue with one cell that loses its basal adhesion.",
+        "figure10",
+        {"outcome": "height_um", "scenarios": ["[B]"], "tolerance": 2.0, "at": "48 h", "runs": 128},
+    ),
+}
+# By the names of ``verification.thesis.chapter4.questions``; all are of basal extrusion.
+EIGHT = {
+    "Q1": Asked(
+        "Q1, isolated cells against groups",
+        "An isolated cell with the programs of the group '35 % [P]', minus ten such cells.",
+        *_basal(PROGRAMS, 0.07, 512, "35 % [P], alone", "35 % [P]"),
+    ),
+    "Q2": Asked(
+        "Q2, what [P] adds to [B]",
+        "An isolated cell with [B] and [P], minus one with [B] alone.",
+        *_basal("figure10", 0.1, 512, "[BP]", "[B]"),
+    ),
+    "Q3": Asked(
+        "Q3, early against late [A]",
+        "An isolated cell with [A] from 6 h to 12 h, minus one with [A] from 18 h to 24 h.",
+        *_basal(PROGRAMS, 0.05, 512, "early [A]", "late [A]"),
+    ),
+    "Q4": Asked(
+        "Q4, [A] before [B] against [B] before [A]",
+        "An isolated cell with [A] at 6 h and [B] at 24 h, minus one with [B] at 6 h and [A] at 24 h.",
+        *_basal("figure14", 0.1, 256, "[AxB]", "[BxA]"),
+    ),
+    "Q5": Asked(
+        "Q5, alone against in a group of its like",
+        "An isolated cell with [A] and [B] from 6 h to 24 h, minus ten such cells.",
+        *_basal("questions", 0.1, 256, ANY_TIME, GROUP),
+    ),
+    "Q6": Asked(
+        "Q6, without against with INM",
+        "An isolated cell with [B] from 6 h to 24 h without INM, minus one with INM.",
+        *_basal("questions", 0.07, 256, "[B] at any time no INM", "[B] at any time"),
+    ),
+    "Q7": Asked(
+        "Q7, effect of the place at the onset",
+        "Cells that begin EMT in the most basal fifth, minus the others, in groups of ten cells with [A] and [B].",
+        "questions",
+        {"outcome": placed, "scenarios": [GROUP], "tolerance": 0.25, "runs": 256},
+    ),
+    "Q8": Asked(
+        "Q8, few against many cells with [P]",
+        "Cells without [P] in the group '7 % [P]', minus those in the group '63 % [P]'.",
+        PROGRAMS,
+        {"outcome": without_protrusions, "scenarios": ["7 % [P]", "63 % [P]"], "tolerance": 0.05, "runs": 128},
+    ),
+}
+QUESTIONS = EIGHT | FIVE
+
+
+def study(smallest: bool = False) -> Study:
+    """Find the simplest model for each question; about an hour of one core."""
+    keys = tuple({"question": name, "runs": asked.what["runs"]} for name, asked in QUESTIONS.items())
+    key, runs = ("question", "runs"), (SMALLEST,) if smallest else keys
+    return Study(NAME, "The simplest models", key, runs, answers, columns=COLUMNS, by=("step", "model"))
+
+
+def answers(key: Key) -> list[Row]:
+    """Return the table of ``simplify`` for a question, of so many runs of each model.
+
+    ``step``: "alone" or "together"; ``answer``: whether a row is the simplest model; ``full``: what the full model
+    answers, the mean of its runs that no combination was confirmed by.
+    """
+    asked = QUESTIONS[key["question"]]
+    with TemporaryDirectory() as folder:
+        found = simplify(asked.study, out=folder, **(asked.what | {"runs": key["runs"]}))
+        runs = read_sealed(Path(folder) / "simplify.parquet")
+    means = runs[(runs["model"] == FULL) & (runs["replicate"] < FRESH)].groupby("scenario")["value"].mean()
+    first, *second = (float(means[scenario]) for scenario in asked.what["scenarios"])
+    step = ["together" if AND in model else "alone" for model in found.table["model"]]
+    answer = found.table["model"] == AND.join(found.answer)
+    what = {"step": step, "tolerance": asked.what["tolerance"], "full": first - sum(second), "answer": answer}
+    return [{**row, **key} for row in found.table.assign(**what).to_dict("records")]
