@@ -119,7 +119,7 @@ class CompiledStepper(Stepper):
 
     def advance(self, on: TimeGrid, k: int, end: int, state: StepState, output: Output | None = None) -> Reached:
         if not self._tabulated:
-            kept = np.zeros(0) if output is None else (output.step + output.weight) * (on.t_end / on.steps)
+            kept = np.zeros(0) if output is None else (output.step + output.weight) * on.h
             smooth = smooth_pieces(self.problem, on.t_end, on.steps, kept)
             self.system.sets.tabulate(smooth, compares=self._swept is None)
             self._tabulated = True
