@@ -9,6 +9,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import cached_property
 from typing import Any, TypeVar, cast
 
 import numba
@@ -44,17 +45,17 @@ def kernel(function: Function, *, references: bool = True) -> Function:
 
 
 def c_function(described: Any, function: Callable[..., Any]) -> Any:
-    """Compile a function at top level of a file for calls by its ``address``, see ``call``; cached as a kernel is.
+    """Return a function at top level of a file, compiled when its ``address`` is first asked for, see ``call``.
+
+    Its machine code is cached as that of a kernel is.
 
     It must not allocate arrays. Where it raises, it returns an arbitrary number: see ``collect_errors``. A function of
     a user, outside of these packages, raises IndexError where it reads or writes beyond an array.
     """
     options: dict[str, Any] = {"error_model": "numpy", "_nrt": False, "boundscheck": _of_user(function)}
     # numba.cfunc would compile before the cache is set.
-    compiled: Any = CFunc(function, normalize_signature(described), locals={}, options=options)
+    compiled: Any = _CFunction(function, normalize_signature(described), locals={}, options=options)
     set_cache(compiled, function)
-    with MESSAGES.naming(function):
-        compiled.compile()
     return compiled
 
 
@@ -82,6 +83,16 @@ def _inlined(function: Function, *, allocates: bool) -> Function:
     # There is no machine code that Python could call: it runs the text, and finds nothing that numba has compiled.
     compiled._compile_for_args, compiled._insert = lambda *_: function, lambda *_: None
     return cast("Function", compiled)
+
+
+class _CFunction(CFunc):
+    """A C function that is compiled on use: most programs need few of those that they import."""
+
+    @cached_property
+    def address(self) -> Any:
+        with MESSAGES.naming(self.__wrapped__):
+            self.compile()
+        return super().address
 
 
 class _InlinedCompiler(Compiler):
