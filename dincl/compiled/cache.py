@@ -170,27 +170,21 @@ def _cells(function: FunctionType) -> Iterator[Any]:
             yield cell.cell_contents
 
 
-def set_cache(compiled: Any, function: Callable[..., Any]) -> None:
-    """Cache the machine code of a function, unless it is in no file or no folder can be written to.
+def code_cache(function: Callable[..., Any]) -> CodeCache | None:
+    """Return the machine code of a function on the disk; None if it is in no file or no folder can be written to.
 
     The folder is in ``NUMBA_CACHE_DIR`` or ``~/.cache/dincl-testbed``.
     """
     path = Path(function.__code__.co_filename)
     if path.suffix != ".py" or not path.is_file():
-        return
+        return None
     with suppress(OSError, RuntimeError):  # RuntimeError if a user has no home
         home = Path(
             cast("Any", numba.config).CACHE_DIR
             or Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "dincl-testbed"
         )
-        code = CodeCache(function, _folder(home, _digest(function.__module__)))
-        compiled._cache, compile_uncached = code, compiled.compile
-
-        def compile_once(*signature: Any) -> Any:
-            with code.compiling():
-                return compile_uncached(*signature)
-
-        compiled.compile = compile_once
+        return CodeCache(function, _folder(home, _digest(function.__module__)))
+    return None
 
 
 @cache
