@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import ast
 import fcntl
+import logging
 import os
 import pickle
 import shutil
@@ -34,6 +35,9 @@ PACKAGES = ("dincl", "meanfield", "tissue", "verification")
 _INSTALLED, _STANDARD = {"site-packages", "dist-packages"}, Path(os.__file__).parent
 _VERSIONS = f"{sys.version_info[:2]} {numba.__version__} {llvmlite.__version__} {np.__version__}"
 UNUSED = 30 * 24 * 3600.0  # [s] after which the machine code of other code is removed
+# [s]: what a function costs to compile, measured at 2.6 GHz, and from when on a user is told that he waits.
+EACH, LONG = 0.12, 1.0
+LOG = logging.getLogger("dincl")
 _DIGEST = sha256().digest_size
 # What machine code contains of a module: these, and tuples and arrays of them.
 _CONSTANTS = (bool, int, float, complex, str, bytes, np.generic, type(None))
@@ -89,7 +93,8 @@ class CodeCache:
             yield
         finally:
             if self._locked is not None:
-                fcntl.flock(self._locked, fcntl.LOCK_UN)  # a process that was forked meanwhile has the file open
+                with suppress(OSError):
+                    fcntl.flock(self._locked, fcntl.LOCK_UN)  # a process that was forked meanwhile has the file open
                 os.close(self._locked)
                 self._locked = None
 
@@ -97,14 +102,18 @@ class CodeCache:
         """Wait until no other process compiles this; the system frees the lock of a process that ends."""
         with suppress(OSError):  # a folder that cannot be written to, or a file system without locks
             self._locked = os.open(path.with_suffix(".lock"), os.O_CREAT | os.O_RDWR)
-            fcntl.flock(self._locked, fcntl.LOCK_EX)
+            try:
+                fcntl.flock(self._locked, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                say(self._function, "Another process is compiling")
+                fcntl.flock(self._locked, fcntl.LOCK_EX)
             return True
         return False
 
     def _path(self, sig: Any, codegen: Any) -> Path:
         types = getattr(sig, "args", sig)
         text = repr(([str(kind) for kind in types], codegen.magic_tuple()))
-        key = sha256(text.encode() + _constants(self._function)).hexdigest()[:24]
+        key = sha256(text.encode() + reach(self._function)[0]).hexdigest()[:24]
         return Path(self.cache_path, f"{self._name}-{key}.code")
 
 
@@ -126,8 +135,18 @@ def _load(path: Path, sig: Any, target_context: Any) -> Any:
     return found if found.signature.args == tuple(getattr(sig, "args", sig)) else None
 
 
-def _constants(function: Callable[..., Any]) -> bytes:
-    """Return a digest of the constants that a function and those it calls take from modules and closures."""
+def say(function: Callable[..., Any], doing: str) -> None:
+    """Log, with the time that is left, that a function is compiled, if that takes long."""
+    seconds = EACH * reach(function)[1]
+    if seconds >= LONG:
+        name = f"{function.__module__}.{function.__qualname__}"
+        LOG.warning("%s %s, about %.0f s, once: its machine code is cached.", doing, name, seconds)
+
+
+def reach(function: Callable[..., Any]) -> tuple[bytes, int]:
+    """Return a digest of the constants that a function and those it calls take from modules and closures, and how many
+    functions these are.
+    """
     found, seen = sha256(), set()
     todo: list[Any] = [function]
     while todo:
@@ -144,7 +163,7 @@ def _constants(function: Callable[..., Any]) -> bytes:
             found.update(f"{value.dtype} {value.shape} ".encode() + value.tobytes())
         elif isinstance(value, _CONSTANTS):
             found.update(f"{type(value)} {value!r} ".encode())
-    return found.digest()
+    return found.digest(), len(seen)
 
 
 @cache

@@ -1,13 +1,12 @@
 """Functions compiled to machine code: kernels for Python, functions inlined into them, C functions for other kernels.
 
-The machine code of kernels and C functions is cached on the disk (``dincl.compiled.cache``). At a terminal a line names
-what is compiled: a first run takes half a minute longer.
+The machine code of kernels and C functions is cached on the disk (``dincl.compiled.cache``). A line in the log "dincl",
+which goes to stderr by default, says what is compiled, and about how long that takes.
 """
 
 from __future__ import annotations
 
 import gc
-import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from functools import cached_property
@@ -23,7 +22,7 @@ from numba.core.event import Listener, install_recorder, register
 from numba.core.sigutils import normalize_signature
 from numba.core.types import unliteral
 
-from dincl.compiled.cache import PACKAGES, code_cache
+from dincl.compiled.cache import PACKAGES, code_cache, say
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -204,7 +203,7 @@ class _InlinedCode(JITCodeLibrary):
 
 
 class CompilerMessages(Listener):
-    """A line at a terminal for each function that is compiled, but for those that it calls."""
+    """A line in the log for each function that is compiled, but for those that it calls."""
 
     def __init__(self) -> None:
         self._compiling: list[Callable[..., Any]] = []
@@ -214,12 +213,8 @@ class CompilerMessages(Listener):
         """Name the function that is compiled, unless this was done."""
         self._compiling.append(event.data["dispatcher"].py_func)
         first = self._compiling[0]
-        if first is not self._named and sys.stderr.isatty():
-            print(
-                f"Compiling {first.__module__}.{first.__qualname__}; its machine code is cached.",
-                file=sys.stderr,
-                flush=True,
-            )
+        if first is not self._named:
+            say(first, "Compiling")
         self._named = first
 
     def on_end(self, event: Any) -> None:
