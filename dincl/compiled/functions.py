@@ -7,14 +7,18 @@ which goes to stderr by default, says what is compiled, and about how long that 
 from __future__ import annotations
 
 import gc
+import os
+import secrets
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from functools import cached_property
+from itertools import count
 from types import CodeType
 from typing import Any, TypeVar, cast
 
 import numba
 from numba.core import typed_passes, untyped_passes
+from numba.core.bytecode import FunctionIdentity
 from numba.core.ccallback import CFunc
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler, Flags
@@ -25,6 +29,19 @@ from numba.core.types import unliteral
 from dincl.compiled.cache import PACKAGES, code_cache, say
 
 Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def _number_functions() -> None:
+    """Let the numbers of functions begin anywhere.
+
+    Numba tells functions of one name, as of closures, apart by a number that begins with one in each process. Two that
+    two processes compiled and cached may have the same, and one that loads both would call one in place of the other.
+    """
+    cast("Any", FunctionIdentity)._unique_ids = count(secrets.randbits(60))
+
+
+_number_functions()
+os.register_at_fork(after_in_child=_number_functions)
 
 
 def kernel(function: Function, *, references: bool = True) -> Function:
