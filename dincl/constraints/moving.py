@@ -15,7 +15,7 @@ from dincl.constraints.base import Constraint
 from dincl.constraints.timed import RECENT
 from dincl.errors import InvalidProblem
 from dincl.norms import longest
-from dincl.rows.base import CustomSweep, DiscPairs
+from dincl.rows.base import DiscPairs
 from dincl.status import Status
 
 if TYPE_CHECKING:
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
     from dincl.constraints.base import Swept
     from dincl.rows.base import RowsOfOneKind
-    from dincl.work import Work
 
 PATH = UserFunction("path", ("t",), Status.CONSTRAINT_FAILED)
 ROTATION = UserFunction("rotation", ("t",), Status.CONSTRAINT_FAILED)
@@ -190,14 +189,7 @@ class Moving(Constraint):
         return self.constraint.at(0.0).pattern(x)
 
     def sweep_rows(self, x: NDArray[np.float64]) -> Swept:
-        carried = self.displacement(0.0, x.shape[1]) is None
-        return self._placed_sweep(x) if carried else self.constraint.sweep_rows(x)
-
-    def _placed_sweep(self, x: NDArray[np.float64]) -> Swept:
-        """Return the rows of S; the steps move a set along one path only, so its own projections make other motions."""
-        inner = self.constraint
-        rows = inner._placed_sweep(x) if isinstance(inner, Moving) else inner.at(0.0).sweep_rows(x)
-        return _PlacedSweep(self, rows) if isinstance(rows, CustomSweep) else rows
+        return self.constraint.at(0.0).sweep_rows(x)
 
     def select_at(self, t: float, x: NDArray[np.float64], search_radius: float) -> RowsOfOneKind:
         return self.constraint.select_at(t, self.seen(t, x), search_radius)
@@ -218,20 +210,6 @@ class Moving(Constraint):
         turned = self.placement(later, x.shape[1])[0] - self.placement(t, x.shape[1])[0]
         moved = longest(after - before) + float(np.linalg.norm(turned, 2)) * search_radius
         return moved + self.constraint.change(t, later, after, search_radius)
-
-
-@dataclass(frozen=True)
-class _PlacedSweep(CustomSweep):
-    """Projections of the user onto a set that turns, or moves twice: for x as seen from the set."""
-
-    moving: Moving
-    of_set: CustomSweep
-
-    def sweep(self, t: float, x: NDArray[np.float64], work: Work) -> None:
-        turn, shift = self.moving.placement(t, x.shape[1])
-        seen = (x - shift) @ turn
-        self.of_set.sweep(t, seen, work)
-        x[:] = seen @ turn.T + shift
 
 
 def derivative(

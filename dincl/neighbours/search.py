@@ -145,7 +145,7 @@ def sort_into_grid(x: Floats, radius: Floats, axes: Axes) -> Grid:
 
 @allocating
 def cells_along(x: Floats, edge: float, axes: Axes) -> Offsets:
-    """Choose the number of cells along each axis, 2^bits: those of the bounding box, or fewer than there is room for."""
+    """Choose the number of cells along each axis, 2^bits: those of the bounding box, or as many as have room."""
     bits, extent, total = np.zeros(GRID_AXES, np.int64), np.zeros(GRID_AXES), 0
     for k in range(min(len(axes), GRID_AXES)):
         lowest, highest = np.inf, -np.inf

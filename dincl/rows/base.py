@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
     from dincl.errors import StepFailure
-    from dincl.work import Work
 
 
 class TableRows(NamedTuple):
@@ -215,18 +214,6 @@ class DiscPairs(NamedTuple):
 
     radius: NDArray[np.float64]
     among: NDArray[np.int64] | None
-
-
-class CustomSweep(ABC):
-    """Projections of your own onto the rows of one constraint, in place of those that PBD makes row by row."""
-
-    @abstractmethod
-    def sweep(self, t: float, x: NDArray[np.float64], work: Work) -> None:
-        """Project x (N, d) onto one row after another, in place: P_{S_m} ... P_{S_1}  (2.5), (2.9).
-
-        Add the number of projections to ``work.constraint_projections``. If the constraint is Moving, x is relative to
-        its displacement. Raise StepFailure where a projection is not defined.
-        """
 
 
 def coordinates(particles: NDArray[np.int64], d: int) -> NDArray[np.int64]:

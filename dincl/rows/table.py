@@ -15,9 +15,8 @@ from dincl.rows.timed_sets import no_timed_sets, place_sets, write_changes, writ
 
 # Kinds of rows: distances, affine rows, rows that Python evaluates, rows of a compiled formula.
 DISTANCE, AFFINE, CALLBACK, FORMULA = range(4)
-# Requests to Python: displacements of the sets; also values and gradients of its rows; also velocities of the sets. Or
-# the projection of x onto the rows of one set, in place.
-DISPLACEMENTS, GRADIENTS, VELOCITIES, SWEEP = range(1, 5)
+# Requests to Python: displacements of the sets; also values and gradients of its rows; also velocities of the sets.
+DISPLACEMENTS, GRADIENTS, VELOCITIES = range(1, 4)
 
 call_sets = call(SETS)
 
@@ -107,14 +106,14 @@ class Sets(NamedTuple):
 
 
 @inner
-def call_python(sets: Sets, t: float, x: Floats, request: int, family: int = 0) -> int:
+def call_python(sets: Sets, t: float, x: Floats, request: int) -> int:
     """Write what is requested, or have Python write it; return 0 if no call of Python has failed so far.
 
-    SWEEP is for one ``family``. After a failure a step may go on with old numbers: at its end it is rejected.
+    After a failure a step may go on with old numbers: at its end it is rejected.
     """
     if sets.address == 0:
         return 0
-    if sets.tables[0] != 0 and request != SWEEP:
+    if sets.tables[0] != 0:
         timed = timed_sets_at(sets.tables[0])
         place_sets(timed, sets.shift, sets.speed, t)
         if request == VELOCITIES:
@@ -124,7 +123,7 @@ def call_python(sets: Sets, t: float, x: Floats, request: int, family: int = 0) 
         if sets.tables[1] == 0:
             return int(sets.failed[0])
     if sets.failed[0] == 0:
-        sets.failed[0] = max(sets.failed[0], call_sets(sets.address, t, x, request, family))
+        sets.failed[0] = max(sets.failed[0], call_sets(sets.address, t, x, request))
     return int(sets.failed[0])
 
 

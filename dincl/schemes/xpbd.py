@@ -55,4 +55,4 @@ class XPBD(FixedStep):
         from dincl.steps.sweeping import run_xpbd
 
         settings = Settings(sweeps=self.sweeps, compliance=self.compliance)
-        return CompiledStepper.sweeping(problem, run_xpbd, settings, projected=False, multipliers=True)
+        return CompiledStepper.sweeping(problem, run_xpbd, settings, multipliers=True)

@@ -12,18 +12,9 @@ import numpy as np
 from dincl.compiled import inner, reader
 from dincl.compiled.arrays import Floats, Offsets
 from dincl.constants import LARGEST
+from dincl.steps.grid import TimeGrid
 from dincl.steps.sweeps import NO_FAMILIES, Families
 from dincl.system.arrays import NOT_A_NUMBER, OK, bounded
-
-
-class StepRange(NamedTuple):
-    """The steps k = first ... last - 1 from t_k = origin + k end / number."""
-
-    origin: float
-    end: float
-    number: int
-    first: int
-    last: int
 
 
 class OutputArrays(NamedTuple):
@@ -88,17 +79,17 @@ def loop_of(step: Callable[..., int]) -> Callable[..., tuple[int, int]]:
     """Make the loop over the steps of a scheme, for its kernel."""
 
     @inner
-    def run_steps(place: int, grid: StepRange, output: int) -> tuple[int, int]:
-        """Make the steps of a grid; return the code of the last one, and the step reached.
+    def run_steps(place: int, origin: float, grid: TimeGrid, first: int, last: int, output: int) -> tuple[int, int]:
+        """Make the steps first ... last - 1 of a grid that begins at t = origin; return the last code, and step.
 
         A step that fails leaves the state as it was. ``place`` and ``output`` are addresses of Stepping and
         OutputArrays.
         """
         run, found = stepping_at(place), output_at(output)
         x, v, after = run.x, run.v, run.after
-        h = grid.end / grid.number
-        for k in range(grid.first, grid.last):
-            t = grid.origin + k * grid.end / grid.number
+        h = grid.t_end / grid.steps
+        for k in range(first, last):
+            t = origin + k * grid.t_end / grid.steps
             code = step(run, t, h, x, v, after)
             if code == OK and not bounded(after, LARGEST):
                 code = NOT_A_NUMBER
@@ -109,6 +100,6 @@ def loop_of(step: Callable[..., int]) -> Callable[..., tuple[int, int]]:
                 v[i] = (after[i] - x[i]) / h
             for i in range(x.size):
                 x[i] = after[i]
-        return OK, grid.last
+        return OK, last
 
     return run_steps

@@ -18,7 +18,8 @@ from dincl.neighbours.lists import (
     project_pair,
 )
 from dincl.rows.table import DISPLACEMENTS, GRADIENTS, RowTable, Sets, call_python, evaluate_row, value_of
-from dincl.steps.loop import Stepping, StepRange, loop_of
+from dincl.steps.grid import TimeGrid
+from dincl.steps.loop import Stepping, loop_of
 from dincl.steps.sweeps import (
     DISCS,
     WALL,
@@ -186,18 +187,18 @@ _pbd, _xpbd, _penalty = loop_of(pbd), loop_of(xpbd), loop_of(penalty)
 
 
 @partial(kernel, references=False)
-def run_pbd(place: int, grid: StepRange, output: int) -> tuple[int, int]:
+def run_pbd(place: int, origin: float, grid: TimeGrid, first: int, last: int, output: int) -> tuple[int, int]:
     """Make steps of position based dynamics, see ``dincl.steps.loop.loop_of``."""
-    return _pbd(place, grid, output)
+    return _pbd(place, origin, grid, first, last, output)
 
 
 @partial(kernel, references=False)
-def run_xpbd(place: int, grid: StepRange, output: int) -> tuple[int, int]:
+def run_xpbd(place: int, origin: float, grid: TimeGrid, first: int, last: int, output: int) -> tuple[int, int]:
     """Make steps of extended position based dynamics."""
-    return _xpbd(place, grid, output)
+    return _xpbd(place, origin, grid, first, last, output)
 
 
 @partial(kernel, references=False)
-def run_penalty(place: int, grid: StepRange, output: int) -> tuple[int, int]:
+def run_penalty(place: int, origin: float, grid: TimeGrid, first: int, last: int, output: int) -> tuple[int, int]:
     """Make steps of the penalty method."""
-    return _penalty(place, grid, output)
+    return _penalty(place, origin, grid, first, last, output)
