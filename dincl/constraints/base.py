@@ -38,10 +38,6 @@ class Constraint(ABC):
         """Return the rows that PBD projects onto, one after another, for states of the shape of x."""
         return self.select(x, math.inf)
 
-    def pattern(self, x: NDArray[np.float64]) -> RowsOfOneKind:
-        """Return all rows, or enough of them to show that two rows share a particle."""
-        return self.select(x, math.inf)
-
     def longest_length(self, d: int) -> float:
         """Return the largest length or offset of the set at time 0, which gaps round with; 0 if none is known."""
         return 0.0

@@ -124,7 +124,7 @@ class Moving(Constraint):
     path
         t -> displacement of shape (d,) [length], the same for all particles; or a RigidMotion.
 
-    The rows of ``select``, ``sweep_rows`` and ``pattern`` are those of S, for x as seen from the moving set.
+    The rows of ``select`` and ``sweep_rows`` are those of S, for x as seen from the moving set.
     """
 
     constraint: Constraint
@@ -184,9 +184,6 @@ class Moving(Constraint):
 
     def select(self, x: NDArray[np.float64], search_radius: float) -> RowsOfOneKind:
         return self.constraint.at(0.0).select(x, search_radius)
-
-    def pattern(self, x: NDArray[np.float64]) -> RowsOfOneKind:
-        return self.constraint.at(0.0).pattern(x)
 
     def sweep_rows(self, x: NDArray[np.float64]) -> Swept:
         return self.constraint.at(0.0).sweep_rows(x)

@@ -76,12 +76,40 @@ def move_all(move: Move, after: Floats) -> None:
 
 
 @inner
+def move_all_at_once(move: Move, after: Floats, pairs: PairList, axes: Any) -> bool:
+    """Do ``move_all``, and return ``is_outdated``: in one pass over the memory, if there are no velocities."""
+    if move.v.size > 0:
+        move_all(move, after)
+        return is_outdated(after, pairs, axes)
+    h, x, rate, reference, allowed, far, d = (
+        move.h,
+        move.x,
+        move.rate,
+        pairs.reference,
+        allowed_square(pairs),
+        0,
+        len(axes),
+    )
+    for i in range(0, after.size, d):
+        for k in range(d):
+            after[i + k] = x[i + k] + h * rate[i + k]
+        far += square_distance(after, i, reference, i, axes) > allowed
+    return far > 0 or has_no_list(pairs)
+
+
+@inner
+def has_no_list(pairs: PairList) -> bool:
+    """Return whether there is no list, or one that is outdated wherever the discs are."""
+    return bool(pairs.number[BUILDS] == 0 or pairs.number[OUTDATED] != 0)
+
+
+@inner
 def is_outdated(x: Floats, pairs: PairList, axes: Any) -> bool:
     """Return whether there is no list, or a disc is farther than the skin from its reference."""
     reference, allowed, far, d = pairs.reference, allowed_square(pairs), 0, len(axes)
     for i in range(pairs.radius.size):
         far += square_distance(x, i * d, reference, i * d, axes) > allowed
-    return far > 0 or pairs.number[BUILDS] == 0 or pairs.number[OUTDATED] != 0
+    return far > 0 or has_no_list(pairs)
 
 
 @inner
@@ -213,22 +241,30 @@ def disc_sweep(visit: Callable[..., int]) -> Callable[..., int]:
         return DONE
 
     @inner
-    def sweep_discs(x: Floats, pairs: PairList, begin: bool, compliance: float, axes: Any) -> int:
-        """Sweep over the discs at x; return how it ended.
+    def sweep_discs(
+        x: Floats, pairs: PairList, move: Move, moves: bool, begin: bool, compliance: float, axes: Any
+    ) -> int:
+        """Sweep over the discs at x, or, if this ``moves`` them, at the end of the step ``move``; return how it ended.
 
         ``begin`` says that no sweep of this step was made before. Multipliers of earlier sweeps belong to the pairs of
         the list: then it ends STALE where the list does.
         """
-        backup = pairs.backup
-        for k in range(backup.size):
-            backup[k] = x[k]
-        outdated = is_outdated(x, pairs, axes)
+        backup, outdated = pairs.backup, False
+        if moves:
+            outdated = move_all_at_once(move, x, pairs, axes)
+        else:
+            for k in range(backup.size):
+                backup[k] = x[k]
+            outdated = is_outdated(x, pairs, axes)
         while True:
             if outdated:
                 if not begin and pairs.multiplier.size > 0:
                     return STALE
-                for k in range(backup.size):
-                    x[k] = backup[k]
+                if moves:
+                    move_all(move, x)
+                else:
+                    for k in range(backup.size):
+                        x[k] = backup[k]
                 code = rebuild(x, pairs, axes)
                 if code != DONE:
                     return int(code)

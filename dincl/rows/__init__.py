@@ -8,7 +8,7 @@ Jacobians have N*d columns, particle by particle. Multipliers belong to g as wri
 """
 
 from dincl.rows.affine import AffineRows, HeightRows, linearised
-from dincl.rows.base import DiscPairs, Polynomial, Rows, RowsOfOneKind, StackedRows
+from dincl.rows.base import DiscPairs, Rows, RowsOfOneKind, StackedRows
 from dincl.rows.distance import DistanceRows
 from dincl.rows.functions import FormulaRows, SmoothRows
 
@@ -18,7 +18,6 @@ __all__ = [
     "DistanceRows",
     "FormulaRows",
     "HeightRows",
-    "Polynomial",
     "Rows",
     "RowsOfOneKind",
     "SmoothRows",

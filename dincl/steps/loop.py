@@ -86,7 +86,8 @@ def loop_of(step: Callable[..., int]) -> Callable[..., tuple[int, int]]:
         OutputArrays.
         """
         run, found = stepping_at(place), output_at(output)
-        x, v, after = run.x, run.v, run.after
+        # The arrays of the states before and after a step change places.
+        x, v, after, code, reached = run.x, run.v, run.after, OK, last
         h = grid.t_end / grid.steps
         for k in range(first, last):
             t = origin + k * grid.t_end / grid.steps
@@ -94,12 +95,15 @@ def loop_of(step: Callable[..., int]) -> Callable[..., tuple[int, int]]:
             if code == OK and not bounded(after, LARGEST):
                 code = NOT_A_NUMBER
             if code != OK:
-                return code, k
+                reached = k
+                break
             write_output(found, k, x, v, after)
             for i in range(v.size):
                 v[i] = (after[i] - x[i]) / h
+            x, after = after, x
+        if (reached - first) % 2 == 1:
             for i in range(x.size):
-                x[i] = after[i]
-        return OK, last
+                run.x[i] = x[i]
+        return code, reached
 
     return run_steps

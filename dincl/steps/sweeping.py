@@ -13,7 +13,6 @@ from dincl.neighbours.lists import (
     add_disc_forces,
     correct_pair,
     gather,
-    move_all,
     pair_list_at,
     project_pair,
 )
@@ -117,11 +116,10 @@ def sweeps_of(sweep: Callable[..., int]) -> Callable[..., int]:
     def sweep_often(run: Stepping, t: float, move: Move, after: Floats, compliance: float) -> int:
         """Write the point of the step ``move``, and sweep over all sets at time t: OK or why not."""
         system = system_at(run.system)
-        move_all(move, after)
-        if call_python(system.sets, t, after, DISPLACEMENTS) != 0:
+        if call_python(system.sets, t, move.x, DISPLACEMENTS) != 0:
             return SETS
         for k in range(run.settings.sweeps):
-            code = sweep(system, run.families, t, after, k == 0, compliance)
+            code = sweep(system, run.families, t, after, move, k == 0, compliance)
             if code != OK:
                 return int(code)
         return OK

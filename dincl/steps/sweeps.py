@@ -12,12 +12,12 @@ import numpy as np
 from dincl.compiled import inner
 from dincl.compiled.arrays import Floats, Offsets
 from dincl.neighbours import lists
-from dincl.neighbours.lists import disc_sweep, gather, pair_list_at, scatter
+from dincl.neighbours.lists import Move, disc_sweep, gather, move_all, pair_list_at, scatter
 from dincl.rows.table import AFFINE, CALLBACK, DISTANCE, GRADIENTS, RowTable, call_python, evaluate_row, value_of
 from dincl.solvers.envelope_factor import add_row
 from dincl.system.arrays import COINCIDENT, FLAT, NEED_ROOM, OK, SETS, STALE, UNSETTLED, SystemArrays
 
-# Forms of families: discs, whose near pairs are listed; a wall for all particles; rows of the table.
+# Forms of families: discs, whose near pairs are listed; a wall for all particles, for d <= 3; rows of the table.
 DISCS, WALL, ROWS = range(3)
 # A row that Python evaluates is projected onto until a step moves less than this, relative to the first or to x; never
 # more than so many times.
@@ -174,13 +174,17 @@ def sweep_of(
     sweep_discs = disc_sweep(visit_pair)
 
     @inner
-    def sweep_family_of_discs(families: Families, f: int, x: Floats, begin: bool, compliance: float, axes: Any) -> int:
-        """Sweep over pairs of discs."""
-        pairs, points = pair_list_at(families.pairs[f]), x
+    def sweep_family_of_discs(
+        families: Families, f: int, x: Floats, move: Move, begin: bool, compliance: float, axes: Any
+    ) -> int:
+        """Sweep over pairs of discs; the first family makes the step ``move``, too."""
+        pairs, points, moves = pair_list_at(families.pairs[f]), x, begin and f == 0
         if pairs.disc.size > 0:
+            if moves:
+                move_all(move, x)
             gather(x, pairs, len(axes))
-            points = pairs.point
-        ended = sweep_discs(points, pairs, begin, compliance, axes)
+            points, moves = pairs.point, False
+        ended = sweep_discs(points, pairs, move, moves, begin, compliance, axes)
         scatter(x, pairs, len(axes))
         return OK if ended == lists.DONE else record_discs(families, f, ended)
 
@@ -199,7 +203,7 @@ def sweep_of(
         points, bound, multiplier = x[block * d :], families.bound[begins:], multiplier[begins * some :]
         # Written out, without calls that take arrays and without branches, so that several particles are taken at once.
         # x + -0.0 is x, also where x is -0.0.
-        for i in range(count if d <= 3 else 0):
+        for i in range(count):
             height = 0.0 + one * points[i * d]
             if d > 1:
                 height += two * points[i * d + 1]
@@ -213,14 +217,6 @@ def sweep_of(
             if d > 2:
                 points[i * d + 2] += way * three if moves else -0.0
             corrections += moves
-        for i in range(count if d > 3 else 0):
-            height = 0.0
-            for k in range(d):
-                height += n[k] * points[i * d + k]
-            way = visit_wall(height, bound[i] + carried, multiplier, i, begin, compliance)
-            for k in range(d if way != 0.0 else 0):
-                points[i * d + k] += way * n[k]
-            corrections += way != 0.0
         return corrections
 
     @inner
@@ -236,14 +232,23 @@ def sweep_of(
 
     @inner
     def sweep_all(
-        system: SystemArrays, families: Families, t: float, x: Floats, begin: bool, compliance: float, axes: Any
+        system: SystemArrays,
+        families: Families,
+        t: float,
+        x: Floats,
+        move: Move,
+        begin: bool,
+        compliance: float,
+        axes: Any,
     ) -> int:
-        """Sweep over all sets at time t: OK or why not."""
+        """Sweep over all sets at time t, at first from the end of the step ``move``: OK or why not."""
         count, f = families.form.size, 0
+        if begin and (count == 0 or families.form[0] != DISCS):
+            move_all(move, x)
         while f < count:
             form, code, last = families.form[f], OK, f + 1
             if form == DISCS:
-                code = sweep_family_of_discs(families, f, x, begin, compliance, axes)
+                code = sweep_family_of_discs(families, f, x, move, begin, compliance, axes)
             elif form == WALL:
                 while last < count and families.form[last] == WALL:
                     last += 1
@@ -256,12 +261,14 @@ def sweep_of(
         return OK
 
     @inner
-    def sweep(system: SystemArrays, families: Families, t: float, x: Floats, begin: bool, compliance: float) -> int:
+    def sweep(
+        system: SystemArrays, families: Families, t: float, x: Floats, move: Move, begin: bool, compliance: float
+    ) -> int:
         """Sweep with the number of axes in a type that the compiler knows."""
         if families.axes.size == 2:
-            return int(sweep_all(system, families, t, x, begin, compliance, (0, 0)))
+            return int(sweep_all(system, families, t, x, move, begin, compliance, (0, 0)))
         if families.axes.size == 3:
-            return int(sweep_all(system, families, t, x, begin, compliance, (0, 0, 0)))
-        return int(sweep_all(system, families, t, x, begin, compliance, families.axes))
+            return int(sweep_all(system, families, t, x, move, begin, compliance, (0, 0, 0)))
+        return int(sweep_all(system, families, t, x, move, begin, compliance, families.axes))
 
     return sweep

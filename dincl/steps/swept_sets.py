@@ -174,4 +174,5 @@ def _form(swept: Any, general: bool) -> int:
     if isinstance(swept, DiscPairs):
         return DISCS
     # All particles, as of a wall for which every one is near.
-    return WALL if isinstance(swept, HeightRows) and len(swept) == swept.count and not general else ROWS
+    wall = isinstance(swept, HeightRows) and len(swept) == swept.count and len(swept.normal) <= 3
+    return WALL if wall and not general else ROWS
