@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dincl.compiled import call, inner
-from dincl.compiled.arrays import Floats, Offsets
+from dincl.compiled.arrays import Floats, Offsets, empty
 from dincl.compiled.calls import SETS
 from dincl.compiled.structs import reader
 from dincl.neighbours import ALL_PAIRS, FEWEST_SWEEPS, MOST_SWEEPS
@@ -56,11 +56,7 @@ class Move(NamedTuple):
     rate: Floats
 
 
-# For its types.
-_NONE, _FLOATS = np.zeros(0, dtype=np.int64), np.zeros(0)
-_FEW = np.zeros(0, dtype=np.uint32)
-EXAMPLE = PairList(_NONE, _FLOATS, _FEW, _FEW, _FLOATS, _FLOATS, _FLOATS, _FLOATS, _FLOATS, _FLOATS, _NONE, 0)
-pair_list_at = reader(EXAMPLE)
+pair_list_at = reader(empty(PairList))
 
 
 @inner

@@ -1,17 +1,17 @@
 """Rows in one table for compiled code: values and gradients at a point."""
 
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dincl.compiled import call, inner
-from dincl.compiled.arrays import Floats, Offsets
+from dincl.compiled.arrays import Floats, Offsets, Table, empty
 from dincl.compiled.calls import SETS
 from dincl.compiled.structs import reader
 from dincl.drifts.functions import call_drift
 from dincl.rows.formulas import square_distance
-from dincl.rows.timed_sets import no_timed_sets, place_sets, write_changes, write_rates
+from dincl.rows.timed_sets import TimedSets, place_sets, write_changes, write_rates
 
 # Kinds of rows: distances, affine rows, rows that Python evaluates, rows of a compiled formula.
 DISTANCE, AFFINE, CALLBACK, FORMULA = range(4)
@@ -32,7 +32,7 @@ ROW = np.dtype(
         ("lipschitz", np.float64),  # how fast g changes at most while no particle moves faster than 1
     ]
 )
-timed_sets_at = reader(no_timed_sets(np.zeros(0, dtype=ROW)))
+timed_sets_at = reader(empty(TimedSets)._replace(row=np.zeros(0, dtype=ROW)))
 
 
 class RowTable(NamedTuple):
@@ -43,7 +43,7 @@ class RowTable(NamedTuple):
     from the entry ``tail[0]`` on.
     """
 
-    row: NDArray[np.void]
+    row: Annotated[NDArray[np.void], ROW]
     start: Offsets
     stop: Offsets
     column: Offsets
@@ -92,8 +92,8 @@ class Sets(NamedTuple):
 
     address: int
     failed: Offsets  # (1,)
-    shift: Floats  # (families, d): the displacement of each set
-    speed: Floats  # (families, d): its velocity
+    shift: Table  # (families, d): the displacement of each set
+    speed: Table  # (families, d): its velocity
     general: Offsets  # (families,): 1 for general sets
     since: Floats  # (1,): the time with which they are compared
     change: Floats  # (families,): how much they have changed since, see ``Constraint.change``

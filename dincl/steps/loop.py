@@ -10,10 +10,10 @@ from typing import NamedTuple
 import numpy as np
 
 from dincl.compiled import inner, reader
-from dincl.compiled.arrays import Floats, Offsets
+from dincl.compiled.arrays import Floats, Offsets, Table, empty
 from dincl.constants import LARGEST
 from dincl.steps.grid import TimeGrid
-from dincl.steps.sweeps import NO_FAMILIES, Families
+from dincl.steps.sweeps import Families
 from dincl.system.arrays import NOT_A_NUMBER, OK, bounded
 
 
@@ -22,9 +22,9 @@ class OutputArrays(NamedTuple):
 
     step: Offsets  # (K,): the step k in which the time lies, t_k < t <= t_{k+1}
     weight: Floats  # (K,): its place there, 1 at the end of the step
-    x: Floats  # (K, n): the state at the time, on the straight line of the step  (1.48)
-    before: Floats  # (K, n): the state at t_k
-    velocity: Floats  # (K, n): the velocity at t_k, for second-order schemes
+    x: Table  # (K, n): the state at the time, on the straight line of the step  (1.48)
+    before: Table  # (K, n): the state at t_k
+    velocity: Table  # (K, n): the velocity at t_k, for second-order schemes
     filled: Offsets  # (1,): how many output times were reached
 
 
@@ -53,9 +53,8 @@ class Stepping(NamedTuple):
     settings: Settings
 
 
-_NONE, _TABLE = np.zeros(0), np.zeros((0, 1))
-NO_OUTPUT = OutputArrays(np.zeros(0, np.int64), _NONE, _TABLE, _TABLE, _TABLE, np.zeros(1, np.int64))
-stepping_at = reader(Stepping(0, NO_FAMILIES, _NONE, _NONE, _NONE, _NONE, np.zeros(1, np.int64), Settings()))
+NO_OUTPUT: OutputArrays = empty(OutputArrays)._replace(filled=np.zeros(1, np.int64))
+stepping_at = reader(empty(Stepping))
 output_at = reader(NO_OUTPUT)
 
 

@@ -7,10 +7,8 @@ table, and that of its extended form, which corrects with a multiplier for each 
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from dincl.compiled import inner
-from dincl.compiled.arrays import Floats, Offsets
+from dincl.compiled.arrays import Floats, Offsets, Table, empty
 from dincl.neighbours import lists
 from dincl.neighbours.lists import Move, disc_sweep, gather, move_all, pair_list_at, scatter
 from dincl.rows.table import AFFINE, CALLBACK, DISTANCE, GRADIENTS, RowTable, call_python, evaluate_row, value_of
@@ -33,7 +31,7 @@ class Families(NamedTuple):
     first: Offsets  # the rows of a family are first ... last - 1 of the table; those of a wall begin in ``bound``
     last: Offsets
     pairs: Offsets  # the address of the PairList of discs
-    normal: Floats  # (families, d): of walls
+    normal: Table  # (families, d): of walls
     bound: Floats  # least allowed heights of all particles over walls [length]
     multiplier: Floats  # of all particles at walls, or (0,) for schemes that have none
     corrections: Offsets  # (1,): by rows of walls and of the table
@@ -41,9 +39,8 @@ class Families(NamedTuple):
     axes: Offsets  # (d,)
 
 
-_NONE, _FLOATS = np.zeros(0, dtype=np.int64), np.zeros(0)
 # Of a scheme that makes no sweeps.
-NO_FAMILIES = Families(_NONE, _NONE, _NONE, _NONE, np.zeros((0, 1)), _FLOATS, _FLOATS, _NONE, _NONE, _NONE)
+NO_FAMILIES: Families = empty(Families)
 
 
 @inner
