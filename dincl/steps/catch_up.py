@@ -52,6 +52,6 @@ _loop = loop_of(catch_up)
 
 
 @partial(kernel, references=False)
-def run_catch_up(place: int, origin: float, grid: TimeGrid, first: int, last: int, output: int) -> tuple[int, int]:
+def run_catch_up(place: int, grid: TimeGrid, output: int) -> tuple[int, int]:
     """Make steps of a catch-up scheme, see ``dincl.steps.loop.loop_of``."""
-    return _loop(place, origin, grid, first, last, output)
+    return _loop(place, grid, output)

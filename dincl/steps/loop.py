@@ -78,18 +78,18 @@ def loop_of(step: Callable[..., int]) -> Callable[..., tuple[int, int]]:
     """Make the loop over the steps of a scheme, for its kernel."""
 
     @inner
-    def run_steps(place: int, origin: float, grid: TimeGrid, first: int, last: int, output: int) -> tuple[int, int]:
-        """Make the steps first ... last - 1 of a grid that begins at t = origin; return the last code, and step.
+    def run_steps(place: int, grid: TimeGrid, output: int) -> tuple[int, int]:
+        """Make the steps of a grid; return the code of the last one, and the step reached.
 
         A step that fails leaves the state as it was. ``place`` and ``output`` are addresses of Stepping and
         OutputArrays.
         """
         run, found = stepping_at(place), output_at(output)
         # The arrays of the states before and after a step change places.
-        x, v, after, code, reached = run.x, run.v, run.after, OK, last
+        x, v, after, code, reached = run.x, run.v, run.after, OK, grid.last
         h = grid.t_end / grid.steps
-        for k in range(first, last):
-            t = origin + k * grid.t_end / grid.steps
+        for k in range(grid.first, grid.last):
+            t = grid.origin + k * grid.t_end / grid.steps
             code = step(run, t, h, x, v, after)
             if code == OK and not bounded(after, LARGEST):
                 code = NOT_A_NUMBER
@@ -100,7 +100,7 @@ def loop_of(step: Callable[..., int]) -> Callable[..., tuple[int, int]]:
             for i in range(v.size):
                 v[i] = (after[i] - x[i]) / h
             x, after = after, x
-        if (reached - first) % 2 == 1:
+        if (reached - grid.first) % 2 == 1:
             for i in range(x.size):
                 run.x[i] = x[i]
         return code, reached

@@ -135,7 +135,8 @@ class CompiledStepper(Stepper):
         with self.system.callbacks():
             while k < end and code == OK:
                 began = time.perf_counter()
-                code, k = self._run(self.pointer.address, origin, on, k, min(end, k + most), table.address)
+                grid = on._replace(first=k, last=min(end, k + most), origin=origin)
+                code, k = self._run(self.pointer.address, grid, table.address)
                 if self._swept:
                     self._swept.count(self.work)
                 self.system.count(self.work)

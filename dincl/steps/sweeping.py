@@ -185,18 +185,18 @@ _pbd, _xpbd, _penalty = loop_of(pbd), loop_of(xpbd), loop_of(penalty)
 
 
 @partial(kernel, references=False)
-def run_pbd(place: int, origin: float, grid: TimeGrid, first: int, last: int, output: int) -> tuple[int, int]:
+def run_pbd(place: int, grid: TimeGrid, output: int) -> tuple[int, int]:
     """Make steps of position based dynamics, see ``dincl.steps.loop.loop_of``."""
-    return _pbd(place, origin, grid, first, last, output)
+    return _pbd(place, grid, output)
 
 
 @partial(kernel, references=False)
-def run_xpbd(place: int, origin: float, grid: TimeGrid, first: int, last: int, output: int) -> tuple[int, int]:
+def run_xpbd(place: int, grid: TimeGrid, output: int) -> tuple[int, int]:
     """Make steps of extended position based dynamics."""
-    return _xpbd(place, origin, grid, first, last, output)
+    return _xpbd(place, grid, output)
 
 
 @partial(kernel, references=False)
-def run_penalty(place: int, origin: float, grid: TimeGrid, first: int, last: int, output: int) -> tuple[int, int]:
+def run_penalty(place: int, grid: TimeGrid, output: int) -> tuple[int, int]:
     """Make steps of the penalty method."""
-    return _penalty(place, origin, grid, first, last, output)
+    return _penalty(place, grid, output)
