@@ -9,6 +9,7 @@ from dincl.neighbours.lists import call_search
 from dincl.rows.candidates import distance_from_search, find_candidates, note_search, sort_candidates
 from dincl.rows.table import (
     DISPLACEMENTS,
+    DISTANCE,
     GRADIENTS,
     call_python,
     gap,
