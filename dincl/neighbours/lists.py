@@ -73,19 +73,12 @@ def move_all(move: Move, after: Floats) -> None:
 
 @inner
 def move_all_at_once(move: Move, after: Floats, pairs: PairList, axes: Any) -> bool:
-    """Do ``move_all``, and return ``is_outdated``: in one pass over the memory, if there are no velocities."""
+    """Do ``move_all`` and return ``is_outdated``, in one pass over the memory if there are no velocities."""
     if move.v.size > 0:
         move_all(move, after)
         return is_outdated(after, pairs, axes)
-    h, x, rate, reference, allowed, far, d = (
-        move.h,
-        move.x,
-        move.rate,
-        pairs.reference,
-        allowed_square(pairs),
-        0,
-        len(axes),
-    )
+    h, x, rate, reference = move.h, move.x, move.rate, pairs.reference
+    allowed, far, d = allowed_square(pairs), 0, len(axes)
     for i in range(0, after.size, d):
         for k in range(d):
             after[i + k] = x[i + k] + h * rate[i + k]
