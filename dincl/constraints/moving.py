@@ -76,8 +76,8 @@ class RigidMotion:
 
     def numbers(self, t: float, d: int) -> NDArray[np.float64]:
         """Return what the functions of time return, flat; what is zero but for rounding is no function of time."""
-        turn = ROTATION.evaluated(self.rotation, t).ravel()
-        turn = np.where(np.abs(turn) > ZERO, turn, 0.0)
+        turn = ROTATION.evaluated(self.rotation, t)
+        turn = np.where(np.abs(turn) > ZERO, turn, 0.0).ravel() if turn.ndim else turn[None]
         if self.displacement is None:
             return turn
         return np.concatenate((turn, DISPLACEMENT.evaluated(self.displacement, t, shape=(d,))))

@@ -300,10 +300,9 @@ class _Search:
 
     def extreme_times(self, pieces: Sequence[Interval]) -> list[float]:
         """Return the ends of smooth pieces, and where a value has an extremum; all looks if there are many values."""
-        if self._values[0.0].size > MOST_EXTREMES:
-            return self._looks.tolist()
-        found = [t for piece in pieces for t in piece]
-        for a, b in pieces:
+        many = self._values[0.0].size > MOST_EXTREMES
+        found: list[float] = self._looks.tolist() if many else [t for piece in pieces for t in piece]
+        for a, b in () if many else pieces:
             for one in (COEFFICIENTS @ self._at(a + (b - a) * NODES)).T if b - a > SHORT * self._end else ():
                 slope = chebtrim(chebder(one), ROUNDING * float(np.abs(one).max()))
                 roots = chebroots(slope) if len(slope) > 1 else np.zeros(0)
