@@ -53,6 +53,8 @@ class UserFunction:
 
     def numbers(self, raw: Any, shape: Shape | None = None) -> NDArray[np.float64]:
         """Return its result as finite float64 numbers, of a shape if one is given; None in ``shape`` is any length."""
+        if type(raw) is float and not shape and abs(raw) <= LARGEST:  # as most functions of time return
+            return np.array(raw)
         values = plain(raw)
         if values is None or (shape is not None and not fits(values.shape, shape)):
             wanted = "real numbers" + ("" if shape is None else f" of shape {shape_in_words(shape)}")
