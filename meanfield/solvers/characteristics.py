@@ -1,4 +1,7 @@
-"""Mean-field limit by characteristics: a density transported by the flow, with quadrature to tolerance."""
+"""Mean-field limit by characteristics: a density transported by the flow, with quadrature to tolerance.
+
+On a line, ``push_forward`` gives the density at any macroscopic state: g(X, y) and mass are conserved.
+"""
 
 from __future__ import annotations
 
@@ -7,11 +10,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dincl.checks import flag
+from dincl.checks import flag, shaped
+from dincl.errors import InvalidProblem
 from dincl.status import Status
-from meanfield.density.density import MAX_NODES_PER_AXIS
+from meanfield.density.density import MAX_NODES_PER_AXIS, Density
 from meanfield.model.state import State
-from meanfield.solvers.arguments import checked_start, tolerance
+from meanfield.solvers.arguments import check_density, check_model, checked_start, tolerance
+from meanfield.solvers.index_one import consistent_values
 from meanfield.solvers.ode import solve_weighted
 from meanfield.solvers.result import Motion, delivered
 from meanfield.transport.wasserstein import Weighted
@@ -19,7 +24,6 @@ from meanfield.transport.wasserstein import Weighted
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from meanfield.density.density import Density
     from meanfield.model.model import Model
 
     Floats = NDArray[np.float64]
@@ -141,3 +145,48 @@ def _change(coarser: Flow, flow: Flow) -> float:
 
 def _size(flow: Flow) -> float:
     return float(max(np.abs(flow.y).max(initial=0.0), np.abs(flow.v).max(initial=0.0)))
+
+
+def push_forward(model: Model, density: Density, y0: ArrayLike, y: ArrayLike) -> Density:
+    """Compute the density, at the macroscopic state y, of particles that had ``density`` at y0, for nx = 1::
+
+        f(x) = f0(x0) |dg/dX(x, y)| / |dg/dX(x0, y0)|,   g(x0, y0) = g(x, y)
+
+    Parameters
+    ----------
+    y0, y
+        (ny,) macroscopic states; between them dg/dX must keep its rank wherever there are particles (5.5).
+
+    Raises
+    ------
+    InvalidProblem
+        in more than one dimension, or if a value of the model is not finite.
+
+    Source: (5.40), with conservation of g(X, y) and of mass.
+    """
+    check_model(model)
+    check_density(density)
+    if model.nx != 1 or density.nx != 1:
+        raise InvalidProblem(f"nx = {model.nx} of the model, {density.nx} of the density: both must be 1")
+    before, after = shaped("y0", y0, (model.ny,)), shaped("y", y, (model.ny,))
+    places = np.array([density.lower[0], *density.breaks, density.upper[0]])
+    ends = np.sort(origins(model, places[:, None], before, after)[:, 0])
+    return Density(_PushedForward(model, density, before, after), ends[:1], ends[-1:], breaks=tuple(ends[1:-1]))
+
+
+def origins(model: Model, x: Floats, y: Floats, y0: Floats) -> Floats:
+    """Trace particles at x (n, nx) from the macroscopic state y back to y0: solve g(x0, y0) = g(x, y) for x0."""
+    return consistent_values(model, x, y0, np.zeros_like(y0), model.level(x, y))[0]
+
+
+@dataclass(frozen=True, eq=False)
+class _PushedForward:
+    model: Model
+    density: Density
+    y0: Floats
+    y: Floats
+
+    def __call__(self, x: Floats) -> Floats:
+        before = origins(self.model, x, self.y, self.y0)
+        ratio = self.model.jacobians(x, self.y)[0] / self.model.jacobians(before, self.y0)[0]
+        return np.asarray(self.density.density(before) * np.abs(ratio[:, 0, 0]))

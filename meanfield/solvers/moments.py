@@ -10,12 +10,11 @@ import numpy as np
 from dincl.checks import describe, flag, items, shaped
 from dincl.errors import InvalidProblem
 from meanfield.errors import NotClosed
-from meanfield.kernels.dop853 import MOMENTS
 from meanfield.model.reduction import Moments, obstacle, points
 from meanfield.model.state import State
-from meanfield.solvers.arguments import check_model, output_times, tolerance
-from meanfield.solvers.integrate import integrate
-from meanfield.solvers.result import SolverResult, delivered, energies
+from meanfield.solvers.arguments import check_model
+from meanfield.solvers.ode import solve_weighted
+from meanfield.solvers.result import Motion, delivered
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -29,24 +28,23 @@ MOMENT_ROUNDING = 1e-12
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class MomentMotion(SolverResult):
-    """Macroscopic state y, y' (K, ny) and moments rho (K, nx), sigma (K, nx, nx) at K output times."""
+class MomentMotion(Motion):
+    """Motion of 2 nx points of equal weight that have the moments rho (K, nx) and sigma (K, nx, nx) of the density."""
 
-    mean: Floats
-    second: Floats
+    @property
+    def mean(self) -> Floats:
+        """rho (K, nx)."""
+        return np.asarray(self.X.mean(axis=1))
 
-    def energy(self) -> Floats:
-        """Compute the total energy (5.50) at each output time, shape (K,); its integrands are quadratic in x."""
-        found = []
-        for y, v, rho, sigma in zip(self.y, self.v, self.mean, self.second, strict=True):
-            X = points(Moments(rho, sigma))
-            found.append(sum(energies(self.model, X, None, self.model.phi(X, y) @ v, y, v)))
-        return np.array(found)
+    @property
+    def second(self) -> Floats:
+        """sigma (K, nx, nx), not centred."""
+        return np.asarray(self.X.swapaxes(1, 2) @ self.X / self.X.shape[1])
 
     def _measures(self) -> dict[str, Floats]:
-        variance = np.einsum("kii->ki", self.second) - self.mean**2
+        spread = self.X.std(axis=1)
         columns = {f"mean{k + 1}": self.mean[:, k] for k in range(self.model.nx)}
-        return columns | {f"deviation{k + 1}": np.sqrt(np.maximum(variance[:, k], 0)) for k in range(self.model.nx)}
+        return columns | {f"deviation{k + 1}": spread[:, k] for k in range(self.model.nx)}
 
     def _size(self) -> str:
         return f"nx = {self.model.nx}"
@@ -55,15 +53,15 @@ class MomentMotion(SolverResult):
 def solve_moments(
     model: Model, moments0: Moments, y0: ArrayLike, v0: ArrayLike, t: ArrayLike, tol: float, *, throw: bool = True
 ) -> MomentMotion:
-    """Solve for y and the first two moments, with Phi(x, y)[v] = A(y, v) x + b(y, v), by DOP853::
+    """Solve for y and the first two moments, with Phi(x, y)[v] = A(y, v) x + b(y, v)::
 
         m_eff(rho, sigma, y) y'' = F_eff(rho, sigma, y, y')
         rho'   = A rho + b                                     (the blank of (5.69))
         sigma' = A sigma + sigma A^T + b rho^T + rho b^T
 
     The last two equations follow from (5.42b), multiplied by x and x x^T and integrated by parts: d/dt int h f dx =
-    int (grad h . Phi[y']) f dx. They hold for every shape of f. The integrands are polynomials of degree two in x, so
-    that few points with the moments give all integrals.
+    int (grad h . Phi[y']) f dx. They hold for every shape of f, hence for 2 nx points with the moments of the density,
+    which are moved by the integrator of ``solve_ode``: all integrands are polynomials of degree two in x.
 
     Parameters
     ----------
@@ -87,25 +85,10 @@ def solve_moments(
     raises = flag("throw", throw)
     if obstacle(model) is not None:
         raise NotClosed(f"the moment equations of the model do not close: {obstacle(model)}")
-    times, tol = output_times(t), tolerance(tol)
     X = points(_checked(model, moments0))
-    start = State(X=X, y=shaped("y0", y0, (model.ny,)), v=shaped("v0", v0, (model.ny,))).complete(model, tol)
-    found = integrate(model, start, None, times, tol, kind=MOMENTS)
-    second = np.empty((len(found.y), model.nx, model.nx))
-    rows, columns = np.triu_indices(model.nx)
-    second[:, rows, columns] = second[:, columns, rows] = found.rest[:, model.nx :]
-    motion = MomentMotion(
-        model=model,
-        t=times[: len(found.y)],
-        y=found.y,
-        v=found.v,
-        status=found.status,
-        detail=found.detail,
-        work=found.work,
-        mean=found.rest[:, : model.nx],
-        second=second,
-    )
-    return delivered(motion, raises)
+    start = State(X=X, y=shaped("y0", y0, (model.ny,)), v=shaped("v0", v0, (model.ny,)))
+    motion = solve_weighted(model, start, None, t, tol, throw=False)
+    return delivered(MomentMotion(**vars(motion)), raises)
 
 
 def _checked(model: Model, moments: Moments) -> Moments:

@@ -8,7 +8,6 @@ import numpy as np
 
 from dincl.checks import flag
 from meanfield.errors import NotClosed
-from meanfield.kernels.dop853 import CLOSED_FORM, PARTICLES
 from meanfield.model.reduction import Positions, Reduction
 from meanfield.solvers.arguments import particles_and_times, tolerance
 from meanfield.solvers.integrate import integrate
@@ -74,13 +73,12 @@ def solve_weighted(
 
     ``most_steps`` limits the steps of the integrator; None: as in ``solve_ode``.
     """
-    kind = CLOSED_FORM if isinstance(model, Reduction) else PARTICLES
     whole = model.model if isinstance(model, Reduction) else model
     tol, raises = tolerance(tol), flag("throw", throw)
     if isinstance(model, Reduction) and model.positions is Positions.FLOW:
         raise NotClosed(f"no reduction holds: {model.positions.value} Pass the model to solve_ode.")
     first, times = particles_and_times(whole, start, t, tol)
-    found = integrate(whole, first, weights, times, tol, kind=kind, most=most_steps)
+    found = integrate(whole, first, weights, times, tol, closed=whole is not model, most=most_steps)
     states = zip(found.X, found.y, found.v, found.a, strict=True)
     lambdas = [multipliers(whole, X, weights, y, v, a) for X, y, v, a in states]
     motion = Motion(

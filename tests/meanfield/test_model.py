@@ -127,6 +127,14 @@ def test_operations_against_casadi(rng):
     assert set(range(len(OPERATIONS))) - set(made.code[:, 0]) <= {0, 13, 14}  # assign, pow, constpow
 
 
+def test_sines_of_all_sizes(rng):
+    x = np.concatenate([rng.normal(size=(900, 1)) * 10.0 ** rng.uniform(-8, 9, (900, 1)), [[0.0], [-0.0], [np.inf]]])
+    X = ca.SX.sym("X")
+    found = evaluated(made := program(X, ca.SX(0, 1), ca.SX(0, 1), [ca.sin(X), ca.cos(X)]), x, made.none, np.empty(0))
+    with np.errstate(invalid="ignore"):
+        np.testing.assert_allclose(found, np.hstack([np.sin(x), np.cos(x)]), rtol=0, atol=3e-16)
+
+
 def test_an_untranslatable_operation_is_refused():
     model = meanfield.Model(g=lambda X, y: X - y, W0=ca.erf, W1=lambda X: X**2)
     with pytest.raises(meanfield.InvalidModel, match="operation erf"):
