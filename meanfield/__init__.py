@@ -14,8 +14,7 @@ from meanfield.model.reduction import Moments, Positions, Reduction, reduce, sam
 from meanfield.model.state import State
 from meanfield.solvers.characteristics import Flow, push_forward, solve_characteristics
 from meanfield.solvers.dae import solve_dae
-from meanfield.solvers.moments import MomentMotion, solve_moments
-from meanfield.solvers.ode import solve_ode
+from meanfield.solvers.ode import MomentMotion, solve_moments, solve_ode
 from meanfield.solvers.pde import GridMotion, solve_pde
 from meanfield.solvers.rattle import solve_rattle
 from meanfield.solvers.result import Motion, SolverWork

@@ -1,4 +1,4 @@
-"""Pages in Markdown as tests read them: their blocks and links; tutorials as notebooks."""
+"""Pages in Markdown as tests read them: their blocks; tutorials as notebooks."""
 
 import re
 from contextlib import chdir
@@ -28,9 +28,3 @@ def play(page: Path, folder: Path) -> dict:
     made = notebook(page)
     with chdir(folder):
         return run_cells(made) | {"printed": printed(made)}
-
-
-def links(page: Path) -> list[Path]:
-    """The files of the repository that a page links to or shows."""
-    targets = re.findall(r"\]\(([^)#]+)[^)]*\)", page.read_text("utf-8"))
-    return [(page.parent / target).resolve() for target in targets if "://" not in target]

@@ -5,7 +5,7 @@ On a line, ``push_forward`` gives the density at any macroscopic state: g(X, y) 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,7 +19,6 @@ from meanfield.solvers.arguments import check_density, check_model, checked_star
 from meanfield.solvers.index_one import consistent_values
 from meanfield.solvers.ode import solve_weighted
 from meanfield.solvers.result import Motion, delivered
-from meanfield.transport.wasserstein import Weighted
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -44,35 +43,12 @@ class Flow(Motion):
     ----------
     quadrature_error
         largest change of y and v at the output times when the nodes were last doubled.
-    level_density
-        (Q,) density of g(X, y), which the flow conserves: f0(x) / |det dg/dX(x, y0)| at each node.
     """
 
     quadrature_error: float
-    level_density: Floats
-
-    def density(self, k: int) -> Floats:
-        """Compute f(X^t(x), t) at the nodes and the output time k, (Q,).
-
-        Differentiating g(X^t(x), y(t)) = g(x, y0) gives  DX^t = dg/dX(X^t, y(t))^{-1} dg/dX(x, y0).  Mass is conserved,
-        so that f(X^t(x), t) = f0(x) / |det DX^t(x)|.
-
-        Raises
-        ------
-        InvalidProblem
-            if k is no index of an output time; negative indices count from the end.
-        """
-        k = self._output_index(k)
-        gX, _ = self.model.jacobians(self.X[k], self.y[k])
-        return np.asarray(self.level_density * np.abs(np.linalg.det(gX)))
-
-    def measure(self, k: int) -> Weighted:
-        """Return the nodes at the output time k and their weights, for ``w1``."""
-        k = self._output_index(k)
-        return Weighted(self.X[k], np.asarray(self.weights))
 
     def _size(self) -> str:
-        return f"{len(self.level_density)} nodes, nx = {self.model.nx}"
+        return f"{self.X.shape[1]} nodes, nx = {self.model.nx}"
 
 
 def solve_characteristics(
@@ -113,12 +89,12 @@ def solve_characteristics(
     flow = _flow(model, density, y, v, times, tol, FIRST_NODES, None)
     n, converged = FIRST_NODES, False
     most = MAX_NODES if model.V is None else MAX_INTERACTING_NODES
-    while not converged and 2 * n <= MAX_NODES_PER_AXIS and len(flow.level_density) * 2**model.nx <= most:
+    while not converged and 2 * n <= MAX_NODES_PER_AXIS and len(flow.level) * 2**model.nx <= most:
         n, before = 2 * n, len(flow.t)
         flow = _flow(model, density, y, v, times, tol, n, flow)
         converged = len(flow.t) == before and flow.quadrature_error <= tol * (1 + _size(flow))
     if not converged and flow.status:
-        detail = f"{len(flow.level_density)} nodes give the integrals over the density to {flow.quadrature_error:.1e}."
+        detail = f"{len(flow.level)} nodes give the integrals over the density to {flow.quadrature_error:.1e}."
         flow = replace(flow, status=Status.NOT_CONVERGED, detail=detail)
     return delivered(flow, raises)
 
@@ -129,10 +105,7 @@ def _flow(
     """Compute the flow of n nodes per axis and piece, and its change from a coarser flow."""
     nodes, weights = density.nodes(n)
     motion = solve_weighted(model, State(X=nodes, y=y, v=v), weights, t, tol, throw=False)
-    gX, _ = model.jacobians(nodes, y)
-    values = {part.name: getattr(motion, part.name) for part in fields(Motion)}
-    level_density = density.density(nodes) / np.abs(np.linalg.det(gX))
-    flow = Flow(**values, quadrature_error=0.0, level_density=level_density)
+    flow = Flow(**vars(motion), quadrature_error=0.0)
     return flow if coarser is None else replace(flow, quadrature_error=_change(coarser, flow))
 
 

@@ -124,10 +124,6 @@ class GridMotion(SolverResult):
             raise InvalidProblem("density(k) on a grid of two axes: must be of one; f holds the averages")
         return Panels.piecewise_constant(self.edges[0], self.f[k])
 
-    def _measures(self) -> dict[str, Floats]:
-        mean = self.mean()
-        return {"mass": self.mass()} | {f"mean{k + 1}": mean[:, k] for k in range(mean.shape[1])}
-
     def _size(self) -> str:
         return f"{' x '.join(str(len(e) - 1) for e in self.edges)} cells"
 

@@ -10,9 +10,7 @@ import tissue
 from dincl.study import StudyStopped
 from tests.borders import tissue_functions as own
 from tests.borders.harness import complaints
-from tests.borders.tissue_calls import CALLS
-from tests.borders.tissue_things import EMT, QUICK, RUNS, SMALL
-from tests.borders.tissue_uses import shelves
+from tests.borders.tissue_calls import CALLS, EMT, QUICK, RUNS, SMALL, shelves
 from tissue.plugins import registry
 from tissue.runs.registration import KINDS
 

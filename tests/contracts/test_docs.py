@@ -1,4 +1,4 @@
-"""The documents: their commands run, and what they link to exists; ``make docs`` runs their Python."""
+"""The commands and the Python of the README and of all pages run with what they say is to be installed."""
 
 import os
 import re
@@ -6,17 +6,14 @@ import shlex
 import shutil
 import subprocess
 import sys
-from urllib.request import urlopen
 
 import pytest
 from typer.testing import CliRunner
 
 from dincl import study
-from tests.commands import PROGRAMS, exists
 from tests.executors import Here
 from tests.installing import copy_sources, pip
-from tests.pages import ROOT, blocks, links, run
-from tests.verification.explore.site import served
+from tests.pages import ROOT, blocks, run
 from tests.verification.thesis.shortened import few_claims, shorten
 from verification import cli
 from verification.thesis import chapters, register
@@ -24,12 +21,8 @@ from verification.thesis import chapters, register
 PAGE, DOCS = ROOT / "README.md", ROOT / "docs"
 README = PAGE.read_text("utf-8")
 COMMANDS = [line for lines in blocks(README, "sh") for line in lines.splitlines()]
-PAGES = [*ROOT.glob("*.md"), *(page for page in DOCS.rglob("*.md") if "made" not in page.parts)]
-NAMES = {page.relative_to(ROOT).as_posix(): page for page in PAGES}
-INSTALLS = [
-    line for block in blocks(NAMES["docs/howto/install.md"].read_text("utf-8"), "sh") for line in block.split("\n")
-]
-INSTALLS = [line for line in INSTALLS if line.startswith("pip install ")]
+INSTALLING = (DOCS / "howto" / "install.md").read_text("utf-8")
+INSTALLS = [line for block in blocks(INSTALLING, "sh") for line in block.split("\n") if line.startswith("pip install ")]
 # Runs all pages with the installed packages: notebooks with their files and commands, the others their Python.
 PLAY = """
 import sys
@@ -52,8 +45,6 @@ for page in [Path("README.md"), *sorted(Path("docs").rglob("*.md"))]:
     elif "```python" in page.read_text("utf-8"):
         run(page)
 """
-
-# Commands and Python
 
 
 @pytest.mark.slow
@@ -78,23 +69,6 @@ def test_commands_of_the_readme_run(command, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     done = CliRunner().invoke(cli.app, shlex.split(command)[1:])
     assert done.exit_code == 0, done.output
-
-
-@pytest.mark.parametrize("name", sorted(NAMES.keys() - {"CHANGELOG.md"}))
-def test_commands_and_links_of_a_page_exist(name):
-    text = NAMES[name].read_text("utf-8")
-    prose = re.sub(r"^```.*?^```", "", text, flags=re.MULTILINE | re.DOTALL)
-    named = [" ".join(line.split()) for line in re.findall(r"`((?:\.venv/bin/)?[a-z]+\s[^`<]*)`", prose)]
-    named += [line for block in blocks(text, "sh") for line in block.splitlines()]
-    lines = [line for line in named if line.split()[:1] and line.split()[0].removeprefix(".venv/bin/") in PROGRAMS]
-    assert [line for line in lines if not exists(line)] == []
-    assert [path for path in links(NAMES[name]) if not path.exists()] == []
-
-
-@pytest.mark.slow
-def test_the_page_to_explore_is_served(tmp_path):
-    with served(tmp_path) as (address, _), urlopen(address, timeout=60) as page:
-        assert page.status == 200
 
 
 @pytest.mark.xslow
