@@ -18,7 +18,7 @@ from meanfield.solvers.ode import MomentMotion, solve_moments, solve_ode
 from meanfield.solvers.pde import GridMotion, solve_pde
 from meanfield.solvers.rattle import solve_rattle
 from meanfield.solvers.result import Motion, SolverWork
-from meanfield.transport.wasserstein import Weighted, w1
+from meanfield.transport import Weighted, w1
 
 __all__ = [
     "Density",

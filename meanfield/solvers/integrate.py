@@ -9,7 +9,7 @@ import numpy as np
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.events.runge_kutta import order_8
 from dincl.status import Status
-from meanfield.forces.field import full_weights, measure
+from meanfield.forces import full_weights, measure
 from meanfield.kernels.dop853 import System, stages, step
 from meanfield.kernels.program import evaluated
 from meanfield.model.reduction import positions_in_closed_form, represented

@@ -13,7 +13,7 @@ from dincl.errors import InvalidProblem, StepFailure
 from dincl.status import Status
 from meanfield.density.density import product_points
 from meanfield.density.panels import Panels
-from meanfield.forces.field import measure
+from meanfield.forces import measure
 from meanfield.kernels.grid import (
     AT_WALLS,
     NEGLIGIBLE_MASS,

@@ -11,7 +11,7 @@ import numpy as np
 from dincl.checks import describe, integer
 from dincl.errors import InvalidProblem
 from meanfield.errors import SolveFailed
-from meanfield.forces.field import forces, full_weights, pair_energy
+from meanfield.forces import forces, full_weights, pair_energy
 from meanfield.model.state import State
 
 if TYPE_CHECKING:

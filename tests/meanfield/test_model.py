@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import meanfield
-from meanfield.forces.field import forces, pair_energy
+from meanfield.forces import forces, pair_energy
 from meanfield.kernels.field import MIN_INTERPOLATED
 from meanfield.kernels.program import BLOCK, OPERATIONS, evaluated
 from meanfield.model.symbolic import program

@@ -17,7 +17,7 @@ from meanfield import (
     solve_ode,
     solve_rattle,
 )
-from meanfield.forces.field import forces
+from meanfield.forces import forces
 from meanfield.solvers import dae
 from meanfield.solvers.index_one import accelerations
 from meanfield.solvers.rattle import SUBSTEPS

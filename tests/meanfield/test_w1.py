@@ -12,8 +12,7 @@ from scipy.optimize import linear_sum_assignment
 from scipy.stats import wasserstein_distance
 
 from dincl import InvalidProblem
-from meanfield import Density, Panels, SolveFailed, Weighted, w1
-from meanfield.transport import wasserstein
+from meanfield import Density, Panels, SolveFailed, Weighted, transport, w1
 
 UNIFORM, NORMAL = Density.uniform(0.0, 1.0), Density.normal(0.0, 1.0)
 HALVES = Panels.piecewise_constant([0.0, 0.5, 1.0], [0.4, 1.6])
@@ -99,7 +98,7 @@ def test_space_against_assignment_and_translation(d, rng):
 
 
 def test_a_simplex_method_that_stops_early_is_an_error(rng, monkeypatch):
-    monkeypatch.setattr(wasserstein, "MAX_PIVOTS", 10)
+    monkeypatch.setattr(transport, "MAX_PIVOTS", 10)
     with pytest.raises(SolveFailed, match="numItermax"):
         w1(rng.random((50, 2)), rng.random((50, 2)))
 
