@@ -1,7 +1,6 @@
 """Bad input gives one clear error that names the argument, its value and what is allowed; never anything else."""
 
 import math
-import re
 
 import numpy as np
 import pytest
@@ -215,29 +214,26 @@ def test_a_crowd_driven_onto_one_point_ends_with_its_status():
         assert path.final == pytest.approx(x0)
 
 
-REFUSED_FOR = {  # values that are no real numbers, and the reason that the message ends with
-    "complex numbers": np.array([[1.0 + 0j, 2.0]]),
-    "truth values (bool)": [[True, False]],
-    "a masked array, whose missing entries must be filled in": np.ma.array([[1.0, 2.0]], mask=[[0, 1]]),
+NO_NUMBERS = {
+    "complex": np.array([[1.0 + 0j, 2.0]]),
+    "truth": [[True, False]],
+    "masked": np.ma.array([[1.0, 2.0]], mask=[[0, 1]]),
     "text": [["1.0", "2.0"]],
     "bytes": b"12",
     "records": np.zeros((1, 2), dtype=[("x", float)]),
     "dates": np.zeros((1, 2), dtype="datetime64[s]"),
-    "durations": np.zeros((1, 2), dtype="timedelta64[s]"),
-    "lists of different lengths": [[1.0, 2.0], [1.0]],
-    "objects of type NoneType": [[None, 1.0]],
+    "ragged": [[1.0, 2.0], [1.0]],
+    "objects": [[None, 1.0]],
 }
 
 
-@pytest.mark.parametrize("reason", REFUSED_FOR)
-def test_messages_name_the_reason_for_which_a_value_is_refused(reason):
-    value = REFUSED_FOR[reason]
-    ends = re.escape(f", not {reason}")
-    with pytest.raises(dincl.InvalidProblem, match=rf"^x0 = .*{ends}$"):
+@pytest.mark.parametrize("kind", NO_NUMBERS)
+def test_what_is_no_real_number_is_refused(kind):
+    value = NO_NUMBERS[kind]
+    with pytest.raises(dincl.InvalidProblem, match=r"^x0 = .*: must be finite real numbers$"):
         dincl.Problem(value, lambda t, x: -x)
-    if reason != "lists of different lengths":
-        with pytest.raises(dincl.InvalidProblem, match=rf"drift returned .*{ends}\.$"):
-            dincl.Problem([[0.0, 0.0]], lambda t, x: value)
+    with pytest.raises(dincl.InvalidProblem, match=r"drift returned .*: must be real numbers of shape \(1, 2\)\.$"):
+        dincl.Problem([[0.0, 0.0]], lambda t, x: value)
 
 
 def test_messages_name_the_shape_that_was_given():

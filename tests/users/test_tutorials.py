@@ -105,7 +105,8 @@ CHECKS = {check.__name__: check for check in (*FOUND, simplify, claims, proofs)}
 
 
 @pytest.mark.parametrize("name", PAGES)
-def test_a_page_runs_and_gives_what_it_says(name, tmp_path):
+def test_a_page_runs_and_gives_what_it_says(name, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     if name == "space":
         need_rendering()
     try:
