@@ -31,9 +31,9 @@ TO_SERIES *= (np.arange(DEGREE + 2) + 0.5)[:, None]
 NEGLIGIBLE_PIECE, MAX_PIECE_HALVINGS = 1e-17, 60
 # Pieces that are integrated together, and rows of distances that are looked at together, for memory.
 PIECES_PER_BLOCK, ROWS_PER_BLOCK = 100_000, 256
-# Pairs of points in two and three dimensions up to which POT has the matrix of their distances: it holds five matrices at
-# once, 1 GB. Above, it computes distances as it needs them, which takes 1.4 to 1.7 times as long and no memory; 10^8
-# pairs take half a minute.
+# Pairs of points in two and three dimensions up to which POT has the matrix of their distances: five matrices at once,
+# 1 GB. Above, it computes distances as it needs them, which takes 1.4 to 1.7 times as long and no memory; 10^8 pairs
+# take half a minute.
 MATRIX_PAIRS, MAX_PAIRS = 25_000_000, 1_000_000_000
 # POT's default limit of 1e5 pivots is reached at a thousand points; the simplex method terminates without a limit.
 MAX_PIVOTS = 10**9
