@@ -46,8 +46,8 @@ def tolerance(value: Any) -> float:
     return tol
 
 
-def particles_and_times(model: Model, start: State, t: ArrayLike) -> tuple[FullState, NDArray[np.float64]]:
-    """Return the complete state from which particles start, and output times (K,).
+def particles_and_times(model: Model, start: State, t: ArrayLike, tol: float) -> tuple[FullState, NDArray[np.float64]]:
+    """Return the complete state from which particles start, which may miss the constraint by 10 tol, and times (K,).
 
     Raises
     ------
@@ -57,7 +57,7 @@ def particles_and_times(model: Model, start: State, t: ArrayLike) -> tuple[FullS
     check_model(model)
     checks.instance("start", start, State, "a meanfield.State")
     times = output_times(t)
-    return start.complete(model), times
+    return start.complete(model, tol), times
 
 
 def checked_start(

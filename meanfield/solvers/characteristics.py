@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dincl.checks import flag, shaped
-from dincl.errors import InvalidProblem, StepFailure
+from dincl.errors import InvalidProblem
 from dincl.status import Status
 from meanfield.density.density import MAX_NODES_PER_AXIS, Density
 from meanfield.model.state import State
 from meanfield.solvers.arguments import check_density, check_model, checked_start, tolerance
-from meanfield.solvers.index_one import MAX_NEWTON_ITERATIONS, NEWTON_TOLERANCE, solve_blocks
+from meanfield.solvers.index_one import consistent_values
 from meanfield.solvers.ode import solve_weighted
 from meanfield.solvers.result import Motion, delivered
 
@@ -148,21 +148,8 @@ def push_forward(model: Model, density: Density, y0: ArrayLike, y: ArrayLike) ->
 
 
 def origins(model: Model, x: Floats, y: Floats, y0: Floats) -> Floats:
-    """Trace particles at x (n, nx) from the macroscopic state y back to y0: solve g(x0, y0) = g(x, y), to rounding.
-
-    Raises
-    ------
-    StepFailure
-        if Newton's method, which begins at x, does not converge.
-    """
-    level, X = model.level(x, y), x
-    for _ in range(MAX_NEWTON_ITERATIONS):
-        gX, _ = model.jacobians(X, y0)
-        step = solve_blocks(gX, (level - model.level(X, y0))[:, :, None])[:, :, 0]
-        X = X + step
-        if np.abs(step).max() <= NEWTON_TOLERANCE * (1 + np.abs(X).max()):
-            return X
-    raise StepFailure(Status.NOT_CONVERGED, "No positions that satisfy the constraint were found near the start.")
+    """Trace particles at x (n, nx) from the macroscopic state y back to y0: solve g(x0, y0) = g(x, y) for x0."""
+    return consistent_values(model, x, y0, np.zeros_like(y0), model.level(x, y))[0]
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,7 +16,7 @@ from dincl.status import Status
 from meanfield.model.state import FullState, State, orientation_at
 from meanfield.model.symbolic import library
 from meanfield.solvers.arguments import particles_and_times, tolerance
-from meanfield.solvers.index_one import accelerations, index_one_system
+from meanfield.solvers.index_one import accelerations, consistent_values, index_one_system
 from meanfield.solvers.integrate import FAR
 from meanfield.solvers.ode import solve_ode
 from meanfield.solvers.result import Motion, SolverWork, delivered
@@ -102,7 +102,7 @@ def solve_dae(model: Model, start: State, t: ArrayLike, tol: float, *, throw: bo
     Source: (5.6), (5.7); Mattsson and Soederlind, SIAM J. Sci. Comput. 14 (1993) 677.
     """
     tol, raises = tolerance(tol), flag("throw", throw)
-    first, times = particles_and_times(model, start, t)
+    first, times = particles_and_times(model, start, t, tol)
     gaps = np.diff(times, prepend=0.0)
     if (gaps[gaps > 0] < MIN_SPACING * times[-1]).any():
         raise InvalidProblem(f"t = {describe(times)}: times must differ by at least {MIN_SPACING:g} of the last one")
@@ -132,20 +132,20 @@ class _Problem:
     """Equations of a run for CasADi's integrator, in the time s = t/duration."""
 
     def __init__(self, model: Model, start: FullState, duration: float, tol: float) -> None:
-        X, y, v, U, level = start
-        found = accelerations(model, X, U, y, v)
-        gX, gy = model.jacobians(X, y)
+        X, U = consistent_values(model, start.X, start.y, start.v, start.level)
+        found = accelerations(model, X, U, start.y, start.v)
+        gX, gy = model.jacobians(X, start.y)
         sums = np.einsum("jik,ji->jk", gy, found.multipliers).cumsum(axis=0) / len(X)
-        parts = [y, v, *(part.ravel() for part in (X, U, found.multipliers, found.y, sums))]
+        parts = [start.y, start.v, *(part.ravel() for part in (X, U, found.multipliers, found.y, sums))]
         sizes = [np.full(part.size, 1 + np.abs(part).max()) for part in parts]
         self.x, self.z = np.concatenate(parts[:2]), np.concatenate(parts[2:])
         self._shape, self._duration = X.shape, duration
         orientation_at(model, start)
-        self._equations = index_one_system(model, level, np.linalg.det(gX), FAR, duration)
+        self._equations = index_one_system(model, start.level, np.linalg.det(gX), FAR, duration)
         self._options = {
             "reltol": tol / SAFETY,
             "abstolv": list(tol / SAFETY * np.concatenate(sizes)),
-            "init_xdot": list(duration * np.concatenate([v, found.y])),
+            "init_xdot": list(duration * np.concatenate([start.v, found.y])),
             "calc_ic": False,
             "max_num_steps": MAX_IDAS_STEPS,
             "show_eval_warnings": False,
@@ -192,7 +192,7 @@ def _solve(model: Model, start: FullState, times: Floats, tol: float) -> Motion:
     regular = int((run.far == 0).cumprod().sum())
     if regular == len(times):
         return _motion(model, start, times, run, unknowns, Status.SUCCESS, "")
-    by_ode = partial(solve_ode, model, State(*start[:3]), tol=tol, throw=False)
+    by_ode = partial(solve_ode, model, State(*start), tol=tol, throw=False)
     rest = by_ode(times)
     if regular == len(run.far) and rest.status:
         status, detail, end = _cause(run.message, times[-1])

@@ -71,6 +71,24 @@ def accelerations(model: Model, X: Floats, U: Floats, y: Floats, v: Floats) -> A
     return Accelerations(found, w, multipliers)
 
 
+def consistent_values(model: Model, X: Floats, y: Floats, v: Floats, level: Floats) -> tuple[Floats, Floats]:
+    """Solve g(X_i, y) = level_i for X near the given X, to rounding, and g_X U_i + g_y v = 0 for U: shapes (N, nx).
+
+    Raises
+    ------
+    StepFailure
+        if Newton's method does not converge.
+    """
+    for _ in range(MAX_NEWTON_ITERATIONS):
+        gX, _ = model.jacobians(X, y)
+        step = solve_blocks(gX, (level - model.level(X, y))[:, :, None])[:, :, 0]
+        X = X + step
+        if np.abs(step).max() <= NEWTON_TOLERANCE * (1 + np.abs(X).max()):
+            gX, gy = model.jacobians(X, y)
+            return X, -solve_blocks(gX, (gy @ v)[:, :, None])[:, :, 0]
+    raise StepFailure(Status.NOT_CONVERGED, "No positions that satisfy the constraint were found near the start.")
+
+
 def solve_mass(mass: Floats, force: Floats) -> Floats:
     """Compute mass^{-1} force for a mass (n, n) and a force (n,); NaN if not finite or too ill-conditioned.
 

@@ -87,7 +87,7 @@ def solve_weighted(
     tol, raises = tolerance(tol), flag("throw", throw)
     if isinstance(model, Reduction) and model.positions is Positions.FLOW:
         raise NotClosed(f"no reduction holds: {model.positions.value} Pass the model to solve_ode.")
-    first, times = particles_and_times(whole, start, t)
+    first, times = particles_and_times(whole, start, t, tol)
     found = integrate(whole, first, weights, times, tol, closed=whole is not model, most=most_steps)
     states = zip(found.X, found.y, found.v, found.a, strict=True)
     lambdas = [multipliers(whole, X, weights, y, v, a) for X, y, v, a in states]

@@ -119,9 +119,9 @@ class GridMotion(SolverResult):
         InvalidProblem
             in two dimensions, or if k is no index of an output time; negative indices count from the end.
         """
-        if len(self.edges) > 1 or not len(self.t):
-            raise InvalidProblem(f"density({k}) of {self}: must be of one axis and have output times")
-        k = checks.integer("k", k, least=-len(self.t), most=len(self.t) - 1)
+        k = self._output_index(k)
+        if len(self.edges) > 1:
+            raise InvalidProblem("density(k) on a grid of two axes: must be of one; f holds the averages")
         return Panels.piecewise_constant(self.edges[0], self.f[k])
 
     def _size(self) -> str:

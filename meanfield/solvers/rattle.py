@@ -56,8 +56,8 @@ SUBSTEPS = {order: half + half[-2::-1] for order, half in HALVES.items()}
 MAX_RATTLE_STEPS = 10_000_000
 # An interval that is a multiple of dt up to this relative rounding gets no additional step.
 INTERVAL_ROUNDING = 1e-9
-# Tolerance with which ``solve_ode`` repeats a step in which det dg/dX may touch zero.
-DIP_TOLERANCE = 1e-9
+# Tolerance of the constraint at the start; the first step reduces its violation to rounding.
+START_TOLERANCE = 1e-9
 
 
 def solve_rattle(model: Model, start: State, t: ArrayLike, dt: float, order: int = 2, *, throw: bool = True) -> Motion:
@@ -99,7 +99,7 @@ def solve_rattle(model: Model, start: State, t: ArrayLike, dt: float, order: int
     Source: (5.6); Andersen, J. Comput. Phys. 52 (1983) 24; Hairer, Lubich and Wanner, VII.1.4.
     """
     raises, dt = flag("throw", throw), number("dt", dt, positive=True)
-    first, times = particles_and_times(model, start, t)
+    first, times = particles_and_times(model, start, t, START_TOLERANCE)
     if integer("order", order, least=2, most=8) not in SUBSTEPS:
         raise InvalidProblem(f"order = {describe(order)}: must be one of {', '.join(map(str, SUBSTEPS))}")
     if times[-1] > MAX_RATTLE_STEPS * dt:
@@ -196,7 +196,7 @@ class _Run:
         """Raise StepFailure if det dg/dX touches zero in a step: where it may, ``solve_ode`` repeats the step."""
         before, self._end = self._end, self._end_of(self._point)
         if unresolved_dip(self._model, before, self._end, h) is not None:
-            passed = solve_ode(self._model, State(X=last.X, y=last.y, v=last.v), [h], DIP_TOLERANCE, throw=False)
+            passed = solve_ode(self._model, State(X=last.X, y=last.y, v=last.v), [h], START_TOLERANCE, throw=False)
             if passed.status is Status.SINGULAR:
                 raise StepFailure(Status.SINGULAR, "det dg/dX is zero or infinite.")
 

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 
+from dincl.checks import describe, integer
+from dincl.errors import InvalidProblem
 from meanfield.errors import SolveFailed
 from meanfield.forces import forces, full_weights, pair_energy
+from meanfield.model.state import State
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -56,6 +59,13 @@ class SolverResult(ABC):
     def __repr__(self) -> str:
         outputs = f"{len(self.t)} output times" + (f" to t = {self.t[-1]:g}" if len(self.t) else "")
         return f"{type(self).__name__}({self.status.name}, {outputs}, {self._size()}, ny = {self.model.ny})"
+
+    def _output_index(self, k: Any) -> int:
+        """Check an index of an output time, which may count from the end; InvalidProblem if it is out of range."""
+        count = len(self.t)
+        if count == 0:
+            raise InvalidProblem(f"k = {describe(k)}: the run ended before its first output time")
+        return integer("k", k, least=-count, most=count - 1)
 
     @abstractmethod
     def _size(self) -> str:
@@ -110,6 +120,11 @@ class Motion(SolverResult):
             gX, gy = self.model.jacobians(X, y)
             worst.append(np.abs((gX @ U[..., None])[..., 0] + gy @ v).max())
         return np.array(worst)
+
+    def state(self, k: int) -> State:
+        """Return the state at the output time k, from which another run can start; InvalidProblem if there is none."""
+        k = self._output_index(k)
+        return State(X=self.X[k], y=self.y[k], v=self.v[k], U=self.U[k], level=self.level)
 
     def _size(self) -> str:
         return f"N = {self.X.shape[1]}, nx = {self.model.nx}"

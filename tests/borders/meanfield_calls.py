@@ -29,6 +29,7 @@ MOMENTS = (Moments(np.array([1.0]), np.array([[1.5]])), Moments([0.5], [[0.5]]))
 RNG = (np.random.default_rng(0),)
 RUN = {"t": TIMES, "tol": TOL, "throw": FLAG}
 FLOW = {"y0": MACRO, "v0": VELOCITY, "t": TIMES, "throw": FLAG}
+MOTION = meanfield.solve_ode(MODELS[0], STARTS[0], [0.0, 0.1], 1e-4)
 G, W, V = (lambda X, y: X - y, lambda X, y: X / y), (lambda z: z**2, lambda z: 0.5 * z), (lambda r: r**2, None)
 PDFS = (lambda x: np.ones(len(x)), lambda x: 2.0 * x[:, 0])
 SAMPLERS = (lambda rng, n: rng.random((n, 1)), None)
@@ -121,7 +122,7 @@ CALLS = (
     *(Call(f.__name__, f, FIBRE) for f in (meanfield.StraightFibre, meanfield.LinearFibre)),
     Call("WavyFibre", meanfield.WavyFibre, {**FIBRE, "amplitude": (0.5, 0.0)}, ("amplitude",)),
     Call("TissueElement", meanfield.TissueElement, {**FIBRE, "y_rest": ([1.0, 1.0, 0.0],)}),
-    Call("State", State, {"X": POINTS, "y": MACRO, "v": VELOCITY}),
+    Call("State", State, {"X": POINTS, "y": MACRO, "v": VELOCITY, "U": POINTS, "level": POINTS}, ("U", "level")),
     Call(
         "Density",
         Density,
@@ -157,6 +158,7 @@ CALLS = (
         for model in MODELS[2:]
     ),
     Call("user_model", user_model, {"g": G, "W0": W, "W1": W, "V": V, "m": POSITIVE}),
+    Call("state", MOTION.state, {"k": (0, 1, -1)}),
     Call("solve_dae", dae, {"model": MODELS, "start": STARTS, **RUN}, ("throw",)),
     Call("solve_ode", ode, {"model": (*MODELS, *REDUCTIONS), "start": STARTS, **RUN}, ("throw",)),
     Call(

@@ -86,6 +86,8 @@ def test_a_failure_is_returned_or_raised(solver):
 @pytest.mark.parametrize(
     ("state", "t", "message"),
     [
+        (meanfield.State([[0.2]], [1.0], [1.0], level=[[0.0]]), [1.0], "must satisfy the constraint"),
+        (meanfield.State([[0.2]], [1.0], [1.0], U=[[7.0]]), [1.0], "must satisfy the constraint"),
         (meanfield.State([[0.2, 0.1]], [1.0], [1.0]), [1.0], "must have X of shape"),
         (meanfield.State([[0.2]], [0.0], [1.0]), [1.0], "full rank"),
         (meanfield.State([[0.2]], [1.0], [1.0]), [2.0, 1.0], "increasing times"),

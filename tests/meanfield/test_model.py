@@ -77,7 +77,7 @@ def test_acceleration_and_velocities_are_those_of_the_sums(name, particles, rng)
     pairs = np.array([weights @ model.K(X - x) for x in X])
     mass = np.eye(model.ny) + model.m * np.einsum("q,qab,qac->bc", weights, phi, phi)
     force = np.einsum("q,qab,qa->b", weights, phi, model.F1(X) + pairs - model.m * model.omega(X, y, v))
-    found = integrate(model, state.complete(model), w, np.array([0.0, 1e-9]), 1e-6)
+    found = integrate(model, state.complete(model, 1e-9), w, np.array([0.0, 1e-9]), 1e-6)
     np.testing.assert_allclose(found.a[0], np.linalg.solve(mass, model.F0(y) + force), rtol=1e-12)
     np.testing.assert_allclose(found.U[0], phi @ v, rtol=1e-12, atol=1e-14)
 

@@ -139,6 +139,8 @@ def test_moments_that_no_density_has_are_refused_at_every_size(size):
 @pytest.mark.parametrize(
     ("model", "state", "message"),
     [
+        ("wavy", meanfield.State([[0.0]], [0.0], [1.0], level=[[0.1]]), r"g\(X, y\) - level = 0.1 for particle 0"),
+        ("wavy", meanfield.State([[0.0]], [0.0], [1.0], U=[[0.5]]), r"U - Phi v = 0.167 for particle 0"),
         ("wavy", meanfield.State([[0.0]], [0.0, 1.0], [1.0, 1.0]), r"must have X of shape \(N, 1\) and y \(1,\)"),
         ("straight", meanfield.State([[0.0]], [0.0], [1.0]), r"y = array\(\[0.\]\): dg/dX must have full rank"),
         ("fold", meanfield.State([[0.0], [3.0]], [0.0], [1.0]), "1 positive and 1 other values at the start"),
