@@ -15,6 +15,7 @@ import typer
 from dincl.errors import InvalidProblem
 from dincl.files import check_writable, replacing, write_text
 from dincl.study import progress
+from tissue.cli.fits import fit, sensitivity
 from tissue.cli.messages import RUN_FAILED, messages
 from tissue.cli.parameters import list_parameters
 from tissue.cli.simplify import simplify
@@ -38,6 +39,8 @@ app.command()(resolve_name(PAGE))
 app.command()(study)
 app.command()(page)
 app.command()(simplify)
+app.command()(fit)
+app.command()(sensitivity)
 app.command("parameters")(list_parameters)
 app.command("summary")(summarise)
 File = Annotated[str, typer.Argument(metavar="FILE", help=f"A parameter file, or a preset: {', '.join(PRESETS)}.")]

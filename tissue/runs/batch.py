@@ -52,8 +52,8 @@ class Batch:
     def __init__(
         self, parameters: Parameters | Sequence[Parameters], seeds: Sequence[int], starts: Sequence[Frame] = ()
     ) -> None:
-        one_for_each = isinstance(parameters, (list, tuple))
-        self.each: list[Parameters] = list(parameters) if one_for_each else [parameters] * len(seeds)
+        several: Any = parameters if isinstance(parameters, (list, tuple)) else [parameters] * len(seeds)
+        self.each: list[Parameters] = list(several)
         for one in self.each:
             instance("parameters", one, Parameters, "tissue.Parameters, made by load, preset or changed")
         _require_same_times(self.each, len(seeds))

@@ -173,7 +173,7 @@ def summary_table(frames: Iterable[Frame], parameters: Parameters) -> pd.DataFra
 def summary_row(
     frame: Frame, found: Measures, parameters: Parameters, names: Collection[str] | None = None
 ) -> dict[str, Any]:
-    """Return the columns of the summary of one state, of which ``found`` was measured; ``names``: those, all if None."""
+    """Return the columns of the summary of one state, of which ``found`` was measured; ``names``: all if None."""
     shown, own = (*SUMMARY_COLUMNS, *(TUBE_COLUMNS if parameters.curve().ring else ())), registered(Observable)
     hidden, row = found.fold and parameters.numerics.folded != "keep", {}
     for one in (one for one in shown if names is None or one.column in names):
