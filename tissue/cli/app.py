@@ -74,8 +74,9 @@ def run(
         folder = out or Path("results") / f"{Path(file).stem}_seed{seed}"
         first = Frame.load(start) if start else None
         after = f" --start {str(start)!r}" if start else ""
-        _write_parameters(parameters, file, f"--seed {seed}{after}", folder)
+        text = _checked_parameters(parameters, file, f"--seed {seed}{after}", folder)
         grown = _simulated(parameters, seed, first)
+        write_text(folder / "parameters.toml", text)
         with replacing(folder / "table.parquet") as partial:
             grown.table().to_parquet(partial, index=False)
         with replacing(folder / "summary.csv") as partial:
@@ -138,11 +139,14 @@ def _parameters(file: str) -> Parameters:
     return load(file)
 
 
-def _write_parameters(parameters: Parameters, file: str, given: str, folder: Path) -> None:
-    """Write the complete parameters, and what else it takes to repeat the run; refuse the folder of another run.
+def _checked_parameters(parameters: Parameters, file: str, given: str, folder: Path) -> str:
+    """Return the complete parameters, and what else it takes to repeat the run; refuse the folder of another run.
 
     ``given``: the options on which the run depends.
     """
+    from tissue.study.store import refuse_study
+
+    refuse_study(folder)
     folder.mkdir(parents=True, exist_ok=True)
     path, text = folder / "parameters.toml", parameters.as_toml()
     if names := sorted(set(WRITTEN) & {one.name for one in folder.iterdir()}):
@@ -152,7 +156,7 @@ def _write_parameters(parameters: Parameters, file: str, given: str, folder: Pat
             raise InvalidProblem(f"{folder}: {allowed}; it holds {', '.join(names)} of another one")
     made_by = ", ".join(f"{name} {version(name)}" for name in ("dincl-testbed", "numpy", "numba"))
     made_on = f"# Made by {made_by}, Python {platform.python_version()} on {platform.machine()}"
-    write_text(path, f"# All parameters of: tissue run {file!r} {given}\n{made_on}\n\n{text}")
+    return f"# All parameters of: tissue run {file!r} {given}\n{made_on}\n\n{text}"
 
 
 def _simulated(parameters: Parameters, seed: int, first: Frame | None = None) -> Run:
