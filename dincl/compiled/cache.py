@@ -92,11 +92,12 @@ class CodeCache:
         try:
             yield
         finally:
-            if self._locked is not None:
+            # Taken at once: another thread that waited for the same machine code may end here meanwhile.
+            locked, self._locked = self._locked, None
+            if locked is not None:
                 with suppress(OSError):
-                    fcntl.flock(self._locked, fcntl.LOCK_UN)  # a process that was forked meanwhile has the file open
-                os.close(self._locked)
-                self._locked = None
+                    fcntl.flock(locked, fcntl.LOCK_UN)  # a process that was forked meanwhile has the file open
+                os.close(locked)
 
     def _lock(self, path: Path) -> bool:
         """Wait until no other process compiles this; the system frees the lock of a process that ends."""
