@@ -209,7 +209,7 @@ def bend(system: SystemArrays) -> None:
 def carry_bounds(system: SystemArrays, t: float, around: Floats, later: float) -> None:
     """Carry the linearised rows, with their sets, to a later time: general sets by the change of the gap.
 
-    The distance from a point that moves is carried along its gradient, for the point may pass the particle.
+    The distance from a point that passes the particle is carried along its gradient.
     """
     general = False
     rows, sets, near, program = system.rows, system.sets, system.near, system.program
@@ -227,13 +227,15 @@ def carry_bounds(system: SystemArrays, t: float, around: Floats, later: float) -
         row = rows.row[r]
         if sets.general[row.family] == 0:
             continue
+        before = row_dot(rows, r, program.gradient, around)
         if row.kind == DISTANCE and row.j < 0:
-            program.bound[r] = row.sign * row.length
+            from_point = before  # how far the particle is from the point, along the arrow that led there from it
             for p in range(rows.start[r], rows.stop[r]):
-                program.bound[r] += program.gradient[p] * rows.coefficient[p]
-        else:
-            before = row_dot(rows, r, program.gradient, around) - program.bound[r]
-            program.bound[r] -= gap(rows, sets, r, around) - before
+                from_point -= program.gradient[p] * rows.coefficient[p]
+            if row.sign * from_point < 0.0:
+                program.bound[r] = before - from_point + row.sign * row.length
+                continue
+        program.bound[r] -= gap(rows, sets, r, around) - (before - program.bound[r])
     call_python(sets, t, around, GRADIENTS)
 
 
