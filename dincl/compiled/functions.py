@@ -15,7 +15,6 @@ from functools import cached_property
 from itertools import count
 from types import CodeType
 from typing import Any, TypeVar, cast
-from zlib import crc32
 
 import numba
 from numba.core import typed_passes, untyped_passes
@@ -119,20 +118,7 @@ def _of_user(function: Callable[..., Any]) -> bool:
     return (function.__module__ or "").partition(".")[0] not in PACKAGES
 
 
-def _named_apart(function: Callable[..., Any]) -> None:
-    """Add to the name of a function that another one made a digest of what it was made of.
-
-    Kernels in the cache call by name what is not inlined after all, and the names that numba makes differ between
-    functions that it compiled in one process only. Of two kernels that were compiled in two processes, and both call a
-    function made by ``loop_of``, one would run the loop of the other.
-    """
-    parts = [getattr(cell.cell_contents, "__qualname__", cell.cell_contents) for cell in function.__closure__ or ()]
-    if parts:
-        function.__qualname__ += f"_{crc32(repr(parts).encode()):x}"
-
-
 def _inlined(function: Function, *, allocates: bool) -> Function:
-    _named_apart(function)
     # Wrappers for Python and for C, which nobody calls, make first runs 1.17 times as long, that of eight tissues 1.27.
     # Counting references makes steps 1.3 to 1.7 times as long.
     options: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "_nrt": allocates}
