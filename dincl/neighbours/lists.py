@@ -22,8 +22,10 @@ from dincl.rows.formulas import square_distance
 # whose centres coincide; 1 if the list is to be made anew; its pairs.
 SWEEPS, BUILDS, CANDIDATES, CORRECTIONS, ONE, OTHER, OUTDATED, COUNT, NUMBERS = range(9)
 # How a sweep ends: done; at two coincident centres; with a list that is no longer complete; without a list, as the
-# search failed; without a list, as the pairs found have no room.
-DONE, SAME_POINT, STALE, FAILED, FULL = range(5)
+# search failed; without a list, as the pairs found have no room; or it has to be repeated from the end of the step.
+DONE, SAME_POINT, STALE, FAILED, FULL, REPEAT = range(6)
+# What is known of a list before a sweep: nothing, or whether it is outdated and the discs are where the step put them.
+UNKNOWN, COMPLETE, INCOMPLETE = range(3)
 
 call_search = call(SETS)
 # What a search returns whose pairs have no room.
@@ -72,18 +74,18 @@ def move_all(move: Move, after: Floats) -> None:
 
 
 @inner
-def move_all_at_once(move: Move, after: Floats, pairs: PairList, axes: Any) -> bool:
-    """Do ``move_all`` and return ``is_outdated``, in one pass over the memory if there are no velocities."""
+def move_all_at_once(move: Move, after: Floats, pairs: PairList, axes: Any) -> int:
+    """Do ``move_all``, in one pass over the memory with ``is_outdated``; return COMPLETE or INCOMPLETE."""
     if move.v.size > 0:
         move_all(move, after)
-        return is_outdated(after, pairs, axes)
+        return INCOMPLETE if is_outdated(after, pairs, axes) else COMPLETE
     h, x, rate, reference = move.h, move.x, move.rate, pairs.reference
     allowed, far, d = allowed_square(pairs), 0, len(axes)
     for i in range(0, after.size, d):
         for k in range(d):
             after[i + k] = x[i + k] + h * rate[i + k]
         far += square_distance(after, i, reference, i, axes) > allowed
-    return far > 0 or has_no_list(pairs)
+    return INCOMPLETE if far > 0 or has_no_list(pairs) else COMPLETE
 
 
 @inner
@@ -230,18 +232,15 @@ def disc_sweep(visit: Callable[..., int]) -> Callable[..., int]:
         return DONE
 
     @inner
-    def sweep_discs(
-        x: Floats, pairs: PairList, move: Move, moves: bool, begin: bool, compliance: float, axes: Any
-    ) -> int:
-        """Sweep over the discs at x, or, if this ``moves`` them, at the end of the step ``move``; return how it ended.
+    def sweep_discs(x: Floats, pairs: PairList, known: int, begin: bool, compliance: float, axes: Any) -> int:
+        """Sweep over the discs at x; return how it ended.
 
         ``begin`` says that no sweep of this step was made before. Multipliers of earlier sweeps belong to the pairs of
-        the list: then it ends STALE where the list does.
+        the list: then it ends STALE where the list does. No copy of x is made if something is ``known`` of the list:
+        then it ends REPEAT.
         """
-        backup, outdated = pairs.backup, False
-        if moves:
-            outdated = move_all_at_once(move, x, pairs, axes)
-        else:
+        backup, outdated = pairs.backup, known == INCOMPLETE
+        if known == UNKNOWN:
             for k in range(backup.size):
                 backup[k] = x[k]
             outdated = is_outdated(x, pairs, axes)
@@ -249,17 +248,16 @@ def disc_sweep(visit: Callable[..., int]) -> Callable[..., int]:
             if outdated:
                 if not begin and pairs.multiplier.size > 0:
                     return STALE
-                if moves:
-                    move_all(move, x)
-                else:
-                    for k in range(backup.size):
-                        x[k] = backup[k]
+                for k in range(backup.size if known == UNKNOWN else 0):
+                    x[k] = backup[k]
                 code = rebuild(x, pairs, axes)
                 if code != DONE:
                     return int(code)
             code = sweep_pairs(x, pairs, begin, compliance, axes)
             if code != STALE:
                 return int(code)
+            if known != UNKNOWN:
+                return REPEAT
             outdated = True
 
     return sweep_discs

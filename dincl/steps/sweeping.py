@@ -7,12 +7,15 @@ from dincl.compiled import inner, kernel
 from dincl.compiled.arrays import Floats
 from dincl.neighbours.lists import (
     DONE,
+    INCOMPLETE,
     OUTDATED,
     SWEEPS,
+    UNKNOWN,
     Move,
     add_disc_forces,
     correct_pair,
     gather,
+    move_all,
     pair_list_at,
     project_pair,
 )
@@ -24,16 +27,19 @@ from dincl.steps.sweeps import (
     WALL,
     Families,
     correct_rows,
+    move_first,
     project_onto_rows,
     record_discs,
     sweep_of,
     way_at_wall,
     way_onto_wall,
 )
-from dincl.system.arrays import COINCIDENT, OK, SETS, STALE, TOO_FAR, SystemArrays, evaluate, system_at
+from dincl.system.arrays import COINCIDENT, OK, REPEAT, SETS, STALE, TOO_FAR, SystemArrays, evaluate, system_at
 
 # Steps are repeated with wider lists, which hold more pairs, at most so many times.
 MOST_LISTS = 60
+# So many coordinates are moved and compared with their references in one pass; fewer of them are in the cache anyway.
+MANY = 300
 
 
 @inner
@@ -118,8 +124,17 @@ def sweeps_of(sweep: Callable[..., int]) -> Callable[..., int]:
         system = system_at(run.system)
         if call_python(system.sets, t, move.x, DISPLACEMENTS) != 0:
             return SETS
+        known = UNKNOWN
+        if after.size < MANY:
+            move_all(move, after)
+        else:
+            known = move_first(run.families, move, after)
         for k in range(run.settings.sweeps):
-            code = sweep(system, run.families, t, after, move, k == 0, compliance)
+            code = sweep(system, run.families, t, after, known, k == 0, compliance)
+            while code == REPEAT:
+                move_all(move, after)
+                code = sweep(system, run.families, t, after, INCOMPLETE, True, compliance)
+            known = UNKNOWN
             if code != OK:
                 return int(code)
         return OK

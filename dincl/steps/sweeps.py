@@ -10,10 +10,10 @@ from typing import Any, NamedTuple
 from dincl.compiled import inner
 from dincl.compiled.arrays import Floats, Offsets, Table, empty
 from dincl.neighbours import lists
-from dincl.neighbours.lists import Move, disc_sweep, gather, move_all, pair_list_at, scatter
+from dincl.neighbours.lists import UNKNOWN, Move, disc_sweep, gather, move_all, move_all_at_once, pair_list_at, scatter
 from dincl.rows.table import AFFINE, CALLBACK, DISTANCE, GRADIENTS, RowTable, call_python, evaluate_row, value_of
 from dincl.solvers.envelope_factor import add_row
-from dincl.system.arrays import COINCIDENT, FLAT, NEED_ROOM, OK, SETS, STALE, UNSETTLED, SystemArrays
+from dincl.system.arrays import COINCIDENT, FLAT, NEED_ROOM, OK, REPEAT, SETS, STALE, UNSETTLED, SystemArrays
 
 # Forms of families: discs, whose near pairs are listed; a wall for all particles, for d <= 3; rows of the table.
 DISCS, WALL, ROWS = range(3)
@@ -47,8 +47,8 @@ NO_FAMILIES: Families = empty(Families)
 def record_discs(families: Families, f: int, ended: int) -> int:
     """Return the code of a step for how a sweep over discs ended, and record which discs lie on one point."""
     pairs = pair_list_at(families.pairs[f])
-    if ended == lists.STALE:
-        return STALE
+    if ended == lists.STALE or ended == lists.REPEAT:
+        return STALE if ended == lists.STALE else REPEAT
     if ended != lists.SAME_POINT:
         return NEED_ROOM if ended == lists.FULL else SETS
     families.offending[0] = f
@@ -164,6 +164,20 @@ def step_from(
     return moved, largest
 
 
+@inner
+def move_first(families: Families, move: Move, after: Floats) -> int:
+    """Write all particles after the step before the sweeps; return what is known of the list of the first family."""
+    if families.form.size == 0 or families.form[0] != DISCS or pair_list_at(families.pairs[0]).disc.size > 0:
+        move_all(move, after)
+        return UNKNOWN
+    pairs = pair_list_at(families.pairs[0])
+    if families.axes.size == 2:
+        return int(move_all_at_once(move, after, pairs, (0, 0)))
+    if families.axes.size == 3:
+        return int(move_all_at_once(move, after, pairs, (0, 0, 0)))
+    return int(move_all_at_once(move, after, pairs, families.axes))
+
+
 def sweep_of(
     visit_pair: Callable[..., int], visit_wall: Callable[..., float], visit_rows: Callable[..., int]
 ) -> Callable[..., int]:
@@ -172,16 +186,14 @@ def sweep_of(
 
     @inner
     def sweep_family_of_discs(
-        families: Families, f: int, x: Floats, move: Move, begin: bool, compliance: float, axes: Any
+        families: Families, f: int, x: Floats, known: int, begin: bool, compliance: float, axes: Any
     ) -> int:
-        """Sweep over pairs of discs; the first family makes the step ``move``, too."""
-        pairs, points, moves = pair_list_at(families.pairs[f]), x, begin and f == 0
+        """Sweep over pairs of discs."""
+        pairs, points = pair_list_at(families.pairs[f]), x
         if pairs.disc.size > 0:
-            if moves:
-                move_all(move, x)
             gather(x, pairs, len(axes))
-            points, moves = pairs.point, False
-        ended = sweep_discs(points, pairs, move, moves, begin, compliance, axes)
+            points = pairs.point
+        ended = sweep_discs(points, pairs, known if f == 0 else UNKNOWN, begin, compliance, axes)
         scatter(x, pairs, len(axes))
         return OK if ended == lists.DONE else record_discs(families, f, ended)
 
@@ -233,19 +245,17 @@ def sweep_of(
         families: Families,
         t: float,
         x: Floats,
-        move: Move,
+        known: int,
         begin: bool,
         compliance: float,
         axes: Any,
     ) -> int:
-        """Sweep over all sets at time t, at first from the end of the step ``move``: OK or why not."""
+        """Sweep over all sets at time t: OK or why not; ``known`` is what ``move_first`` returned, or UNKNOWN."""
         count, f = families.form.size, 0
-        if begin and (count == 0 or families.form[0] != DISCS):
-            move_all(move, x)
         while f < count:
             form, code, last = families.form[f], OK, f + 1
             if form == DISCS:
-                code = sweep_family_of_discs(families, f, x, move, begin, compliance, axes)
+                code = sweep_family_of_discs(families, f, x, known, begin, compliance, axes)
             elif form == WALL:
                 while last < count and families.form[last] == WALL:
                     last += 1
@@ -259,13 +269,13 @@ def sweep_of(
 
     @inner
     def sweep(
-        system: SystemArrays, families: Families, t: float, x: Floats, move: Move, begin: bool, compliance: float
+        system: SystemArrays, families: Families, t: float, x: Floats, known: int, begin: bool, compliance: float
     ) -> int:
         """Sweep with the number of axes in a type that the compiler knows."""
         if families.axes.size == 2:
-            return int(sweep_all(system, families, t, x, move, begin, compliance, (0, 0)))
+            return int(sweep_all(system, families, t, x, known, begin, compliance, (0, 0)))
         if families.axes.size == 3:
-            return int(sweep_all(system, families, t, x, move, begin, compliance, (0, 0, 0)))
-        return int(sweep_all(system, families, t, x, move, begin, compliance, families.axes))
+            return int(sweep_all(system, families, t, x, known, begin, compliance, (0, 0, 0)))
+        return int(sweep_all(system, families, t, x, known, begin, compliance, families.axes))
 
     return sweep

@@ -15,7 +15,7 @@ from dincl.solvers.envelope_factor import EnvelopeFactor
 
 # How steps end; the first ones are those of ``active_set.nearest``.
 OK, UNMET, CYCLES, DRIFT, SETS, COINCIDENT, TOO_FAR, MISSED, NOT_A_NUMBER, SINGULAR = range(10)
-FLAT, UNSETTLED, PYTHON, WEDGE, STALE, NEED_ROOM = range(10, 16)
+FLAT, UNSETTLED, PYTHON, WEDGE, STALE, NEED_ROOM, REPEAT = range(10, 17)
 
 
 class Drift(NamedTuple):
