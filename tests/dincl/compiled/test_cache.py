@@ -152,3 +152,26 @@ def test_folders_unused_for_a_month_go(folder: Path) -> None:
     assert "last_year" not in names
     assert len(names) == 2
     assert not list((folder / "called").rglob("*.nb?"))
+
+
+@pytest.mark.slow
+def test_two_functions_of_one_name_that_two_processes_compiled_stay_apart(folder: Path) -> None:
+    """They are long enough to be called, not inlined."""
+    many = "\n".join(f"            x = np.sin(step(x) + {k}.0) / (1.0 + np.exp(x))" for k in range(40))
+    text = (
+        "import numpy as np\nfrom dincl.compiled import inner, kernel\n\n\n"
+        f"def repeated(step):\n    @inner\n    def run(x, n):\n        for _ in range(n):\n{many}\n        return x\n\n"
+        "    return run\n\n\n@inner\ndef grow(x):\n    return x + 1.0\n\n\n"
+        "@inner\ndef fall(x):\n    return x - 2.0\n\n\n"
+        "growing, falling = repeated(grow), repeated(fall)\n\n\n"
+        "@kernel\ndef up(x):\n    return growing(x, 2) + growing(x, 3)\n\n\n"
+        "@kernel\ndef down(x):\n    return falling(x, 2) + falling(x, 3)\n"
+    )
+    (folder / "called" / "twice.py").write_text(text)
+    both = "from called.twice import up, down\nprint(*({}))"
+    results = []
+    for names in ("up(0.1),", "down(0.1),", "up(0.1), down(0.1)"):
+        out, problems = start(folder, program=both.format(names)).communicate()
+        assert out, problems
+        results.append(out.split())
+    assert results[2] == results[0] + results[1]

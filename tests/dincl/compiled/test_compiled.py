@@ -83,6 +83,30 @@ def test_an_inlined_function_is_machine_code_only_within_kernels_and_text_for_py
     assert powers(2.0).tolist() == [1.0, 2.0, 4.0]
 
 
+def test_functions_of_one_factory_are_told_apart_by_their_names():
+    """Cached kernels call them by name: one loop must not run in the place of another."""
+
+    def loop_of(step):
+        @inner
+        def loop(x):
+            return step(x)
+
+        return loop
+
+    def made(step):
+        return loop_of(loop_of(inner(step)))
+
+    def one(x):
+        return x
+
+    def other(x):
+        return 2 * x
+
+    names = [made(step).py_func.__qualname__ for step in (one, other, one)]
+    assert names[0] == names[2] != names[1]
+    assert made(other)(3.0) == 6.0
+
+
 def test_references_are_counted_only_on_request():
     for one, counted in ((kernel(chosen), True), (lean(chosen), False)):
         assert one(np.arange(3.0), np.zeros(3), 1) == 1.0
