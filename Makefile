@@ -56,6 +56,8 @@ bench: .venv/thesis
 
 everything: .venv/dev
 
+# One wheel is for all machines; the other brings the machine code of the usual kernels, for Linux on x86-64-v3 and the
+# libraries of requirements.lock, and is taken by pip where it fits.
 # From a copy of the last commit: setuptools would put leftovers of the working tree into the archives. The audit and its
 # tables, which only the report needs, are a distribution of their own.
 dist: .venv/dist
@@ -66,6 +68,11 @@ dist: .venv/dist
 	mv build/dist/verification/data build/audit/dincl_testbed_data
 	mv build/audit/dincl_testbed_data/pyproject.toml build/audit
 	$(BIN)/python -m build --no-isolation --outdir dist build/dist
+	cd build/dist && NUMBA_CPU_NAME=x86-64-v3 NUMBA_CPU_FEATURES= NUMBA_CACHE_DIR=dincl/compiled/shipped \
+		../../$(BIN)/python -m tests.usual_kernels
+	$(BIN)/python -m build --no-isolation --wheel --outdir dist build/dist \
+		"--config-setting=--build-option=--plat-name=manylinux_2_28_x86_64 \
+		--python-tag=$$($(BIN)/python -c 'import sys; print("cp%d%d" % sys.version_info[:2])')"
 	$(BIN)/python -m build --no-isolation --outdir dist build/audit
 	$(BIN)/python -m twine check --strict dist/*
 

@@ -27,6 +27,7 @@ from typing import Any, cast
 import llvmlite
 import numba
 import numpy as np
+from llvmlite.binding import get_host_cpu_features
 from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
 
@@ -38,6 +39,11 @@ UNUSED = 30 * 24 * 3600.0  # [s] after which the machine code of other code is r
 # [s]: what a function costs to compile, measured at 2.6 GHz, and from when on a user is told that he waits.
 EACH, LONG = 0.12, 1.0
 LOG = logging.getLogger("dincl")
+# Machine code that a wheel brings, made by ``make dist`` for all processors of this name and its features; those of the
+# names in FEATURES are the ones that x86-64-v3 has and older processors lack.
+SHIPPED = Path(__file__).parent / "shipped"
+PROCESSORS = ("x86-64-v3", "")
+FEATURES = ("avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe")
 _DIGEST = sha256().digest_size
 # What machine code contains of a module: these, and tuples and arrays of them.
 _CONSTANTS = (bool, int, float, complex, str, bytes, np.generic, type(None))
@@ -61,8 +67,13 @@ class CodeCache:
         end of the block ``compiling``.
         """
         target_context.refresh()
-        path = self._path(sig, target_context.codegen())
+        name = self._file(sig, target_context.codegen().magic_tuple())
+        path = Path(self.cache_path, name)
         found = _load(path, sig, target_context)
+        if found is None and _runs_shipped():
+            triple = target_context.codegen().magic_tuple()[0]
+            shipped = SHIPPED / path.parent.name / self._file(sig, (triple, *PROCESSORS))
+            found = _load(shipped, sig, target_context)
         if found is None and self._lock(path):
             found = _load(path, sig, target_context)  # another process may have compiled it meanwhile
         return found
@@ -71,7 +82,7 @@ class CodeCache:
         """Save machine code if the disk has room."""
         if data.library.has_dynamic_globals:  # it contains addresses of this process
             return
-        path = self._path(sig, data.codegen)
+        path = Path(self.cache_path, self._file(sig, data.codegen.magic_tuple()))
         content = dumps(data._reduce())
         part = path.with_suffix(f".{os.getpid()}")
         with suppress(OSError):
@@ -111,11 +122,17 @@ class CodeCache:
             return True
         return False
 
-    def _path(self, sig: Any, codegen: Any) -> Path:
+    def _file(self, sig: Any, processor: tuple[str, str, str]) -> str:
         types = getattr(sig, "args", sig)
-        text = repr(([str(kind) for kind in types], codegen.magic_tuple()))
+        text = repr(([str(kind) for kind in types], processor))
         key = sha256(text.encode() + reach(self._function)[0]).hexdigest()[:24]
-        return Path(self.cache_path, f"{self._name}-{key}.code")
+        return f"{self._name}-{key}.code"
+
+
+@cache
+def _runs_shipped() -> bool:
+    """Return whether this processor runs the machine code that comes with a wheel, if any does."""
+    return SHIPPED.is_dir() and all(get_host_cpu_features().get(name) for name in FEATURES)
 
 
 def _check(path: Path, content: bytes) -> bytes:

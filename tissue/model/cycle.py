@@ -69,7 +69,7 @@ def set_phases(state: TissueState, t: float, numbers: Numbers) -> None:
         cells.stiff_aa[i] = own.alpha_aa * (own.g2_stiffening if changes and late else 1.0)
 
 
-@kernel
+@inner
 def adapt_rest_lengths(state: TissueState, t: float, numbers: Numbers, rules: Rules) -> None:
     """Relax each rest length towards what the phase wants, eta <- eta* + (eta - eta*) exp(-k dt)  (3.2), (3.3), (3.6).
 
@@ -125,7 +125,7 @@ def is_due(cells: Cells, i: int, t: float) -> bool:
     return due
 
 
-@kernel
+@inner
 def divide(state: TissueState, t: float, numbers: Numbers, rules: Rules, draws: Generator) -> None:
     """End the cycle of each cell that is old enough: it begins a new one, alone or with a second daughter beside it.
 

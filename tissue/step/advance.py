@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.random import Generator
 
-from dincl.compiled import call, signature, struct_type
+from dincl.compiled import call, inner, signature, struct_type
 from tissue.kernels import kernel
 from tissue.kernels.generators import GENERATOR, generator_at
 from tissue.kernels.rules import Rules, call_substeps, rules_at
@@ -124,7 +124,7 @@ def move_surface(step: StepInput) -> int:
     return int(n)
 
 
-@kernel
+@inner
 def count_outside(state: TissueState) -> int:
     """Count the cells that are in no apical layer, and those in no basal one."""
     sizes = state.sizes

@@ -11,6 +11,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from llvmlite.binding import get_host_cpu_features
+
+from dincl.compiled.cache import FEATURES, PROCESSORS
 
 FILES = {
     "__init__": "",
@@ -123,6 +126,18 @@ except Exception as error:
     print(0)
 """
     assert called(folder, program=free) == [0]
+
+
+@pytest.mark.slow
+def test_a_processor_takes_the_code_that_a_wheel_brings_unless_it_lacks_what_the_code_needs(folder: Path) -> None:
+    """As ``make dist`` makes it."""
+    made = {"NUMBA_CPU_NAME": PROCESSORS[0], "NUMBA_CPU_FEATURES": PROCESSORS[1]}
+    assert called(folder, NUMBA_CACHE_DIR=str(folder / "shipped"), **made) == [21.0, 1]
+    shipped = f"import dincl.compiled.cache as of\nof.SHIPPED = of.Path({str(folder / 'shipped')!r})\n"
+    expected = 0 if all(get_host_cpu_features().get(name) for name in FEATURES) else 1
+    assert called(folder, program=shipped + PROGRAM) == [21.0, expected]
+    lacking = shipped + "of.FEATURES = ('none such',)\n"
+    assert called(folder, program=lacking + PROGRAM) == [21.0, 1]
 
 
 @pytest.mark.slow
