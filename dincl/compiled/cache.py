@@ -52,8 +52,8 @@ _CONSTANTS = (bool, int, float, complex, str, bytes, np.generic, type(None))
 class CodeCache:
     """The machine code of one function, a file for each of its signatures; a damaged file or a full disk costs no run.
 
-    The name of a file has the digest of the types, of the processor, and of the numbers that the function and those it
-    calls take from their modules: a module may compute them when it is loaded.
+    The name of a file has the digest of the types, of the processor, and of the code of the function and those it calls
+    with the numbers that they take from their modules: a module may compute them when it is loaded.
     """
 
     def __init__(self, function: Callable[..., Any], folder: Path) -> None:
@@ -162,8 +162,10 @@ def say(function: Callable[..., Any], doing: str) -> None:
 
 
 def reach(function: Callable[..., Any]) -> tuple[bytes, int]:
-    """Return a digest of the constants that a function and those it calls take from modules and closures, and how many
-    functions these are.
+    """Return a digest of a function and those it calls, and how many functions these are.
+
+    Their code tells apart functions of one name that another function makes, the constants that they take from modules
+    and closures those of modules that compute them.
     """
     found, seen = sha256(), set()
     todo: list[Any] = [function]
@@ -173,8 +175,9 @@ def reach(function: Callable[..., Any]) -> tuple[bytes, int]:
         if isinstance(value, FunctionType) and _is_followed(value.__module__):
             if value not in seen:
                 seen.add(value)
-                names = _names(value.__code__)
-                todo += [*_members(value.__globals__, names), *_cells(value)]
+                found.update(_text(value.__code__))
+                todo += [*_members(value.__globals__, _names(value.__code__)), *_cells(value)]
+                todo += value.__defaults__ or ()
         elif isinstance(value, tuple):
             todo += value
         elif isinstance(value, np.ndarray):
@@ -185,6 +188,13 @@ def reach(function: Callable[..., Any]) -> tuple[bytes, int]:
 
 
 @cache
+def _text(code: CodeType) -> bytes:
+    """Return the name of a function, its code, and the numbers and names in it."""
+    constants = [value for value in code.co_consts if isinstance(value, _CONSTANTS)]
+    return repr((code.co_qualname, code.co_names, constants)).encode() + code.co_code
+
+
+@cache
 def _names(code: CodeType) -> tuple[str, ...]:
     """Return the names of globals and attributes in the code of a function, and in functions that it defines."""
     inside = [_names(part) for part in code.co_consts if isinstance(part, CodeType)]
@@ -192,12 +202,17 @@ def _names(code: CodeType) -> tuple[str, ...]:
 
 
 def _members(space: dict[str, Any], names: tuple[str, ...]) -> Iterator[Any]:
-    """List what has one of these names in a module, and in those of its modules that have one."""
-    for value in (space[name] for name in names if name in space):
-        if not isinstance(value, ModuleType):
-            yield value
-        elif _is_followed(value.__name__) and vars(value) is not space:
-            yield from _members(vars(value), names)
+    """List what has one of these names in a module, and in those of its modules that have one.
+
+    Modules may import each other.
+    """
+    spaces = [space]
+    for inside in spaces:
+        for value in (inside[name] for name in names if name in inside):
+            if not isinstance(value, ModuleType):
+                yield value
+            elif _is_followed(value.__name__) and not any(vars(value) is one for one in spaces):
+                spaces.append(vars(value))
 
 
 def _cells(function: FunctionType) -> Iterator[Any]:
@@ -208,14 +223,14 @@ def _cells(function: FunctionType) -> Iterator[Any]:
 
 
 def code_cache(function: Callable[..., Any]) -> CodeCache | None:
-    """Return the machine code of a function on the disk; None if it is in no file or no folder can be written to.
+    """Return the machine code of a function on the disk; None if it is in no file or there is no home.
 
-    The folder is in ``NUMBA_CACHE_DIR`` or ``~/.cache/dincl-testbed``.
+    The folder is in ``NUMBA_CACHE_DIR`` or ``~/.cache/dincl-testbed``. One that cannot be written to is read.
     """
     path = Path(function.__code__.co_filename)
     if path.suffix != ".py" or not path.is_file():
         return None
-    with suppress(OSError, RuntimeError):  # RuntimeError if a user has no home
+    with suppress(RuntimeError):  # a user without a home
         home = Path(
             cast("Any", numba.config).CACHE_DIR
             or Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "dincl-testbed"
@@ -228,13 +243,14 @@ def code_cache(function: Callable[..., Any]) -> CodeCache | None:
 def _folder(home: Path, digest: str) -> Path:
     """Return the folder of a digest, marked as used now; a new one has others removed that were unused for a month."""
     folder = home / digest
-    if not folder.exists():
-        folder.mkdir(parents=True, exist_ok=True)
-        for other in home.iterdir():
-            with suppress(OSError):  # another process may remove it, too
-                if time.time() - other.stat().st_mtime > UNUSED:
-                    shutil.rmtree(other)
-    os.utime(folder)
+    with suppress(OSError):  # a folder that cannot be written to
+        if not folder.exists():
+            folder.mkdir(parents=True, exist_ok=True)
+            for other in home.iterdir():
+                with suppress(OSError):  # another process may remove it, too
+                    if time.time() - other.stat().st_mtime > UNUSED:
+                        shutil.rmtree(other)
+        os.utime(folder)
     return folder
 
 

@@ -136,6 +136,11 @@ def test_a_processor_takes_the_code_that_a_wheel_brings_unless_it_lacks_what_the
     shipped = f"import dincl.compiled.cache as of\nof.SHIPPED = of.Path({str(folder / 'shipped')!r})\n"
     expected = 0 if all(get_host_cpu_features().get(name) for name in FEATURES) else 1
     assert called(folder, program=shipped + PROGRAM) == [21.0, expected]
+    # Nothing can be written beneath a file.
+    assert called(folder, program=shipped + PROGRAM, NUMBA_CACHE_DIR=str(folder / "called" / "shift.py")) == [
+        21.0,
+        expected,
+    ]
     lacking = shipped + "of.FEATURES = ('none such',)\n"
     assert called(folder, program=lacking + PROGRAM) == [21.0, 1]
 
@@ -175,3 +180,30 @@ def test_two_functions_of_one_name_that_two_processes_compiled_stay_apart(folder
         assert out, problems
         results.append(out.split())
     assert results[2] == results[0] + results[1]
+
+
+@pytest.mark.slow
+def test_functions_that_one_function_makes_of_others_have_machine_code_of_their_own(folder: Path) -> None:
+    """They differ by what they call, by code alone, and by a default that is computed."""
+    text = (
+        "from dincl.compiled import inner, kernel\n\n\n"
+        "@inner\ndef grow(x):\n    return x + 1.0\n\n\n@inner\ndef fall(x):\n    return x - 2.0\n\n\n"
+        "def calling(step):\n    @kernel\n    def run(x):\n        return step(x)\n\n    return run\n\n\n"
+        "def adding(more):\n    def add(x, y=more):\n        return x + y\n\n    return inner(add)\n\n\n"
+        "steps = grow, fall, inner(lambda x: 2.0 * x), inner(lambda x: 3.0 * x), adding(4.0), adding(5.0)\n"
+    )
+    (folder / "called" / "made.py").write_text(text)
+    program = "from called.made import *\nprint(*(calling(step)(10.0) for step in steps))"
+    for _ in range(2):
+        assert called(folder, program=program) == [11.0, 8.0, 20.0, 30.0, 14.0, 15.0]
+
+
+@pytest.mark.slow
+def test_modules_may_import_each_other(folder: Path) -> None:
+    one = "import called.{}\nfrom dincl.compiled import inner\n\n\n@inner\ndef double(x):\n    return 2.0 * x\n"
+    for name, other in (("east", "west"), ("west", "east")):
+        (folder / "called" / f"{name}.py").write_text(one.format(other))
+    text = "import called.east\nimport called.west\nfrom dincl.compiled import kernel\n\n\n"
+    text += "@kernel\ndef both(x):\n    return called.east.double(x) + called.west.double(x)\n"
+    (folder / "called" / "both.py").write_text(text)
+    assert called(folder, program="from called.both import both\nprint(both(10.0))") == [40.0]
