@@ -31,11 +31,11 @@ from dincl.compiled import inner, kernel, reader
 from dincl.compiled.arrays import Floats, Offsets
 from dincl.constants import LARGEST
 from dincl.neighbours import ROW_MARGIN, TOO_WIDE
-from dincl.rows.table import CALLBACK, GRADIENTS, call_python, gap, is_timed, linearise
+from dincl.rows.table import CALLBACK, DISPLACEMENTS, GRADIENTS, call_python, gap, is_timed, linearise
 from dincl.solvers.envelope_factor import add_row, row_dot
 from dincl.steps.catch_up import drift_step
 from dincl.steps.loop import Stepping, stepping_at
-from dincl.steps.programs import carry, list_sorted, project
+from dincl.steps.programs import list_sorted, project
 from dincl.system.arrays import (
     DRIFT,
     NOT_A_NUMBER,
@@ -195,9 +195,22 @@ def normals_at_end(system: Any, t: float, z: Floats, push: Floats) -> bool:
 @inner
 def moves_within(system: Any, t: float, h: float, x: Floats) -> float:
     """Return how far the sets are at most, within a step, from where they are at its start, near x."""
-    largest = 0.0
-    for k in range(1, LOOKS):
-        largest = max(largest, carry(system, t, x, t + k / (LOOKS - 1) * h))
+    if system.sets.address == 0:
+        return 0.0
+    start, shift, largest = system.move, system.sets.shift, 0.0
+    for k in range(LOOKS):
+        system.sets.since[0] = t
+        call_python(system.sets, t + k / (LOOKS - 1) * h, x, DISPLACEMENTS)
+        for f in range(start.shape[0]):
+            square = 0.0
+            for c in range(start.shape[1]):
+                if k == 0:
+                    start[f, c] = shift[f, c]
+                square += (shift[f, c] - start[f, c]) ** 2
+            largest = max(largest, np.sqrt(square), system.sets.change[f])
+    # The list of rows is compared with the sets at the start.
+    system.sets.since[0] = system.near.time[0]
+    call_python(system.sets, t, x, DISPLACEMENTS)
     return largest
 
 
@@ -230,8 +243,10 @@ def outside_within(system: Any, t: float, h: float, x: Floats, point: Floats) ->
 
     Between three looks that is a parabola. Bounds and lengths of the program, not needed any more, take the last two.
     """
-    rows, sets, near, program, worst = system.rows, system.sets, system.near, system.program, 0.0
-    for look in range(LOOKS):
+    rows, sets, near, program, worst, timed = system.rows, system.sets, system.near, system.program, 0.0, 0
+    for q in range(near.number[0]):
+        timed += is_timed(sets, rows.row[near.row[q]])
+    for look in range(LOOKS if timed > 0 else 0):
         s = look / (LOOKS - 1)
         for k in range(x.size):
             point[k] = s * program.z[k] + (1.0 - s) * x[k]
