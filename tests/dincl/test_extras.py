@@ -95,7 +95,7 @@ def test_every_package_of_an_extra_is_known():
 def test_each_extra_belongs_to_all_or_to_developers():
     for_users = {extra for extra in EXTRAS if set(brought(extra)) <= set(PACKAGES.values())}
     assert for_users == set(get_args(Extra)) | {"all"}
-    assert EXTRAS.keys() - for_users == {"browser", "dev", "dist", "docs", "lint", "test"}
+    assert EXTRAS.keys() - for_users == {"browser", "dev", "dist", "lint", "test"}
 
 
 def test_the_thesis_needs_all_but_a_few():
