@@ -139,7 +139,7 @@ def _drawn_scene(scene: Any) -> Any:
 def _save(ax: Any, path: Path) -> None:
     figure = ax.figure
     with replacing(path) as partial:
-        figure.savefig(partial, dpi=110, bbox_inches="tight")
+        figure.savefig(partial, dpi=90, bbox_inches="tight")
     plt.close(figure)
 
 
@@ -147,7 +147,7 @@ def _written(cards: list[Card], folder: Path) -> str:
     found = []
     for card in cards:
         file = f"{card.name}.png"
-        picture = f"[![{card.title}]({file})]({file})" if (folder / file).exists() else ""
+        picture = f"![{card.title}]({file})" if (folder / file).exists() else ""
         found.append(CARD.format(title=card.title, picture=picture, words=card.words, code=card.code))
     return "\n".join(found)
 

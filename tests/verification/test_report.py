@@ -131,7 +131,6 @@ def test_all_runs_of_the_complete_studies_ship(made: tuple[Path, Context]) -> No
     for name, complete in made[1].studies.items():
         shipped = pd.read_parquet(DATA / f"{name}.parquet")
         assert set(run_names(shipped, complete.key)) == set(map(complete.name_of, complete.runs)), name
-        assert (made[0] / "tables" / f"{name}.csv").is_file()
 
 
 def test_every_claim_is_in_the_register_and_on_the_page_of_its_chapter(made: tuple[Path, Context]) -> None:
@@ -143,7 +142,7 @@ def test_every_claim_is_in_the_register_and_on_the_page_of_its_chapter(made: tup
     for claim in few_claims():
         assert {claim.id, *claim.also} <= places(folder / f"chapter{claim.id[1]}.html")
         assert f'href="chapter{claim.id[1]}.html#{claim.id}"' in register
-        assert (made[0] / "code" / f"{claim.module}.html").is_file()
+        assert claim.module in (made[0] / "code" / f"{claim.module.split('.')[2]}.html").read_text("utf-8")
 
 
 def test_independent_references_agree(made: tuple[Path, Context]) -> None:

@@ -13,7 +13,7 @@ from typing import Any
 
 import pandas as pd
 
-from dincl.files import replacing, write_text
+from dincl.files import write_text
 from dincl.study import Study, read_sealed
 from verification.claims import Table
 from verification.site.agreement import Agreement, compare_studies
@@ -21,6 +21,7 @@ from verification.site.cells import grid
 
 # The file of what pages show, in the folder of the tables; the Sphinx extension reads it.
 SHOWN = "shown.json"
+LARGEST = 1_000_000  # letters of a CSV
 
 
 @dataclass
@@ -129,9 +130,11 @@ class Context:
         self._write(name, table)
 
     def _write(self, name: str, table: pd.DataFrame) -> None:
-        self.folder.mkdir(parents=True, exist_ok=True)
-        with replacing(self.folder / f"{name}.csv") as partial_file:
-            table.to_csv(partial_file, index=False, float_format="%.8g")
+        """Write a CSV for readers, with six digits, unless it is large: all complete tables ship as Parquet."""
+        text = table.to_csv(index=False, float_format="%.6g")
+        if len(text) <= LARGEST:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            write_text(self.folder / f"{name}.csv", text)
 
     def show(self, name: str, table: pd.DataFrame, file: str = "") -> None:
         """Give pages a table, ``{{ table("name") }}``; ``file`` names the table that it was taken from."""

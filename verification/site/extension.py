@@ -6,7 +6,7 @@
 ``again("tissue_")`` for what was rerun of the studies whose names begin so, ``agreement()`` and ``facts()``.
 
 The folder of the site has the tables and figures, and the pages link them there. Formulas, ``$x_k$``, become MathML, so
-that pages need no script and no network. Each module that decides claims gets a page of its code.
+that pages need no script and no network. The modules that decide claims have pages of their code.
 """
 
 from __future__ import annotations
@@ -14,7 +14,6 @@ from __future__ import annotations
 import json
 import linecache
 import struct
-import sys
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from html import escape
@@ -24,6 +23,7 @@ from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 from docutils import nodes
+from docutils.utils.math import MathError
 from docutils.utils.math.latex2mathml import tex2mathml
 from jinja2 import Environment, StrictUndefined
 from pygments import highlight
@@ -43,7 +43,6 @@ STATIC = Path(__file__).parent / "static"
 # Tables with more rows are folded.
 ROWS = 12
 BOKEH, CODE = "_static/bokeh.js", "code"
-CLAIMS = "docs/results/claims"
 RERUN = {
     "title": "Study",
     "runs": "Runs made again",
@@ -98,7 +97,8 @@ class _Page:
         """Show a table under its caption; a long one opens on a click."""
         given = self._shown["grids"][name]
         file = f"{given['file']}.csv"
-        link = f'<a href="{self._root}tables/{file}">{file}</a>'
+        there = (self._out / "tables" / file).exists()
+        link = f'<a href="{self._root}tables/{file}">{file}</a>' if there else ""
         return _table(f"table-{name}", given["html"], given["rows"], caption, folded, link)
 
     def figure(self, name: str, caption: str) -> str:
@@ -143,13 +143,14 @@ class _Page:
         """The rows of ``verification.claims.decide.decide_all`` with their chapter, and what pages make of them."""
         table = pd.read_parquet(self._out / "tables" / "claims.parquet")
         columns = readings(table)
-        lists = ("runs", "also", "rests_on", "wrong")
+        lists = ("also", "rests_on", "wrong")
         return [
             row
             | {name: row[name].split(", ") if row[name] else [] for name in lists}
             | {
                 "look": VERDICTS[row["verdict"]],
                 "code": _place(row["check"]),
+                "runs": [name for name in row["runs"].split(", ") if (self._out / "tables" / f"{name}.csv").exists()],
                 # A sentence made of the comparisons says them all.
                 "compared": row["printed"] not in row["measured"],
                 "by_reading": _by_reading(row, columns),
@@ -214,21 +215,25 @@ def _by_reading(row: Mapping[str, Any], columns: Sequence[str]) -> list[tuple[st
 
 
 def _place(check: str) -> str:
-    """Return the address of a check, ``module:line``, in the site."""
+    """Return the address of a check, ``verification.thesis.chapter2.claims.s1_methods:12``, in the site."""
     module, line = check.split(":")
-    return f"{CODE}/{module}.html#line-{line}"
+    _, _, chapter, _, section = module.split(".")
+    return f"{CODE}/{chapter}.html#{section}-{line}"
 
 
 def _code(app: Sphinx) -> Iterator[tuple[str, dict[str, Any], str]]:
-    """Yield a page for each module that decides claims."""
+    """Yield a page for each folder of modules that decide claims."""
     file = Path(app.outdir) / "tables" / "claims.parquet"
     checks = pd.read_parquet(file, columns=["check"])["check"] if file.exists() else []
-    form = HtmlFormatter(linenos="inline", lineanchors="line", cssclass="highlight checks")
+    pages: dict[str, list[str]] = {}
     for module in dict.fromkeys(check.split(":")[0] for check in checks):
-        import_module(module)
-        text = "".join(linecache.getlines(str(sys.modules[module].__file__)))
-        body = f"<h1>{module}</h1>{highlight(text, PythonLexer(), form)}"
-        yield f"{CODE}/{module}", {"title": module, "body": body}, "page.html"
+        text = "".join(linecache.getlines(str(import_module(module).__file__)))
+        _, _, chapter, _, section = module.split(".")
+        form = HtmlFormatter(linenos="inline", lineanchors=section, cssclass="highlight checks")
+        pages.setdefault(chapter, []).append(f"<h2>{module}</h2>{highlight(text, PythonLexer(), form)}")
+    for chapter, parts in pages.items():
+        title = f"Checks of claims: {chapter}"
+        yield f"{CODE}/{chapter}", {"title": title, "body": f"<h1>{title}</h1>{''.join(parts)}"}, "page.html"
 
 
 def _script(app: Sphinx, failure: Exception | None) -> None:
@@ -241,10 +246,21 @@ def _script(app: Sphinx, failure: Exception | None) -> None:
 
 
 def _inline_formula(writer: Any, node: Any) -> None:
-    writer.body.append(tex2mathml(node.astext()))
+    writer.body.append(_mathml(node))
     raise nodes.SkipNode
 
 
 def _formula(writer: Any, node: Any) -> None:
-    writer.body.append(f'<div class="formula">{tex2mathml(node.astext(), as_block=True)}</div>')
+    writer.body.append(f'<div class="formula">{_mathml(node, as_block=True)}</div>')
     raise nodes.SkipNode
+
+
+def _mathml(node: Any, as_block: bool = False) -> str:
+    """Return the MathML of a formula; its text, and a warning, where it cannot be set."""
+    from sphinx.util import logging
+
+    try:
+        return str(tex2mathml(node.astext(), as_block=as_block))
+    except MathError as error:
+        logging.getLogger(__name__).warning("formula %s: %s", node.astext(), error, location=node)
+        return f"<code>{escape(node.astext())}</code>"

@@ -6,6 +6,7 @@ import shutil
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Protocol
 
 from dincl.files import write_text
@@ -52,14 +53,15 @@ def write_report(pages: Sequence[Page], context: Context, strict: bool = False) 
         page.run(context)
         page.show(context)
     context.finish_drawings()
-    context.publish(facts(context))
-    build(context.out, strict)
-    if context.waiting:
-        print(f"{index} is complete; parts of {len(context.waiting)} studies are rerun to compare", flush=True)
-        for repeat in context.waiting:
-            repeat()
+    with TemporaryDirectory() as read:
         context.publish(facts(context))
-        build(context.out, strict)
+        build(context.out, Path(read), strict)
+        if context.waiting:
+            print(f"{index} is complete; parts of {len(context.waiting)} studies are rerun to compare", flush=True)
+            for repeat in context.waiting:
+                repeat()
+            context.publish(facts(context))
+            build(context.out, Path(read), strict)
     return index
 
 
@@ -74,8 +76,10 @@ def facts(context: Context) -> list[tuple[str, str]]:
     ]
 
 
-def build(out: Path, strict: bool = False) -> None:
+def build(out: Path, read: Path, strict: bool = False) -> None:
     """Let Sphinx write the pages of the repository into a folder that has tables and figures.
+
+    A second build with the same folder ``read`` reads only pages of results again.
 
     Raises
     ------
@@ -91,16 +95,16 @@ def build(out: Path, strict: bool = False) -> None:
         shutil.copytree(DATA / "docs", root / "docs", dirs_exist_ok=True)
         for page in DATA.glob("*.md"):
             shutil.copy(page, root)
+    # In one process: Sphinx 9 loses errors of pages that it writes in parallel.
     with docutils_namespace():
         site = Sphinx(
             root,
             root / "docs",
             out,
-            out / ".doctrees",
+            read,
             "html",
             status=None,
             warning=sys.stderr,
-            parallel=2,
             exception_on_warning=strict,
         )
         site.build()
