@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
@@ -30,6 +31,8 @@ RESULTS = [
 ]
 PAGES = ("docs/index", "docs/explain/which_method", *(f"docs/results/{name}" for name in RESULTS))
 DESK, TELEPHONE = WIDTHS
+# Kept after the tests, to be looked at; git ignores the folder.
+SCREENSHOTS = Path(__file__).parents[2] / "build" / "screenshots"
 IN_SIGHT = "e => { const box = e.getBoundingClientRect(); return box.bottom > 0 && box.top < innerHeight; }"
 # Where the first run of the first chart is on the screen, and its method.
 FIRST_RUN = """() => {
@@ -58,11 +61,14 @@ class PagesInABrowser:
     @pytest.mark.parametrize("name", PAGES)
     @pytest.mark.parametrize("scheme", ["light", "dark"])
     def test_page_fits_at_both_widths_with_all_open(self, made, browser, name, scheme):
+        SCREENSHOTS.mkdir(parents=True, exist_ok=True)
         with visit(browser, made[0] / f"{name}.html", color_scheme=scheme) as page:
             draw_all(page)
             for width in WIDTHS:
                 page.set_viewport_size({"width": width, "height": HEIGHT})
                 fits(page)
+                file = f"{name.replace('/', '-')}-{width}-{scheme}.jpg"
+                page.screenshot(path=SCREENSHOTS / file, full_page=True, quality=80)
             page.evaluate("for (const folded of document.querySelectorAll('details')) folded.open = true")
             for width in reversed(WIDTHS):
                 page.set_viewport_size({"width": width, "height": HEIGHT})
