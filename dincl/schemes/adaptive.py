@@ -124,6 +124,7 @@ class AdaptiveRuns:
         self._stepper = CompiledStepper.projecting(problem, None, ActiveSet(tol), Settings())
         self._stepper.system.sets.tabulate(smooth)
         self._memory = StructPointer(adapting(problem.x0.size))
+        self._timed = any(one.timed for one in problem.constraints)
 
     def run(self, times: Floats, tau: float, parts: Sequence[Stretch]) -> RunOutcome:
         """Make one run with steps whose estimates are at most ``tau``."""
@@ -170,7 +171,7 @@ class AdaptiveRuns:
         with stepper.system.callbacks():
             while t < stop and code == OK and not slow:
                 code, t, h, last, made, repeated = adapt(
-                    place, memory, t, part.until, stop, h, last, tau, part.longest_step, self.tol, most
+                    place, memory, t, part.until, stop, h, last, tau, part.longest_step, self.tol, self._timed, most
                 )
                 total += made
                 tried += made + repeated

@@ -1,6 +1,6 @@
 """Steps of midpoint catch-up whose length follows an estimate of their error.
 
-A step of midpoint catch-up makes a step x^ of linearised catch-up on its way. Five distances estimate its error; in
+A step of midpoint catch-up makes a step x^ of linearised catch-up on its way. Six distances estimate its error; in
 smooth motion each is O(h^2):
 
 1. max_i |Z_i - X^_i|: the drift and the normals at the start against those in the middle.
@@ -15,6 +15,10 @@ smooth motion each is O(h^2):
 5. Contacts that begin and end in a step. Of two new contacts the later one may end the earlier one, whose multiplier is
    then less than its gap at the end, by the velocity of the last step, tells: the step is repeated to end where the
    earlier one begins. If all of it is missing, passes of any tolerance have the same error until both are apart.
+6. Sets that come and go in a step. At the time t + s h a set that depends on time may be where the step did not look:
+   the estimate is how far the point between x and z at that time is outside, before what remains of the push of this
+   row. For one particle under a drift F that is z - (1 - s) h F, and the largest over all s is exact in one dimension:
+   x(t + h) = max_s (w(t + s h) + (1 - s) h F) above a wall w. It is read from parabolas through five times.
 
 The step after an estimate e has the length h (tau / e)^(1/2); a step with e > tau is made again.
 """
@@ -27,11 +31,11 @@ from dincl.compiled import inner, kernel, reader
 from dincl.compiled.arrays import Floats, Offsets
 from dincl.constants import LARGEST
 from dincl.neighbours import ROW_MARGIN, TOO_WIDE
-from dincl.rows.table import GRADIENTS, call_python, gap, linearise
+from dincl.rows.table import CALLBACK, GRADIENTS, call_python, gap, is_timed, linearise
 from dincl.solvers.envelope_factor import add_row, row_dot
 from dincl.steps.catch_up import drift_step
 from dincl.steps.loop import Stepping, stepping_at
-from dincl.steps.programs import list_sorted, project
+from dincl.steps.programs import carry, list_sorted, project
 from dincl.system.arrays import (
     DRIFT,
     NOT_A_NUMBER,
@@ -56,6 +60,8 @@ UNSOLVED = 0.25
 NEAR, LATEST = 4.0, 0.95
 # One that is there after this part of a step is there at its start.
 TOUCHING = 1e-2
+# Looks at sets that depend on time, from the start to the end of a step.
+LOOKS = 5
 # Shortest step over the longest one, and the code of a run that would need a shorter one.
 SHORTEST, TOO_SHORT = 1e-11, -1
 
@@ -187,11 +193,78 @@ def normals_at_end(system: Any, t: float, z: Floats, push: Floats) -> bool:
 
 
 @inner
-def adaptive_step(run: Stepping, kept: Adapting, t: float, h: float, last: float, tau: float, tol: float) -> Any:
+def moves_within(system: Any, t: float, h: float, x: Floats) -> float:
+    """Return how far the sets are at most, within a step, from where they are at its start, near x."""
+    largest = 0.0
+    for k in range(1, LOOKS):
+        largest = max(largest, carry(system, t, x, t + k / (LOOKS - 1) * h))
+    return largest
+
+
+@inner
+def gap_before(system: Any, r: int, x: Floats, part: float) -> float:
+    """Return the gap of a row at the point x of a step, for particles that its push has not reached yet.
+
+    They will be pushed by this part of what all rows together, and at most this one, push them along its gradient.
+    """
+    rows, sets, program, square = system.rows, system.sets, system.program, 0.0
+    gradient, push = program.gradient, 0.0
+    if program.multiplier[r] > 0.0:
+        for p in range(rows.start[r], rows.stop[r]):
+            square += gradient[p] * gradient[p]
+            push += gradient[p] * (program.z[rows.column[p]] - program.y[rows.column[p]])
+        push = part * min(program.multiplier[r], max(0.0, push) / square)
+    if push == 0.0:
+        return float(gap(rows, sets, r, x))
+    if rows.row[r].kind == CALLBACK:  # Python has evaluated it at x only
+        return float(gap(rows, sets, r, x) + square * push)
+    add_row(rows, r, gradient, push, x)
+    value = gap(rows, sets, r, x)
+    add_row(rows, r, gradient, -push, x)
+    return float(value)
+
+
+@inner
+def outside_within(system: Any, t: float, h: float, x: Floats, point: Floats) -> float:
+    """Return how far a step from x to z is outside of sets at a time within it; infinite if one has no value.
+
+    Between three looks that is a parabola. Bounds and lengths of the program, not needed any more, take the last two.
+    """
+    rows, sets, near, program, worst = system.rows, system.sets, system.near, system.program, 0.0
+    for look in range(LOOKS):
+        s = look / (LOOKS - 1)
+        for k in range(x.size):
+            point[k] = s * program.z[k] + (1.0 - s) * x[k]
+        if call_python(sets, t + s * h, point, GRADIENTS) != 0:
+            return np.inf
+        for q in range(near.number[0]):
+            r = near.row[q]
+            if not is_timed(sets, rows.row[r]):
+                continue
+            now = -gap_before(system, r, point, 1.0 - s)
+            if look > 0 and look % 2 == 0:
+                worst = max(worst, highest(program.bound[r], program.length[r], now))
+            program.bound[r], program.length[r] = program.length[r], now
+    return worst
+
+
+@inner
+def highest(a: float, b: float, c: float) -> float:
+    """Return the largest value of the parabola with the values a, b and c at the ends and in the middle of a part."""
+    slope, bend = 0.5 * (c - a), 0.5 * (a + c) - b
+    largest = max(a, b, c)
+    return largest if abs(slope) >= -2.0 * bend else max(largest, b - slope * slope / (4.0 * bend))
+
+
+@inner
+def adaptive_step(
+    run: Stepping, kept: Adapting, t: float, h: float, last: float, tau: float, tol: float, timed: bool
+) -> Any:
     """Make a step of length h from the state x, write z to ``after`` and F(t + h, z) to ``rate``.
 
     Returns how it ended, the estimate of its error, and the part of it after which it is repeated if the estimate is
-    for a contact, 0 if not. ``last`` is the length of the step before, 0 for none.
+    for a contact, 0 if not. ``last`` is the length of the step before, 0 for none; ``timed`` whether sets depend on
+    time.
     """
     system = system_at(run.system)
     restore_pushing(system, kept)
@@ -205,7 +278,8 @@ def adaptive_step(run: Stepping, kept: Adapting, t: float, h: float, last: float
     if system.sets.address == 0 and system.near.radius[0] > TOO_WIDE * length > 0.0:
         system.near.radius[0] = -1.0
     # The rows are linearised where they are at t, before anything can have passed a particle within the step.
-    if not list_sorted(system, t, start, 2.0 * length, ROW_MARGIN):
+    reach = moves_within(system, t, h, start) if timed else 0.0
+    if not list_sorted(system, t, start, 2.0 * length + reach, ROW_MARGIN):
         return PYTHON, 0.0, 0.0
     search = system.near.number[1]
     note_pushing(system, kept)
@@ -233,6 +307,11 @@ def adaptive_step(run: Stepping, kept: Adapting, t: float, h: float, last: float
     if code != OK:
         return code, 0.0, 0.0
     error = max(error, farthest(z, kept.middle, d))
+    if timed:
+        outside = outside_within(system, t, h, start, middle)
+        if outside == np.inf:
+            return SETS, 0.0, 0.0
+        error = max(error, outside)
     # ``middle`` holds the push at the end from here on, then the drift in the middle.
     for k in range(z.size):
         middle[k] = z[k] - y[k]
@@ -260,12 +339,13 @@ def adapt(
     tau: float,
     longest_step: float,
     tol: float,
+    timed: bool,
     most: int,
 ) -> tuple[int, float, float, float, int, int]:
     """Make steps from t towards ``end``, until ``stop`` is reached, with estimates of at most ``tau``.
 
     ``h`` is about the length of the first one, ``last`` that of the step before, 0 for none. At most ``most`` steps are
-    made or repeated. Returns how the last one ended, the time reached, the length of the next step, that of the last
+    made or repeated; ``timed`` says whether sets depend on time. Returns how the last one ended, the time reached, the length of the next step, that of the last
     one, and how many were made and repeated. A step that fails leaves the state as it was; TOO_SHORT: one of SHORTEST
     of the longest one has an estimate beyond ``tau``.
     """
@@ -279,7 +359,7 @@ def adapt(
         # Two equal steps in place of a long and a tiny one.
         if number <= 2.0:
             step = (end - t) / number
-        code, error, contact = adaptive_step(run, kept, t, step, last, tau, tol)
+        code, error, contact = adaptive_step(run, kept, t, step, last, tau, tol, timed)
         if code == OK and contact == 0.0 and not bounded(run.after, LARGEST):
             code = NOT_A_NUMBER
         if code == OK and contact == 0.0 and error <= tau:

@@ -209,7 +209,10 @@ def bend(system: SystemArrays) -> None:
 
 @inner
 def carry_bounds(system: SystemArrays, t: float, around: Floats, later: float) -> None:
-    """Carry the linearised rows, with their sets, to a later time: general sets by the change of the gap."""
+    """Carry the linearised rows, with their sets, to a later time: general sets by the change of the gap.
+
+    The distance from a point that moves is carried along its gradient, for the point may pass the particle.
+    """
     general = False
     rows, sets, near, program = system.rows, system.sets, system.near, system.program
     for q in range(near.number[0]):
@@ -223,7 +226,14 @@ def carry_bounds(system: SystemArrays, t: float, around: Floats, later: float) -
     call_python(sets, later, around, GRADIENTS)
     for q in range(near.number[0]):
         r = near.row[q]
-        if sets.general[rows.row[r].family] != 0:
+        row = rows.row[r]
+        if sets.general[row.family] == 0:
+            continue
+        if row.kind == DISTANCE and row.j < 0:
+            program.bound[r] = row.sign * row.length
+            for p in range(rows.start[r], rows.stop[r]):
+                program.bound[r] += program.gradient[p] * rows.coefficient[p]
+        else:
             before = row_dot(rows, r, program.gradient, around) - program.bound[r]
             program.bound[r] -= gap(rows, sets, r, around) - before
     call_python(sets, t, around, GRADIENTS)

@@ -240,13 +240,8 @@ def test_cases_with_exact_solutions(name):
             assert "".join(event.kind[0] for event in path.events) == case.kinds
 
 
-# What comes and goes within a step is missed, though the run is a SUCCESS.
-MISSED = pytest.mark.xfail(reason="Auto and AdaptiveCatchUp miss what comes and goes within a step", strict=True)
-SHORT = {name: [MISSED] if name[:5] in ("pulse", "flyin") else [] for name in CASES}
-
-
 @pytest.mark.slow_with("shaker", "jumps", "kink", "with a wall", "squeezed")
-@pytest.mark.parametrize("name", [pytest.param(name, marks=marks) for name, marks in SHORT.items()])
+@pytest.mark.parametrize("name", CASES)
 def test_cases_by_adaptive_steps(name):
     """A run may give up, as near a point where drift and contact force balance, but SUCCESS is right."""
     case = CASES[name]()
@@ -270,15 +265,10 @@ def test_scenes_with_exact_solutions(scene, rng):
     assert max(map(scene.violation, between, path(between))) <= 1e-13
 
 
-REVERSALS = pytest.mark.xfail(reason="steps over a reversal of the interval: the error is not seen", strict=True)
-
-
 @pytest.mark.slow_with("drum", "closing_walls", "growing_discs")
 @pytest.mark.parametrize("error", [1e-2, 1e-4])
 @pytest.mark.parametrize("scene", EXACT, ids=lambda scene: scene.name)
-def test_scenes_by_adaptive_steps(scene, error, request):
-    if scene.name == "sweeping_interval":
-        request.applymarker(REVERSALS)
+def test_scenes_by_adaptive_steps(scene, error):
     times = np.linspace(0, scene.times[-1], 9)
     adaptive = dincl.solve(scene, dincl.AdaptiveCatchUp(error), times)
     assert farthest(adaptive.x, scene.exact(times)).max() < 3 * error
