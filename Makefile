@@ -65,7 +65,7 @@ dist: .venv/dist
 	git archive HEAD | tar -x -C build/dist
 	mv build/dist/verification/thesis build/dist/verification/methods build/dist/verification/tissues build/audit/verification
 	mv build/dist/verification/data build/audit/dincl_testbed_data
-	cp -r build/dist/docs build/dist/*.md build/audit/dincl_testbed_data
+	cp -r build/dist/docs build/dist/*.md build/dist/*.cff build/audit/dincl_testbed_data
 	mv build/audit/dincl_testbed_data/pyproject.toml build/audit
 	$(BIN)/python -m build --no-isolation --outdir dist build/dist
 	$(BIN)/python -m build --no-isolation --outdir dist build/audit

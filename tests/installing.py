@@ -45,7 +45,7 @@ def copy_sources(tree: Path) -> Path:
     (tree / "audit/dincl_testbed_data/pyproject.toml").rename(tree / "audit/pyproject.toml")
     pages = tree / "audit/dincl_testbed_data"
     shutil.copytree(ROOT / "docs", pages / "docs", ignore=shutil.ignore_patterns("made", "__pycache__"))
-    for page in ROOT.glob("*.md"):
+    for page in (*ROOT.glob("*.md"), *ROOT.glob("*.cff")):
         shutil.copy(page, pages)
     return tree
 

@@ -77,7 +77,7 @@ class PagesInABrowser:
     def test_first_screen_has_the_cards(self, made, browser):
         with visit(browser, made[0] / "docs" / "index.html") as page:
             assert page.locator(".finding img").evaluate_all(f"es => es.map({IN_SIGHT})") == 6 * [True]
-            page.locator(".finding a").first.click()
+            page.locator(".finding").first.click()
             assert page.url.endswith("results/speed.html")
 
     def test_search_finds_results_tutorials_and_claims(self, made, browser):
@@ -139,7 +139,7 @@ class PagesInABrowser:
             draw_all(page)
             for width in WIDTHS:
                 page.set_viewport_size({"width": width, "height": HEIGHT})
-                page.locator(".live .bk-Figure, .live").first.evaluate("e => e.scrollIntoView()")
+                page.locator(".live").evaluate("e => e.scrollIntoView({behavior: 'instant'})")
                 tells(page, width)
 
     def test_chart_names_the_cheapest_methods_that_the_instrument_names(self, made, browser):
@@ -159,7 +159,7 @@ class PagesInABrowser:
             draw_all(page)
             page.locator("a[href='#scene=stack']").click()
             page.wait_for_function("document.querySelector('[name=scene]').value === 'stack'")
-            assert page.locator("[name=scene]").evaluate(IN_SIGHT)
+            page.wait_for_function(f"({IN_SIGHT})(document.querySelector('[name=scene]'))")
             page.locator(".live input").first.uncheck()
             assert page.url.endswith("#scene=stack&norm=largest&cost=cpu_seconds&without=PBD")
 

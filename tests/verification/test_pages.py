@@ -30,6 +30,7 @@ def test_what_is_empty_is_not_printed() -> None:
     [
         ("x_{k+1} = P_S(x_k)", "x<sub>k+1</sub> = P<sub>S</sub>(x<sub>k</sub>)"),
         ("e^{2M_F}, R^soft, 10^(-3)", "e<sup>2M<sub>F</sub></sup>, R<sup>soft</sup>, 10<sup>-3</sup>"),
+        ("(Bx_{k+1} - g)", "(Bx<sub>k+1</sub> - g)"),
         ("λ_max(D²W) ≥ 0", "λ<sub>max</sub>(D²W) ≥ 0"),
         ("cpu_seconds of emt_ratios.csv", "cpu_seconds of emt_ratios.csv"),
         ("a < b & c", "a &lt; b &amp; c"),

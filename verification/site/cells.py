@@ -17,11 +17,14 @@ PLAIN = 1e-2
 # Texts of more letters may break into lines.
 LONG = 24
 VERDICTS = {verdict.value: verdict.name.lower() for verdict in Verdict}
-# A script after a single letter, a number or a bracket: x_k, x^{k+1}, P_S(x); cpu_seconds has none.
+# Scripts: in braces after anything, x^{k+1}; else after a single letter, a number or a bracket, x_k and P_S(x), since
+# names of code such as cpu_seconds have none.
+BRACED = re.compile(r"([_^])\{([^{}]*)\}")
 SCRIPT = re.compile(
     r"((?<![A-Za-z_.])[^\W\d_][\u0300-\u036f′]*|(?<![\w.])\d+|[)\]|‖⟩>½′])"
-    r"([_^])(?:\{([^{}]*)\}|\(([^()]*)\)|([^\W_]+(?:-[a-z]+)*|[*+\-−∞½]))"
+    r"([_^])(?:\(([^()]*)\)|([^\W_]+(?:-[a-z]+)*|[*+\-−∞½]))"
 )
+TAGS = {"_": "sub", "^": "sup"}
 
 
 def grid(table: pd.DataFrame) -> str:
@@ -43,14 +46,13 @@ def formula(text: str) -> str:
     """Return plain text as HTML, with scripts: ``x_{k+1}`` has a lowered k+1; other signs of formulas are Unicode."""
     html, before = escape(text), ""
     while html != before:
-        before, html = html, SCRIPT.sub(_script, html)
+        before, html = html, BRACED.sub(lambda found: _script("", *found.groups()), html)
+        html = SCRIPT.sub(lambda found: _script(found[1], found[2], found[3] or found[4]), html)
     return html
 
 
-def _script(found: re.Match[str]) -> str:
-    base, sign, *inside = found.groups()
-    tag = "sub" if sign == "_" else "sup"
-    return f"{base}<{tag}>{next(one for one in inside if one is not None)}</{tag}>"
+def _script(base: str, sign: str, inside: str) -> str:
+    return f"{base}<{TAGS[sign]}>{inside}</{TAGS[sign]}>"
 
 
 def cell(value: object) -> tuple[str, str]:

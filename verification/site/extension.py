@@ -86,7 +86,7 @@ class _Page:
     """The calls of one page; each returns Markdown."""
 
     def __init__(self, out: Path, name: str) -> None:
-        self._out, self._root = out, "../" * name.count("/")
+        self._out, self._root, self._leaf = out, "../" * name.count("/"), name.rpartition("/")[2]
 
     @cached_property
     def _shown(self) -> dict[str, Any]:
@@ -114,7 +114,7 @@ class _Page:
         # The library comes first: the chart would wait for it only so long.
         html = f'<script src="{self._root}{BOKEH}"></script>\n{self._shown["charts"][name]}'
         no_script = "<noscript><p>This chart needs JavaScript; the figures below do not.</p></noscript>"
-        return _captioned(f"chart-{name}", html + no_script, caption)
+        return _captioned(f"chart-{name}-{self._leaf}", html + no_script, caption)
 
     def number(self, name: str) -> str:
         """Return a number as text."""
@@ -169,7 +169,7 @@ class _Page:
         if not found:
             return ""
         html = grid(pd.DataFrame(found)[list(RERUN)].rename(columns=RERUN))
-        table = _table("table-again", html, len(found), "Rerun here and compared, row by row.", True)
+        table = _table(f"table-again-{self._leaf}", html, len(found), "Rerun here and compared, row by row.", True)
         return f"## Made again on this machine\n\n{self._agreeing(found)}\n\n{table}"
 
     def agreement(self) -> str:
