@@ -39,7 +39,7 @@ from dincl.projection import (
     ProjectedCG,
     Projection,
 )
-from dincl.projection.project import project
+from dincl.projection.feasible import project
 from dincl.schemes import (
     PBD,
     XPBD,

@@ -10,7 +10,7 @@ import numpy as np
 
 from dincl.checks import bounded, describe, shape_in_words
 from dincl.constants import LARGEST
-from dincl.conversions import attempt, because, plain
+from dincl.conversions import attempt, plain
 from dincl.errors import FunctionFailed
 
 if TYPE_CHECKING:
@@ -53,11 +53,13 @@ class UserFunction:
 
     def numbers(self, raw: Any, shape: Shape | None = None) -> NDArray[np.float64]:
         """Return its result as finite float64 numbers, of a shape if one is given; None in ``shape`` is any length."""
+        if type(raw) is float and not shape and abs(raw) <= LARGEST:  # as most functions of time return
+            return np.array(raw)
         values = plain(raw)
         if values is None or (shape is not None and not fits(values.shape, shape)):
             wanted = "real numbers" + ("" if shape is None else f" of shape {shape_in_words(shape)}")
             found = describe(raw) if values is None else f"an array of shape {values.shape}"
-            self.refuse(f"returned {found}: must be {wanted}{because(raw)}.")
+            self.refuse(f"returned {found}: must be {wanted}.")
         if not bounded(values):
             where = tuple(int(k) for k in np.argwhere(~(np.abs(values) <= LARGEST))[0])
             at = f" at index {where}" if where else ""

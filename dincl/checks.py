@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dincl.constants import LARGEST, LARGEST_INTEGER, SMALLEST
-from dincl.conversions import as_array, attempt, because, one, plain, whole
+from dincl.conversions import as_array, attempt, one, plain, whole
 from dincl.errors import InvalidProblem
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ def array(name: str, value: ArrayLike, allowed: str = "finite real numbers") -> 
     """Return a new read-only array of finite numbers, none beyond LARGEST in magnitude."""
     found = plain(value)
     if found is None:
-        raise InvalidProblem(f"{name} = {describe(value)}: must be {allowed}{because(value)}")
+        raise InvalidProblem(f"{name} = {describe(value)}: must be {allowed}")
     checked = np.array(found, order="C", subok=False)
     bad = ~(np.abs(checked) <= LARGEST)
     if bad.any():
@@ -96,7 +96,6 @@ def number(name: str, value: Any, *, positive: bool = False, non_negative: bool 
     if not abs(checked) <= LARGEST or (positive and checked < SMALLEST) or (non_negative and checked < 0):
         allowed += f", at least {SMALLEST:g}" if positive and checked > 0 else ""
         allowed += f", at most {LARGEST:g}" if abs(checked) > LARGEST else ""
-        allowed += because(value) if np.isnan(checked) else ""
         raise InvalidProblem(f"{name} = {describe(value)}: must be {allowed}")
     return checked
 

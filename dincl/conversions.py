@@ -20,10 +20,6 @@ from numpy.typing import NDArray
 T = TypeVar("T")
 # Numbers that float knows and numpy does not.
 FRACTIONS: tuple[type, ...] = (Real, Decimal)
-MASK = "a masked array, whose missing entries must be filled in"
-# Contents of arrays that are no real numbers, by the kind of their type.
-KINDS = {"b": "truth values (bool)", "c": "complex numbers", "U": "text", "S": "bytes", "V": "records"}
-KINDS |= {"M": "dates", "m": "durations"}
 
 
 def attempt(convert: Callable[[Any], T], value: Any) -> T | None:
@@ -44,21 +40,6 @@ def plain(value: Any) -> NDArray[np.float64] | None:
     if type(value) is np.ndarray and value.dtype.kind == "f" and value.dtype.itemsize == 8:
         return value.astype(np.float64, copy=False)
     return np.array(value) if type(value) is float else attempt(_floats, value)
-
-
-def because(value: Any) -> str:
-    """Return why ``value`` is not real numbers, as the end of a message: ", not complex numbers"; "" if it is."""
-    if isinstance(value, (bytes, bytearray)):
-        return ", not bytes"
-    if _is_masked(value):
-        return f", not {MASK}"
-    raw = attempt(np.asarray, value)
-    if raw is None:
-        return ", not lists of different lengths" if isinstance(value, (list, tuple)) else ""
-    if raw.dtype.kind in KINDS:
-        return f", not {KINDS[raw.dtype.kind]}"
-    kinds = sorted({type(entry).__name__ for entry in raw.flat if type(entry) not in (int, float)})
-    return f", not objects of type {', '.join(kinds)}" if raw.ndim and raw.dtype.kind == "O" and kinds else ""
 
 
 def as_array(value: Any) -> NDArray[Any]:

@@ -86,7 +86,8 @@ def plot_problem(problem: Problem, times: Floats, ax: Axes | None) -> Axes:
         ax = ax or _new_axes()
         _draw(ax, view, film)
         for t in times[1:] if len(view.low) == 2 else ():
-            _draw_outlines(ax, view, float(t))
+            for shape in shapes_at(problem, float(t)):
+                _draw_shape_in_plane(ax, view, shape, None)
     return ax
 
 
@@ -262,43 +263,31 @@ def _draw_discs(ax: Axes, x: Floats, radius: Floats, **style: Any) -> None:
     )
 
 
-def _draw_shape_in_plane(ax: Axes, view: View, shape: Any, x: Floats) -> None:
+def _draw_shape_in_plane(ax: Axes, view: View, shape: Any, x: Floats | None) -> None:
+    """Draw a shape, with its bonds between particles x (N, 2); None: the dotted outline of a set at a later time."""
     from matplotlib.patches import Circle, Polygon
 
+    dotted: Any = {"lw": 0.8, "ls": ":", "zorder": 1}
     if isinstance(shape, Wall):
-        along, far = np.array([-shape.normal[1], shape.normal[0]]), 4 * float(np.abs([view.low, view.high]).max())
-        foot = shape.offset * shape.normal
+        along, foot = np.array([-shape.normal[1], shape.normal[0]]), shape.offset * shape.normal
+        if x is None:
+            ax.axline(tuple(foot), tuple(foot + along), color=GREY, **dotted)
+            return
+        far = 4 * float(np.abs([view.low, view.high]).max())
         corners = [foot - far * along, foot + far * along, foot + far * (along - shape.normal)]
         ax.add_patch(Polygon([*corners, foot - far * (along + shape.normal)], color=OBSTACLE, lw=0, zorder=0))
     elif isinstance(shape, Ball):
-        face = "none" if shape.inside else OBSTACLE
-        ax.add_patch(Circle(tuple(shape.centre), shape.radius, facecolor=face, edgecolor=GREY, zorder=0))
-    elif isinstance(shape, Bonds):
+        style = {"zorder": 0} if x is not None else dotted
+        face = "none" if shape.inside or x is None else OBSTACLE
+        ax.add_patch(Circle(tuple(shape.centre), shape.radius, facecolor=face, edgecolor=GREY, **style))
+    elif isinstance(shape, Bonds) and x is not None:
         for i, j in shape.pairs:
             ax.plot(*x[[i, j]].T, color=GREY, lw=0.9, zorder=4)
     elif isinstance(shape, Curve):
-        _draw_level(ax, view, shape)
-
-
-def _draw_level(ax: Axes, view: View, curve: Curve, *, filled: bool = True) -> None:
-    axes = [np.linspace(low, high, LEVEL_POINTS) for low, high in zip(view.low, view.high, strict=True)]
-    values = values_on_grid(curve, *axes)
-    if values.min() < 0 < values.max():
-        if filled:
-            ax.contourf(*axes, values, levels=[-np.inf, 0.0], colors=[OBSTACLE], zorder=0)
-        lines: Any = {"linestyles": "solid" if filled else "dotted", "linewidths": 1.0 if filled else 0.8}
-        ax.contour(*axes, values, levels=[0.0], colors=[GREY], zorder=0, **lines)
-
-
-def _draw_outlines(ax: Axes, view: View, t: float) -> None:
-    """Draw the boundaries of the sets in the plane at a later time."""
-    from matplotlib.patches import Circle
-
-    for shape in shapes_at(view.problem, t):
-        if isinstance(shape, Wall):
-            along, foot = np.array([-shape.normal[1], shape.normal[0]]), shape.offset * shape.normal
-            ax.axline(tuple(foot), tuple(foot + along), color=GREY, lw=0.8, ls=":", zorder=1)
-        elif isinstance(shape, Ball):
-            ax.add_patch(Circle(tuple(shape.centre), shape.radius, fill=False, ec=GREY, lw=0.8, ls=":", zorder=1))
-        elif isinstance(shape, Curve):
-            _draw_level(ax, view, shape, filled=False)
+        axes = [np.linspace(low, high, LEVEL_POINTS) for low, high in zip(view.low, view.high, strict=True)]
+        values = values_on_grid(shape, *axes)
+        if values.min() < 0 < values.max():
+            if x is not None:
+                ax.contourf(*axes, values, levels=[-np.inf, 0.0], colors=[OBSTACLE], zorder=0)
+            lines: Any = {"linestyles": "dotted", "linewidths": 0.8} if x is None else {"linewidths": 1.0}
+            ax.contour(*axes, values, levels=[0.0], colors=[GREY], zorder=0, **lines)

@@ -12,15 +12,13 @@ from meanfield.model.examples import LinearFibre, StraightFibre, TissueElement, 
 from meanfield.model.model import Model
 from meanfield.model.reduction import Moments, Positions, Reduction, reduce, sample_moments
 from meanfield.model.state import State
-from meanfield.solvers.characteristics import Flow, solve_characteristics
+from meanfield.solvers.characteristics import Flow, push_forward, solve_characteristics
 from meanfield.solvers.dae import solve_dae
-from meanfield.solvers.moments import MomentMotion, solve_moments
-from meanfield.solvers.ode import solve_ode
+from meanfield.solvers.ode import MomentMotion, solve_moments, solve_ode
 from meanfield.solvers.pde import GridMotion, solve_pde
-from meanfield.solvers.push_forward import push_forward
 from meanfield.solvers.rattle import solve_rattle
 from meanfield.solvers.result import Motion, SolverWork
-from meanfield.transport.wasserstein import Weighted, w1
+from meanfield.transport import Weighted, w1
 
 __all__ = [
     "Density",

@@ -12,7 +12,7 @@ import dincl
 def steps(tissue: bool) -> None:
     """Compile the steps of all schemes, where they are defined, and what is called when tests are read."""
     if tissue:
-        import_module("tests.borders.tissue_things")
+        import_module("tests.borders.tissue_calls")
     for name in ("catch_up", "programs", "sweeping"):
         import_module(f"dincl.steps.{name}")
     import_module("tests.borders.dincl_calls")

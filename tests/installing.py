@@ -6,10 +6,7 @@ import os
 import shutil
 import subprocess
 import sys
-import tomllib
 from pathlib import Path
-
-from packaging.requirements import Requirement
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("dincl", "meanfield", "tissue", "verification")
@@ -19,16 +16,6 @@ AUDIT = ("verification/thesis", "verification/methods", "verification/tissues", 
 BESIDE = ("pyproject.toml", "MANIFEST.in", "README.md", "CHANGELOG.md", "CITATION.cff", "SOURCE.md", "LICENSE")
 LEFTOVERS = shutil.ignore_patterns("__pycache__", "build", "*.egg-info")
 SDIST = "import sys; from setuptools import build_meta; build_meta.build_sdist(sys.argv[1])"
-
-
-def for_users() -> list[str]:
-    """List the extras for users: those of "all" and what they name, and "all"."""
-    extras = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["optional-dependencies"]
-    found = ["all"]
-    for extra in found:
-        for one in map(Requirement, extras[extra]):
-            found += sorted((one.extras if one.name == "dincl-testbed" else set()) - set(found))
-    return [extra for extra in extras if extra in found]
 
 
 def copy_sources(tree: Path) -> Path:

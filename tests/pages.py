@@ -1,8 +1,7 @@
-"""Pages in Markdown as tests read them: their blocks, links and what they name in code; tutorials as notebooks."""
+"""Pages in Markdown as tests read them: their blocks; tutorials as notebooks."""
 
 import re
 from contextlib import chdir
-from importlib import import_module
 from pathlib import Path
 
 from docs.building.notebooks import notebook, printed
@@ -29,23 +28,3 @@ def play(page: Path, folder: Path) -> dict:
     made = notebook(page)
     with chdir(folder):
         return run_cells(made) | {"printed": printed(made)}
-
-
-def links(page: Path) -> list[Path]:
-    """The files of the repository that a page links to or shows."""
-    targets = re.findall(r"\]\(([^)#]+)[^)]*\)", page.read_text("utf-8"))
-    return [(page.parent / target).resolve() for target in targets if "://" not in target]
-
-
-def resolves(name: str) -> bool:
-    """Return whether a dotted name is a module, or an attribute of a package or of what it has."""
-    first, *rest = name.split(".")
-    path = first
-    try:
-        found = import_module(first)
-        for part in rest:
-            path += f".{part}"
-            found = getattr(found, part) if hasattr(found, part) else import_module(path)
-    except ModuleNotFoundError:
-        return False
-    return True

@@ -1,13 +1,36 @@
-"""The types of arrays that the kernels share."""
+"""The types of arrays that the kernels share, and empty structs of them."""
+
+from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
+Table = Annotated[NDArray[np.float64], 2]  # of two axes
 Offsets = NDArray[np.int64]
 Indices = NDArray[np.int32]
 Flags = NDArray[np.bool_]
 Axes = tuple[int, ...]
+
+
+def empty(kind: Any) -> Any:
+    """Make the named tuple of this class with empty arrays and zeros, of the types that its annotations name.
+
+    An annotation has its axes, or the type of its entries, as ``Annotated[NDArray[...], axes or dtype]``.
+    """
+    found: dict[str, Any] = {}
+    for name, hint in get_type_hints(kind, include_extras=True).items():
+        annotated, more = get_args(hint) if get_origin(hint) is Annotated else (hint, 1)
+        if annotated in (int, float):
+            found[name] = annotated()
+        elif hasattr(annotated, "_fields"):
+            found[name] = empty(annotated)
+        elif isinstance(more, np.dtype):
+            found[name] = np.zeros(0, more)
+        else:
+            (entry,) = get_args(get_args(annotated)[1])
+            found[name] = np.zeros((0,) * more, entry)
+    return kind(**found)
 
 
 def axes_of(x: Floats) -> Axes:

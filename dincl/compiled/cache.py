@@ -1,75 +1,209 @@
-"""Numba's own cache of machine code, in a folder that a change of any code beneath a kernel changes.
+"""Machine code on the disk, in a folder that a change of any code beneath a kernel changes.
 
-Numba compiles a function again when its file has changed, not when a function or a number has that it takes from
-another file. So the folder of a module is named by the digest of its text and of all that it imports.
+Numba's own cache goes by the path of a file, and compiles a function again when its file has changed, not when a
+function or a number has that it takes from another file. Here the folder of a module is named by the digest of its text
+and of all that it imports, wherever they lie: clones, worktrees and installations share it.
 """
 
 from __future__ import annotations
 
 import ast
+import fcntl
+import logging
 import os
+import pickle
 import shutil
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from functools import cache
 from hashlib import sha256
 from importlib.util import find_spec, resolve_name
 from pathlib import Path
-from threading import Lock
+from types import CodeType, FunctionType, ModuleType
 from typing import Any, cast
 
 import llvmlite
 import numba
 import numpy as np
-from numba.core.caching import FunctionCache
+from numba.core.compiler import CompileResult
+from numba.core.serialize import dumps
 
 # The packages of this program, wherever they are installed.
 PACKAGES = ("dincl", "meanfield", "tissue", "verification")
 _INSTALLED, _STANDARD = {"site-packages", "dist-packages"}, Path(os.__file__).parent
-_VERSIONS = f"{numba.__version__} {llvmlite.__version__} {np.__version__}"
+_VERSIONS = f"{sys.version_info[:2]} {numba.__version__} {llvmlite.__version__} {np.__version__}"
 UNUSED = 30 * 24 * 3600.0  # [s] after which the machine code of other code is removed
-# Numba has one folder for all functions of a process; ours is set while it looks up that of one function.
-_FOLDER, _CONFIG = Lock(), cast("Any", numba.config)
+# [s]: what a function costs to compile, measured at 2.6 GHz, and from when on a user is told that he waits.
+EACH, LONG = 0.12, 1.0
+LOG = logging.getLogger("dincl")
+_DIGEST = sha256().digest_size
+# What machine code contains of a module: these, and tuples and arrays of them.
+_CONSTANTS = (bool, int, float, complex, str, bytes, np.generic, type(None))
 
 
-class CodeCache(FunctionCache):
-    """Numba's cache, but a full disk or a damaged file costs another compilation and no run."""
+class CodeCache:
+    """The machine code of one function, a file for each of its signatures; a damaged file or a full disk costs no run.
+
+    The name of a file has the digest of the types, of the processor, and of the numbers that the function and those it
+    calls take from their modules: a module may compute them when it is loaded.
+    """
+
+    def __init__(self, function: Callable[..., Any], folder: Path) -> None:
+        self.cache_path = str(folder)
+        self._function = function
+        self._name = f"{function.__qualname__}-{function.__code__.co_firstlineno}".replace("<locals>.", "")
+        self._locked: int | None = None
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """Load the machine code for types of arguments; None if there is none, or no such."""
-        try:
-            found: Any = super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
-        except Exception:  # noqa: BLE001  # unpickling an incomplete file may raise any
-            with suppress(OSError):
-                self.flush()  # type: ignore[no-untyped-call]
-            return None
-        # Two processes may give one name to the files of different types, of which the second replaces the first.
-        return found if found is None or found.signature.args == tuple(getattr(sig, "args", sig)) else None
+        """Load the machine code for types of arguments; None if there is none: then nobody else compiles it until the
+        end of the block ``compiling``.
+        """
+        target_context.refresh()
+        path = self._path(sig, target_context.codegen())
+        found = _load(path, sig, target_context)
+        if found is None and self._lock(path):
+            found = _load(path, sig, target_context)  # another process may have compiled it meanwhile
+        return found
 
     def save_overload(self, sig: Any, data: Any) -> None:
         """Save machine code if the disk has room."""
+        if data.library.has_dynamic_globals:  # it contains addresses of this process
+            return
+        path = self._path(sig, data.codegen)
+        content = dumps(data._reduce())
+        part = path.with_suffix(f".{os.getpid()}")
         with suppress(OSError):
-            super().save_overload(sig, data)  # type: ignore[no-untyped-call]
+            try:
+                part.write_bytes(_check(path, content) + content)
+                part.replace(path)
+            finally:
+                part.unlink(missing_ok=True)
+
+    def flush(self) -> None:
+        """Remove the machine code of this function."""
+        for path in Path(self.cache_path).glob(f"{self._name}-*.code"):
+            path.unlink(missing_ok=True)
+
+    @contextmanager
+    def compiling(self) -> Iterator[None]:
+        """Let others compile when this block, in which machine code is looked for and made, has ended in any way."""
+        try:
+            yield
+        finally:
+            if self._locked is not None:
+                with suppress(OSError):
+                    fcntl.flock(self._locked, fcntl.LOCK_UN)  # a process that was forked meanwhile has the file open
+                os.close(self._locked)
+                self._locked = None
+
+    def _lock(self, path: Path) -> bool:
+        """Wait until no other process compiles this; the system frees the lock of a process that ends."""
+        with suppress(OSError):  # a folder that cannot be written to, or a file system without locks
+            self._locked = os.open(path.with_suffix(".lock"), os.O_CREAT | os.O_RDWR)
+            try:
+                fcntl.flock(self._locked, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                say(self._function, "Another process is compiling")
+                fcntl.flock(self._locked, fcntl.LOCK_EX)
+            return True
+        return False
+
+    def _path(self, sig: Any, codegen: Any) -> Path:
+        types = getattr(sig, "args", sig)
+        text = repr(([str(kind) for kind in types], codegen.magic_tuple()))
+        key = sha256(text.encode() + reach(self._function)[0]).hexdigest()[:24]
+        return Path(self.cache_path, f"{self._name}-{key}.code")
 
 
-def set_cache(compiled: Any, function: Callable[..., Any]) -> None:
-    """Cache the machine code of a function, unless it is in no file or no folder can be written to.
+def _check(path: Path, content: bytes) -> bytes:
+    return sha256(path.name.encode() + content).digest()
+
+
+def _load(path: Path, sig: Any, target_context: Any) -> Any:
+    """Load machine code from a file; None if it is missing, damaged, of another function, or of other types."""
+    try:
+        data = path.read_bytes()
+        if data[:_DIGEST] != _check(path, data[_DIGEST:]):
+            return None
+        rebuild: Any = CompileResult._rebuild
+        found: Any = rebuild(target_context, *pickle.loads(data[_DIGEST:]))
+    except Exception:  # noqa: BLE001  # unpickling what refers to code that is gone may raise any
+        return None
+    # Types of one name may differ.
+    return found if found.signature.args == tuple(getattr(sig, "args", sig)) else None
+
+
+def say(function: Callable[..., Any], doing: str) -> None:
+    """Log, with the time that is left, that a function is compiled, if that takes long."""
+    seconds = EACH * reach(function)[1]
+    if seconds >= LONG:
+        name = f"{function.__module__}.{function.__qualname__}"
+        LOG.warning("%s %s, about %.0f s, once: its machine code is cached.", doing, name, seconds)
+
+
+def reach(function: Callable[..., Any]) -> tuple[bytes, int]:
+    """Return a digest of the constants that a function and those it calls take from modules and closures, and how many
+    functions these are.
+    """
+    found, seen = sha256(), set()
+    todo: list[Any] = [function]
+    while todo:
+        value = todo.pop()
+        value = getattr(value, "py_func", value)  # of a function that numba compiles
+        if isinstance(value, FunctionType) and _is_followed(value.__module__):
+            if value not in seen:
+                seen.add(value)
+                names = _names(value.__code__)
+                todo += [*_members(value.__globals__, names), *_cells(value)]
+        elif isinstance(value, tuple):
+            todo += value
+        elif isinstance(value, np.ndarray):
+            found.update(f"{value.dtype} {value.shape} ".encode() + value.tobytes())
+        elif isinstance(value, _CONSTANTS):
+            found.update(f"{type(value)} {value!r} ".encode())
+    return found.digest(), len(seen)
+
+
+@cache
+def _names(code: CodeType) -> tuple[str, ...]:
+    """Return the names of globals and attributes in the code of a function, and in functions that it defines."""
+    inside = [_names(part) for part in code.co_consts if isinstance(part, CodeType)]
+    return sum(inside, code.co_names)
+
+
+def _members(space: dict[str, Any], names: tuple[str, ...]) -> Iterator[Any]:
+    """List what has one of these names in a module, and in those of its modules that have one."""
+    for value in (space[name] for name in names if name in space):
+        if not isinstance(value, ModuleType):
+            yield value
+        elif _is_followed(value.__name__) and vars(value) is not space:
+            yield from _members(vars(value), names)
+
+
+def _cells(function: FunctionType) -> Iterator[Any]:
+    """List what a function takes from the function in which it was defined."""
+    for cell in function.__closure__ or ():
+        with suppress(ValueError):  # not set yet
+            yield cell.cell_contents
+
+
+def code_cache(function: Callable[..., Any]) -> CodeCache | None:
+    """Return the machine code of a function on the disk; None if it is in no file or no folder can be written to.
 
     The folder is in ``NUMBA_CACHE_DIR`` or ``~/.cache/dincl-testbed``.
     """
     path = Path(function.__code__.co_filename)
     if path.suffix != ".py" or not path.is_file():
-        return
-    with _FOLDER, suppress(OSError, RuntimeError):  # RuntimeError if a user has no home
-        before = _CONFIG.CACHE_DIR
-        home = Path(before or Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "dincl-testbed")
-        _CONFIG.CACHE_DIR = str(_folder(home, _digest(function.__module__)))
-        try:
-            compiled._cache = CodeCache(function)  # type: ignore[no-untyped-call]
-        finally:
-            _CONFIG.CACHE_DIR = before
+        return None
+    with suppress(OSError, RuntimeError):  # RuntimeError if a user has no home
+        home = Path(
+            cast("Any", numba.config).CACHE_DIR
+            or Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "dincl-testbed"
+        )
+        return CodeCache(function, _folder(home, _digest(function.__module__)))
+    return None
 
 
 @cache
@@ -135,7 +269,7 @@ def _imports(node: ast.AST) -> Iterator[ast.Import | ast.ImportFrom]:
 
 def _file(name: str) -> Path | None:
     """Find the source file of a module that is one of ours or not installed; of a loaded one that it is loaded from."""
-    if not _is_followed(name.partition(".")[0]):
+    if not _is_followed(name):
         return None
     loaded = sys.modules.get(name)
     return _source(getattr(loaded, "__file__", None) if loaded else _origin(name))
@@ -157,8 +291,9 @@ def _source(file: str | None) -> Path | None:
 
 
 @cache
-def _is_followed(top: str) -> bool:
-    """Return whether a top-level module is one of ours or not installed."""
+def _is_followed(module: str | None) -> bool:
+    """Return whether a module is one of ours or not installed."""
+    top = (module or "").partition(".")[0]
     if top in (*PACKAGES, "__main__"):
         return True
     try:

@@ -36,8 +36,8 @@ def _plain(kind: Any) -> Any:
 
 # int64 f(double t, double *x, double *out, int64 n, int64 d, double *data): out = F(t, x); 0 is success.
 DRIFT: Any = signature(int, float, DOUBLES, DOUBLES, int, int, DOUBLES)
-# int64 f(double t, double *x, int64 request, int64 family): Python writes what is requested of the sets at (t, x).
-SETS: Any = signature(int, float, DOUBLES, int, int)
+# int64 f(double t, double *x, int64 request): Python writes what is requested of the sets at (t, x).
+SETS: Any = signature(int, float, DOUBLES, int)
 
 _C_TYPES: Any = {types.int64: ctypes.c_int64, types.float64: ctypes.c_double, DOUBLES: ctypes.c_void_p}
 

@@ -1,26 +1,48 @@
 """Functions compiled to machine code: kernels for Python, functions inlined into them, C functions for other kernels.
 
-The machine code of kernels and C functions is cached on the disk (``dincl.compiled.cache``). At a terminal a line names
-what is compiled: a first run takes half a minute longer.
+The machine code of kernels and C functions is cached on the disk (``dincl.compiled.cache``). A line in the log "dincl",
+which goes to stderr by default, says what is compiled, and about how long that takes.
 """
 
 from __future__ import annotations
 
-import sys
+import gc
+import os
+import secrets
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
+from functools import cached_property
+from itertools import count
+from types import CodeType
 from typing import Any, TypeVar, cast
+from zlib import crc32
 
 import numba
+from numba.core import typed_passes, untyped_passes
+from numba.core.bytecode import FunctionIdentity
 from numba.core.ccallback import CFunc
 from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import Compiler
+from numba.core.compiler import Compiler, Flags
 from numba.core.event import Listener, install_recorder, register
 from numba.core.sigutils import normalize_signature
+from numba.core.types import unliteral
 
-from dincl.compiled.cache import PACKAGES, set_cache
+from dincl.compiled.cache import PACKAGES, code_cache, say
 
 Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def _number_functions() -> None:
+    """Let the numbers of functions begin anywhere.
+
+    Numba tells functions of one name, as of closures, apart by a number that begins with one in each process. Two that
+    two processes compiled and cached may have the same, and one that loads both would call one in place of the other.
+    """
+    cast("Any", FunctionIdentity)._unique_ids = count(secrets.randbits(60))
+
+
+_number_functions()
+os.register_at_fork(after_in_child=_number_functions)
 
 
 def kernel(function: Function, *, references: bool = True) -> Function:
@@ -38,23 +60,25 @@ def kernel(function: Function, *, references: bool = True) -> Function:
     """
     # Counting references makes steps of tissues and of PBD 1.3 to 1.7 times as long.
     options: dict[str, Any] = {"nogil": True, "error_model": "numpy", "_nrt": references}
-    compiled: Any = numba.njit(**options)(function)
-    set_cache(compiled, function)
+    compiled: Any = numba.njit(pipeline_class=_Compiler, **options)(function)
+    _compile_once(compiled, function)
     return cast("Function", compiled)
 
 
 def c_function(described: Any, function: Callable[..., Any]) -> Any:
-    """Compile a function at top level of a file for calls by its ``address``, see ``call``; cached as a kernel is.
+    """Return a function at top level of a file, compiled when its ``address`` is first asked for, see ``call``.
+
+    Its machine code is cached as that of a kernel is.
 
     It must not allocate arrays. Where it raises, it returns an arbitrary number: see ``collect_errors``. A function of
     a user, outside of these packages, raises IndexError where it reads or writes beyond an array.
     """
     options: dict[str, Any] = {"error_model": "numpy", "_nrt": False, "boundscheck": _of_user(function)}
     # numba.cfunc would compile before the cache is set.
-    compiled: Any = CFunc(function, normalize_signature(described), locals={}, options=options)
-    set_cache(compiled, function)
-    with MESSAGES.naming(function):
-        compiled.compile()
+    compiled: Any = _CFunction(
+        function, normalize_signature(described), locals={}, options=options, pipeline_class=_Compiler
+    )
+    _compile_once(compiled, function)
     return compiled
 
 
@@ -68,12 +92,47 @@ def allocating(function: Function) -> Function:
     return _inlined(function, allocates=True)
 
 
+def _compile_once(compiled: Any, function: Callable[..., Any]) -> None:
+    """Cache the machine code of a function, which one process compiles, and does not look for garbage meanwhile.
+
+    Garbage takes a sixth of the time of compiling.
+    """
+    code, compile_now = code_cache(function), compiled.compile
+    if code is not None:
+        compiled._cache = code
+
+    def compile_once(*signature: Any) -> Any:
+        collects = gc.isenabled()
+        gc.disable()
+        try:
+            with code.compiling() if code else nullcontext():
+                return compile_now(*signature)
+        finally:
+            if collects:
+                gc.enable()
+
+    compiled.compile = compile_once
+
+
 def _of_user(function: Callable[..., Any]) -> bool:
     """Return whether a function is in none of these packages: it is always compiled with checks, or always without."""
     return (function.__module__ or "").partition(".")[0] not in PACKAGES
 
 
+def _named_apart(function: Callable[..., Any]) -> None:
+    """Add to the name of a function that another one made a digest of what it was made of.
+
+    Kernels in the cache call by name what is not inlined after all, and the names that numba makes differ between
+    functions that it compiled in one process only. Of two kernels that were compiled in two processes, and both call a
+    function made by ``loop_of``, one would run the loop of the other.
+    """
+    parts = [getattr(cell.cell_contents, "__qualname__", cell.cell_contents) for cell in function.__closure__ or ()]
+    if parts:
+        function.__qualname__ += f"_{crc32(repr(parts).encode()):x}"
+
+
 def _inlined(function: Function, *, allocates: bool) -> Function:
+    _named_apart(function)
     # Wrappers for Python and for C, which nobody calls, make first runs 1.17 times as long, that of eight tissues 1.27.
     # Counting references makes steps 1.3 to 1.7 times as long.
     options: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "_nrt": allocates}
@@ -81,20 +140,75 @@ def _inlined(function: Function, *, allocates: bool) -> Function:
     compiled: Any = numba.njit(pipeline_class=_InlinedCompiler, error_model="numpy", **options)(function)
     # There is no machine code that Python could call: it runs the text, and finds nothing that numba has compiled.
     compiled._compile_for_args, compiled._insert = lambda *_: function, lambda *_: None
+    # Numba would compile f(x, True) beside f(x, flag).
+    template = compiled.get_call_template
+    compiled.get_call_template = lambda arguments, named: template(
+        [*map(unliteral, arguments)], {name: unliteral(kind) for name, kind in named.items()}
+    )
     return cast("Function", compiled)
 
 
-class _InlinedCompiler(Compiler):
+class _CFunction(CFunc):
+    """A C function that is compiled on use: most programs need few of those that they import."""
+
+    @cached_property
+    def address(self) -> Any:
+        with MESSAGES.naming(self.__wrapped__):
+            self.compile()
+        return super().address
+
+
+class _Options(Flags):
+    """The options of a compilation, compared by those that are set.
+
+    Numba compares the values of all fifty, for each operation and each function that may stand for it: a fifth of the
+    time of compiling.
+    """
+
+    def __hash__(self) -> int:
+        return len(self._values)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Options) and self._values == other._values
+
+
+class _Compiler(Compiler):
+    """The compiler of numba, with options that are compared fast."""
+
+    def _compile_core(self) -> Any:
+        self.state.flags = _Options(self.state.flags)  # type: ignore[no-untyped-call]
+        return super()._compile_core()  # type: ignore[no-untyped-call]
+
+
+# What rewrites closures, ``with``, ``literally``, ``literal_unroll``, and functions that numba is told to inline.
+_RARE = (
+    untyped_passes.WithLifting,
+    untyped_passes.InlineClosureLikes,
+    untyped_passes.MakeFunctionToJitFunction,
+    untyped_passes.InlineInlinables,
+    untyped_passes.FindLiterallyCalls,
+    untyped_passes.LiteralUnroll,
+    untyped_passes.LiteralPropagationSubPipelinePass,
+    typed_passes.InlineOverloads,
+)
+
+
+class _InlinedCompiler(_Compiler):
     """The compiler of numba, but that the code is neither optimised nor emitted before it is linked into a kernel.
 
     Otherwise numba does both with a function and all that it calls, at each level of calls: first runs of tissues, PBD,
-    catch-up and EventDriven take 63 s instead of 43 s, 1.45 times as long; that of EventDriven 2.3 times.
+    catch-up and EventDriven take 1.45 times as long; that of EventDriven 2.3 times. Functions of these packages are
+    plain, and spare passes that would find nothing, a tenth of the time.
     """
 
     def define_pipelines(self) -> Any:
-        library: Any = _InlinedCode
-        self.state.library = library(self.state.targetctx.codegen(), self.state.func_id.func_qualname)
-        return super().define_pipelines()  # type: ignore[no-untyped-call]
+        function, library = self.state.func_id, cast("Any", _InlinedCode)
+        self.state.library = library(self.state.targetctx.codegen(), function.func_qualname)
+        pipelines: Any = super().define_pipelines()  # type: ignore[no-untyped-call]
+        if not _of_user(function.func) and not any(isinstance(part, CodeType) for part in function.code.co_consts):
+            for one in pipelines:
+                one.passes = [step for step in one.passes if step[0] not in _RARE]
+        return pipelines
 
 
 class _InlinedCode(JITCodeLibrary):
@@ -120,7 +234,7 @@ class _InlinedCode(JITCodeLibrary):
 
 
 class CompilerMessages(Listener):
-    """A line at a terminal for each function that is compiled, but for those that it calls."""
+    """A line in the log for each function that is compiled, but for those that it calls."""
 
     def __init__(self) -> None:
         self._compiling: list[Callable[..., Any]] = []
@@ -130,12 +244,8 @@ class CompilerMessages(Listener):
         """Name the function that is compiled, unless this was done."""
         self._compiling.append(event.data["dispatcher"].py_func)
         first = self._compiling[0]
-        if first is not self._named and sys.stderr.isatty():
-            print(
-                f"Compiling {first.__module__}.{first.__qualname__}; its machine code is cached.",
-                file=sys.stderr,
-                flush=True,
-            )
+        if first is not self._named:
+            say(first, "Compiling")
         self._named = first
 
     def on_end(self, event: Any) -> None:

@@ -10,9 +10,9 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from dincl.rows.base import CustomSweep, DiscPairs, RowsOfOneKind
+    from dincl.rows.base import DiscPairs, RowsOfOneKind
 
-    Swept = RowsOfOneKind | DiscPairs | CustomSweep
+    Swept = RowsOfOneKind | DiscPairs
 
 
 class Constraint(ABC):
@@ -35,11 +35,7 @@ class Constraint(ABC):
         """Return the rows that can be violated after each particle moved at most ``search_radius`` from x, or more."""
 
     def sweep_rows(self, x: NDArray[np.float64]) -> Swept:
-        """Return the rows that PBD projects onto, one after another, for states of the shape of x; or a CustomSweep."""
-        return self.select(x, math.inf)
-
-    def pattern(self, x: NDArray[np.float64]) -> RowsOfOneKind:
-        """Return all rows, or enough of them to show that two rows share a particle."""
+        """Return the rows that PBD projects onto, one after another, for states of the shape of x."""
         return self.select(x, math.inf)
 
     def longest_length(self, d: int) -> float:

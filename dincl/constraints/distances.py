@@ -83,10 +83,6 @@ class NonOverlap(Timed):
         discs = self.discs(len(x))
         return DiscPairs(self.radii(len(x))[discs], None if self.among is None else discs)
 
-    def pattern(self, x: NDArray[np.float64]) -> DistanceRows:
-        """Return the pairs of three discs only: two of them share a disc."""
-        return _all_pairs(self.discs(len(x))[:3], self.radii(len(x)))
-
 
 def _all_pairs(discs: NDArray[np.int64], radii: NDArray[np.float64]) -> DistanceRows:
     i, j = (discs[place] for place in np.tril_indices(len(discs), -1))

@@ -15,7 +15,7 @@ from dincl.constraints.base import Constraint
 from dincl.constraints.timed import RECENT
 from dincl.errors import InvalidProblem
 from dincl.norms import longest
-from dincl.rows.base import CustomSweep, DiscPairs
+from dincl.rows.base import DiscPairs
 from dincl.status import Status
 
 if TYPE_CHECKING:
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
     from dincl.constraints.base import Swept
     from dincl.rows.base import RowsOfOneKind
-    from dincl.work import Work
 
 PATH = UserFunction("path", ("t",), Status.CONSTRAINT_FAILED)
 ROTATION = UserFunction("rotation", ("t",), Status.CONSTRAINT_FAILED)
@@ -77,8 +76,8 @@ class RigidMotion:
 
     def numbers(self, t: float, d: int) -> NDArray[np.float64]:
         """Return what the functions of time return, flat; what is zero but for rounding is no function of time."""
-        turn = ROTATION.evaluated(self.rotation, t).ravel()
-        turn = np.where(np.abs(turn) > ZERO, turn, 0.0)
+        turn = ROTATION.evaluated(self.rotation, t)
+        turn = np.where(np.abs(turn) > ZERO, turn, 0.0).ravel() if turn.ndim else turn[None]
         if self.displacement is None:
             return turn
         return np.concatenate((turn, DISPLACEMENT.evaluated(self.displacement, t, shape=(d,))))
@@ -125,7 +124,7 @@ class Moving(Constraint):
     path
         t -> displacement of shape (d,) [length], the same for all particles; or a RigidMotion.
 
-    The rows of ``select``, ``sweep_rows`` and ``pattern`` are those of S, for x as seen from the moving set.
+    The rows of ``select`` and ``sweep_rows`` are those of S, for x as seen from the moving set.
     """
 
     constraint: Constraint
@@ -186,18 +185,8 @@ class Moving(Constraint):
     def select(self, x: NDArray[np.float64], search_radius: float) -> RowsOfOneKind:
         return self.constraint.at(0.0).select(x, search_radius)
 
-    def pattern(self, x: NDArray[np.float64]) -> RowsOfOneKind:
-        return self.constraint.at(0.0).pattern(x)
-
     def sweep_rows(self, x: NDArray[np.float64]) -> Swept:
-        carried = self.displacement(0.0, x.shape[1]) is None
-        return self._placed_sweep(x) if carried else self.constraint.sweep_rows(x)
-
-    def _placed_sweep(self, x: NDArray[np.float64]) -> Swept:
-        """Return the rows of S; the steps move a set along one path only, so its own projections make other motions."""
-        inner = self.constraint
-        rows = inner._placed_sweep(x) if isinstance(inner, Moving) else inner.at(0.0).sweep_rows(x)
-        return _PlacedSweep(self, rows) if isinstance(rows, CustomSweep) else rows
+        return self.constraint.at(0.0).sweep_rows(x)
 
     def select_at(self, t: float, x: NDArray[np.float64], search_radius: float) -> RowsOfOneKind:
         return self.constraint.select_at(t, self.seen(t, x), search_radius)
@@ -218,20 +207,6 @@ class Moving(Constraint):
         turned = self.placement(later, x.shape[1])[0] - self.placement(t, x.shape[1])[0]
         moved = longest(after - before) + float(np.linalg.norm(turned, 2)) * search_radius
         return moved + self.constraint.change(t, later, after, search_radius)
-
-
-@dataclass(frozen=True)
-class _PlacedSweep(CustomSweep):
-    """Projections of the user onto a set that turns, or moves twice: for x as seen from the set."""
-
-    moving: Moving
-    of_set: CustomSweep
-
-    def sweep(self, t: float, x: NDArray[np.float64], work: Work) -> None:
-        turn, shift = self.moving.placement(t, x.shape[1])
-        seen = (x - shift) @ turn
-        self.of_set.sweep(t, seen, work)
-        x[:] = seen @ turn.T + shift
 
 
 def derivative(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,9 +18,18 @@ def from_rows(
     indptr: NDArray[np.integer[Any]], indices: NDArray[np.integer[Any]], data: NDArray[np.float64], columns: int
 ) -> csr_array:
     """Make the matrix whose row k holds ``data[indptr[k]:indptr[k + 1]]`` in the columns ``indices[...]``."""
+    made: csr_array = object.__new__(type(_template()))
+    whole = {"indices": indices.astype(np.int32, copy=False), "indptr": indptr.astype(np.int32, copy=False)}
+    vars(made).update(vars(_template()), _shape=(len(indptr) - 1, columns), data=data, **whole)
+    return made
+
+
+@cache
+def _template() -> csr_array:
+    """Return a matrix whose attributes others copy: the constructor takes longer than most uses of a small matrix."""
     from scipy.sparse import csr_array
 
-    return csr_array((data, indices, indptr), shape=(len(indptr) - 1, columns))
+    return csr_array((1, 1))
 
 
 def from_equal_rows(indices: NDArray[np.int64], data: NDArray[np.float64], columns: int) -> csr_array:

@@ -159,8 +159,7 @@ class ArrowHurwicz(Minimiser):
 
     def advance(self, iterate: Iterate, point: Point) -> None:
         iterate.move(point.x - self.alpha * (point.gradient - point.reaction(point.multipliers)))
-        _, values, _ = iterate.values(iterate.x)
-        iterate.set_multipliers(np.maximum(0.0, iterate.multipliers - self.beta * values))
+        iterate.set_multipliers(np.maximum(0.0, iterate.multipliers - self.beta * iterate.values(iterate.x)[1]))
 
 
 @dataclass(frozen=True)
@@ -263,8 +262,7 @@ class Uzawa(Minimiser):
         flat, steps = free_minimum(slope, point.x.ravel(), INNER * self.stop.tol)
         iterate.work.count_call("newton_cg", steps)
         iterate.move(flat.reshape(point.x.shape))
-        gaps, _, _ = iterate.values(iterate.x)
-        iterate.set_multipliers(np.maximum(0.0, iterate.multipliers - self.step * gaps))
+        iterate.set_multipliers(np.maximum(0.0, iterate.multipliers - self.step * iterate.values(iterate.x)[0]))
 
 
 def free_minimum(slope: Slope, x: NDArray[np.float64], tol: float) -> tuple[NDArray[np.float64], int]:

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from dincl.checks import bounded, flag, instance
 from dincl.constants import LARGEST
-from dincl.constraints.selection import Candidates, row_keys
+from dincl.constraints.selection import Candidates, transfer_multipliers
 from dincl.errors import StepFailure
 from dincl.matrices import combined, stacked
 from dincl.minimise.methods import Minimiser
@@ -28,8 +27,6 @@ if TYPE_CHECKING:
     from dincl.constraints.selection import Selection
     from dincl.rows.base import RowsOfOneKind
 
-Numbers = TypeVar("Numbers", bound=np.generic)
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Minimum:
@@ -40,8 +37,8 @@ class Minimum:
     x
         Shape (N, d); after a failure the last iterate of finite numbers.
     rows, families, multipliers
-        The rows in the last iterate, for each the index of its constraint in the problem, shape (m,), and its
-        multiplier >= 0, shape (m,). Rows of the problem that are not among them have the multiplier zero.
+        The rows near x, for each the index of its constraint in the problem, shape (m,), and its multiplier >= 0, shape
+        (m,). Rows of the problem that are not among them have the multiplier zero.
     status, detail
         How the iteration ended, and the particulars in words ("" when its rule was met).
     iterations
@@ -145,7 +142,7 @@ def _converged(iterate: Iterate, minimiser: Minimiser) -> bool:
 
 
 def _result(iterate: Iterate, minimiser: Minimiser, status: Status, detail: str) -> Minimum:
-    """Compute the residuals anew; rows that are not in the iterate have no multipliers."""
+    """Compute the residuals anew."""
     problem, x, steps = iterate.problem, iterate.x, iterate.work.steps
     multipliers, violation = iterate.multipliers * iterate.steepness(x), problem.violation(0.0, x)
     try:
@@ -155,7 +152,7 @@ def _result(iterate: Iterate, minimiser: Minimiser, status: Status, detail: str)
     if not status:
         residual = max(stationarity, violation, complementarity)
         detail = f"{detail} After {steps} of at most {minimiser.limit} steps the residual is {residual:.2g}."
-    rows, work = StackedRows(tuple(iterate.blocks), x.size), iterate.work
+    rows, work = StackedRows(iterate.blocks, x.size), iterate.work
     parts_of = (x, rows, iterate.families, multipliers, status, detail, steps, work, problem, minimiser)
     return Minimum(*parts_of, stationarity, violation, complementarity)
 
@@ -190,7 +187,7 @@ class Point(NamedTuple):
 class Iterate:
     """The present and the previous point (N, d), starting at x0, and multipliers (m,), starting at zero; all finite.
 
-    It has the rows near x, and rows that are no longer near but still have a multiplier; all others have zero.
+    It has the rows near x, among them all that have a multiplier; others have zero.
 
     Where distances are taken squared, a row g = sign (|X_i - X_j| - L) is replaced by sign (|X_i - X_j|^2 - L^2), which
     is >= 0 just where g is. The gradient is 2 |X_i - X_j| times as long; the multipliers of g are that many times
@@ -201,23 +198,19 @@ class Iterate:
         self.problem = problem
         self.work = Work(degrees_of_freedom=problem.x0.size)
         self.x = self.previous = problem.x0
-        self.multipliers = np.zeros(0)
         self._squared, self._ahead = minimiser.squared, minimiser.ahead
         self._candidates = Candidates(problem.constraints, self.work)
-        self._selection: Selection | None = None
-        # The near rows of each constraint and, after them, its rows with multipliers from earlier lists.
-        self._rows: list[tuple[RowsOfOneKind, ...]] = [()] * len(problem.constraints)
-        self._update(0.0)
+        self._list(self._candidates.select(0.0, self.x, 0.0), np.zeros(0))
 
-    @property
-    def blocks(self) -> list[RowsOfOneKind]:
-        """All rows, block after block."""
-        return [block for rows in self._rows for block in rows]
+    def _list(self, selection: Selection, multipliers: NDArray[np.float64]) -> None:
+        """Take the rows of a selection, and their multipliers; none: zero."""
+        self._selection, self.blocks = selection, selection.at(0.0).blocks
+        self.multipliers = multipliers if multipliers.size else np.zeros(len(selection))
 
     @property
     def families(self) -> NDArray[np.int64]:
         """For each row the index of its constraint, shape (m,)."""
-        return np.repeat(np.arange(len(self._rows)), [sum(map(len, rows)) for rows in self._rows])
+        return np.repeat(np.arange(len(self.blocks)), [len(block) for block in self.blocks])
 
     def gradient(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """Evaluate grad W = -F(0, x), and count it."""
@@ -242,17 +235,23 @@ class Iterate:
         if not bounded(x):
             raise StepFailure(Status.NON_FINITE, f"A coordinate is not a number, or exceeds {LARGEST:g} in magnitude.")
         self.previous, self.x = self.x, x
-        self._update(longest(x - self.previous))
+        radius = self._ahead * longest(x - self.previous)
+        while (near := self._candidates.select(0.0, x, radius)) is not self._selection:
+            held = self.multipliers > 0
+            multipliers = transfer_multipliers(self._selection, self.multipliers, near)
+            if np.count_nonzero(multipliers) == np.count_nonzero(held):
+                self._list(near, multipliers)
+                break
+            radius = max(2 * radius, float(self.values(x)[0][held].max()))
 
     def values(self, x: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
         """Evaluate g, the values that the iteration works with, and the ratio of their gradients, each (m,)."""
-        gaps, steepness = np.concatenate([np.zeros(0), *(block.values(x) for block in self.blocks)]), self.steepness(x)
-        if not self._squared:
-            return gaps, gaps, steepness
-        sizes = [len(block) for block in self.blocks]
-        each = zip(self.blocks, parts(gaps, sizes), parts(steepness, sizes), strict=True)
-        values = [block.squared_values(own, length) for block, own, length in each]
-        return gaps, np.concatenate([np.zeros(0), *values]), steepness
+        gaps, steepness = [block.values(x) for block in self.blocks], self.steepness(x)
+        values = gaps
+        if self._squared:
+            each = zip(self.blocks, gaps, self._parts(steepness), strict=True)
+            values = [block.squared_values(own, length) for block, own, length in each]
+        return np.concatenate([np.zeros(0), *gaps]), np.concatenate([np.zeros(0), *values]), steepness
 
     def steepness(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """Compute by how much the gradients of the values are longer than the gradients of g, shape (m,)."""
@@ -262,7 +261,7 @@ class Iterate:
 
     def take(self, keep: NDArray[np.bool_]) -> list[RowsOfOneKind]:
         """Select the rows where ``keep`` is true, block after block."""
-        chosen = zip(self.blocks, parts(keep, [len(block) for block in self.blocks]), strict=True)
+        chosen = zip(self.blocks, self._parts(keep), strict=True)
         return [block.take(part) for block, part in chosen if part.any()]
 
     def jacobian(self, blocks: list[RowsOfOneKind], x: NDArray[np.float64]) -> csr_array:
@@ -270,41 +269,6 @@ class Iterate:
         found = [block.squared_jacobian(x) if self._squared else block.jacobian(x) for block in blocks]
         return stacked(found, self.problem.x0.size)
 
-    def _update(self, length: float) -> None:
-        """List every row that is violated at x; the last step moved a particle by at most ``length``."""
-        selection = self._candidates.select(0.0, self.x, self._ahead * length)
-        if selection is self._selection:
-            return
-        self._selection = selection
-        multipliers = parts(self.multipliers, [sum(map(len, rows)) for rows in self._rows])
-        for k, block in enumerate(selection.at(0.0).blocks):
-            self._rows[k], multipliers[k] = carry_over(block, self._rows[k], multipliers[k])
-        self.multipliers = np.concatenate([np.zeros(0), *multipliers])
-
-
-def parts(values: NDArray[Numbers], sizes: Sequence[int]) -> list[NDArray[Numbers]]:
-    """Cut an array into consecutive parts of these sizes."""
-    ends = np.cumsum(sizes)
-    return [values[end - size : end] for end, size in zip(ends, sizes, strict=True)]
-
-
-def carry_over(
-    near: RowsOfOneKind, before: Sequence[RowsOfOneKind], multipliers: NDArray[np.float64]
-) -> tuple[tuple[RowsOfOneKind, ...], NDArray[np.float64]]:
-    """List the rows ``near``, then rows of ``before`` that have a multiplier and are not near; and all multipliers.
-
-    ``multipliers`` (m,) belong to the rows ``before``, block after block.
-    """
-    carried = np.zeros(len(near))
-    names = row_keys(near)
-    rest, rest_multipliers = [], []
-    for block, own in zip(before, parts(multipliers, [len(block) for block in before]), strict=True):
-        held, weights = block.take(own > 0), own[own > 0]
-        _, here, there = np.intersect1d(row_keys(held), names, return_indices=True)
-        carried[there] = weights[here]
-        missing = np.ones(len(weights), dtype=bool)
-        missing[here] = False
-        if missing.any():
-            rest.append(held.take(missing))
-            rest_multipliers.append(weights[missing])
-    return (near, *rest), np.concatenate((carried, *rest_multipliers))
+    def _parts(self, values: NDArray[Any]) -> list[NDArray[Any]]:
+        """Cut an array of all rows into those of the blocks."""
+        return np.split(values, np.cumsum([len(block) for block in self.blocks]))[:-1]

@@ -1,25 +1,42 @@
 """Pairs of discs that are close to each other: all (i, j) with |X_i - X_j| <= r_i + r_j for search radii r.
 
-Three searches give the same lists: all pairs for few discs, one grid for discs of similar radii that fill their
-bounding box, and a hierarchy of hashed grids for everything else.
+Few discs are compared with all others. Many are sorted into one grid of cells of the size of the largest disc. It is
+folded: cell c of an axis is c modulo the number of cells kept for the axis, so that discs may lie anywhere and memory
+is linear in their number. Discs of cells that coincide are compared for nothing.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 
-from dincl.compiled import inner, kernel
+from dincl.compiled import allocating, inner, kernel
 from dincl.compiled.arrays import Axes, Floats, Indices, Offsets, axes_of
 from dincl.errors import StepFailure
 from dincl.neighbours import ALL_PAIRS
-from dincl.neighbours.grid import MOST_PAIRS, TooManyPairs, grid_layout, grid_pairs
-from dincl.neighbours.hierarchy import hierarchy_pairs
-from dincl.rows.formulas import square_distance
 from dincl.status import Status
+
+# The grid spans at most so many axes; distances always use all of them.
+GRID_AXES = 3
+# Cells for each disc at most; at least 4 along each axis, so that a cell and its neighbours are different ones.
+CELLS_PER_DISC, FEWEST_CELLS = 8, 4
+# Cells exceed twice the largest radius by this factor, so that rounding cannot move close discs two cells apart, ...
+CELL_MARGIN = 1.0 + 2.0**-12
+# ... as long as no disc is so many cells from the origin. Beyond, cell sizes are powers of two and nothing is rounded.
+ROUNDED_CELLS = 2.0**38
+# Capacity of a list of pairs at the start, per disc.
+PAIRS_PER_DISC = 4
+# A longer list would take more than a gigabyte: discs lie on top of each other, not side by side.
+MOST_PAIRS = 50_000_000
+
+
+class TooManyPairs(Exception):
+    """More than MOST_PAIRS candidates."""
 
 
 def neighbour_pairs(x: Floats, radius: Floats) -> tuple[Offsets, Indices]:
     """List, for each disc i, all j < i with |X_i - X_j| <= r_i + r_j.
 
-    The cost is linear in n plus the number of pairs, however unequal the radii and however far apart the discs.
+    The cost is linear in n plus the number of pairs for discs of similar radii, however far apart they are.
 
     Parameters
     ----------
@@ -46,33 +63,181 @@ def neighbour_pairs(x: Floats, radius: Floats) -> tuple[Offsets, Indices]:
     """
     if x.shape[0] <= ALL_PAIRS:
         return compared_pairs(x, radius, axes_of(x))
-    shape, low, cell = grid_layout(x, radius)
     try:
-        if shape.size > 0:
-            return grid_pairs(x, radius, shape, low, cell, axes_of(x))
-        return hierarchy_pairs(x, radius, axes_of(x))
+        return grid_pairs(x, radius, axes_of(x))
     except TooManyPairs:
         detail = f"More than {MOST_PAIRS:,} pairs of particles are close to each other."
         raise StepFailure(Status.CROWDED, detail) from None
 
 
+@inner
+def is_close(x: Floats, radius: Floats, i: int, j: int, axes: Axes) -> bool:
+    """Return whether |X_i - X_j| <= r_i + r_j, compared by their squares."""
+    square = 0.0
+    for k in range(len(axes)):
+        difference = x[i, k] - x[j, k]
+        square += difference * difference
+    limit = radius[i] + radius[j]
+    return bool(square <= limit * limit)
+
+
 @kernel
 def compared_pairs(x: Floats, radius: Floats, axes: Axes) -> tuple[Offsets, Indices]:
-    """List the same pairs as :func:`neighbour_pairs` by comparing all n (n - 1) / 2 of them."""
-    n = x.shape[0]
+    """List the same pairs as ``neighbour_pairs`` by comparing all n (n - 1) / 2 of them."""
+    n, count = x.shape[0], 0
     start, partner = np.zeros(n + 1, np.int64), np.empty(n * (n - 1) // 2, np.int32)
-    compare_all(x.ravel(), radius, 0.0, start, partner, axes)
-    return start, partner[: start[n]]
-
-
-@inner
-def compare_all(x: Floats, radius: Floats, skin: float, start: Offsets, partner: Indices, axes: Axes) -> None:
-    """Write the pairs with |X_i - X_j| <= r_i + r_j + 2 skin, x (n d,), into ``start`` and ``partner``."""
-    d, count = len(axes), 0
-    for i in range(radius.size):
+    for i in range(n):
         for j in range(i):
             # Every pair is written and only a close one is counted: this spares a branch that nobody can predict.
             partner[count] = j
-            limit = radius[i] + radius[j] + 2.0 * skin
-            count += square_distance(x, i * d, x, j * d, axes) <= limit * limit
+            count += is_close(x, radius, i, j, axes)
         start[i + 1] = count
+    return start, partner[:count]
+
+
+class Grid(NamedTuple):
+    """Discs in the order of their cells, so that those of one cell lie side by side."""
+
+    bits: Offsets  # (3,): 2^bits cells along each axis; unused axes have one
+    first: Indices  # (cells + 1,): cell c holds the places first[c] ... first[c + 1] - 1
+    cell: Indices  # (n,): the cell of each place, the last axis running fastest
+    disc: Indices  # (n,): the disc at each place, ascending in each cell
+    x: Floats  # (n, d)
+    radius: Floats  # (n,)
+
+
+@allocating
+def sort_into_grid(x: Floats, radius: Floats, axes: Axes) -> Grid:
+    """Sort n >= 1 discs into the cells of a grid."""
+    n, used, largest, farthest = x.shape[0], min(len(axes), GRID_AXES), 0.0, 0.0
+    for i in range(n):
+        largest = max(largest, radius[i])
+        for k in range(used):
+            if abs(x[i, k]) < np.inf:  # false also where it is not a number
+                farthest = max(farthest, abs(x[i, k]))
+    edge = 2.0 * CELL_MARGIN * largest
+    if not farthest < ROUNDED_CELLS * edge:
+        edge = 2.0 ** np.ceil(np.log2(edge))
+    bits, per_length = cells_along(x, edge, axes), 1.0 / edge
+    cell, cells = np.zeros(n, np.int32), 1 << (bits[0] + bits[1] + bits[2])
+    for k in range(used):
+        count = 2.0 ** bits[k]
+        per_count = 1.0 / count
+        for i in range(n):
+            number = np.floor(x[i, k] * per_length)
+            number -= count * np.floor(number * per_count)
+            cell[i] = (cell[i] << bits[k]) + (int(number) if 0.0 <= number < count else 0)
+    # A counting sort.
+    first = np.zeros(cells + 2, np.int32)
+    for i in range(n):
+        first[cell[i] + 2] += 1
+    for c in range(2, cells + 2):
+        first[c] += first[c - 1]
+    grid = Grid(bits, first[: cells + 1], np.empty_like(cell), np.empty_like(cell), np.empty_like(x), np.empty(n))
+    for i in range(n):
+        place = first[cell[i] + 1]
+        first[cell[i] + 1] = place + 1
+        grid.disc[place], grid.cell[place], grid.radius[place] = i, cell[i], radius[i]
+        for k in range(len(axes)):
+            grid.x[place, k] = x[i, k]
+    return grid
+
+
+@allocating
+def cells_along(x: Floats, edge: float, axes: Axes) -> Offsets:
+    """Choose the number of cells along each axis, 2^bits: those of the bounding box, or as many as have room."""
+    bits, extent, total = np.zeros(GRID_AXES, np.int64), np.zeros(GRID_AXES), 0
+    for k in range(min(len(axes), GRID_AXES)):
+        lowest, highest = np.inf, -np.inf
+        for i in range(x.shape[0]):
+            lowest, highest = min(lowest, x[i, k]), max(highest, x[i, k])
+        extent[k] = highest - lowest
+        while 2.0 ** bits[k] < FEWEST_CELLS or (bits[k] < 30 and 2.0 ** bits[k] * edge < extent[k] + 2.0 * edge):
+            bits[k] += 1
+        total += bits[k]
+    while 2.0**total > CELLS_PER_DISC * x.shape[0] and bits.max() > 2:
+        bits[bits.argmax()] -= 1
+        total -= 1
+    return bits
+
+
+@kernel
+def grid_pairs(x: Floats, radius: Floats, axes: Axes) -> tuple[Offsets, Indices]:
+    """Find close pairs of n >= 1 discs in the grid; result as of ``neighbour_pairs``."""
+    n, used = x.shape[0], min(len(axes), GRID_AXES)
+    grid = sort_into_grid(x, radius, axes)
+    first, disc, bits, lines = grid.first, grid.disc, grid.bits, lines_ahead(axes)
+    count, pairs, last = 0, np.empty((PAIRS_PER_DISC * n, 2), np.int32), (1 << grid.bits[used - 1]) - 1
+    for p in range(n):
+        here = np.int64(grid.cell[p])
+        number = here & last
+        for s in range(lines.shape[0]):
+            line, shift = np.int64(0), bits[used - 1]
+            for k in range(used - 2, -1, -1):
+                line += (((here >> shift) + lines[s, k]) & ((1 << bits[k]) - 1)) << shift
+                shift += bits[k]
+            # Three cells of a line, of which one may be at its other end; in its own line a disc follows the others.
+            begin, end = p + 1 if s == 0 else first[line + max(number - 1, 0)], first[line + min(number + 1, last) + 1]
+            beyond = 0 if number == last else last
+            more = number == last or (number == 0 and s > 0)
+            for part in range(2 if more else 1):
+                if part > 0:
+                    begin, end = first[line + beyond], first[line + beyond + 1]
+                if count + (end - begin) > pairs.shape[0]:
+                    pairs = grown(pairs, count, end - begin)
+                for q in range(begin, end):
+                    # Every candidate is written and only a close one is counted, as above.
+                    pairs[count, 0], pairs[count, 1] = disc[p], disc[q]
+                    count += is_close(grid.x, grid.radius, p, q, axes)
+    return rows_of_pairs(pairs[:count], n)
+
+
+@allocating
+def lines_ahead(axes: Axes) -> Offsets:
+    """Return the steps from a line of cells along the last axis to itself, first, and to half of the lines around."""
+    others = min(len(axes), GRID_AXES) - 1
+    steps = np.zeros((3**others // 2 + 1, max(others, 1)), np.int64)
+    for s in range(steps.shape[0]):
+        digits = 3**others // 2 + s
+        for k in range(others - 1, -1, -1):
+            steps[s, k] = digits % 3 - 1
+            digits //= 3
+    return steps
+
+
+@allocating
+def grown(pairs: Indices, count: int, more: int) -> Indices:
+    """Copy pairs[:count] into a list with twice the capacity for `more` others; TooManyPairs if that is too long."""
+    if count + more > MOST_PAIRS:
+        raise TooManyPairs
+    copied = np.empty((2 * (count + more), 2), np.int32)
+    copied[:count] = pairs[:count]
+    return copied
+
+
+@allocating
+def _group(key: Indices, value: Indices, rows: int) -> tuple[Offsets, Indices]:
+    """Collect the values of equal key, each in 0 .. rows - 1, into rows, keeping their order: a counting sort."""
+    place = np.zeros(rows + 2, np.int64)
+    for p in range(key.size):
+        place[key[p] + 2] += 1
+    for i in range(2, rows + 2):
+        place[i] += place[i - 1]
+    entry = np.empty(key.size, np.int32)
+    for p in range(key.size):
+        entry[place[key[p] + 1]] = value[p]
+        place[key[p] + 1] += 1
+    return place[: rows + 1], entry
+
+
+@allocating
+def rows_of_pairs(pairs: Indices, n: int) -> tuple[Offsets, Indices]:
+    """Sort pairs (m, 2) of n discs, in linear time, into rows of the larger number: offsets, ascending partners."""
+    smaller, larger = np.empty(len(pairs), np.int32), np.empty(len(pairs), np.int32)
+    for p in range(len(pairs)):
+        smaller[p], larger[p] = min(pairs[p, 0], pairs[p, 1]), max(pairs[p, 0], pairs[p, 1])
+    start, larger = _group(smaller, larger, n)
+    for j in range(n):
+        for p in range(start[j], start[j + 1]):
+            smaller[p] = j
+    return _group(larger, smaller, n)

@@ -1,23 +1,27 @@
-"""The nearest point of S(t), with only the rows that matter, and the catch-up schemes with a projection in Python."""
+"""The nearest point of S(t), with only the rows that matter; catch-up with a projection in Python; the user's verb."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dincl.checks import array, describe, number
 from dincl.constraints.selection import Candidates, Selection, transfer_multipliers
-from dincl.errors import StepFailure
+from dincl.errors import InvalidProblem, ProjectionFailed, StepFailure
 from dincl.norms import longest
+from dincl.problem import Problem, constraints_around
+from dincl.projection.certificate import check_projection
 from dincl.status import Status
 from dincl.steps.grid import Stepper, StepState
+from dincl.work import Work
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
-    from dincl.problem import Problem
+    from dincl.constraints.base import Constraint
     from dincl.projection.certificate import Projected, Projection, Solver
-    from dincl.work import Work
 
 # A projection that ends outside of the search radius is repeated with twice its distance, at most this often.
 MOST_SEARCHES = 60
@@ -91,3 +95,64 @@ class CatchUpStepper(Stepper):
         solver.tol = self._tol
         rate = self.velocity(t + 0.5 * h, middle)
         return StepState(near.nearest(t + 0.5 * h, x + h * rate, middle, 2 * length, carried_to=t + h).point)
+
+
+def project(
+    problem: Problem | Sequence[Constraint],
+    y: ArrayLike,
+    projection: Projection,
+    t: float = 0.0,
+    linearised_at: ArrayLike | None = None,
+) -> Projected:
+    """P_{S(t)}(y) = argmin over x in S(t) of |x - y|, or the same for S~(x) = {z : g(x) + dg/dx (z - x) >= 0}.
+
+    Parameters
+    ----------
+    problem
+        Whose constraints are meant; or a list of constraints alone, for which no feasible start is needed.
+    y
+        Point to project, shape (N, d) [length].
+    projection
+        How, e.g. ``Ipopt(tol=1e-11)``. S is curved in general: back ends return a local solution, found from y. Its
+        tolerance holds for ``Projected.residual``: the violation is in units of g.
+    t
+        Time at which moving sets are taken [time].
+    linearised_at
+        The x of S~(x), shape (N, d); None for S itself  (section 1.1.2 of chapter 2).
+
+    Raises
+    ------
+    InvalidProblem
+        For wrong shapes or numbers.
+    ProjectionFailed
+        When no point is found to the tolerance; ``status`` says why. INFEASIBLE is proved, by multipliers mu >= 0 of
+        sum 1 with A^T mu = 0 and mu . (b - A y) > 0 for the rows A x >= b, to 1e-14 and in a region of a million sizes
+        of the problem. In a wedge of constraints that rounding or the tolerance keep from being resolved it is
+        NOT_CONVERGED, and names the opening.
+    """
+    check_projection(projection)
+    if isinstance(problem, Problem):
+        target = _positions("y", y, problem)
+    else:
+        target = array("y", y)
+        if target.ndim != 2 or 0 in target.shape:
+            raise InvalidProblem(f"y of shape {target.shape}: must have shape (N, d) with N, d >= 1")
+        if not isinstance(problem, Sequence):
+            raise InvalidProblem(f"problem = {describe(problem)}: must be a dincl.Problem, or a list of constraints")
+        problem = constraints_around(target, problem)
+    time = number("t", t)
+    around = target if linearised_at is None else _positions("linearised_at", linearised_at, problem)
+    try:
+        with np.errstate(all="ignore"):  # what overflows is found in the certificate
+            feasible = FeasibleSet(problem, projection.solver(), Work(), linearised=linearised_at is not None)
+            reach = 2 * (longest(target - around) + problem.violation(time, target))
+            return feasible.nearest(time, target, around, reach)
+    except StepFailure as failure:
+        raise ProjectionFailed(failure.status, failure.detail) from failure
+
+
+def _positions(name: str, value: ArrayLike, problem: Problem) -> NDArray[np.float64]:
+    checked = array(name, value)
+    if checked.shape != problem.x0.shape:
+        raise InvalidProblem(f"{name} of shape {checked.shape}: must have the shape of x0, {problem.x0.shape}")
+    return checked

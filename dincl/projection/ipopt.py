@@ -4,23 +4,26 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache, partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from dincl.errors import StepFailure
 from dincl.extras import needs
+from dincl.matrices import divided
 from dincl.projection.certificate import Projected, Projection, Solver
 from dincl.projection.quadratic import remembered
-from dincl.rows.affine import linearised
+from dincl.rows.affine import AffineRows, linearised
+from dincl.rows.distance import DistanceRows
 from dincl.status import Status
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable, Sequence
 
     from numpy.typing import NDArray
+    from scipy.sparse import csr_array
 
-    from dincl.rows.base import Polynomial, Rows, RowsOfOneKind
+    from dincl.rows.base import Rows, RowsOfOneKind
 
 MOST_ITERATIONS = 500
 # Lengths are in units of the largest violation, so that the tolerances are relative to the move.
@@ -90,7 +93,7 @@ class _IpoptSolver(Solver):
         blocks = rows.by_kind()
         scale = float(-rows.values(y).min())
         make = partial(_Program, self._casadi, blocks, y.shape)
-        program = remembered(self._programs, rows.structure, make, MOST_PROGRAMS)
+        program = remembered(self._programs, tuple(map(_structure, blocks)), make, MOST_PROGRAMS)
         x, lam, work, word = program.solve(blocks, y, guess, scale)
         if word not in FOUND:
             raise StepFailure(Status.NOT_CONVERGED, f"ipopt stopped: {word}.")
@@ -105,7 +108,7 @@ class _Program:
     """
 
     def __init__(self, casadi: Any, blocks: Sequence[RowsOfOneKind], shape: tuple[int, ...]) -> None:
-        polynomials = [block.polynomial(np.zeros(shape), 1.0) for block in blocks]
+        polynomials = [_polynomial(block, np.zeros(shape), 1.0) for block in blocks]
         self._functions = {k: _UserRows(len(block), shape) for k, block in enumerate(blocks) if polynomials[k] is None}
         kind: Any = casadi.MX if self._functions else casadi.SX
         w = kind.sym("w", shape[0] * shape[1])
@@ -131,7 +134,7 @@ class _Program:
         """
         parameters = [np.zeros(0)]
         for k, block in enumerate(blocks):
-            polynomial = block.polynomial(y, scale)
+            polynomial = _polynomial(block, y, scale)
             if polynomial is None:
                 self._functions[k].place(block, y, scale)
             else:
@@ -143,15 +146,54 @@ class _Program:
             if function.failure is not None:
                 raise function.failure
         x = y + scale * np.array(found["x"]).reshape(y.shape)
-        steep = np.concatenate([block.steepness(x) for block in blocks])
+        steep = np.concatenate([_steepness(block, x) for block in blocks])
         # CasADi gives multipliers <= 0 to lower bounds.
         multipliers = np.maximum(-scale * np.array(found["lam_g"]).ravel() * steep, 0.0)
         stats = self._solver.stats()
         return x, multipliers, int(stats["iter_count"]), str(stats["return_status"])
 
 
+class _Polynomial(NamedTuple):
+    """Rows as quadratic polynomials c + m . w + q |w_i - w_j|^2 of w, x = y + s w, which are >= 0 where g is.
+
+    Unlike g they are smooth where centres coincide. ``constant`` c and ``weight`` q have shape (m,), ``linear`` m rows;
+    ``i`` and ``j`` (m,) are the particles of the square. Without ``j`` it is |w_i|^2, without ``i`` there is none.
+    """
+
+    constant: NDArray[np.float64]
+    linear: csr_array
+    weight: NDArray[np.float64]
+    i: NDArray[np.int64] | None = None
+    j: NDArray[np.int64] | None = None
+
+
+def _polynomial(rows: RowsOfOneKind, y: NDArray[np.float64], scale: float) -> _Polynomial | None:
+    """Return g / s of affine rows, and sign (|X_i - X_j|^2 - L^2) / (2 L s); None if g itself is to be called."""
+    if isinstance(rows, DistanceRows):
+        twice, values = 2.0 * rows.length, rows.squared_values(rows.values(y), rows.squared_steepness(y))
+        linear = divided(rows.squared_jacobian(y), twice)
+        return _Polynomial(values / (twice * scale), linear, rows.sign * scale / twice, rows.i, rows.j)
+    if isinstance(rows, AffineRows):
+        return _Polynomial(rows.values(y) / scale, rows.matrix, np.zeros(len(rows)))
+    return None
+
+
+def _steepness(rows: RowsOfOneKind, x: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Compute the length of the gradient of the polynomial over that of g / s at x, shape (m,)."""
+    return rows.squared_steepness(x) / (2.0 * rows.length) if isinstance(rows, DistanceRows) else np.ones(len(rows))
+
+
+def _structure(rows: RowsOfOneKind) -> tuple[Any, ...]:
+    """Return a key that is equal for rows whose programs differ in numbers only."""
+    if isinstance(rows, DistanceRows):
+        return rows.sign, rows.i.tobytes(), None if rows.j is None else rows.j.tobytes()
+    if isinstance(rows, AffineRows):
+        return rows.matrix.indptr.tobytes(), rows.matrix.indices.tobytes()
+    return type(rows), len(rows)
+
+
 def _expression(
-    casadi: Any, kind: Any, polynomial: Polynomial, w: Any, shape: tuple[int, ...]
+    casadi: Any, kind: Any, polynomial: _Polynomial, w: Any, shape: tuple[int, ...]
 ) -> tuple[Any, list[Any]]:
     """Expressions of the rows of one block in w, and the symbols of their numbers: constants, linear part, weights."""
     linear, entries = polynomial.linear, len(polynomial.linear.data)

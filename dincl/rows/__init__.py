@@ -8,18 +8,16 @@ Jacobians have N*d columns, particle by particle. Multipliers belong to g as wri
 """
 
 from dincl.rows.affine import AffineRows, HeightRows, linearised
-from dincl.rows.base import CustomSweep, DiscPairs, Polynomial, Rows, RowsOfOneKind, StackedRows
+from dincl.rows.base import DiscPairs, Rows, RowsOfOneKind, StackedRows
 from dincl.rows.distance import DistanceRows
 from dincl.rows.functions import FormulaRows, SmoothRows
 
 __all__ = [
     "AffineRows",
-    "CustomSweep",
     "DiscPairs",
     "DistanceRows",
     "FormulaRows",
     "HeightRows",
-    "Polynomial",
     "Rows",
     "RowsOfOneKind",
     "SmoothRows",

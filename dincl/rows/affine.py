@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from dincl.matrices import applied, from_equal_rows, row_squares
-from dincl.rows.base import Polynomial, RowsOfOneKind, TableRows, coordinates
+from dincl.rows.base import RowsOfOneKind, TableRows, coordinates
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -50,10 +50,6 @@ class AffineRows(RowsOfOneKind):
         entries = self.matrix.indices[self.matrix.indptr[k] : self.matrix.indptr[k + 1]]
         return "particle " + " and ".join(str(i) for i in np.unique(entries // d))
 
-    @property
-    def structure(self) -> tuple[Any, ...]:
-        return ("affine", self.matrix.indptr.tobytes(), self.matrix.indices.tobytes())
-
     def tabulated(self, d: int) -> TableRows:
         from dincl.rows.table import AFFINE
 
@@ -68,10 +64,6 @@ class AffineRows(RowsOfOneKind):
         lipschitz = np.bincount(parts // count, lengths, minlength=m)
         numbers = {"kind": AFFINE, "j": -1, "length": self.bound, "square": square, "lipschitz": lipschitz}
         return TableRows(numbers, np.diff(matrix.indptr), matrix.indices.astype(np.int64), matrix.data)
-
-    def polynomial(self, y: NDArray[np.float64], scale: float) -> Polynomial:
-        """Return (a . x - bound) / s."""
-        return Polynomial(self.values(y) / scale, self.matrix, np.zeros(len(self.bound)))
 
 
 class HeightRows(AffineRows):

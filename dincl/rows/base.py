@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
     from dincl.errors import StepFailure
-    from dincl.work import Work
 
 
 class TableRows(NamedTuple):
@@ -32,21 +31,6 @@ class TableRows(NamedTuple):
     formula: int = 0
 
 
-class Polynomial(NamedTuple):
-    r"""Rows as quadratic polynomials c + m . w + q |w_i - w_j|^2 of w, x = y + s w, for nonlinear programs.
-
-    They are >= 0 where g is, and unlike g they are smooth where centres coincide. ``constant`` c and ``weight`` q have
-    shape (m,), ``linear`` m rows; ``i`` and ``j`` (m,) are the particles of the square. Without ``j`` it is |w_i|^2,
-    without ``i`` there is none.
-    """
-
-    constant: NDArray[np.float64]
-    linear: csr_array
-    weight: NDArray[np.float64]
-    i: NDArray[np.int64] | None = None
-    j: NDArray[np.int64] | None = None
-
-
 class Rows(ABC):
     """Scalar constraints g_k(x) >= 0, k = 1 ... m, on positions x of shape (N, d)."""
 
@@ -61,11 +45,6 @@ class Rows(ABC):
     @abstractmethod
     def by_kind(self) -> tuple[RowsOfOneKind, ...]:
         """Return the same rows in blocks of one kind."""
-
-    @property
-    @abstractmethod
-    def structure(self) -> tuple[Any, ...]:
-        """A key that is equal for two Rows whose nonlinear programs differ in numbers only."""
 
 
 class RowsOfOneKind(Rows):
@@ -108,28 +87,12 @@ class RowsOfOneKind(Rows):
     def by_kind(self) -> tuple[RowsOfOneKind, ...]:
         return (self,)
 
-    @property
-    def structure(self) -> tuple[Any, ...]:
-        return (type(self).__name__, len(self))
-
     def tabulated(self, d: int) -> TableRows | None:
         """Return the rows for compiled code, for particles in dimension d; None if compiled code is to call Python."""
         return None
 
-    def polynomial(self, y: NDArray[np.float64], scale: float) -> Polynomial | None:
-        """Return polynomials of w, x = y + scale w; None if a nonlinear program is to call g itself.
-
-        A kind that has polynomials includes in ``structure`` the particles of each row: a program is compiled once for
-        each structure.
-        """
-        return None
-
-    def steepness(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Compute the length of the gradient of ``polynomial`` over that of g at x, shape (m,)."""
-        return np.ones(len(self))
-
     def squared_steepness(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Compute the same ratio for the rows h >= 0 without roots that minimisers may use: 2 |X_i - X_j|."""
+        """Compute |grad h| / |grad g| at x, (m,), for h >= 0 where g >= 0 but without roots: 2 |X_i - X_j|."""
         return np.ones(len(self))
 
     def squared_values(self, values: NDArray[np.float64], steepness: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -156,10 +119,6 @@ class StackedRows(Rows):
 
     def jacobian(self, x: NDArray[np.float64]) -> csr_array:
         return stacked([block.jacobian(x) for block in self.blocks], self.size)
-
-    @property
-    def structure(self) -> tuple[Any, ...]:
-        return tuple(block.structure for block in self.blocks)
 
 
 @dataclass(frozen=True, eq=False)
@@ -215,18 +174,6 @@ class DiscPairs(NamedTuple):
 
     radius: NDArray[np.float64]
     among: NDArray[np.int64] | None
-
-
-class CustomSweep(ABC):
-    """Projections of your own onto the rows of one constraint, in place of those that PBD makes row by row."""
-
-    @abstractmethod
-    def sweep(self, t: float, x: NDArray[np.float64], work: Work) -> None:
-        """Project x (N, d) onto one row after another, in place: P_{S_m} ... P_{S_1}  (2.5), (2.9).
-
-        Add the number of projections to ``work.constraint_projections``. If the constraint is Moving, x is relative to
-        its displacement. Raise StepFailure where a projection is not defined.
-        """
 
 
 def coordinates(particles: NDArray[np.int64], d: int) -> NDArray[np.int64]:

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dincl.compiled import inner
-from dincl.compiled.arrays import Floats, Offsets
+from dincl.compiled.arrays import Floats, Offsets, Table
 from dincl.rows.table import CALLBACK, DISTANCE, FORMULA, RowTable, Sets, compare_sets, value_of
 
 
@@ -19,7 +19,7 @@ class CandidateRows(NamedTuple):
     key: Floats
     number: Offsets
     reference: Floats  # (n,): the point of the search
-    shift: Floats  # (families, d): the displacements of the sets in the search
+    shift: Table  # (families, d): the displacements of the sets in the search
     time: Floats  # (1,): the time of the search
     radius: Floats  # (1,): the search radius
     chosen: Offsets  # (m,)

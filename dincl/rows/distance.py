@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from dincl.errors import StepFailure
 from dincl.matrices import from_equal_rows
 from dincl.norms import norms
-from dincl.rows.base import Polynomial, RowsOfOneKind, TableRows, coordinates
+from dincl.rows.base import RowsOfOneKind, TableRows, coordinates
 from dincl.status import Status
 
 if TYPE_CHECKING:
@@ -80,10 +80,6 @@ class DistanceRows(RowsOfOneKind):
     def label(self, k: int, d: int) -> str:
         return f"particle {self.i[k]}" + ("" if self.j is None else f" and {self.j[k]}")
 
-    @property
-    def structure(self) -> tuple[Any, ...]:
-        return ("distance", self.sign, self.i.tobytes(), None if self.j is None else self.j.tobytes())
-
     def tabulated(self, d: int) -> TableRows:
         from dincl.rows.table import DISTANCE
 
@@ -99,17 +95,6 @@ class DistanceRows(RowsOfOneKind):
             "lipschitz": ends,
         }
         return TableRows(numbers, np.full(len(self), ends * d), self._columns(d).ravel(), coefficient.ravel())
-
-    def polynomial(self, y: NDArray[np.float64], scale: float) -> Polynomial:
-        """Return sign (|X_i - X_j|^2 - L^2) / (2 L s), whose gradient at contact is that of g / s."""
-        arrows = self.arrows(y)
-        distance = norms(arrows)
-        constant = self.sign * (distance - self.length) * (distance + self.length) / (2 * self.length * scale)
-        linear = self._matrix(self.sign * arrows / self.length[:, None], y.size)
-        return Polynomial(constant, linear, self.sign * scale / (2 * self.length), self.i, self.j)
-
-    def steepness(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        return norms(self.arrows(x)) / self.length
 
     def squared_steepness(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         return 2 * norms(self.arrows(x))

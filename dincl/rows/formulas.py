@@ -1,14 +1,11 @@
-"""Formulas of rows in compiled code: distances, sign (|X_i - X_j| - length) >= 0, and formulas of users.
+"""Formulas of rows in compiled code: distances, and formulas of users.
 
 Coordinates lie flat, particle by particle: ``i`` is the first coordinate of X_i in ``x``, ``j`` that of the other end
-in ``other``, which is ``x`` again or an array of fixed points. ``axes`` has the length d; as a tuple its length is
-known to the compiler, which unrolls the loops.
+in ``other``. ``axes`` has the length d; as a tuple its length is known to the compiler, which unrolls the loops.
 """
 
 from collections.abc import Callable
 from typing import Any
-
-import numpy as np
 
 from dincl.compiled import c_function, inner, kernel
 from dincl.compiled.arrays import Floats
@@ -24,31 +21,6 @@ def square_distance(x: Floats, i: int, other: Floats, j: int, axes: Any) -> floa
         arrow = x[i + k] - other[j + k]
         square += arrow * arrow
     return square
-
-
-@inner
-def project(x: Floats, i: int, other: Floats, j: int, fixed: bool, length: float, sign: float, axes: Any) -> int:
-    """Move x to the nearest point of one row; return 1 if it moved, 0 if g >= 0, -1 if g has no gradient.
-
-    With e = (X_i - X_j) / |X_i - X_j| and violation v > 0:  X_i += sign v/2 e,  X_j -= sign v/2 e; or X_i += sign v e
-    where the other end is ``fixed``.
-    """
-    square = square_distance(x, i, other, j, axes)
-    if sign * (square - length * length) >= 0.0:
-        return 0
-    # The division does not wait for the root.
-    inverse = 0.5 * length / square
-    if inverse == np.inf:
-        return -1
-    share = np.sqrt(square) * inverse - 0.5
-    if fixed:
-        share *= 2.0
-    for k in range(len(axes)):
-        move = share * (x[i + k] - other[j + k])
-        x[i + k] += move
-        if not fixed:
-            other[j + k] -= move
-    return 1
 
 
 def row_formula(function: Callable[..., int]) -> Any:

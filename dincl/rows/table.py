@@ -1,23 +1,22 @@
 """Rows in one table for compiled code: values and gradients at a point."""
 
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dincl.compiled import call, inner
-from dincl.compiled.arrays import Floats, Offsets
+from dincl.compiled.arrays import Floats, Offsets, Table, empty
 from dincl.compiled.calls import SETS
 from dincl.compiled.structs import reader
 from dincl.drifts.functions import call_drift
 from dincl.rows.formulas import square_distance
-from dincl.rows.timed_sets import no_timed_sets, place_sets, write_changes, write_rates
+from dincl.rows.timed_sets import TimedSets, place_sets, write_changes, write_rates
 
 # Kinds of rows: distances, affine rows, rows that Python evaluates, rows of a compiled formula.
 DISTANCE, AFFINE, CALLBACK, FORMULA = range(4)
-# Requests to Python: displacements of the sets; also values and gradients of its rows; also velocities of the sets. Or
-# the projection of x onto the rows of one set, in place.
-DISPLACEMENTS, GRADIENTS, VELOCITIES, SWEEP = range(1, 5)
+# Requests to Python: displacements of the sets; also values and gradients of its rows; also velocities of the sets.
+DISPLACEMENTS, GRADIENTS, VELOCITIES = range(1, 4)
 
 call_sets = call(SETS)
 
@@ -33,7 +32,7 @@ ROW = np.dtype(
         ("lipschitz", np.float64),  # how fast g changes at most while no particle moves faster than 1
     ]
 )
-timed_sets_at = reader(no_timed_sets(np.zeros(0, dtype=ROW)))
+timed_sets_at = reader(empty(TimedSets)._replace(row=np.zeros(0, dtype=ROW)))
 
 
 class RowTable(NamedTuple):
@@ -44,7 +43,7 @@ class RowTable(NamedTuple):
     from the entry ``tail[0]`` on.
     """
 
-    row: NDArray[np.void]
+    row: Annotated[NDArray[np.void], ROW]
     start: Offsets
     stop: Offsets
     column: Offsets
@@ -93,8 +92,8 @@ class Sets(NamedTuple):
 
     address: int
     failed: Offsets  # (1,)
-    shift: Floats  # (families, d): the displacement of each set
-    speed: Floats  # (families, d): its velocity
+    shift: Table  # (families, d): the displacement of each set
+    speed: Table  # (families, d): its velocity
     general: Offsets  # (families,): 1 for general sets
     since: Floats  # (1,): the time with which they are compared
     change: Floats  # (families,): how much they have changed since, see ``Constraint.change``
@@ -107,14 +106,14 @@ class Sets(NamedTuple):
 
 
 @inner
-def call_python(sets: Sets, t: float, x: Floats, request: int, family: int = 0) -> int:
+def call_python(sets: Sets, t: float, x: Floats, request: int) -> int:
     """Write what is requested, or have Python write it; return 0 if no call of Python has failed so far.
 
-    SWEEP is for one ``family``. After a failure a step may go on with old numbers: at its end it is rejected.
+    After a failure a step may go on with old numbers: at its end it is rejected.
     """
     if sets.address == 0:
         return 0
-    if sets.tables[0] != 0 and request != SWEEP:
+    if sets.tables[0] != 0:
         timed = timed_sets_at(sets.tables[0])
         place_sets(timed, sets.shift, sets.speed, t)
         if request == VELOCITIES:
@@ -124,7 +123,7 @@ def call_python(sets: Sets, t: float, x: Floats, request: int, family: int = 0) 
         if sets.tables[1] == 0:
             return int(sets.failed[0])
     if sets.failed[0] == 0:
-        sets.failed[0] = max(sets.failed[0], call_sets(sets.address, t, x, request, family))
+        sets.failed[0] = max(sets.failed[0], call_sets(sets.address, t, x, request))
     return int(sets.failed[0])
 
 

@@ -3,7 +3,7 @@
 ``dincl.system.time_tables`` makes them before a run.
 """
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,7 +52,7 @@ class TimedSets(NamedTuple):
     A function has ``TERMS`` coefficients in each panel [start, stop] of its set.
     """
 
-    sets: NDArray[np.void]
+    sets: Annotated[NDArray[np.void], TIMED_SET]
     start: Floats
     stop: Floats
     terms: Offsets  # of each panel: the terms that are not zero
@@ -61,7 +61,7 @@ class TimedSets(NamedTuple):
     slope: Floats
     reference: Floats  # of each function, at the time with which changes are compared; and its derivative
     unused: Floats
-    number: NDArray[np.void]
+    number: Annotated[NDArray[np.void], NUMBER]
     weight: Floats
     polynomial: Floats  # (TERMS,): Chebyshev polynomials, and their derivatives
     derivative: Floats
@@ -210,28 +210,3 @@ def along(timed: TimedSets, r: int, place: int, x: Floats, d: int) -> float:
         square += arrow * arrow
     arrow = x[row.i * d + place - first] - timed.coefficient[place]
     return float(row.sign * arrow / np.sqrt(square)) if square > 0.0 else 0.0
-
-
-def no_timed_sets(row: NDArray[np.void]) -> TimedSets:
-    """Make the struct without sets; ``row`` is the table of rows."""
-    nothing, whole = np.zeros(0), np.zeros(0, dtype=np.int64)
-    return TimedSets(
-        sets=np.zeros(0, dtype=TIMED_SET),
-        start=nothing,
-        stop=nothing,
-        terms=whole,
-        series=nothing,
-        value=nothing,
-        slope=nothing,
-        reference=nothing,
-        unused=nothing,
-        number=np.zeros(0, dtype=NUMBER),
-        weight=nothing,
-        polynomial=nothing,
-        derivative=nothing,
-        row=row,
-        first=whole,
-        coefficient=nothing,
-        radius=nothing,
-        compares=0,
-    )

@@ -5,9 +5,8 @@ from dincl.schemes.auto import Auto
 from dincl.schemes.base import FixedStep, Scheme
 from dincl.schemes.catch_up import CatchUp, LinearisedCatchUp, MidpointCatchUp
 from dincl.schemes.event_driven import EventDriven
-from dincl.schemes.pbd import PBD, SecondOrderPBD
+from dincl.schemes.pbd import PBD, XPBD, SecondOrderPBD
 from dincl.schemes.penalty import Penalty
-from dincl.schemes.xpbd import XPBD
 
 __all__ = [
     "PBD",

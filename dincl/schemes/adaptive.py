@@ -153,7 +153,7 @@ class AdaptiveRuns:
         arrays, x0 = self._stepper.system.arrays, self.problem.x0
         arrays.program.multiplier[:], self._memory.value.number[:] = 0.0, -1
         arrays.near.radius[0] = -1.0  # no list is long enough: the first step searches
-        self._stepper.work = self._stepper.system.sets.work = Work(degrees_of_freedom=x0.size)
+        self._stepper.work = Work(degrees_of_freedom=x0.size)
         self.end = parts[-1].until if parts else 0.0
         self.reached = Reached(0.0, x0, x0, 0.0, FIRST * parts[0].longest_step if parts else 0.0)
         return self.reached

@@ -1,4 +1,4 @@
-"""Position based dynamics: of first order, and in its original, second-order form."""
+"""Position based dynamics: of first order, in its original second-order form, and extended by multipliers (XPBD)."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dincl.checks import array, integer
+from dincl.checks import array, integer, number
 from dincl.errors import InvalidProblem
 from dincl.schemes.base import FixedStep
 
@@ -43,7 +43,7 @@ class PBD(FixedStep):
         object.__setattr__(self, "sweeps", integer("sweeps", self.sweeps, least=1, most=MOST_SWEEPS))
 
     def stepper(self, problem: Problem) -> Stepper:
-        return _sweeping(problem, self.sweeps)
+        return _sweeping(problem, "run_pbd", self.sweeps)
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,13 +77,56 @@ class SecondOrderPBD(FixedStep):
         v0 = np.zeros_like(problem.x0) if self.v0 is None else np.asarray(self.v0)
         if v0.shape != problem.x0.shape:
             raise InvalidProblem(f"v0 of shape {v0.shape}: must have the shape of x0, {problem.x0.shape}")
-        return _sweeping(problem, self.sweeps, v0)
+        return _sweeping(problem, "run_pbd", self.sweeps, v0=v0)
 
 
-def _sweeping(problem: Problem, sweeps: int, v0: NDArray[np.float64] | None = None) -> Stepper:
-    """The compiled step, bound to a problem; of second order if there is a velocity at the start."""
+@dataclass(frozen=True)
+class XPBD(FixedStep):
+    """x_{k+1} = x_k + dt F(t_k, x_k) + sum_j mu_j grad g_j, with a multiplier mu_j >= 0 for each row.
+
+    Gauss-Seidel sweeps start with x = x_k + dt F(t_k, x_k), visit the rows near x one after another and change
+
+        mu_j by max(-mu_j, -(g_j(x) + (c/dt) mu_j) / (|grad g_j(x)|^2 + c/dt)),  x by this times grad g_j(x).
+
+    All mu_j are 0 at the start of a step. For distances and half-spaces one sweep with compliance c = 0 is a step of
+    PBD (Method 2.3). With c = 0 many sweeps converge to a nearest point of S(t_{k+1}), where S is convex to the nearest
+    one, while the sweeps of PBD stop at some point of S. With c > 0 they converge to a step of the implicit Euler
+    method for x' = F + (1/c) sum_j max(0, -g_j) grad g_j, the ``Penalty`` of strength 1/c and exponent 2, which is
+    stable for all dt.
+
+    Parameters
+    ----------
+    dt
+        Step [time].
+    sweeps
+        Number of sweeps in a step.
+    compliance
+        c [time]; 0 for hard constraints.
+
+    Source: Macklin, Mueller and Chentanez, "XPBD: position-based simulation of compliant constrained dynamics" (2016),
+    equation (18), for velocity proportional to force instead of Newton's equation.
+    """
+
+    sweeps: int = 1
+    compliance: float = 0.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        object.__setattr__(self, "sweeps", integer("sweeps", self.sweeps, least=1, most=MOST_SWEEPS))
+        object.__setattr__(self, "compliance", number("compliance", self.compliance, non_negative=True))
+
+    def stepper(self, problem: Problem) -> Stepper:
+        return _sweeping(problem, "run_xpbd", self.sweeps, compliance=self.compliance)
+
+
+def _sweeping(
+    problem: Problem, run: str, sweeps: int, compliance: float = 0.0, v0: NDArray[np.float64] | None = None
+) -> Stepper:
+    """Bind the kernel of this name to a problem; of second order if there is a velocity at the start."""
+    from dincl.steps import sweeping
     from dincl.steps.loop import Settings
     from dincl.steps.stepper import CompiledStepper
-    from dincl.steps.sweeping import run_pbd
 
-    return CompiledStepper.sweeping(problem, run_pbd, Settings(sweeps=sweeps), v0=v0)
+    settings = Settings(sweeps=sweeps, compliance=compliance)
+    kernel, multipliers = getattr(sweeping, run), run == "run_xpbd"
+    return CompiledStepper.sweeping(problem, kernel, settings, multipliers=multipliers, v0=v0)

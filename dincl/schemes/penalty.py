@@ -50,4 +50,4 @@ class Penalty(FixedStep):
         from dincl.steps.sweeping import run_penalty
 
         settings = Settings(strength=self.strength, exponent=int(self.exponent))
-        return CompiledStepper.sweeping(problem, run_penalty, settings, projected=False)
+        return CompiledStepper.sweeping(problem, run_penalty, settings)

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dincl.compiled import inner
-from dincl.compiled.arrays import Floats, Offsets
+from dincl.compiled.arrays import Floats, Offsets, Table
 from dincl.rows.table import RowTable
 
 
@@ -19,7 +19,7 @@ class EnvelopeFactor(NamedTuple):
     row: Offsets
     number: Offsets
     used: Offsets  # (most,): 1, as all rows of this factor are active; see ``SparseFactor``
-    lower: Floats  # (most, most): L
+    lower: Table  # (most, most): L
     first: Offsets
     touched: Offsets  # (n,): the first of the rows with an entry in this column
     dense: Floats  # (n,): workspace for one row, all zeros

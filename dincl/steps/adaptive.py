@@ -345,9 +345,9 @@ def adapt(
     """Make steps from t towards ``end``, until ``stop`` is reached, with estimates of at most ``tau``.
 
     ``h`` is about the length of the first one, ``last`` that of the step before, 0 for none. At most ``most`` steps are
-    made or repeated; ``timed`` says whether sets depend on time. Returns how the last one ended, the time reached, the length of the next step, that of the last
-    one, and how many were made and repeated. A step that fails leaves the state as it was; TOO_SHORT: one of SHORTEST
-    of the longest one has an estimate beyond ``tau``.
+    made or repeated; ``timed`` says whether sets depend on time. Returns how the last one ended, the time reached, the
+    length of the next step, that of the last one, and how many were made and repeated. A step that fails leaves the
+    state as it was; TOO_SHORT: one of SHORTEST of the longest one has an estimate beyond ``tau``.
     """
     run, kept = stepping_at(place), adapting_at(memory)
     system = system_at(run.system)

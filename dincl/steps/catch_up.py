@@ -6,7 +6,8 @@ import numpy as np
 
 from dincl.compiled import inner, kernel
 from dincl.compiled.arrays import Floats
-from dincl.steps.loop import Stepping, StepRange, loop_of
+from dincl.steps.grid import TimeGrid
+from dincl.steps.loop import Stepping, loop_of
 from dincl.steps.programs import project
 from dincl.system.arrays import OK, SystemArrays, evaluate, longest, system_at
 
@@ -51,6 +52,6 @@ _loop = loop_of(catch_up)
 
 
 @partial(kernel, references=False)
-def run_catch_up(place: int, grid: StepRange, output: int) -> tuple[int, int]:
+def run_catch_up(place: int, grid: TimeGrid, output: int) -> tuple[int, int]:
     """Make steps of a catch-up scheme, see ``dincl.steps.loop.loop_of``."""
     return _loop(place, grid, output)

@@ -26,10 +26,16 @@ ROUNDING = 1e-12
 
 
 class TimeGrid(NamedTuple):
-    """Times t_k = k t_end / steps for k = 0 ... steps, computed from k, never by adding up."""
+    """Times t_k = k t_end / steps for k = 0 ... steps, computed from k, never by adding up.
+
+    A kernel is to make the steps ``first`` ... ``last`` - 1, and adds ``origin`` to their times.
+    """
 
     t_end: float
     steps: int
+    first: int = 0
+    last: int = 0
+    origin: float = 0.0
 
     @property
     def h(self) -> float:

@@ -10,20 +10,11 @@ from typing import NamedTuple
 import numpy as np
 
 from dincl.compiled import inner, reader
-from dincl.compiled.arrays import Floats, Offsets
+from dincl.compiled.arrays import Floats, Offsets, Table, empty
 from dincl.constants import LARGEST
-from dincl.steps.sweeps import NO_FAMILIES, Families
+from dincl.steps.grid import TimeGrid
+from dincl.steps.sweeps import Families
 from dincl.system.arrays import NOT_A_NUMBER, OK, bounded
-
-
-class StepRange(NamedTuple):
-    """The steps k = first ... last - 1 from t_k = origin + k end / number."""
-
-    origin: float
-    end: float
-    number: int
-    first: int
-    last: int
 
 
 class OutputArrays(NamedTuple):
@@ -31,9 +22,9 @@ class OutputArrays(NamedTuple):
 
     step: Offsets  # (K,): the step k in which the time lies, t_k < t <= t_{k+1}
     weight: Floats  # (K,): its place there, 1 at the end of the step
-    x: Floats  # (K, n): the state at the time, on the straight line of the step  (1.48)
-    before: Floats  # (K, n): the state at t_k
-    velocity: Floats  # (K, n): the velocity at t_k, for second-order schemes
+    x: Table  # (K, n): the state at the time, on the straight line of the step  (1.48)
+    before: Table  # (K, n): the state at t_k
+    velocity: Table  # (K, n): the velocity at t_k, for second-order schemes
     filled: Offsets  # (1,): how many output times were reached
 
 
@@ -62,9 +53,8 @@ class Stepping(NamedTuple):
     settings: Settings
 
 
-_NONE, _TABLE = np.zeros(0), np.zeros((0, 1))
-NO_OUTPUT = OutputArrays(np.zeros(0, np.int64), _NONE, _TABLE, _TABLE, _TABLE, np.zeros(1, np.int64))
-stepping_at = reader(Stepping(0, NO_FAMILIES, _NONE, _NONE, _NONE, _NONE, np.zeros(1, np.int64), Settings()))
+NO_OUTPUT: OutputArrays = empty(OutputArrays)._replace(filled=np.zeros(1, np.int64))
+stepping_at = reader(empty(Stepping))
 output_at = reader(NO_OUTPUT)
 
 
@@ -88,27 +78,31 @@ def loop_of(step: Callable[..., int]) -> Callable[..., tuple[int, int]]:
     """Make the loop over the steps of a scheme, for its kernel."""
 
     @inner
-    def run_steps(place: int, grid: StepRange, output: int) -> tuple[int, int]:
+    def run_steps(place: int, grid: TimeGrid, output: int) -> tuple[int, int]:
         """Make the steps of a grid; return the code of the last one, and the step reached.
 
         A step that fails leaves the state as it was. ``place`` and ``output`` are addresses of Stepping and
         OutputArrays.
         """
         run, found = stepping_at(place), output_at(output)
-        x, v, after = run.x, run.v, run.after
-        h = grid.end / grid.number
+        # The arrays of the states before and after a step change places.
+        x, v, after, code, reached = run.x, run.v, run.after, OK, grid.last
+        h = grid.t_end / grid.steps
         for k in range(grid.first, grid.last):
-            t = grid.origin + k * grid.end / grid.number
+            t = grid.origin + k * grid.t_end / grid.steps
             code = step(run, t, h, x, v, after)
             if code == OK and not bounded(after, LARGEST):
                 code = NOT_A_NUMBER
             if code != OK:
-                return code, k
+                reached = k
+                break
             write_output(found, k, x, v, after)
             for i in range(v.size):
                 v[i] = (after[i] - x[i]) / h
+            x, after = after, x
+        if (reached - grid.first) % 2 == 1:
             for i in range(x.size):
-                x[i] = after[i]
-        return OK, grid.last
+                run.x[i] = x[i]
+        return code, reached
 
     return run_steps

@@ -2,17 +2,15 @@
 
 import numpy as np
 
-from dincl.compiled import inner, kernel
-from dincl.compiled.arrays import Flags, Floats, Indices
+from dincl.compiled import inner
+from dincl.compiled.arrays import Floats
 from dincl.neighbours import ROW_MARGIN
 from dincl.neighbours.lists import call_search
 from dincl.rows.candidates import distance_from_search, find_candidates, note_search, sort_candidates
 from dincl.rows.table import (
-    AFFINE,
     DISPLACEMENTS,
     DISTANCE,
     GRADIENTS,
-    RowTable,
     call_python,
     gap,
     linearise,
@@ -22,7 +20,7 @@ from dincl.rows.table import (
 from dincl.solvers.active_set import nearest
 from dincl.solvers.envelope_factor import add_row, row_dot
 from dincl.solvers.wedges import is_pair, narrowest
-from dincl.system.arrays import COINCIDENT, MISSED, OK, PYTHON, SETS, TOO_FAR, WEDGE, SystemArrays, farthest, system_at
+from dincl.system.arrays import COINCIDENT, MISSED, OK, PYTHON, SETS, TOO_FAR, WEDGE, SystemArrays, farthest
 
 # A projection that ends outside of the search radius is repeated with twice its distance, at most this often.
 MOST_SEARCHES = 60
@@ -211,7 +209,7 @@ def bend(system: SystemArrays) -> None:
 def carry_bounds(system: SystemArrays, t: float, around: Floats, later: float) -> None:
     """Carry the linearised rows, with their sets, to a later time: general sets by the change of the gap.
 
-    The distance from a point that moves is carried along its gradient, for the point may pass the particle.
+    The distance from a point that passes the particle is carried along its gradient.
     """
     general = False
     rows, sets, near, program = system.rows, system.sets, system.near, system.program
@@ -229,13 +227,15 @@ def carry_bounds(system: SystemArrays, t: float, around: Floats, later: float) -
         row = rows.row[r]
         if sets.general[row.family] == 0:
             continue
+        before = row_dot(rows, r, program.gradient, around)
         if row.kind == DISTANCE and row.j < 0:
-            program.bound[r] = row.sign * row.length
+            from_point = before  # how far the particle is from the point, along the arrow that led there from it
             for p in range(rows.start[r], rows.stop[r]):
-                program.bound[r] += program.gradient[p] * rows.coefficient[p]
-        else:
-            before = row_dot(rows, r, program.gradient, around) - program.bound[r]
-            program.bound[r] -= gap(rows, sets, r, around) - before
+                from_point -= program.gradient[p] * rows.coefficient[p]
+            if row.sign * from_point < 0.0:
+                program.bound[r] = before - from_point + row.sign * row.length
+                continue
+        program.bound[r] -= gap(rows, sets, r, around) - (before - program.bound[r])
     call_python(sets, t, around, GRADIENTS)
 
 
@@ -252,7 +252,7 @@ def list_near(system: SystemArrays, t: float, x: Floats, radius: float, margin: 
         find_candidates(system.rows, sets, t, x, margin * radius, near)
     else:
         near.radius[0] = margin * radius
-        if call_search(near.search, t, x, 0, 0) != 0:
+        if call_search(near.search, t, x, 0) != 0:
             return FAILED_LIST
         note_search(sets, t, x, margin * radius, near)
     return NEW_LIST
@@ -339,52 +339,3 @@ def carry(system: SystemArrays, t: float, x: Floats, later: float) -> float:
             square += move[f, k] * move[f, k]
         longest = max(longest, np.sqrt(square))
     return longest
-
-
-@kernel
-def near_program(place: int, exact: bool) -> tuple[Indices, Indices, Floats, Floats, Floats, Floats, Flags]:
-    """Collect min |z - y| subject to a_k . z >= b_k for the near rows of the system, with rows of length 1.
-
-    Returns
-    -------
-    indptr, indices, data : (m + 1,), (e,), (e,)
-        The rows a_k in compressed sparse row form.
-    missing : (m,)
-        b_k - a_k . y.
-    length : (m,)
-        The lengths of the gradients of the user, 1 for one that vanishes.
-    multiplier : (m,)
-        The multipliers of a similar program.
-    binding : (m,)
-        Whether each point of the set obeys the row: if the set itself is meant (``exact``), a row of a curved one is
-        obeyed by its linearisation only.
-    """
-    system = system_at(place)
-    rows, near, program = system.rows, system.near, system.program
-    m, entries = near.number[0], 0
-    for q in range(m):
-        entries += rows.stop[near.row[q]] - rows.start[near.row[q]]
-    indptr, indices, data = np.zeros(m + 1, np.int32), np.empty(entries, np.int32), np.empty(entries)
-    missing, length, multiplier, binding = np.empty(m), np.empty(m), np.empty(m), np.empty(m, np.bool_)
-    p = 0
-    for q in range(m):
-        r = near.row[q]
-        of_program = length_of_gradient(rows, r, program.gradient)
-        for e in range(rows.start[r], rows.stop[r]):
-            indices[p], data[p] = rows.column[e], program.gradient[e] / of_program
-            p += 1
-        indptr[q + 1] = p
-        missing[q] = (program.bound[r] - row_dot(rows, r, program.gradient, program.y)) / of_program
-        multiplier[q], length[q] = program.multiplier[r] * of_program, program.length[r] * of_program
-        row = rows.row[r]
-        binding[q] = not exact or row.kind == AFFINE or (row.kind == DISTANCE and row.sign < 0.0)
-    return indptr, indices, data, missing, length, multiplier, binding
-
-
-@inner
-def length_of_gradient(rows: RowTable, r: int, gradient: Floats) -> float:
-    """Compute |a_r| of the program, 1 for one that vanishes."""
-    square = 0.0
-    for e in range(rows.start[r], rows.stop[r]):
-        square += gradient[e] * gradient[e]
-    return float(np.sqrt(square)) if square > 0.0 else 1.0

@@ -11,7 +11,7 @@ from dincl.compiled.structs import StructPointer
 from dincl.errors import StepFailure
 from dincl.steps import loop
 from dincl.steps.grid import Output, Reached, Stepper, StepState, TimeGrid
-from dincl.steps.loop import OutputArrays, Settings, Stepping, StepRange
+from dincl.steps.loop import OutputArrays, Settings, Stepping
 from dincl.steps.sweeps import NO_FAMILIES
 from dincl.steps.swept_sets import SweptSets
 from dincl.system.arrays import NEED_ROOM, OK
@@ -66,7 +66,7 @@ class CompiledStepper(Stepper):
     ) -> None:
         super().__init__(problem)
         self._run, self._swept, self._v0, self.system = run, swept, v0, system
-        system.sets.work, self._tabulated = self.work, False
+        self._tabulated = False
         n = problem.x0.size
         self.pointer = StructPointer(
             Stepping(
@@ -88,16 +88,12 @@ class CompiledStepper(Stepper):
         run: Any,
         settings: Settings,
         *,
-        projected: bool = True,
         multipliers: bool = False,
         v0: NDArray[np.float64] | None = None,
     ) -> CompiledStepper:
-        """Bind a scheme that takes one row after another.
-
-        Projections of the user are made if ``projected``; with ``multipliers`` each row has one.
-        """
-        swept = SweptSets(problem, projected=projected, multipliers=multipliers)
-        system = CompiledProblem.for_sweeps(problem, swept.selection, swept.custom_sweeps)
+        """Bind a scheme that takes one row after another; with ``multipliers`` each row has one."""
+        swept = SweptSets(problem, multipliers=multipliers)
+        system = CompiledProblem.for_sweeps(problem, swept.selection)
         system.functions += swept.searches
         system.sets.updates += swept.updates
         return cls(problem, run, settings, system=system, swept=swept, v0=v0)
@@ -105,7 +101,7 @@ class CompiledStepper(Stepper):
     @classmethod
     def projecting(cls, problem: Problem, run: Any, projection: Projection, settings: Settings) -> CompiledStepper:
         """Bind a scheme that projects onto S, or onto its linearisation, in each step."""
-        system = CompiledProblem.for_projections(problem, projection.solver(), exact=settings.exact != 0)
+        system = CompiledProblem.for_projections(problem, exact=settings.exact != 0)
         return cls(problem, run, settings._replace(tol=projection.tol), system=system)
 
     def start(self) -> StepState:
@@ -139,7 +135,7 @@ class CompiledStepper(Stepper):
         with self.system.callbacks():
             while k < end and code == OK:
                 began = time.perf_counter()
-                grid = StepRange(origin, on.t_end, on.steps, k, min(end, k + most))
+                grid = on._replace(first=k, last=min(end, k + most), origin=origin)
                 code, k = self._run(self.pointer.address, grid, table.address)
                 if self._swept:
                     self._swept.count(self.work)

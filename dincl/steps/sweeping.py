@@ -13,12 +13,12 @@ from dincl.neighbours.lists import (
     add_disc_forces,
     correct_pair,
     gather,
-    move_all,
     pair_list_at,
     project_pair,
 )
 from dincl.rows.table import DISPLACEMENTS, GRADIENTS, RowTable, Sets, call_python, evaluate_row, value_of
-from dincl.steps.loop import Stepping, StepRange, loop_of
+from dincl.steps.grid import TimeGrid
+from dincl.steps.loop import Stepping, loop_of
 from dincl.steps.sweeps import (
     DISCS,
     WALL,
@@ -116,11 +116,10 @@ def sweeps_of(sweep: Callable[..., int]) -> Callable[..., int]:
     def sweep_often(run: Stepping, t: float, move: Move, after: Floats, compliance: float) -> int:
         """Write the point of the step ``move``, and sweep over all sets at time t: OK or why not."""
         system = system_at(run.system)
-        move_all(move, after)
-        if call_python(system.sets, t, after, DISPLACEMENTS) != 0:
+        if call_python(system.sets, t, move.x, DISPLACEMENTS) != 0:
             return SETS
         for k in range(run.settings.sweeps):
-            code = sweep(system, run.families, t, after, k == 0, compliance)
+            code = sweep(system, run.families, t, after, move, k == 0, compliance)
             if code != OK:
                 return int(code)
         return OK
@@ -186,18 +185,18 @@ _pbd, _xpbd, _penalty = loop_of(pbd), loop_of(xpbd), loop_of(penalty)
 
 
 @partial(kernel, references=False)
-def run_pbd(place: int, grid: StepRange, output: int) -> tuple[int, int]:
+def run_pbd(place: int, grid: TimeGrid, output: int) -> tuple[int, int]:
     """Make steps of position based dynamics, see ``dincl.steps.loop.loop_of``."""
     return _pbd(place, grid, output)
 
 
 @partial(kernel, references=False)
-def run_xpbd(place: int, grid: StepRange, output: int) -> tuple[int, int]:
+def run_xpbd(place: int, grid: TimeGrid, output: int) -> tuple[int, int]:
     """Make steps of extended position based dynamics."""
     return _xpbd(place, grid, output)
 
 
 @partial(kernel, references=False)
-def run_penalty(place: int, grid: StepRange, output: int) -> tuple[int, int]:
+def run_penalty(place: int, grid: TimeGrid, output: int) -> tuple[int, int]:
     """Make steps of the penalty method."""
     return _penalty(place, grid, output)

@@ -7,20 +7,16 @@ table, and that of its extended form, which corrects with a multiplier for each 
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from dincl.compiled import inner
-from dincl.compiled.arrays import Floats, Offsets
+from dincl.compiled.arrays import Floats, Offsets, Table, empty
 from dincl.neighbours import lists
-from dincl.neighbours.lists import disc_sweep, gather, pair_list_at, scatter
-from dincl.rows.formulas import project
-from dincl.rows.table import AFFINE, CALLBACK, DISTANCE, GRADIENTS, SWEEP, RowTable, call_python, evaluate_row, value_of
+from dincl.neighbours.lists import Move, disc_sweep, gather, move_all, pair_list_at, scatter
+from dincl.rows.table import AFFINE, CALLBACK, DISTANCE, GRADIENTS, RowTable, call_python, evaluate_row, value_of
 from dincl.solvers.envelope_factor import add_row
 from dincl.system.arrays import COINCIDENT, FLAT, NEED_ROOM, OK, SETS, STALE, UNSETTLED, SystemArrays
 
-# Forms of families: discs, whose near pairs are listed; a wall for all particles; rows of the table; projections of
-# the user, in Python.
-DISCS, WALL, ROWS, USER = range(4)
+# Forms of families: discs, whose near pairs are listed; a wall for all particles, for d <= 3; rows of the table.
+DISCS, WALL, ROWS = range(3)
 # A row that Python evaluates is projected onto until a step moves less than this, relative to the first or to x; never
 # more than so many times.
 SETTLED, MOST_ITERATIONS = 1e-13, 50
@@ -29,14 +25,13 @@ BLOCK = 1024
 
 
 class Families(NamedTuple):
-    """Rows of each constraint of the problem, in one of four forms."""
+    """Rows of each constraint of the problem, in one of three forms."""
 
     form: Offsets
-    moving: Offsets  # 1 if the set is carried along a path
     first: Offsets  # the rows of a family are first ... last - 1 of the table; those of a wall begin in ``bound``
     last: Offsets
     pairs: Offsets  # the address of the PairList of discs
-    normal: Floats  # (families, d): of walls
+    normal: Table  # (families, d): of walls
     bound: Floats  # least allowed heights of all particles over walls [length]
     multiplier: Floats  # of all particles at walls, or (0,) for schemes that have none
     corrections: Offsets  # (1,): by rows of walls and of the table
@@ -44,18 +39,8 @@ class Families(NamedTuple):
     axes: Offsets  # (d,)
 
 
-_NONE, _FLOATS = np.zeros(0, dtype=np.int64), np.zeros(0)
 # Of a scheme that makes no sweeps.
-NO_FAMILIES = Families(_NONE, _NONE, _NONE, _NONE, _NONE, np.zeros((0, 1)), _FLOATS, _FLOATS, _NONE, _NONE, _NONE)
-
-
-@inner
-def carry(x: Floats, shift: Floats, f: int, way: float) -> None:
-    """Move all particles by ``way`` = 1 or -1 times the shift of set f."""
-    d = shift.shape[1]
-    for p in range(0, x.size, d):
-        for k in range(d):
-            x[p + k] += way * shift[f, k]
+NO_FAMILIES: Families = empty(Families)
 
 
 @inner
@@ -113,50 +98,25 @@ def correct_rows(system: SystemArrays, families: Families, f: int, t: float, x: 
 @inner
 def project_onto_rows(system: SystemArrays, families: Families, f: int, t: float, x: Floats, compliance: float) -> int:
     """Project onto the rows of a family in the table, one after another."""
-    rows, sets, current = system.rows, system.sets, False
+    rows, sets, gradient, current = system.rows, system.sets, system.program.gradient, False
     for r in range(families.first[f], families.last[f]):
-        row, code, moved = rows.row[r], OK, 0
-        if row.kind == DISTANCE:
-            moved = project_distance(rows, r, x, families.axes)
-        elif row.kind == AFFINE:
-            moved = project_affine(rows, r, x)
-        else:
-            if row.kind == CALLBACK and not current and call_python(sets, t, x, GRADIENTS) != 0:
-                return SETS
-            value = value_of(rows, sets, r, x)
-            current = not value < 0.0
-            if not current:
-                code, moved = project_curved(system, r, t, x), 1
-            elif value != value:
-                moved = -1
-        if moved < 0 or code != OK:
+        row = rows.row[r]
+        if row.kind == CALLBACK and not current and call_python(sets, t, x, GRADIENTS) != 0:
+            return SETS
+        value = value_of(rows, sets, r, x)
+        current, code = not value < 0.0, OK if value == value else COINCIDENT
+        if value < 0.0 and (row.kind == DISTANCE or row.kind == AFFINE):
+            # The linearisation of these rows has the same nearest point.
+            value = evaluate_row(rows, sets, r, x, gradient)
+            code = OK if value == value else COINCIDENT
+            add_row(rows, r, gradient, -value / row.square, x)
+        elif value < 0.0:
+            code = project_curved(system, r, t, x)
+        if code != OK:
             families.offending[0], families.offending[1] = f, r - families.first[f]
-            return code if code != OK else COINCIDENT
-        families.corrections[0] += moved
+            return code
+        families.corrections[0] += value < 0.0
     return OK
-
-
-@inner
-def project_distance(rows: RowTable, r: int, x: Floats, axes: Any) -> int:
-    """Project x onto the distance in row r; return 1 if x moved, 0 if not, -1 if the row has no direction."""
-    row, d = rows.row[r], len(axes)
-    if row.j < 0:
-        return project(x, row.i * d, rows.coefficient, rows.start[r], True, row.length, row.sign, axes)
-    return project(x, row.i * d, x, row.j * d, False, row.length, row.sign, axes)
-
-
-@inner
-def project_affine(rows: RowTable, r: int, x: Floats) -> int:
-    """Project x onto row r: x += (b - a . x) a / |a|^2 where a . x < b; return 1 if x moved, else 0."""
-    row, height = rows.row[r], 0.0
-    for p in range(rows.start[r], rows.stop[r]):
-        height += rows.coefficient[p] * x[rows.column[p]]
-    if not height < row.length:
-        return 0
-    step = (row.length - height) / row.square
-    for p in range(rows.start[r], rows.stop[r]):
-        x[rows.column[p]] += step * rows.coefficient[p]
-    return 1
 
 
 @inner
@@ -211,13 +171,17 @@ def sweep_of(
     sweep_discs = disc_sweep(visit_pair)
 
     @inner
-    def sweep_family_of_discs(families: Families, f: int, x: Floats, begin: bool, compliance: float, axes: Any) -> int:
-        """Sweep over pairs of discs."""
-        pairs, points = pair_list_at(families.pairs[f]), x
+    def sweep_family_of_discs(
+        families: Families, f: int, x: Floats, move: Move, begin: bool, compliance: float, axes: Any
+    ) -> int:
+        """Sweep over pairs of discs; the first family makes the step ``move``, too."""
+        pairs, points, moves = pair_list_at(families.pairs[f]), x, begin and f == 0
         if pairs.disc.size > 0:
+            if moves:
+                move_all(move, x)
             gather(x, pairs, len(axes))
-            points = pairs.point
-        ended = sweep_discs(points, pairs, begin, compliance, axes)
+            points, moves = pairs.point, False
+        ended = sweep_discs(points, pairs, move, moves, begin, compliance, axes)
         scatter(x, pairs, len(axes))
         return OK if ended == lists.DONE else record_discs(families, f, ended)
 
@@ -225,18 +189,18 @@ def sweep_of(
     def sweep_wall(
         families: Families, f: int, x: Floats, block: int, shift: Floats, begin: bool, compliance: float, axes: Any
     ) -> int:
-        """Take one wall for a block of particles; return how many moved. Multipliers are for sets that are shifted."""
+        """Take one wall, moved by ``shift``, for a block of particles; return how many moved."""
         d, n, corrections, carried = len(axes), families.normal[f], 0, 0.0
         one, two, three = n[0], n[min(1, d - 1)], n[min(2, d - 1)]
         begins, count = families.first[f] + block, min(BLOCK, x.size // d - block)
         multiplier, some = families.multiplier, min(families.multiplier.size, 1)
-        for k in range(d * some):
+        for k in range(d):
             carried += n[k] * shift[k]
         # Slices begin at 0, so that the compiler knows that no index is negative.
         points, bound, multiplier = x[block * d :], families.bound[begins:], multiplier[begins * some :]
         # Written out, without calls that take arrays and without branches, so that several particles are taken at once.
         # x + -0.0 is x, also where x is -0.0.
-        for i in range(count if d <= 3 else 0):
+        for i in range(count):
             height = 0.0 + one * points[i * d]
             if d > 1:
                 height += two * points[i * d + 1]
@@ -250,14 +214,6 @@ def sweep_of(
             if d > 2:
                 points[i * d + 2] += way * three if moves else -0.0
             corrections += moves
-        for i in range(count if d > 3 else 0):
-            height = 0.0
-            for k in range(d):
-                height += n[k] * points[i * d + k]
-            way = visit_wall(height, bound[i] + carried, multiplier, i, begin, compliance)
-            for k in range(d if way != 0.0 else 0):
-                points[i * d + k] += way * n[k]
-            corrections += way != 0.0
         return corrections
 
     @inner
@@ -273,45 +229,43 @@ def sweep_of(
 
     @inner
     def sweep_all(
-        system: SystemArrays, families: Families, t: float, x: Floats, begin: bool, compliance: float, axes: Any
+        system: SystemArrays,
+        families: Families,
+        t: float,
+        x: Floats,
+        move: Move,
+        begin: bool,
+        compliance: float,
+        axes: Any,
     ) -> int:
-        """Sweep over all sets at time t: OK or why not."""
-        corrects, count, f, shift = families.multiplier.size > 0, families.form.size, 0, system.sets.shift
+        """Sweep over all sets at time t, at first from the end of the step ``move``: OK or why not."""
+        count, f = families.form.size, 0
+        if begin and (count == 0 or families.form[0] != DISCS):
+            move_all(move, x)
         while f < count:
             form, code, last = families.form[f], OK, f + 1
-            # Sets but discs stand still, and particles are moved; multipliers are for moved sets. Python
-            # evaluates its rows at their places.
-            carried = families.moving[f] != 0 and not corrects and form != DISCS
-            if form == ROWS and families.first[f] < families.last[f]:
-                carried = carried and system.rows.row[families.first[f]].kind != CALLBACK
-            if carried:
-                carry(x, shift, f, -1.0)
             if form == DISCS:
-                code = sweep_family_of_discs(families, f, x, begin, compliance, axes)
+                code = sweep_family_of_discs(families, f, x, move, begin, compliance, axes)
             elif form == WALL:
-                while not carried and last < count and families.form[last] == WALL:
-                    if families.moving[last] != 0 and not corrects:
-                        break
+                while last < count and families.form[last] == WALL:
                     last += 1
-                sweep_walls(families, f, last, x, shift, begin, compliance, axes)
-            elif form == ROWS:
-                code = visit_rows(system, families, f, t, x, compliance)
+                sweep_walls(families, f, last, x, system.sets.shift, begin, compliance, axes)
             else:
-                code = SETS if call_python(system.sets, t, x, SWEEP, f) != 0 else OK
-            if carried:
-                carry(x, shift, f, 1.0)
+                code = visit_rows(system, families, f, t, x, compliance)
             if code != OK:
                 return int(code)
             f = last
         return OK
 
     @inner
-    def sweep(system: SystemArrays, families: Families, t: float, x: Floats, begin: bool, compliance: float) -> int:
+    def sweep(
+        system: SystemArrays, families: Families, t: float, x: Floats, move: Move, begin: bool, compliance: float
+    ) -> int:
         """Sweep with the number of axes in a type that the compiler knows."""
         if families.axes.size == 2:
-            return int(sweep_all(system, families, t, x, begin, compliance, (0, 0)))
+            return int(sweep_all(system, families, t, x, move, begin, compliance, (0, 0)))
         if families.axes.size == 3:
-            return int(sweep_all(system, families, t, x, begin, compliance, (0, 0, 0)))
-        return int(sweep_all(system, families, t, x, begin, compliance, families.axes))
+            return int(sweep_all(system, families, t, x, move, begin, compliance, (0, 0, 0)))
+        return int(sweep_all(system, families, t, x, move, begin, compliance, families.axes))
 
     return sweep

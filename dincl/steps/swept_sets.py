@@ -14,9 +14,9 @@ from dincl.neighbours import ALL_PAIRS, FIRST_SKIN, WIDEST_SKIN
 from dincl.neighbours.lists import BUILDS, CANDIDATES, CORRECTIONS, COUNT, NO_ROOM, NUMBERS, OUTDATED, PairList
 from dincl.neighbours.search import neighbour_pairs
 from dincl.rows.affine import HeightRows
-from dincl.rows.base import CustomSweep, DiscPairs
+from dincl.rows.base import DiscPairs
 from dincl.status import Status
-from dincl.steps.sweeps import DISCS, MOST_ITERATIONS, ROWS, USER, WALL, Families
+from dincl.steps.sweeps import DISCS, MOST_ITERATIONS, ROWS, WALL, Families
 from dincl.system import arrays as codes
 from dincl.system.callbacks import PythonFunction, numbers_at
 
@@ -30,14 +30,12 @@ PAIRS, MORE = 4, 1.25
 
 
 class SweptSets:
-    """Sets in the order of the constraints, as discs, walls, rows, or projections of the user.
+    """Sets in the order of the constraints, as discs, walls or rows.
 
     Attributes
     ----------
     selection
-        The rows in the table of the system: none of discs, walls and sets with projections of the user.
-    custom_sweeps
-        Projections of the user, by index of their constraint.
+        The rows in the table of the system: none of discs and walls.
     arrays
         The arrays for kernels.
     searches
@@ -46,24 +44,16 @@ class SweptSets:
         Functions of time that write the radii of growing discs.
     """
 
-    def __init__(self, problem: Problem, *, projected: bool, multipliers: bool) -> None:
-        """Without ``projected``, only values and gradients matter: sets with projections of the user are rows.
-
-        With ``multipliers``, pairs and walls have one each.
-        """
+    def __init__(self, problem: Problem, *, multipliers: bool) -> None:
+        """Bind; with ``multipliers``, pairs and walls have one each."""
         (count, d), families = problem.x0.shape, len(problem.constraints)
         sets = problem.constraints
         swept: list[Any] = [one.at(0.0).sweep_rows(problem.x0) for one in sets]
-        for f, one in enumerate(sets):
-            if isinstance(swept[f], CustomSweep) and not projected:
-                swept[f] = one.select_at(0.0, problem.x0, np.inf)
-        moving = np.array([one.displacement(0.0, d) is not None for one in sets], dtype=np.int64)
-        general = [one.timed and not moves for one, moves in zip(sets, moving, strict=True)]
+        general = [one.timed and one.displacement(0.0, d) is None for one in sets]
         forms = np.array([_form(*one) for one in zip(swept, general, strict=True)], dtype=np.int64)
         nothing = HeightRows(np.zeros(d), np.zeros(0, dtype=np.int64), np.zeros(0), count)
         blocks = tuple(one if form == ROWS else nothing for form, one in zip(forms, swept, strict=True))
         self.selection = Selection(problem.constraints, blocks, problem.x0.shape)
-        self.custom_sweeps = {f: one for f, one in enumerate(swept) if forms[f] == USER}
         self.searches: list[PythonFunction] = []
         self._multipliers = multipliers
         self._needed: dict[int, int] = {}
@@ -79,7 +69,6 @@ class SweptSets:
         starts = np.cumsum([0, *map(len, blocks)])
         self.arrays = Families(
             form=forms,
-            moving=moving,
             first=np.array([heights.get(f, starts[f]) for f in range(families)], dtype=np.int64),
             last=starts[1:],
             pairs=np.array([lists[f].address if f in lists else 0 for f in range(families)], dtype=np.int64),
@@ -185,6 +174,5 @@ def _form(swept: Any, general: bool) -> int:
     if isinstance(swept, DiscPairs):
         return DISCS
     # All particles, as of a wall for which every one is near.
-    if isinstance(swept, HeightRows) and len(swept) == swept.count and not general:
-        return WALL
-    return USER if isinstance(swept, CustomSweep) else ROWS
+    wall = isinstance(swept, HeightRows) and len(swept) == swept.count and len(swept.normal) <= 3
+    return WALL if wall and not general else ROWS

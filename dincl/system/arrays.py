@@ -5,13 +5,13 @@ from typing import NamedTuple
 import numpy as np
 
 from dincl.compiled import inner, kernel
-from dincl.compiled.arrays import Floats, Offsets
+from dincl.compiled.arrays import Floats, Offsets, Table, empty
 from dincl.compiled.structs import reader
 from dincl.drifts.functions import velocity
-from dincl.rows.candidates import CandidateRows, no_candidates
-from dincl.rows.table import GRADIENTS, ROW, RowTable, Sets, call_python, gap, row_table
-from dincl.solvers.active_set import LeastDistance, least_distance
-from dincl.solvers.envelope_factor import EnvelopeFactor, envelope_factor
+from dincl.rows.candidates import CandidateRows
+from dincl.rows.table import GRADIENTS, RowTable, Sets, call_python, gap
+from dincl.solvers.active_set import LeastDistance
+from dincl.solvers.envelope_factor import EnvelopeFactor
 
 # How steps end; the first ones are those of ``active_set.nearest``.
 OK, UNMET, CYCLES, DRIFT, SETS, COINCIDENT, TOO_FAR, MISSED, NOT_A_NUMBER, SINGULAR = range(10)
@@ -59,39 +59,13 @@ class SystemArrays(NamedTuple):
     drift: Drift
     velocity: Floats  # (n,)
     middle: Floats  # (n,)
-    move: Floats  # (families, d)
+    move: Table  # (families, d)
     offending: Offsets  # (1,)
     curvature: Curvature
 
 
 # An example, for its types.
-SYSTEM = SystemArrays(
-    row_table(np.zeros(0, dtype=ROW), np.zeros(1, dtype=np.int64), np.zeros(0, dtype=np.int64), np.zeros(0)),
-    Sets(
-        0,
-        np.zeros(1, dtype=np.int64),
-        np.zeros((0, 1)),
-        np.zeros((0, 1)),
-        np.zeros(0, dtype=np.int64),
-        np.zeros(1),
-        np.zeros(0),
-        np.zeros(0),
-        np.zeros(0),
-        np.zeros(1, dtype=np.int64),
-        np.zeros(0, dtype=np.int64),
-        np.zeros(0),
-        np.zeros(2, dtype=np.int64),
-    ),
-    no_candidates(0, 0, 0, 1),
-    least_distance(np.zeros(0), np.zeros(0), np.zeros(0), 0),
-    envelope_factor(1, 0),
-    Drift(0, np.zeros(1), np.zeros(2, dtype=np.int64), np.zeros(1), np.ones(3), np.zeros(0)),
-    np.zeros(0),
-    np.zeros(0),
-    np.zeros((0, 1)),
-    np.zeros(1, dtype=np.int64),
-    curvature(0, 0),
-)
+SYSTEM: SystemArrays = empty(SystemArrays)
 system_at = reader(SYSTEM)
 
 

@@ -14,7 +14,7 @@ from dincl.constraints.selection import select, transfer_multipliers
 from dincl.errors import StepFailure
 from dincl.rows.base import TableRows
 from dincl.rows.candidates import no_candidates
-from dincl.rows.table import CALLBACK, DISTANCE, FORMULA, ROW, RowTable, row_table
+from dincl.rows.table import AFFINE, CALLBACK, DISTANCE, FORMULA, ROW, RowTable, row_table
 from dincl.solvers.active_set import least_distance
 from dincl.solvers.envelope_factor import EnvelopeFactor, envelope_factor
 from dincl.status import Status
@@ -24,20 +24,18 @@ from dincl.system.callbacks import DriftPointer, PythonFunction, catching, numbe
 from dincl.system.sets_pointer import SetsPointer, entries_for
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
     from contextlib import AbstractContextManager
 
     from numpy.typing import NDArray
 
     from dincl.constraints.selection import Selection
     from dincl.problem import Problem
-    from dincl.projection.certificate import Solver
-    from dincl.rows.base import CustomSweep, RowsOfOneKind
+    from dincl.rows.base import RowsOfOneKind
     from dincl.work import Work
 
 # More rows, or particles, than these are not listed all at once: those of 200 discs.
 MOST_PARTICLES = 200
-NO_SWEEPS: Mapping[int, CustomSweep] = {}
 # The name in ``Work.back_ends``.
 NAME = "active set"
 FAILURES = {
@@ -81,8 +79,6 @@ class CompiledProblem:
         The rows in the table: all rows, or, of many particles, the near rows.
     units
         Units of the arrays; the problem and its functions have their own.
-    solver
-        Solves the programs of the near rows; None for the active set.
     place
         The address of ``arrays`` for kernels, which are called inside of ``with callbacks()``.
     functions
@@ -95,20 +91,18 @@ class CompiledProblem:
         selection: Selection,
         units: Units = ONE,
         *,
-        custom_sweeps: Mapping[int, CustomSweep] = NO_SWEEPS,
-        solver: Solver | None = None,
         exact: bool = False,
         searches: bool = False,
         programs: bool = True,
+        events: bool = False,
     ) -> None:
         """Bind with the rows of ``selection``: see ``for_events``, ``for_sweeps`` and ``for_projections``."""
-        self.problem, self.units, self.solver, self._exact = problem, units, solver, exact
-        self.selection = selection
-        self._programs = programs
+        self.problem, self.units, self.selection = problem, units, selection
+        self._programs, self._exact, self._events = programs, exact, events
         n, families, d = problem.x0.size, len(problem.constraints), problem.x0.shape[1]
         rows, called = self._tabulated(0.0)
         self.drift = DriftPointer(problem)
-        self.sets = SetsPointer(problem.x0, selection, called, units, custom_sweeps, self.drift)
+        self.sets = SetsPointer(problem.x0, selection, called, units, self.drift)
         search = PythonFunction(self._list_rows, SETS) if searches else None
         functions = (self.drift, self.sets, search)
         self.functions = [one for one in functions if isinstance(one, PythonFunction)]
@@ -141,21 +135,19 @@ class CompiledProblem:
     @classmethod
     def for_events(cls, problem: Problem, units: Units) -> CompiledProblem:
         """Bind to an event-driven run, which needs all rows and solves programs of velocities."""
-        return cls(problem, select(problem.constraints, 0.0, problem.x0, np.inf), units)
+        return cls(problem, select(problem.constraints, 0.0, problem.x0, np.inf), units, events=True)
 
     @classmethod
-    def for_sweeps(
-        cls, problem: Problem, selection: Selection, custom_sweeps: Mapping[int, CustomSweep]
-    ) -> CompiledProblem:
+    def for_sweeps(cls, problem: Problem, selection: Selection) -> CompiledProblem:
         """Bind to a scheme that takes one of these rows after another, without room for programs."""
-        return cls(problem, selection, custom_sweeps=custom_sweeps, programs=False)
+        return cls(problem, selection, programs=False)
 
     @classmethod
-    def for_projections(cls, problem: Problem, solver: Solver, *, exact: bool) -> CompiledProblem:
+    def for_projections(cls, problem: Problem, *, exact: bool) -> CompiledProblem:
         """Bind to projections onto S (``exact``) or its linearisation: with all rows of few particles, or near ones."""
         few = len(problem.x0) <= MOST_PARTICLES
         selection = select(problem.constraints, 0.0, problem.x0, np.inf if few else 0.0)
-        return cls(problem, selection, solver=solver, exact=exact, searches=not few)
+        return cls(problem, selection, exact=exact, searches=not few)
 
     @property
     def arrays(self) -> SystemArrays:
@@ -185,7 +177,7 @@ class CompiledProblem:
         for f, one in enumerate(self.problem.constraints):
             if one.timed and len(blocks[f]) and one.displacement(t, shape[1]) is None:
                 blocks[f] = one.rows_at(t, blocks[f], shape)
-        return tabulate(blocks, n, shape[1], self.units.length, dense=self._programs and self.solver is None)
+        return tabulate(blocks, n, shape[1], self.units.length, dense=self._events)
 
     def _factor(self, m: int) -> EnvelopeFactor:
         """Make room for the factors of a dense solver."""
@@ -219,11 +211,6 @@ class CompiledProblem:
         """The index of the constraint of each row in the table, and the row in words."""
         return self.selection.names
 
-    @property
-    def name(self) -> str:
-        """The name of the solver."""
-        return NAME if self.solver is None else self.solver.name
-
     def count(self, work: Work) -> None:
         """Add the work since the last call, and let the drift count its evaluations."""
         arrays, before = self.arrays, self._counted
@@ -239,8 +226,8 @@ class CompiledProblem:
             work.constraint_projections += round(iterations - before[2])
         work.solver_calls += round(calls - before[3])
         work.callbacks += python - before[4]
-        if calls > 0 and self.name not in work.back_ends:
-            work.back_ends += (self.name,)
+        if calls > 0 and NAME not in work.back_ends:
+            work.back_ends += (NAME,)
         self.drift.count_evaluations(drifts - before[0])
 
     def raise_errors(self) -> None:
@@ -263,7 +250,7 @@ class CompiledProblem:
             raise wedge(2.0 * float(arrays.program.answer[1]))
         if code == codes.MISSED:
             residual, bent = float(arrays.program.answer[1]), float(arrays.curvature.largest[0]) - 1.0
-            failure = missed(self.name, residual, tol, bent, float(np.abs(arrays.program.y).max()))
+            failure = missed(NAME, residual, tol, bent, float(np.abs(arrays.program.y).max()))
         else:
             failure = StepFailure(*FAILURES[code])
         raise self.reason(failure, contradicting=code == codes.UNMET)
@@ -273,17 +260,26 @@ class CompiledProblem:
 
         Of programs of velocities only the rows ``contradicting`` each other are known, which then have multipliers.
         """
-        if not self._programs or (self.solver is None and not contradicting):
+        if not self._programs or (self._events and not contradicting):
             return failure
-        from dincl.matrices import from_rows
-        from dincl.projection.certificate import why_unsolved
-        from dincl.steps.programs import near_program
+        from dincl.matrices import divided, from_rows
+        from dincl.projection.certificate import row_lengths, why_unsolved
 
-        indptr, indices, data, missing, _, multipliers, binding = near_program(self.place, self._exact)
-        program, keep = self.arrays.program, multipliers > 0 if contradicting else np.ones(len(missing), dtype=np.bool_)
-        matrix = from_rows(indptr, indices, data, program.y.size)[keep]
+        rows, program, near = self.arrays.rows, self.arrays.program, self.arrays.near
+        listed = near.row[: near.number[0]]
+        if contradicting:
+            listed = listed[program.multiplier[listed] > 0]
+        entries = [np.arange(rows.start[r], rows.stop[r]) for r in listed]
+        place = np.concatenate([np.zeros(0, dtype=np.int64), *entries])
+        indptr = np.cumsum([0, *map(len, entries)])
+        matrix = from_rows(indptr, rows.column[place], program.gradient[place], program.y.size)
+        lengths, kind, sign = row_lengths(matrix), rows.row["kind"][listed], rows.row["sign"][listed]
+        missing = (program.bound[listed] - matrix @ program.y) / lengths
+        # A point of a curved set obeys the linearisation of a container, but not that of an obstacle.
+        binding = (kind == AFFINE) | ((kind == DISTANCE) & (sign < 0)) | (not self._exact)
         size = max(float(np.abs(program.y).max()), float(np.abs(self.problem.x0).max()) / self.units.length)
-        return why_unsolved(failure, matrix, missing[keep], size, binding[keep], multipliers[keep])
+        multipliers = program.multiplier[listed] * lengths
+        return why_unsolved(failure, divided(matrix, lengths), missing, size, binding, multipliers)
 
 
 def tabulate(

@@ -1,4 +1,4 @@
-"""Sets of a problem, as compiled code asks Python for them: places of moving sets, rows, projections of users."""
+"""Sets of a problem, as compiled code asks Python for them: places of moving sets, and rows."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from dincl.constraints.selection import rates as gap_rates
 from dincl.constraints.selection import row_lengths
 from dincl.errors import StepFailure
 from dincl.norms import longest
-from dincl.rows.table import DISTANCE, GRADIENTS, SWEEP, VELOCITIES, RowTable, Sets
+from dincl.rows.table import DISTANCE, GRADIENTS, VELOCITIES, RowTable, Sets
 from dincl.system.callbacks import PythonFunction, numbers_at
 from dincl.system.time_scales import NO_BREAKS
 from dincl.system.time_tables import table_of_displacement, table_of_rows, timed_sets
@@ -27,12 +27,11 @@ if TYPE_CHECKING:
 
     from dincl.constraints.base import Constraint
     from dincl.constraints.selection import Selection
-    from dincl.rows.base import CustomSweep, RowsOfOneKind, TableRows
+    from dincl.rows.base import RowsOfOneKind, TableRows
     from dincl.system.callbacks import DriftPointer
     from dincl.system.compiled_problem import Units
     from dincl.system.time_scales import Interval
     from dincl.system.time_tables import TimeTable
-    from dincl.work import Work
 
 # A Jacobian of no more entries than this has room for all of them.
 MOST_DENSE = 100_000
@@ -51,8 +50,6 @@ class SetsPointer(PythonFunction):
         Read and written by ``dincl.rows.table``.
     system
         The struct with the arrays as its field ``sets``: longer arrays replace them there.
-    custom_sweeps, work
-        Projections of the user by index of their constraint, and the work of the run that they count.
     spacing, spacings
         Step of the differences for velocities of moving sets [time]; and times (P, 2) until which, since the one
         before, it is at most the second number.
@@ -63,7 +60,6 @@ class SetsPointer(PythonFunction):
     """
 
     system: StructPointer
-    work: Work
 
     def __init__(
         self,
@@ -71,7 +67,6 @@ class SetsPointer(PythonFunction):
         selection: Selection,
         called: tuple[int, ...],
         units: Units,
-        custom_sweeps: Mapping[int, CustomSweep],
         drift: DriftPointer,
     ) -> None:
         self._drift = drift
@@ -79,7 +74,7 @@ class SetsPointer(PythonFunction):
         count, d = selection.shape
         families, self.spacing = len(selection.constraints), SPACING
         self.breaks, self.spacings = NO_BREAKS, NO_BREAKS
-        self._units, self.custom_sweeps = units, custom_sweeps
+        self._units = units
         self.updates: list[Callable[[float], None]] = []
         timed = {f: one for f, one in enumerate(selection.constraints) if one.timed}
         moving = {f: one for f, one in timed.items() if one.displacement(0.0, d) is not None}
@@ -88,7 +83,7 @@ class SetsPointer(PythonFunction):
         self._general = {f: one for f, one in timed.items() if f not in moving}
         m = self._select(selection, called)
         entries = entries_for(m * count * d)
-        if timed or m or custom_sweeps:
+        if timed or m:
             super().__init__(self._answer, SETS)
         self.arrays = Sets(
             address=self.address,
@@ -174,13 +169,10 @@ class SetsPointer(PythonFunction):
         self.arrays.failed[0] = 0
         super().raise_error()
 
-    def _answer(self, t: float, x: int, question: int, family: int) -> None:
+    def _answer(self, t: float, x: int, question: int) -> None:
         # The budget of evaluations is checked here, too: a slow function of the user could overrun it before compiled
         # code next counts its calls of the drift.
         self._drift.note_call()
-        if question == SWEEP:
-            self.custom_sweeps[family].sweep(t * self._units.time, numbers_at(x, self._shape), self.work)
-            return
         unit, t = self._units, t * self._units.time
         for f, path in self._paths.items():
             self.arrays.shift[f] = path(t) / unit.length

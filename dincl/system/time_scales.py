@@ -42,7 +42,7 @@ MOST_VALUES = 5000
 PARTS, CUT = 13, 0.3819660112501051
 # A run of at least so many equal steps looks at sets at the time of one step in so many, besides output times.
 FEWEST_STEPS, STEPS_OF_A_LOOK = 200, 8
-# A set with more functions of time than these is not looked at where one of them has an extremum.
+# A set with more functions of time than these is asked whether it accepts them at all looks, not where one is extreme.
 MOST_EXTREMES = 8
 # A look is taken at so many times besides; at output times; and beside each of at most so many of them, at these parts
 # of the time to the next one. A drift that has the same value at x0 at all of them does not depend on time.
@@ -131,7 +131,7 @@ def time_scales(problem: Problem, times: ArrayLike, accuracy: float = 0.0) -> Ti
             failure = failure or raised
             continue
         breaks += found.breaks
-        smooth[k] = _smooth_if_accepted(problem, k, found, looks)
+        smooth[k] = _smooth_if_accepted(problem, k, found)
         pieces.append(found.pieces(PART_OF_ACCURACY * accuracy / max(1.0, size), at_nodes=False))
         if found.rest(size) > rest:
             rest = found.rest(size)
@@ -170,16 +170,16 @@ def smooth_pieces(problem: Problem, end: float, steps: int, times: NDArray[np.fl
     for k, name, path in _paths(problem):
         with suppress(StepFailure):  # the run says why, if it gets so far
             search = _Search(path, end, looks, 0.0, name, parts=0, most=steps // 2)
-            found[k] = _smooth_if_accepted(problem, k, search, looks)
+            found[k] = _smooth_if_accepted(problem, k, search)
     return found
 
 
-def _smooth_if_accepted(problem: Problem, k: int, search: _Search, looks: NDArray[np.float64]) -> list[Interval]:
-    """Return the smooth pieces of a set; none if it refuses its numbers at a look, or where one has an extremum."""
+def _smooth_if_accepted(problem: Problem, k: int, search: _Search) -> list[Interval]:
+    """Return the smooth pieces of a set; none if it refuses its numbers at a time in them."""
     one, x0, pieces = problem.constraints[k], problem.x0, search.smooth()
     if one.displacement(0.0, x0.shape[1]) is None:  # what is only translated has numbers that it accepted before
         try:
-            for t in (*looks.tolist(), *search.extrema(pieces)):
+            for t in search.extreme_times(pieces):
                 one.select_at(t, x0, 0.0)
         except StepFailure:
             return []
@@ -298,17 +298,17 @@ class _Search:
             found = max(found, float((rough * np.maximum(1.0, size / np.maximum(self._largest, 1e-300))).max()))
         return found
 
-    def extrema(self, pieces: Sequence[Interval]) -> Iterator[float]:
-        """List the times in smooth pieces at which a value has an extremum; none of more values than MOST_EXTREMES."""
-        for a, b in pieces:
-            series = COEFFICIENTS @ self._at(a + (b - a) * NODES)
-            if series.shape[1] > MOST_EXTREMES or b - a <= SHORT * self._end:
-                return
-            for one in series.T:
+    def extreme_times(self, pieces: Sequence[Interval]) -> list[float]:
+        """Return the ends of smooth pieces, and where a value has an extremum; all looks if there are many values."""
+        many = self._values[0.0].size > MOST_EXTREMES
+        found: list[float] = self._looks.tolist() if many else [t for piece in pieces for t in piece]
+        for a, b in () if many else pieces:
+            for one in (COEFFICIENTS @ self._at(a + (b - a) * NODES)).T if b - a > SHORT * self._end else ():
                 slope = chebtrim(chebder(one), ROUNDING * float(np.abs(one).max()))
                 roots = chebroots(slope) if len(slope) > 1 else np.zeros(0)
                 inside = np.real(roots[(np.abs(np.imag(roots)) < SHORT) & (np.abs(np.real(roots)) <= 1.0)])
-                yield from (a + (b - a) * 0.5 * (1.0 + inside)).tolist()
+                found += (a + (b - a) * 0.5 * (1.0 + inside)).tolist()
+        return found
 
     def pieces(self, unresolved: float, *, at_nodes: bool) -> NDArray[np.float64]:
         """Return until when steps may be how long, (P, 2): what is not resolved in one step, or from node to node.

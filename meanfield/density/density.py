@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import pickle
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Any
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,7 +14,6 @@ from dincl.callables import UserFunction
 from dincl.errors import InvalidProblem
 from dincl.status import Status
 from meanfield.density.panels import Panels, resolve
-from meanfield.density.shapes import BumpShape, NormalShape, UniformShape, cholesky_factor, row
 
 Floats = NDArray[np.float64]
 Pdf = Callable[[Floats], Floats]
@@ -91,8 +88,7 @@ class Density:
     def uniform(cls, lower: ArrayLike, upper: ArrayLike) -> Density:
         """Build f = 1 / volume on the box."""
         low, high = corners(lower, upper)
-        shape = UniformShape(low, high)
-        return cls(shape, low, high, sampler=shape.sample)
+        return cls(partial(_uniform, low, high), low, high, sampler=partial(_uniform_sample, low, high))
 
     @classmethod
     def normal(cls, mean: ArrayLike, deviation: ArrayLike) -> Density:
@@ -106,10 +102,10 @@ class Density:
             standard deviations > 0 of independent components (nx,), or the covariance L L^T (nx, nx).
         """
         centre = row("mean", mean, None)
-        factor, deviations = cholesky_factor(deviation, len(centre))
+        factor = _cholesky_factor(deviation, len(centre))
+        deviations = np.hypot.reduce(factor, axis=1)
         low, high = centre - CUT * deviations, centre + CUT * deviations
-        shape = NormalShape(centre, factor, low, high)
-        return cls(shape, low, high, sampler=shape.sample)
+        return cls(partial(_normal, centre, factor), low, high, sampler=partial(_normal_sample, centre, factor))
 
     @classmethod
     def bump(cls, centre: ArrayLike, radius: ArrayLike) -> Density:
@@ -126,18 +122,7 @@ class Density:
         if len(given) not in (1, len(middle)) or (given <= 0).any():
             raise InvalidProblem(f"radius = {checks.describe(given)}: must be > 0, one number or {len(middle)}")
         r = np.broadcast_to(given, middle.shape)
-        return cls(BumpShape(middle, r), middle - r, middle + r)
-
-    def __getstate__(self) -> dict[str, Any]:
-        for name in ("pdf", "sampler"):
-            try:
-                pickle.dumps(getattr(self, name))
-            except (pickle.PicklingError, AttributeError, TypeError) as error:
-                raise pickle.PicklingError(
-                    f"{name} = {checks.describe(getattr(self, name))}: a Density pickles if its pdf and sampler do; "
-                    "give functions that are defined at the top of a module"
-                ) from error
-        return self.__dict__
+        return cls(partial(_bump, middle, r), middle - r, middle + r)
 
     @property
     def nx(self) -> int:
@@ -252,24 +237,71 @@ class Density:
         """Draw points by rejection; if f exceeds its assumed bound, restart with a higher bound."""
         points, _ = gauss_product(self._pieces(), CHECK_NODES)
         bound = BOUND_RATIO * float(self._values(points).max())
-        volume = float(np.prod(self.upper - self.lower))
-        accepted: list[Floats] = []
+        volume, found = float(np.prod(self.upper - self.lower)), np.empty((0, self.nx))
         for _ in range(MAX_REJECTION_ROUNDS):
-            missing = n - sum(map(len, accepted))
-            tries = min(MAX_TRIES, int(BOUND_RATIO * missing * max(bound * volume, 1.0)) + 1)
+            tries = min(MAX_TRIES, int(BOUND_RATIO * (n - len(found)) * max(bound * volume, 1.0)) + 1)
             x = rng.uniform(self.lower, self.upper, (tries, self.nx))
             f = self._values(x)
             if f.max() > bound:
-                accepted, bound = [], BOUND_RATIO * float(f.max())
+                found, bound = found[:0], BOUND_RATIO * float(f.max())
             else:
-                accepted.append(x[rng.random(tries) * bound < f])
-            if sum(map(len, accepted)) >= n:
-                return np.concatenate(accepted)[:n]
-        found = sum(map(len, accepted))
+                found = np.concatenate([found, x[rng.random(tries) * bound < f]])
+            if len(found) >= n:
+                return found[:n]
         raise InvalidProblem(
-            f"pdf: {MAX_REJECTION_ROUNDS} rounds of at most {MAX_TRIES} points gave {found} of {n} by rejection: the "
-            "density must fill more of its box, or have a sampler"
+            f"pdf: {MAX_REJECTION_ROUNDS} rounds of at most {MAX_TRIES} points gave {len(found)} of {n} by rejection: "
+            "the density must fill more of its box, or have a sampler"
         )
+
+
+# Functions of the built-in densities, of points (n, nx) in their box; ``partial`` of a function of a module pickles.
+
+
+def _uniform(lower: Floats, upper: Floats, x: Floats) -> Floats:
+    return np.full(len(x), 1.0 / float(np.prod(upper - lower)))
+
+
+def _uniform_sample(lower: Floats, upper: Floats, rng: np.random.Generator, n: int) -> Floats:
+    return rng.uniform(lower, upper, (n, len(lower)))
+
+
+def _normal(centre: Floats, factor: Floats, x: Floats) -> Floats:
+    inverse = np.linalg.inv(factor)
+    scale = float(np.prod(np.diag(inverse))) / (2 * np.pi) ** (len(centre) / 2)
+    return np.asarray(scale * np.exp(-(((x - centre) @ inverse.T) ** 2).sum(axis=1) / 2))
+
+
+def _normal_sample(centre: Floats, factor: Floats, rng: np.random.Generator, n: int) -> Floats:
+    spread = CUT * np.hypot.reduce(factor, axis=1)
+    drawn = centre + rng.standard_normal((n, len(centre))) @ factor.T
+    return np.clip(drawn, centre - spread, centre + spread)
+
+
+def _bump(centre: Floats, radius: Floats, x: Floats) -> Floats:
+    s = (x - centre) / radius
+    return np.asarray(np.prod(315 / (256 * radius) * np.maximum(1 - s * s, 0.0) ** 4, axis=1))
+
+
+def row(name: str, value: ArrayLike, length: int | None) -> Floats:
+    """Return numbers as an array of shape (length,), of any length for None; a single number becomes shape (1,)."""
+    return checks.shaped(name, np.atleast_1d(checks.array(name, value)), (length,))
+
+
+def _cholesky_factor(deviation: ArrayLike, nx: int) -> Floats:
+    """Return the Cholesky factor (nx, nx) of a covariance (nx, nx), or of that of independent components (nx,)."""
+    numbers = checks.array("deviation", deviation)
+    if numbers.ndim < 2:
+        given = row("deviation", numbers, nx)
+        if (given <= 0).any():
+            raise InvalidProblem(f"deviation = {checks.describe(given)}: must be > 0")
+        return np.diag(given)
+    given = checks.shaped("deviation", numbers, (nx, nx))
+    try:
+        if np.array_equal(given, given.T):
+            return np.asarray(np.linalg.cholesky(given), dtype=np.float64)
+    except np.linalg.LinAlgError:
+        pass
+    raise InvalidProblem(f"deviation = {checks.describe(given)}: must be symmetric and positive definite")
 
 
 def corners(lower: ArrayLike, upper: ArrayLike) -> tuple[Floats, Floats]:

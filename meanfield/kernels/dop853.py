@@ -19,18 +19,15 @@ if TYPE_CHECKING:
 # Safety factor and bounds of the ratio of consecutive steps; the error of a step is of order 8.
 SAFETY, SHRINK, GROW, EXPONENT = 0.9, 0.2, 10.0, -1 / 8
 EPS = float(np.finfo(np.float64).eps)
-# Unknowns besides y and v: the particles; none, as X follows from y in closed form; mean and second moment of X.
-PARTICLES, CLOSED_FORM, MOMENTS = 0, 1, 2
 
 
 class System(NamedTuple):
-    """System z' = h(z) of z = (y, v, X), (y, v), or (y, v, rho, upper half of sigma).
+    """System z' = h(z) of z = (y, v, X), or of (y, v).
 
     Attributes
     ----------
-    measure, kind, positions, level
-        particles; PARTICLES, CLOSED_FORM, where ``positions`` gives X from the constants ``level`` (Q, nx) and y, or
-        MOMENTS, where 2 nx + 1 particles have the moments.
+    measure, closed, positions, level
+        particles; whether they are no unknowns: ``positions`` gives X from the constants ``level`` (Q, nx) and y.
     pair
         tableau of DOP853.
     allowed, relative
@@ -42,7 +39,7 @@ class System(NamedTuple):
     """
 
     measure: Measure
-    kind: int
+    closed: bool
     positions: Program
     level: Floats
     pair: RungeKutta
@@ -58,10 +55,8 @@ class System(NamedTuple):
 def _derivative(s: System, z: Floats, out: Floats) -> int:
     """Write z' into ``out`` (n,); return the number of particles with a wrong sign of det dg/dX."""
     ny, nx = s.measure.mass.shape[0], s.X.shape[1]
-    if s.kind == CLOSED_FORM:
+    if s.closed:
         evaluate_into(s.positions, s.level, s.positions.none, z[:ny], s.X)
-    elif s.kind == MOMENTS:
-        _points(z[2 * ny :], s.X, s.measure.weights)
     else:
         for i in range(s.X.shape[0]):
             for j in range(nx):
@@ -69,61 +64,11 @@ def _derivative(s: System, z: Floats, out: Floats) -> int:
     wrong, _ = rates(s.measure, True, s.X, z, s.U, out[ny : 2 * ny])
     for k in range(ny):
         out[k] = z[ny + k]
-    if s.kind == MOMENTS:
-        _moment_rates(s.X, s.U, s.measure.weights, out[2 * ny :])
-    elif s.kind == PARTICLES:
+    if not s.closed:
         for i in range(s.X.shape[0]):
             for j in range(nx):
                 out[2 * ny + nx * i + j] = s.U[i, j]
     return wrong
-
-
-@inner
-def _points(moments: Floats, X: Floats, w: Floats) -> None:
-    """Write 2 nx + 1 points with given moments: the mean, and the mean plus and minus multiples of columns l_j.
-
-    The covariance is sum_j d_j l_j l_j^T. In trial steps d_j may be negative, and then its two points have negative
-    weights; if no d_j is, the mean has the weight 0. Integrals of polynomials of degree two are exact in any case.
-    """
-    nx = X.shape[1]
-    w[2 * nx] = 1.0
-    for j in range(nx):
-        X[2 * nx, j] = moments[j]
-        arm, k = X[nx + j], nx
-        for a in range(nx):
-            arm[a] = 0.0
-            for b in range(a, nx):
-                if a == j:
-                    X[j, b] = moments[k] - moments[a] * moments[b]
-                k += 1
-        for i in range(j):
-            sign = 1.0 if w[i] > 0.0 else -1.0
-            for b in range(j, nx):
-                X[j, b] -= sign * X[nx + i, j] * X[nx + i, b]
-        pivot = X[j, j]
-        for b in range(j, nx):
-            arm[b] = X[j, b] / np.sqrt(abs(pivot)) if pivot != 0.0 else 0.0
-        w[j] = w[nx + j] = (0.5 if pivot >= 0.0 else -0.5) / nx
-        w[2 * nx] -= 2 * w[j]
-    for j in range(nx):
-        for i in range(nx):
-            arm_i = np.sqrt(float(nx)) * X[nx + j, i]
-            X[j, i], X[nx + j, i] = moments[i] + arm_i, moments[i] - arm_i
-
-
-@inner
-def _moment_rates(X: Floats, U: Floats, w: Floats, out: Floats) -> None:
-    """Write rho' = sum_q w_q U_q and the upper half of sigma' = sum_q w_q (X_q U_q^T + U_q X_q^T)."""
-    nx, k = X.shape[1], X.shape[1]
-    for a in range(nx):
-        out[a] = 0.0
-        for q in range(X.shape[0]):
-            out[a] += w[q] * U[q, a]
-        for b in range(a, nx):
-            out[k] = 0.0
-            for q in range(X.shape[0]):
-                out[k] += w[q] * (X[q, a] * U[q, b] + U[q, a] * X[q, b])
-            k += 1
 
 
 @inner

@@ -1,25 +1,28 @@
-"""Mean-field limit by characteristics: a density transported by the flow, with quadrature to tolerance."""
+"""Mean-field limit by characteristics: a density transported by the flow, with quadrature to tolerance.
+
+On a line, ``push_forward`` gives the density at any macroscopic state: g(X, y) and mass are conserved.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dincl.checks import flag
+from dincl.checks import flag, shaped
+from dincl.errors import InvalidProblem
 from dincl.status import Status
-from meanfield.density.density import MAX_NODES_PER_AXIS
+from meanfield.density.density import MAX_NODES_PER_AXIS, Density
 from meanfield.model.state import State
-from meanfield.solvers.arguments import checked_start, tolerance
+from meanfield.solvers.arguments import check_density, check_model, checked_start, tolerance
+from meanfield.solvers.index_one import consistent_values
 from meanfield.solvers.ode import solve_weighted
 from meanfield.solvers.result import Motion, delivered
-from meanfield.transport.wasserstein import Weighted
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from meanfield.density.density import Density
     from meanfield.model.model import Model
 
     Floats = NDArray[np.float64]
@@ -40,35 +43,12 @@ class Flow(Motion):
     ----------
     quadrature_error
         largest change of y and v at the output times when the nodes were last doubled.
-    level_density
-        (Q,) density of g(X, y), which the flow conserves: f0(x) / |det dg/dX(x, y0)| at each node.
     """
 
     quadrature_error: float
-    level_density: Floats
-
-    def density(self, k: int) -> Floats:
-        """Compute f(X^t(x), t) at the nodes and the output time k, (Q,).
-
-        Differentiating g(X^t(x), y(t)) = g(x, y0) gives  DX^t = dg/dX(X^t, y(t))^{-1} dg/dX(x, y0).  Mass is conserved,
-        so that f(X^t(x), t) = f0(x) / |det DX^t(x)|.
-
-        Raises
-        ------
-        InvalidProblem
-            if k is no index of an output time; negative indices count from the end.
-        """
-        k = self._output_index(k)
-        gX, _ = self.model.jacobians(self.X[k], self.y[k])
-        return np.asarray(self.level_density * np.abs(np.linalg.det(gX)))
-
-    def measure(self, k: int) -> Weighted:
-        """Return the nodes at the output time k and their weights, for ``w1``."""
-        k = self._output_index(k)
-        return Weighted(self.X[k], np.asarray(self.weights))
 
     def _size(self) -> str:
-        return f"{len(self.level_density)} nodes, nx = {self.model.nx}"
+        return f"{self.X.shape[1]} nodes, nx = {self.model.nx}"
 
 
 def solve_characteristics(
@@ -109,12 +89,12 @@ def solve_characteristics(
     flow = _flow(model, density, y, v, times, tol, FIRST_NODES, None)
     n, converged = FIRST_NODES, False
     most = MAX_NODES if model.V is None else MAX_INTERACTING_NODES
-    while not converged and 2 * n <= MAX_NODES_PER_AXIS and len(flow.level_density) * 2**model.nx <= most:
+    while not converged and 2 * n <= MAX_NODES_PER_AXIS and len(flow.level) * 2**model.nx <= most:
         n, before = 2 * n, len(flow.t)
         flow = _flow(model, density, y, v, times, tol, n, flow)
         converged = len(flow.t) == before and flow.quadrature_error <= tol * (1 + _size(flow))
     if not converged and flow.status:
-        detail = f"{len(flow.level_density)} nodes give the integrals over the density to {flow.quadrature_error:.1e}."
+        detail = f"{len(flow.level)} nodes give the integrals over the density to {flow.quadrature_error:.1e}."
         flow = replace(flow, status=Status.NOT_CONVERGED, detail=detail)
     return delivered(flow, raises)
 
@@ -125,10 +105,7 @@ def _flow(
     """Compute the flow of n nodes per axis and piece, and its change from a coarser flow."""
     nodes, weights = density.nodes(n)
     motion = solve_weighted(model, State(X=nodes, y=y, v=v), weights, t, tol, throw=False)
-    gX, _ = model.jacobians(nodes, y)
-    values = {part.name: getattr(motion, part.name) for part in fields(Motion)}
-    level_density = density.density(nodes) / np.abs(np.linalg.det(gX))
-    flow = Flow(**values, quadrature_error=0.0, level_density=level_density)
+    flow = Flow(**vars(motion), quadrature_error=0.0)
     return flow if coarser is None else replace(flow, quadrature_error=_change(coarser, flow))
 
 
@@ -141,3 +118,48 @@ def _change(coarser: Flow, flow: Flow) -> float:
 
 def _size(flow: Flow) -> float:
     return float(max(np.abs(flow.y).max(initial=0.0), np.abs(flow.v).max(initial=0.0)))
+
+
+def push_forward(model: Model, density: Density, y0: ArrayLike, y: ArrayLike) -> Density:
+    """Compute the density, at the macroscopic state y, of particles that had ``density`` at y0, for nx = 1::
+
+        f(x) = f0(x0) |dg/dX(x, y)| / |dg/dX(x0, y0)|,   g(x0, y0) = g(x, y)
+
+    Parameters
+    ----------
+    y0, y
+        (ny,) macroscopic states; between them dg/dX must keep its rank wherever there are particles (5.5).
+
+    Raises
+    ------
+    InvalidProblem
+        in more than one dimension, or if a value of the model is not finite.
+
+    Source: (5.40), with conservation of g(X, y) and of mass.
+    """
+    check_model(model)
+    check_density(density)
+    if model.nx != 1 or density.nx != 1:
+        raise InvalidProblem(f"nx = {model.nx} of the model, {density.nx} of the density: both must be 1")
+    before, after = shaped("y0", y0, (model.ny,)), shaped("y", y, (model.ny,))
+    places = np.array([density.lower[0], *density.breaks, density.upper[0]])
+    ends = np.sort(origins(model, places[:, None], before, after)[:, 0])
+    return Density(_PushedForward(model, density, before, after), ends[:1], ends[-1:], breaks=tuple(ends[1:-1]))
+
+
+def origins(model: Model, x: Floats, y: Floats, y0: Floats) -> Floats:
+    """Trace particles at x (n, nx) from the macroscopic state y back to y0: solve g(x0, y0) = g(x, y) for x0."""
+    return consistent_values(model, x, y0, np.zeros_like(y0), model.level(x, y))[0]
+
+
+@dataclass(frozen=True, eq=False)
+class _PushedForward:
+    model: Model
+    density: Density
+    y0: Floats
+    y: Floats
+
+    def __call__(self, x: Floats) -> Floats:
+        before = origins(self.model, x, self.y, self.y0)
+        ratio = self.model.jacobians(x, self.y)[0] / self.model.jacobians(before, self.y0)[0]
+        return np.asarray(self.density.density(before) * np.abs(ratio[:, 0, 0]))

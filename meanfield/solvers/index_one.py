@@ -14,7 +14,7 @@ import numpy as np
 
 from dincl.errors import StepFailure
 from dincl.status import Status
-from meanfield.forces.field import forces
+from meanfield.forces import forces
 from meanfield.model.symbolic import library
 
 if TYPE_CHECKING:

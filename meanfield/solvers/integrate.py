@@ -9,10 +9,10 @@ import numpy as np
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.events.runge_kutta import order_8
 from dincl.status import Status
-from meanfield.forces.field import full_weights, measure
-from meanfield.kernels.dop853 import CLOSED_FORM, MOMENTS, PARTICLES, System, stages, step
+from meanfield.forces import full_weights, measure
+from meanfield.kernels.dop853 import System, stages, step
 from meanfield.kernels.program import evaluated
-from meanfield.model.reduction import positions_in_closed_form, represented, sample_moments
+from meanfield.model.reduction import positions_in_closed_form, represented
 from meanfield.model.state import orientation_at
 from meanfield.solvers.result import SolverWork, with_potential
 from meanfield.solvers.singular import End, end_of_step, unresolved_dip
@@ -44,17 +44,13 @@ FAR = 0.05
 
 
 class Solution(NamedTuple):
-    """State at the output times reached: y, v, y'' (k, ny), X, U (k, N, nx); status and work of the run.
-
-    ``rest`` (k, unknowns - 2 ny) has the unknowns besides y and v.
-    """
+    """State at the output times reached: y, v, y'' (k, ny), X, U (k, N, nx); status and work of the run."""
 
     y: Floats
     v: Floats
     a: Floats
     X: Floats
     U: Floats
-    rest: Floats
     status: Status
     detail: str
     work: SolverWork
@@ -67,22 +63,21 @@ def integrate(
     times: Floats,
     tol: float,
     *,
-    kind: int = PARTICLES,
+    closed: bool = False,
     most: int | None = None,
 ) -> Solution:
     """Integrate from 0 to the last of the output times, in at most ``most`` steps (None: ``MAX_ODE_STEPS``).
 
     A trial step to a point where the rate is not finite is rejected, and so is a step that changes the energy or does
     not resolve a dip of |det dg/dX|. The run ends SINGULAR at a change of orientation, or at a dip that no step of
-    1e-10 of the run resolves. ``kind`` states the unknowns besides y and v: PARTICLES, CLOSED_FORM where the particles
-    follow from y, or MOMENTS of the particles.
+    1e-10 of the run resolves. ``closed``: the particles follow from y in closed form and are no unknowns.
 
     Raises
     ------
     InvalidProblem
         if the rate at the start is not finite.
     """
-    run = _Run(model, start, weights, times, tol, kind, MAX_ODE_STEPS if most is None else most)
+    run = _Run(model, start, weights, times, tol, closed, MAX_ODE_STEPS if most is None else most)
     status, detail = Status.SUCCESS, ""
     with np.errstate(all="ignore"):
         try:
@@ -120,33 +115,23 @@ class _Run:
         weights: Floats | None,
         times: Floats,
         tol: float,
-        kind: int,
+        closed: bool,
         most: int,
     ) -> None:
         self._model, self._start, self._times, self._tol, self._most = model, start, times, tol, most
-        self._kind = kind
+        self._closed = closed
         self._watched = None if model.jacobian_varies else 1
-        level, self._weights = start.level, weights
-        if kind == CLOSED_FORM:
-            level, self._weights = represented(model, level, weights)
-        elif kind == MOMENTS:
-            level, self._weights = np.empty((2 * model.nx + 1, model.nx)), np.empty(2 * model.nx + 1)
-        mean, second = sample_moments(start.X, None)
-        unknowns = {
-            PARTICLES: [start.X.ravel()],
-            CLOSED_FORM: [],
-            MOMENTS: [mean, second[np.triu_indices(model.nx)]],
-        }
-        self._z = np.concatenate([start.y, start.v, *unknowns[kind]])
+        level, self._weights = represented(model, start.level, weights) if closed else (start.level, weights)
+        self._z = np.concatenate([start.y, start.v, *([] if closed else [start.X.ravel()])])
         # Each component of y and v weighs as much as all particles together in the mean square of the error.
         n, share = self._z.size, np.ones(self._z.size)
-        if kind == PARTICLES:
+        if not closed:
             share[: 2 * model.ny] = start.X.size
         allowed = tol / np.sqrt(share * n / share.sum())
         pair = order_8()
         self._system = System(
             measure=measure(model, full_weights(self._weights, len(level)), orientation_at(model, start)),
-            kind=kind,
+            closed=closed,
             positions=positions_in_closed_form(model).with_workspace(),
             level=np.array(level, order="C"),
             pair=pair,
@@ -276,21 +261,19 @@ class _Run:
         model, count = self._model, len(self.outputs)
         ny, n = model.ny, self._z.size
         z, rate = np.array(self.outputs).reshape(count, n), np.empty((count, n))
-        X = np.empty((count, *(self._start.X if self._kind == CLOSED_FORM else self._system.X).shape))
+        X = np.empty((count, *self._start.X.shape))
         for k in range(count):
             stages(self._system, z[k], 0.0, 0, 1)
             rate[k] = self._system.rate[0]
-            X[k] = self._positions(z[k])
+            if self._closed:
+                program = positions_in_closed_form(model)
+                X[k] = evaluated(program, self._start.level, program.none, z[k, :ny])
+            else:
+                X[k] = self._system.X
         y, v = z[:, :ny], z[:, ny : 2 * ny]
         U = np.array([model.phi(X[k], y[k]) @ v[k] for k in range(count)]).reshape(X.shape)
         work = SolverWork(n, self._steps, self._evaluations)
-        return Solution(y, v, rate[:, ny : 2 * ny], X, U, z[:, 2 * ny :], status, detail, work)
-
-    def _positions(self, z: Floats) -> Floats:
-        if self._kind == CLOSED_FORM:
-            program = positions_in_closed_form(self._model)
-            return evaluated(program, self._start.level, program.none, z[: self._model.ny])
-        return self._system.X
+        return Solution(y, v, rate[:, ny : 2 * ny], X, U, status, detail, work)
 
 
 def _at(z: Floats, dense: Floats, place: float) -> Floats:

@@ -13,7 +13,7 @@ from dincl.errors import InvalidProblem, StepFailure
 from dincl.status import Status
 from meanfield.density.density import product_points
 from meanfield.density.panels import Panels
-from meanfield.forces.field import measure
+from meanfield.forces import measure
 from meanfield.kernels.grid import (
     AT_WALLS,
     NEGLIGIBLE_MASS,
@@ -123,10 +123,6 @@ class GridMotion(SolverResult):
         if len(self.edges) > 1:
             raise InvalidProblem("density(k) on a grid of two axes: must be of one; f holds the averages")
         return Panels.piecewise_constant(self.edges[0], self.f[k])
-
-    def _measures(self) -> dict[str, Floats]:
-        mean = self.mean()
-        return {"mass": self.mass()} | {f"mean{k + 1}": mean[:, k] for k in range(mean.shape[1])}
 
     def _size(self) -> str:
         return f"{' x '.join(str(len(e) - 1) for e in self.edges)} cells"

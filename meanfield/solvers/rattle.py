@@ -11,7 +11,7 @@ import numpy as np
 from dincl.checks import describe, flag, integer, number
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.status import Status
-from meanfield.forces.field import forces
+from meanfield.forces import forces
 from meanfield.model.state import FullState, State, orientation_at
 from meanfield.solvers.arguments import particles_and_times
 from meanfield.solvers.index_one import MAX_NEWTON_ITERATIONS, NEWTON_TOLERANCE, accelerations, solve_blocks, solve_mass

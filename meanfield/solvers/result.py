@@ -1,4 +1,4 @@
-"""Results of the solvers: the motion, its energy, its violation of the constraint, and a table."""
+"""Results of the solvers: the motion, its energy, its violation of the constraint."""
 
 from __future__ import annotations
 
@@ -10,9 +10,8 @@ import numpy as np
 
 from dincl.checks import describe, integer
 from dincl.errors import InvalidProblem
-from dincl.extras import needs
 from meanfield.errors import SolveFailed
-from meanfield.forces.field import forces, full_weights, pair_energy
+from meanfield.forces import forces, full_weights, pair_energy
 from meanfield.model.state import State
 
 if TYPE_CHECKING:
@@ -57,16 +56,6 @@ class SolverResult(ABC):
     def energy(self) -> Floats:
         """Compute the total energy at each output time, (K,); FunctionFailed if a value is not finite."""
 
-    def to_frame(self) -> Any:
-        """Build a pandas DataFrame with a row per output time: t, y1, ..., v1, ..., energy, and further measures."""
-        with needs("to_frame", "meanfield"):
-            import pandas as pd
-
-        columns = {"t": self.t}
-        for name, values in (("y", self.y), ("v", self.v)):
-            columns |= {f"{name}{k + 1}": values[:, k] for k in range(values.shape[1])}
-        return pd.DataFrame(columns | {"energy": self.energy()} | self._measures())
-
     def __repr__(self) -> str:
         outputs = f"{len(self.t)} output times" + (f" to t = {self.t[-1]:g}" if len(self.t) else "")
         return f"{type(self).__name__}({self.status.name}, {outputs}, {self._size()}, ny = {self.model.ny})"
@@ -81,10 +70,6 @@ class SolverResult(ABC):
     @abstractmethod
     def _size(self) -> str:
         """Return the size of the system for ``repr``."""
-
-    def _measures(self) -> dict[str, Floats]:
-        """Return the columns of the table besides y, v and the energy, each (K,)."""
-        return {}
 
 
 Result = TypeVar("Result", bound=SolverResult)
@@ -143,9 +128,6 @@ class Motion(SolverResult):
 
     def _size(self) -> str:
         return f"N = {self.X.shape[1]}, nx = {self.model.nx}"
-
-    def _measures(self) -> dict[str, Floats]:
-        return {"constraint_drift": self.constraint_drift(), "velocity_drift": self.velocity_drift()}
 
 
 def energies(model: Model, X: Floats, weights: Floats | None, U: Floats, y: Floats, v: Floats) -> tuple[float, float]:

@@ -2,7 +2,6 @@
 
 import sys
 
-import numpy as np
 import pytest
 
 import dincl
@@ -10,9 +9,7 @@ import tissue
 from dincl.study import StudyStopped
 from tests.borders import tissue_functions as own
 from tests.borders.harness import complaints
-from tests.borders.tissue_calls import CALLS
-from tests.borders.tissue_things import EMT, QUICK, RUNS, SMALL
-from tests.borders.tissue_uses import shelves
+from tests.borders.tissue_calls import CALLS, EMT, QUICK, RUNS, SMALL, shelves
 from tissue.plugins import registry
 from tissue.runs.registration import KINDS
 
@@ -74,32 +71,6 @@ def test_what_compiled_functions_raise_ends_the_run(thing, how, message, capfd):
     assert not any(tissue.simulate_many(given, range(2), throw=False)[k].status for k in range(2))
     assert sys.unraisablehook is hook
     assert capfd.readouterr().err == ""
-
-
-@pytest.mark.parametrize(
-    ("thing", "how", "message"),
-    [
-        (tissue.Force("mine", own.few, ""), FORCE, r"Force mine: push\(state, on, strength, numbers\) cannot be comp"),
-        (event(own.few), EVENT, r"EmtEvent mine: begin\(state, i, bit, numbers\) cannot be compiled: TypeError"),
-        (rule(own.returns_text), RULE, r"DivisionRule mine: splits\(state, i, number, numbers\) cannot be compiled"),
-    ],
-)
-def test_what_does_not_compile_is_refused(thing, how, message):
-    parameters, key, value = how
-    tissue.register(thing)
-    with pytest.raises(dincl.FunctionFailed, match=message) as caught:
-        tissue.simulate(parameters.changed({key: value}), 1)
-    assert caught.value.__cause__ is not None
-
-
-def test_what_an_event_leaves_that_is_not_finite_ends_the_run():
-    """The points stay finite, the radius of a disc does not: no table has a NaN."""
-    tissue.register(event(last=own.last_radius))
-    run = tissue.simulate(EMT.changed({"emt.mine": "0.3 h"}), 1, throw=False)
-    assert run.status is dincl.Status.FUNCTION_FAILED
-    assert "cells.radius" in run.detail
-    assert np.isfinite(run.table()["hard_radius_um"]).all()
-    assert len(run.frames) == 2
 
 
 @pytest.mark.parametrize(

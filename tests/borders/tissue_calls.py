@@ -1,56 +1,167 @@
-"""The public functions and constructors of tissue, with values that are right.
+"""The public functions and constructors of tissue, with values that are right; tiny tissues, their runs and states.
 
-Calls write files into the present folder. What they register is taken off the shelves again.
+Calls write files into the present folder. What they register is taken off the registry again.
 """
 
+import atexit
+import shutil
+import tempfile
+from contextlib import contextmanager
+from dataclasses import replace
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 
-import dincl
 import tissue
 from tests.borders import tissue_functions as own
 from tests.borders.harness import Call
-from tests.borders.tissue_things import (
-    EMT,
-    FILES,
-    FOLDER,
-    FRAMES,
-    PARAMETERS,
-    QUIET,
-    RESULTS,
-    RUNS,
-    SMALL,
-    TINY,
-    TUBE,
-)
-from tests.borders.tissue_uses import (
-    THING,
-    altered,
-    animated,
-    answers,
-    arrow_hurwicz,
-    begun,
-    built,
-    changed,
-    divided,
-    forms,
-    frozen,
-    measured,
-    plotted,
-    pushed,
-    registered,
-    slopes,
-    studied,
-)
 from tests.borders.values import ABSURD
 from tissue.files.keys import all_keys
 from tissue.files.parameter_files import flat
+from tissue.plugins import registry
+from tissue.runs.registration import KINDS
 from tissue.study.read import Results
-from verification.thesis.quasi_steady.daha import TissueArrowHurwicz
-from verification.thesis.quasi_steady.frozen import frozen_problem
-from verification.thesis.quasi_steady.minimiser import Judge
-from verification.thesis.quasi_steady.run import simulate_quasi_steady
+
+FOLDER = Path(tempfile.mkdtemp())
+atexit.register(shutil.rmtree, FOLDER, ignore_errors=True)
+
+TINY = {"tissue.cells": 8, "numerics.t_end": "0.4 h", "numerics.dt": "0.1 h", "numerics.keep": "0.2 h"}
+TINY |= {"numerics.substeps": 12, "numerics.mu": "0.15 h"}
+SMALL = tissue.preset("published").changed(TINY)
+EMT = SMALL.changed({"emt.cells": 2, "emt.a": "0.1 h", "emt.b": "0.1 h to 0.3 h", "emt.p": "0.2 h, 50 %"})
+TYPES = SMALL.changed({"types.soft.cells": 2, "types.soft.alpha_ax": 0.5, "types.soft.place": 0.3})
+TUBE = {"layer.shape": "circle", "layer.perimeter": "400 um", "layer.closed": True, "layer.side": "outside"}
+TUBE = SMALL.changed({**TUBE, "tissue.cells": 241, "numerics.t_end": "0.1 h", "numerics.keep": "0.1 h"})
+LONGER = EMT.changed({"numerics.t_end": "0.6 h"})
+QUICK = SMALL.changed({"cell.min_cycle": "2 h", "cell.max_cycle": "3 h", "numerics.t_end": "1 h"})
+PARAMETERS = (SMALL, EMT, TYPES, LONGER, QUICK)
+RUNS = tuple(tissue.simulate(one, 1) for one in (SMALL, EMT, TYPES))
+FRAMES = tuple(frame for run in RUNS for frame in (run.frames[0], run.final))
+
+STUDY = """title = "tiny"
+base = "small.toml"
+replicates = 2
+seed = 1
+[overrides.emt]
+cells = 1
+b = "0.1 h"
+[scenarios.B]
+[scenarios.AB]
+emt.a = "0.1 h"
+"""
+FILES = {"small.toml": SMALL.as_toml(), "based.toml": 'base = "small.toml"\n', "study.toml": STUDY}
+FILES |= {"bad.toml": "[tissue", "empty.toml": "", "absurd.toml": 'base = "small.toml"\ntissue.cells = "many"\n'}
+for name, content in FILES.items():
+    (FOLDER / name).write_text(content, "utf-8")
+RUNS[0].final.save(FOLDER / "kept.npz")
+(FOLDER / "damaged.npz").write_bytes((FOLDER / "kept.npz").read_bytes()[:900])
+RESULTS = tissue.run_study(FOLDER / "study.toml", FOLDER / "results")
+THING = tissue.Force("mine", own.push, "mine")
+
+
+@contextmanager
+def shelves():
+    """What is registered inside is gone behind it."""
+    before = {kind: dict(registry(kind)) for kind in KINDS}
+    try:
+        yield
+    finally:
+        for kind, things in before.items():
+            registry(kind).clear()
+            registry(kind).update(things)
+
+
+def registered(thing, other=THING):
+    """What ``register`` does, for this call alone."""
+    with shelves():
+        tissue.register(thing, other)
+
+
+def changed(changes, seed):
+    """A run with other values of some keys."""
+    return simulated(EMT.changed(changes), seed)
+
+
+def forms(changes):
+    """Parameters with other values of some keys, in all forms."""
+    found = TYPES.changed(changes)
+    return found.as_toml(), found.as_dict(), found.numbers(), found.start_numbers(), found.curve(), found.groups()
+
+
+def simulated(parameters, seed):
+    """A run and its tables."""
+    run = tissue.simulate(parameters, seed, throw=False)
+    if run.summary()["folded"].ne("no").any():  # which is why heights and positions are missing
+        run = replace(run, parameters=run.parameters.changed({"numerics.folded": "keep"}))
+    return (
+        run,
+        run.table().select_dtypes(float).to_numpy(),
+        run.summary().select_dtypes("number").to_numpy(float),
+        repr(run),
+    )
+
+
+def pushed(push, energy, strength, seed):
+    """A run with a force of the user."""
+    with shelves():
+        tissue.register(tissue.Force("generated", push, "generated", energy=energy))
+        return simulated(SMALL.changed({"forces.generated": strength}), seed)
+
+
+def begun(begin, last, after, time, seed):
+    """A run with an event of the user."""
+    with shelves():
+        tissue.register(tissue.EmtEvent("generated", "generated", "a test", begin, last, after))
+        return simulated(EMT.changed({"emt.generated": time}), seed)
+
+
+def divided(splits, place, seed):
+    """A run with a rule of divisions of the user."""
+    with shelves():
+        tissue.register(tissue.DivisionRule("generated", "generated", "a test", splits, place))
+        return simulated(QUICK.changed({"division.rule": "generated"}), seed)
+
+
+def measured(measure, unit, seed):
+    """A run with an observable of the user."""
+    with shelves():
+        tissue.register(tissue.Observable("generated", "generated", measure, unit))
+        return simulated(SMALL, seed)
+
+
+def built(t, cells, layers, curve, checkpoint):
+    """A run from a frame of the user's own, and that frame in a file."""
+    frame = tissue.Frame(t, cells, layers, curve, checkpoint)
+    frame.save("built.npz")
+    return resumed(LONGER, frame)
+
+
+def altered(name, value):
+    """A run from a state in which the user has replaced an array of the cells."""
+    return resumed(LONGER, FRAMES[3]._replace(cells=FRAMES[3].cells._replace(**{name: value})))
+
+
+def resumed(parameters, start):
+    """A run from a state, and its tables."""
+    run = tissue.simulate(parameters, 1, start, throw=False)
+    return run, run.summary().select_dtypes("number").to_numpy(float)
+
+
+def studied(study, out, executor):
+    """A study, of which the folder is there already."""
+    return tissue.run_study(study, out, executor).complete
+
+
+def plotted(ax=None, t=None):
+    """A picture is made, and thrown away."""
+    RUNS[1].plot(ax, t=t)
+
+
+def animated(file):
+    """A movie of two states."""
+    RUNS[1].animate(file)
+
 
 KEYS = tuple(all_keys(tissue.Parameters))
 PRESENT = flat(SMALL.as_dict())
@@ -86,7 +197,6 @@ CHANGES = varied(np.random.default_rng(0), 2000)
 SEEDS, FLAG, STRENGTH = (0, 1), (True, False), (0, 0.5, 1, 1e5)
 TIMES = ("0.1 h", "0.1 h to 0.3 h", "0.2 h, 50 %", "never")
 PATHS = ("built.npz", FOLDER / "again.npz", FOLDER / "no" / "folder.npz", FOLDER)
-SCHEMES = (dincl.PBD(1e-3), dincl.Penalty(1e-3, 1.0), dincl.CatchUp(1e-3, dincl.Daqp(1e-6)))
 NAMES, TEXTS = ("generated", "my_force", "x2"), ("what it means", "")
 AFTER, UNITS, COLUMNS = (None, "a", "b", "generated"), ("", "um", "h"), (["replicate"], None, ("cell", "inm"))
 CELLS, LAYERS = tuple(frame.cells for frame in FRAMES), tuple(frame.layers for frame in FRAMES)
@@ -127,32 +237,6 @@ CALLS = (
         },
         ("start", "throw"),
     ),
-    Call(
-        "quasi-steady",
-        simulate_quasi_steady,
-        {
-            "parameters": (QUIET, *PARAMETERS),
-            "seed": SEEDS,
-            "minimiser": (None, Judge(1e-6), TissueArrowHurwicz(QUIET.daha_numbers())),
-            "throw": FLAG,
-            "watch": (None, lambda t: t),
-        },
-        ("seed", "minimiser", "throw", "watch"),
-    ),
-    Call("Judge", Judge, {"tol": (1e-6, 1)}),
-    Call("DAHA", arrow_hurwicz, {"numbers": (QUIET.daha_numbers(), QUIET.daha_numbers()._replace(eps=0.1))}),
-    *(
-        Call(
-            type(one).__name__, one.minimise, {"cells": CELLS[:1], "layers": LAYERS[:1], "numbers": (SMALL.numbers(),)}
-        )
-        for one in (Judge(1e-6), TissueArrowHurwicz(QUIET.daha_numbers()))
-    ),
-    Call(
-        "frozen_problem",
-        frozen_problem,
-        {"cells": CELLS, "layers": LAYERS, "numbers": (SMALL.numbers(), EMT.numbers()._replace(mu=0.1))},
-    ),
-    Call("frozen", frozen, {"cells": CELLS, "layers": LAYERS, "numbers": (SMALL.numbers(),), "scheme": SCHEMES}),
     Call(
         "Frame.load", tissue.Frame.load, {"path": (FOLDER / "kept.npz", FOLDER / "damaged.npz", FOLDER / "small.toml")}
     ),
@@ -209,7 +293,6 @@ CALLS = (
     Call("divided", divided, {"splits": own.SPLITS, "place": own.PLACES, "seed": SEEDS}),
     Call("measured", measured, {"measure": own.MEASURES, "unit": UNITS, "seed": SEEDS}),
     Call("force_error", tissue.force_error, {"force": THINGS[:1], "run": RUNS, "strength": STRENGTH}, ("strength",)),
-    Call("slopes", slopes, {"push": own.PUSHES, "energy": own.ENERGIES, "run": RUNS, "strength": STRENGTH}),
     Call(
         "run_study",
         studied,
@@ -221,7 +304,6 @@ CALLS = (
     Call("Results.values", RESULTS.values, {"scenario": SCENARIOS, "outcome": ("basal", "height_um")}),
     Call("Results.parameters", RESULTS.parameters, {"scenario": SCENARIOS}),
     Call("Results.trajectory", RESULTS.trajectory, {"scenario": SCENARIOS, "replicate": (0, 1)}),
-    Call("answers", answers, {"results": (RESULTS,)}),
     Call("Run.plot", plotted, {"ax": (None,), "t": (None, 0.2, 0)}, ("ax", "t")),
     Call("Run.animate", animated, {"file": ("run.gif", FOLDER / "run.webp", "run.txt", FOLDER)}),
 )

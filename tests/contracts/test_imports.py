@@ -4,8 +4,6 @@ import json
 import subprocess
 import sys
 
-from grimp import build_graph
-
 from tests.pages import ROOT
 
 NOT_WITH_DINCL = ("casadi", "cvxpy", "matplotlib", "numba", "pandas")
@@ -18,16 +16,3 @@ def test_import_dincl_loads_nothing_heavy() -> None:
     loaded = set(json.loads(run.stdout))
     assert "dincl" in loaded
     assert loaded.isdisjoint(NOT_WITH_DINCL)
-
-
-AUDIT = ("verification.thesis", "verification.methods", "verification.tissues")
-# The formulas of forces as a reader writes them, which tests hold the kernels against.
-LITERAL = {"tissue.model.energy"}
-
-
-def test_no_module_of_a_package_serves_the_audit_alone() -> None:
-    graph = build_graph("dincl", "meanfield", "tissue", "verification")
-    packages = [name for name in graph.modules if not name.startswith("verification")]
-    importers = {name: graph.find_modules_that_directly_import(name) for name in packages}
-    alone = {name for name, by in importers.items() if by and all(one.startswith(AUDIT) for one in by)}
-    assert alone == LITERAL

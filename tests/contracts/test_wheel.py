@@ -1,6 +1,5 @@
 """The wheel has all of the packages, and works where there is nothing else: outside of the tree, on every Python."""
 
-import email
 import shutil
 import subprocess
 import sys
@@ -10,7 +9,6 @@ import zipfile
 from pathlib import Path
 
 import pytest
-import yaml  # comes with bokeh
 
 from tests.installing import (
     AUDIT,
@@ -22,7 +20,6 @@ from tests.installing import (
     build_sdist,
     build_wheels,
     copy_sources,
-    for_users,
     installed,
     pip,
     run,
@@ -223,19 +220,6 @@ def sources():
     return {name.as_posix() for name in names if not LEFTOVERS("", name.parts)}
 
 
-@pytest.mark.slow
-def test_the_wheel_says_what_it_is(wheel):
-    with zipfile.ZipFile(wheel) as archive:
-        (name,) = (name for name in archive.namelist() if name.endswith(".dist-info/METADATA"))
-        said = email.message_from_bytes(archive.read(name))
-    assert said["Description-Content-Type"] == "text/markdown"
-    assert said.get_payload(decode=True).decode() == (ROOT / "README.md").read_text("utf-8")
-    assert said["Keywords"].split(",") == yaml.safe_load((ROOT / "CITATION.cff").read_text("utf-8"))["keywords"]
-    extras = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["optional-dependencies"]
-    assert set(said.get_all("Provides-Extra")) == extras.keys()
-    assert {f"Programming Language :: Python :: {version}" for version in PYTHONS} <= set(said.get_all("Classifier"))
-
-
 @pytest.mark.xslow
 @pytest.mark.parametrize("version", PYTHONS)
 def test_the_core_runs_outside_of_the_tree(version, wheel, folder):
@@ -243,10 +227,6 @@ def test_the_core_runs_outside_of_the_tree(version, wheel, folder):
     assert run([commands / "python", "-c", CORE], cwd=folder) == "SUCCESS (1, 10, 2)\n"
     said = subprocess.run([commands / "tissue", "--help"], capture_output=True, text=True, check=False)
     assert (said.returncode, "pip install '.[tissue]'" in said.stderr) == (2, True)
-
-
-def test_every_extra_for_users_is_installed_alone():
-    assert {*EXTRAS, "all"} == set(for_users())
 
 
 @pytest.mark.xslow
@@ -267,13 +247,3 @@ def test_the_claims_are_decided_from_the_tables(wheels, folder):
     assert (said.returncode, "needs dincl-testbed-data" in said.stderr) == (2, True)
     pip(commands / "python", "install", "--no-deps", wheels[1])
     assert "0 with another verdict than the recorded one" in run(claims, cwd=folder)
-
-
-@pytest.mark.xslow
-@pytest.mark.parametrize("version", PYTHONS)
-def test_every_package_and_command_runs_outside_of_the_tree(version, wheel, folder):
-    commands = installed(interpreter(version), "all", wheel, folder)
-    for program in PROGRAMS.values():
-        run([commands / "python", "-c", program], cwd=folder)
-    for name in ("tissue", "verification"):
-        assert "Usage" in run([commands / name, "--help"], cwd=folder)

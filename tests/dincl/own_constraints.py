@@ -7,7 +7,7 @@ import numpy as np
 
 import dincl
 from dincl.matrices import from_equal_rows
-from dincl.rows import CustomSweep, FormulaRows, RowsOfOneKind
+from dincl.rows import FormulaRows, RowsOfOneKind
 from dincl.rows.formulas import row_formula
 
 
@@ -72,7 +72,7 @@ class InEllipseByRows(InEllipse):
 
 @dataclass(frozen=True, eq=False)
 class InBall(dincl.DifferentiableConstraint):
-    """What dincl.InsideBall is, around the origin, with its own exact projections."""
+    """What dincl.InsideBall is, around the origin."""
 
     distance: float
 
@@ -84,20 +84,6 @@ class InBall(dincl.DifferentiableConstraint):
         each = np.arange(len(x))
         rows[each, each] = -x / np.linalg.norm(x, axis=1, keepdims=True)
         return rows
-
-    def sweep_rows(self, x):
-        return OntoBall(self.distance)
-
-
-class OntoBall(CustomSweep):
-    def __init__(self, distance):
-        self._distance = distance
-
-    def sweep(self, t, x, work):
-        length = np.linalg.norm(x, axis=1, keepdims=True)
-        outside = length[:, 0] > self._distance
-        x[outside] *= self._distance / length[outside]
-        work.constraint_projections += int(outside.sum())
 
 
 @row_formula

@@ -1,6 +1,5 @@
 """The usual drifts: formulas, the same bits compiled or not, content, refusals; and drifts called by their address."""
 
-import ctypes
 import pickle
 import re
 from functools import partial
@@ -10,9 +9,8 @@ import pytest
 
 import dincl
 from dincl.compiled import kernel
-from dincl.constants import LARGEST
 from dincl.drifts import attraction, constant, swirl
-from dincl.drifts.functions import FAILED, NOT_A_NUMBER, OK, velocity
+from dincl.drifts.functions import OK, velocity
 
 RNG = np.random.default_rng(5)
 EACH = RNG.normal(size=(5, 2))
@@ -130,32 +128,3 @@ def test_drifts_are_their_numbers():
 def test_wrong_input_is_named(make, message):
     with pytest.raises(dincl.InvalidProblem, match=f"^{re.escape(message)}"):
         make()
-
-
-WORD, PLACE = ctypes.c_int64, ctypes.POINTER(ctypes.c_double)
-DRIFT = ctypes.CFUNCTYPE(WORD, ctypes.c_double, PLACE, PLACE, WORD, WORD, PLACE)
-
-
-@pytest.mark.parametrize(
-    ("returned", "value", "code"),
-    [
-        (0, LARGEST, OK),
-        (0, -LARGEST, OK),
-        (0, np.nextafter(LARGEST, np.inf), NOT_A_NUMBER),
-        (0, -np.inf, NOT_A_NUMBER),
-        (0, np.nan, NOT_A_NUMBER),
-        (0, None, NOT_A_NUMBER),  # it writes nothing
-        (1, 1.0, FAILED),
-        (-1, 1.0, FAILED),
-    ],
-)
-@pytest.mark.parametrize("place", [0, 3, 5])
-def test_every_number_at_an_address_is_checked(place, returned, value, code):
-    def drift(t, x, out, n, d, data):
-        for k in range(6) if value is not None else ():
-            out[k] = value if k == place else 0.0
-        return returned
-
-    function = DRIFT(drift)
-    address = ctypes.cast(function, ctypes.c_void_p).value
-    assert asked(address, 0.0, np.zeros((3, 2)), np.zeros((3, 2)), 3, 2, np.zeros(1)) == code

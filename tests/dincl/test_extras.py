@@ -6,13 +6,11 @@ import subprocess
 import sys
 import tomllib
 from pathlib import Path
-from typing import get_args
 
 import pytest
-from packaging.requirements import Requirement
 
 import dincl
-from dincl.extras import NOT_IN_THESIS, PACKAGES, Extra, MissingLibrary, MissingTables, need_thesis, needs
+from dincl.extras import PACKAGES, MissingLibrary, MissingTables, need_thesis, needs
 
 ROOT = Path(__file__).parents[2]
 EXTRAS = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["optional-dependencies"]
@@ -76,30 +74,6 @@ COMMANDS = {
 def run(code):
     """Run a program in which no library of an extra can be imported."""
     return subprocess.run([sys.executable, "-c", WITHOUT + code], cwd=ROOT, capture_output=True, text=True, check=False)
-
-
-def brought(extra):
-    """The packages of an extra, with those of the extras that it names."""
-    for requirement in map(Requirement, EXTRAS[extra]):
-        if requirement.name == "dincl-testbed":
-            for other in requirement.extras:
-                yield from brought(other)
-        else:
-            yield requirement.name
-
-
-def test_every_package_of_an_extra_is_known():
-    assert set(PACKAGES.values()) == set(brought("all"))
-
-
-def test_each_extra_belongs_to_all_or_to_developers():
-    for_users = {extra for extra in EXTRAS if set(brought(extra)) <= set(PACKAGES.values())}
-    assert for_users == set(get_args(Extra)) | {"all"}
-    assert EXTRAS.keys() - for_users == {"browser", "dev", "dist", "lint", "test"}
-
-
-def test_the_thesis_needs_all_but_a_few():
-    assert set(brought("all")) - set(brought("thesis")) == set(NOT_IN_THESIS)
 
 
 @pytest.mark.slow

@@ -8,7 +8,6 @@ from dincl.errors import StepFailure
 from dincl.minimise import ArrowHurwicz, DampedArrowHurwicz, MinimisationFailed, RelativeMove, Stationary, Uzawa
 from dincl.minimise import minimise as find
 from dincl.minimise.methods import free_minimum
-from dincl.minimise.solve import carry_over
 from dincl.status import Status
 
 TOL = 1e-9
@@ -177,19 +176,6 @@ def test_only_near_pairs_are_looked_at():
     )
     np.testing.assert_allclose(found.multipliers, np.full(400, 0.2), atol=1e-6)
     assert found.stats.neighbour_builds < found.iterations / 5
-
-
-def test_multipliers_follow_their_pairs_and_outlive_their_list():
-    line = [np.array([[p, 0.0] for p in places]) for places in ((0.0, 1.0, 2.0, 3.0), (0.0, 5.0, 2.0, 3.0))]
-    before, near = DISCS.select(line[0], 0.05), DISCS.select(line[1], 0.6)
-    assert list(zip(before.i, before.j, strict=True)) == [(1, 0), (2, 1), (3, 2)]
-    (fresh, held), multipliers = carry_over(near, (before,), np.array([0.7, 0.0, 0.3]))
-    assert fresh is near
-    assert list(zip(held.i, held.j, strict=True)) == [(1, 0)]
-    assert multipliers.tolist() == [0.0, 0.0, 0.3, 0.7]
-    (back,), same = carry_over(before, (fresh, held), multipliers)
-    assert back is before
-    assert same.tolist() == [0.7, 0.0, 0.3]
 
 
 @pytest.mark.parametrize("start", [0.0, 63.9, 99.0, 101.0, 130.0])

@@ -11,7 +11,6 @@ from matplotlib.patches import Circle, Polygon
 
 import dincl
 from dincl import scenes, shapes
-from dincl.plotting import log_ticks
 from tests.dincl.catalog import SCENES
 
 mpl.use("Agg")
@@ -143,24 +142,3 @@ def test_table_with_radii_of_constraints():
     np.testing.assert_array_equal(table[["x", "y"]].to_numpy().reshape(path.x.shape), path.x)
     expected = [[0.5] * 3 + [1.0] * 3, [0, 1, 2] * 2, [0.1, 0.5, 0.3] * 2]
     assert table[["t", "particle", "radius"]].to_numpy().T.tolist() == expected
-
-
-@pytest.mark.parametrize(
-    ("low", "high", "shown"),
-    [
-        (1e-6, 2e-1, [f"$10^{{{k}}}$" for k in range(-6, 0)]),
-        (0.006, 0.1, ["0.01", "0.03", "0.1"]),
-        (3.0, 29.0, ["5", "10", "20"]),
-        (2.1, 4.9, ["3", "4"]),
-    ],
-)
-def test_logarithmic_axes_have_few_ticks_and_plain_numbers_where_they_are_short(low, high, shown):
-    ax = axes()
-    for ends in ((1.0, 2.0), (1.0, 1e6), (low, high)):  # ticks follow limits that change
-        ax.set(xscale="log", xlim=ends, yticks=[0.3, 0.7])
-        log_ticks(ax)
-    ax.figure.draw_without_rendering()
-    inside = [tick.label1.get_text() for tick in ax.xaxis.get_major_ticks() if low <= tick.get_loc() <= high]
-    assert [text.replace(r"\mathdefault{", "").replace("}}", "}") for text in inside] == shown
-    assert ax.xaxis.get_minorticklocs().size == 0
-    assert ax.get_yticks().tolist() == [0.3, 0.7]

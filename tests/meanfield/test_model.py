@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import meanfield
-from meanfield.forces.field import forces, pair_energy
+from meanfield.forces import forces, pair_energy
 from meanfield.kernels.field import MIN_INTERPOLATED
 from meanfield.kernels.program import BLOCK, OPERATIONS, evaluated
 from meanfield.model.symbolic import program
@@ -125,6 +125,14 @@ def test_operations_against_casadi(rng):
     found = evaluated(made, values, made.none, np.empty(0))
     np.testing.assert_allclose(found.T, ca.Function("f", [X], [outputs])(values.T).full(), rtol=1e-14)
     assert set(range(len(OPERATIONS))) - set(made.code[:, 0]) <= {0, 13, 14}  # assign, pow, constpow
+
+
+def test_sines_of_all_sizes(rng):
+    x = np.concatenate([rng.normal(size=(900, 1)) * 10.0 ** rng.uniform(-8, 9, (900, 1)), [[0.0], [-0.0], [np.inf]]])
+    X = ca.SX.sym("X")
+    found = evaluated(made := program(X, ca.SX(0, 1), ca.SX(0, 1), [ca.sin(X), ca.cos(X)]), x, made.none, np.empty(0))
+    with np.errstate(invalid="ignore"):
+        np.testing.assert_allclose(found, np.hstack([np.sin(x), np.cos(x)]), rtol=0, atol=3e-16)
 
 
 def test_an_untranslatable_operation_is_refused():

@@ -17,7 +17,7 @@ from meanfield import (
     solve_ode,
     solve_rattle,
 )
-from meanfield.forces.field import forces
+from meanfield.forces import forces
 from meanfield.solvers import dae
 from meanfield.solvers.index_one import accelerations
 from meanfield.solvers.rattle import SUBSTEPS
@@ -164,9 +164,10 @@ def test_steps_are_equal_and_at_most_dt():
 
 
 def test_a_step_too_long_for_the_constraint_and_the_remedy():
-    rough = WavyFibre(**FIBRE, amplitude=0.99)
+    rough = WavyFibre(**FIBRE, amplitude=0.9)
     bumpy = Model(g=lambda X, y: rough.g(20 * X, 20 * y), W0=lambda y: 0 * y, W1=lambda X: 0 * X)
-    at = State(X=[[0.1], [0.2], [0.3]], y=[0.5], v=[1.0])
+    # With ten particles whether Newton's method converges does not depend on rounding.
+    at = State(X=np.linspace(0.1, 0.9, 10)[:, None], y=[0.5], v=[1.0])
     motion = solve_rattle(bumpy, at, [0.0, 1.0], 1.0, throw=False)
     assert (motion.status, len(motion.t)) == (Status.NOT_CONVERGED, 1)
     assert solve_rattle(bumpy, at, [0.0, 1.0], 0.01).status

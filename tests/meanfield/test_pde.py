@@ -10,7 +10,6 @@ from scipy.optimize import brentq
 import meanfield
 from dincl import InvalidProblem, Status
 from meanfield import Density, SolveFailed, solve_characteristics, solve_pde, w1
-from meanfield.kernels.grid import VANISHING, euler
 from meanfield.solvers import pde
 
 SPRINGS = {"m": 0.5, "k0": 1.0, "y_rest": 1.0, "k1": 0.5}
@@ -27,67 +26,6 @@ def exact_averages(edges, density):
 
 def slope(cells, errors):
     return float(-np.polyfit(np.log(cells), np.log(errors), 1)[0])
-
-
-# --- Euler steps -----------------------------------------------------------------------------------------------------
-
-
-def fluxes(f, speed):
-    """Compute the fluxes across all faces of the first axis by NumPy; none across the walls."""
-    steps = np.diff(f, axis=0)
-    left, right = steps[:-1], steps[1:]
-    half = np.zeros_like(f)
-    limited = np.minimum(0.25 * np.abs(left + right), np.minimum(np.abs(left), np.abs(right)))
-    half[1:-1] = np.where(np.sign(left) == np.sign(right), np.sign(left) * limited, 0.0)
-    upper, lower = (np.where(f >= VANISHING, f + side * half, 0.0) for side in (1.0, -1.0))
-    flux = np.zeros_like(speed)
-    flux[1:-1] = speed[1:-1] * np.where(speed[1:-1] < 0.0, lower[1:], upper[:-1])
-    return flux
-
-
-def plain_step(f, speed0, speed1, ratio, start, weight):
-    """Make an Euler step by NumPy; return the densities, the largest outflow fraction, and what the walls held back."""
-    new = f - ratio[0] * np.diff(fluxes(f, speed0), axis=0) - ratio[1] * np.diff(fluxes(f.T, speed1.T), axis=0).T
-    outward, blocked = np.zeros_like(f), 0.0
-    for share, speed, g, out in ((ratio[0], speed0, f, outward), (ratio[1], speed1.T, f.T, outward.T)):
-        out[...] += share * np.maximum(np.maximum(speed[1:], -speed[:-1]), 0.0)
-        blocked += share * (np.maximum(-speed[0], 0.0) * g[0] + np.maximum(speed[-1], 0.0) * g[-1]).sum()
-    return new + weight * (start - new), 2.0 * outward.max(), blocked
-
-
-def our_step(f, speed0, speed1, ratio, start, weight):
-    out = np.empty_like(f)
-    return out, *euler(f, speed0, speed1, *ratio, start, weight, out, np.empty((4, f.shape[1] + 1)))
-
-
-def random_step(rng, n0, n1):
-    """Draw densities with holes, speeds of both signs, and a time step for which the largest outflow fraction is 1."""
-    f = rng.uniform(size=(n0, n1)) * (rng.uniform(size=(n0, n1)) < 0.7)
-    speed0, speed1 = rng.normal(size=(n0 + 1, n1)) * (n0 > 1), rng.normal(size=(n0, n1 + 1))
-    outflow = plain_step(f, speed0, speed1, (0.2, 0.1), f, 0.0)[1]
-    return f, speed0, speed1, np.array([0.2, 0.1]) / outflow
-
-
-@pytest.mark.parametrize("shape", [(1, 1), (1, 2), (1, 50), (3, 2), (23, 17)])
-def test_euler_step_is_that_of_numpy_and_keeps_sign_and_mass(rng, shape):
-    for weight in (0.0, 0.75):
-        f, speed0, speed1, ratio = random_step(rng, *shape)
-        base = rng.uniform(size=shape)
-        plain, ours = (step(f, speed0, speed1, ratio, base, weight) for step in (plain_step, our_step))
-        np.testing.assert_allclose(ours[0], plain[0], rtol=1e-13, atol=1e-15)
-        np.testing.assert_allclose(ours[1:], plain[1:], rtol=ROUNDING)
-        assert ours[1] == pytest.approx(1.0, rel=1e-12)
-        assert ours[0].min() >= -ROUNDING
-    moved = our_step(f, speed0, speed1, ratio, f, 0.0)[0]
-    assert moved.sum() == pytest.approx(f.sum(), rel=ROUNDING)
-
-
-def test_a_larger_step_can_lose_the_sign():
-    f, speed = np.array([[0.0, 1.0, 0.0]]), np.array([[0.0, -1.0, 1.0, 0.0]])
-    for ratio, sign in ((0.5, 0.0), (0.51, -1.0)):
-        out, outflow, _ = our_step(f, np.zeros((2, 3)), speed, np.array([0.0, ratio]), f, 0.0)
-        assert outflow == 2 * ratio
-        assert np.sign(out[0, 1]) == sign
 
 
 # --- order and closed forms ------------------------------------------------------------------------------------------

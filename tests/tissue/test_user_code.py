@@ -8,7 +8,7 @@ import pytest
 import dincl
 import tissue
 from dincl.compiled import inner
-from tests.borders.tissue_uses import shelves
+from tests.borders.tissue_calls import shelves
 
 QUICK = tissue.preset("published").changed(
     {"emt.cells": 3, "numerics.t_end": "1 h", "numerics.dt": "0.1 h", "numerics.keep": "0.5 h"}

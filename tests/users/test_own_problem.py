@@ -7,9 +7,6 @@ from scipy.optimize import nnls
 import dincl
 import verification as v
 from dincl.projection import FeasibleSet, QpAnswer, QpSolver
-from tests.browser import draw_all, fits, visit
-
-pytestmark = pytest.mark.slow
 
 
 def pressed(pull):
@@ -61,6 +58,7 @@ def played():
     return play()
 
 
+@pytest.mark.slow
 def test_orders_of_own_and_built_in_schemes(played):
     fits = played[0].fits.set_index(["method", "error"])
     for label, order in (("PBD", 1.0), ("catch-up", 1.0), ("mine", 2.0)):
@@ -70,21 +68,53 @@ def test_orders_of_own_and_built_in_schemes(played):
         assert fits.loc[(label, "largest"), "slope"] == pytest.approx(order, abs=0.25)
 
 
+@pytest.mark.slow
 def test_chart_has_every_method(played):
     chart = played[1]
     assert set(chart.table.loc[chart.table["status"] == "SUCCESS", "method"]) == {"PBD", "mine", "catch-up"}
     assert chart.cheapest([1e-8])["cheapest"].tolist() == ["not reached"]
 
 
+@pytest.mark.slow
 def test_map_and_page(played, tmp_path):
     assert set(played[2].table["outcome"]) == {"bounded"}
     page = v.save(played, tmp_path).read_text("utf-8")
     assert page.count("<img") == 3
 
 
-def test_page_fits_a_telephone_and_its_pictures_open(played, browser, tmp_path):
-    with visit(browser, v.save(played, tmp_path), width=400) as page:
-        draw_all(page)
-        fits(page)
-        page.locator("figure a").first.click()
-        assert page.url.endswith(".png")
+def test_what_is_no_scheme_is_named():
+    class Forgetful(dincl.FixedStep):
+        def stepper(self, problem):
+            return Returns(problem)
+
+    class Returns(dincl.Stepper):
+        def step(self, t, h, state):
+            return state.x
+
+    problem = dincl.Problem([[1.0]], lambda t, x: -x)
+    with pytest.raises(
+        dincl.InvalidProblem, match=r"Returns.step returned array\(\[\[1.\]\]\): must be a dincl.StepState"
+    ):
+        dincl.solve(problem, Forgetful(0.1), t=[1.0])
+
+    class Endless(dincl.Scheme):
+        def run(self, problem, times):
+            return times
+
+    with pytest.raises(dincl.InvalidProblem, match=r"Endless.run returned array\(\[1.\]\): must be a RunOutcome"):
+        dincl.solve(problem, Endless(), t=[1.0])
+
+
+def test_what_is_no_constraint_is_named():
+    class Rowless(dincl.Constraint):
+        def check(self, count, d):
+            pass
+
+        def select(self, x, search_radius):
+            return [1.0]
+
+        def sweep_rows(self, x):
+            raise NotImplementedError
+
+    with pytest.raises(dincl.InvalidProblem, match=r"Rowless.select returned \[1.0\]: must be AffineRows"):
+        dincl.Problem([[1.0]], lambda t, x: -x, [Rowless()])

@@ -1,102 +1,124 @@
-"""The other tutorials: their notebooks run, files, Python and commands, and what their text says is so."""
+"""Tutorials, how-to pages and pages about extensions: all run, and what they promise in words comes out."""
 
-import re
-
+import numpy as np
 import pytest
 
+import dincl
 import tissue
-from docs.building import notebooks
-from tests.optional import need_module
-from tests.pages import ROOT, blocks, play
-from tissue.study.answers import answer_table
+from docs.building.shown import is_notebook
+from tests.optional import need_rendering
+from tests.pages import ROOT, play, run
+from tissue.plugins import registry
 from verification.claims import Verdict
 
-PAGES, HOW_TO = ROOT / "docs" / "tutorials", ROOT / "docs" / "howto"
+pytestmark = pytest.mark.slow
+
+DOCS = ROOT / "docs"
+PAGES = {page.stem: page for page in sorted(DOCS.rglob("*.md")) if "made" not in page.parts and is_notebook(page)}
+EXTENSIONS = [page for page in sorted((DOCS / "extend").glob("*.md")) if "```python" in page.read_text("utf-8")]
+# Words that a page prints.
+PRINTED = {
+    "claims": ["2 passed"],
+    "emt_study": ["6 comparisons, planned", "Least effect that is shown", "Answers: 6 comparisons", "not shown"],
+    "meanfield": ["g is affine in X", "Work("],
+    "simplify": ["within 6;", "within 3;", "Left out", "no noise", "times less work"],
+    "solve": ["SUCCESS", "LinearisedCatchUp", "contact, particle", "smaller dt"],
+    "tissue": ["SUCCESS", "height_um", "damping"],
+}
 
 
-@pytest.mark.slow
-def test_a_kernel_of_jupyter_runs_a_notebook(tmp_path, monkeypatch):
-    """Of all the one with libraries that no other has; the others are run by IPython in this process."""
-    for module in ("ipykernel", "nbclient"):
-        need_module(module)
-    import nbclient
-
-    for variable in ("JUPYTER_RUNTIME_DIR", "IPYTHONDIR"):
-        monkeypatch.setenv(variable, str(tmp_path))
-    made = notebooks.notebook(PAGES / "meanfield.md")
-    nbclient.NotebookClient(made, resources={"metadata": {"path": str(tmp_path)}}).execute()
-    words = notebooks.printed(made)
-    assert [word for word in ("g is affine in X", "Work(") if word not in words] == []
+def slope(found, method):
+    return found["orders"].fits.set_index(["method", "error"]).loc[(method, "final"), "slope"]
 
 
-@pytest.mark.slow
-def test_five_minutes(tmp_path):
-    found = play(PAGES / "first_steps.md", tmp_path)
+def first_steps(found):
     costs = found["chart"].costs([1e-2, 1e-4])
     assert costs.loc["PBD"].notna().tolist() == [True, False]
-    assert costs.loc[["midpoint catch-up", "event-driven"], 1e-4].max() < 0.05
-    assert (tmp_path / "results" / "first" / "picture.png").exists()
-    assert found["run"].summary()["time_h"].iloc[-1] == 54
     assert found["path"].error.max() < 1e-8
 
 
-@pytest.mark.slow
-def test_tissue(tmp_path):
-    found = play(PAGES / "tissue.md", tmp_path)
-    assert [word for word in ("SUCCESS", "height_um", "damping") if word not in found["printed"]] == []
-    assert (tmp_path / "results" / "tissue.gif").exists()
+def own_problem(found):
+    assert found["known"].x[-1] == pytest.approx(np.array([[0.55, 0.3], [1.15, 0.3], [0.55, 0.9]]), abs=1e-9)
+    assert slope(found, "PBD") == pytest.approx(1.0, abs=0.15)
+    springs = found["chart"].table.query("method == 'LSODA on springs'").sort_values("setting")
+    assert springs["largest"].iloc[0] < 1e-3 < springs["largest"].iloc[-1]
+    assert set(found["penalties"].table.set_index(["dt", "pull"])["outcome"][0.04]) == {"unstable"}
 
 
-@pytest.mark.slow
-def test_a_small_study_is_planned_run_and_drawn(tmp_path):
-    found = play(PAGES / "emt_study.md", tmp_path)
-    words = ("6 comparisons, planned", "Least effect that is shown", "Answers: 6 comparisons", "page.html")
-    assert [word for word in words if word not in found["printed"]] == []
-    answers = tmp_path / "results" / "constriction" / "figures" / "answer_3.png"
-    assert answers.read_bytes().startswith(b"\x89PNG")
-    assert "not shown" in found["printed"]
+def own_scheme(found):
+    free, slide = found["free"], found["slide"]
+    for problem, exact, t in ((free, np.exp(-1.0) * free.x0, 1.0), (slide, slide.exact(2.0), 2.0)):
+        assert abs(found["orders"](problem, exact, t, found["bdf"])[-1] - 2) < 0.1
+    table = found["table"].set_index(["method", "setting"])
+    assert table["compiled"].groupby("method").all().to_dict() == {"PBD": True, "HeunPBD": True, "HeunCatchUp": False}
+    np.testing.assert_allclose(found["ours"].x, found["theirs"].x, atol=1e-5)
+    exact = dincl.solve(found["problem"], dincl.EventDriven(1e-8), t=[1.0])
+    for scheme in found["schemes"]:
+        path = dincl.solve(found["problem"], scheme, t=[1.0])
+        np.testing.assert_allclose(path.x, exact.x, atol=0.1 if isinstance(scheme, dincl.Penalty) else 0.02)
 
 
-@pytest.mark.slow
-def test_the_simplest_model_is_found(tmp_path):
-    found = play(HOW_TO / "simplify.md", tmp_path)
-    words = ("within 6;", "within 3;", "Left out", "no noise", "times less work")
-    assert [word for word in words if word not in found["printed"]] == []
+def moving_sets(found):
+    path = found["path"]
+    assert np.abs(path.x - found["exact"](path.t)).max() <= path.error.max() <= 1e-9
+    assert slope(found, "midpoint catch-up") == pytest.approx(2.0, abs=0.3)
+
+
+def own_event(found):
+    table = found["run"].table().query("emt >= 0 and time_h == 12")
+    squeezed = table["events"] == "BSqueeze"
+    assert table.loc[squeezed, "hard_radius_um"].tolist() == pytest.approx([0.75] * squeezed.sum()) != []
+    assert "t_squeeze_h" not in found["results"].cells("not")
+
+
+def own_force(found):
+    assert found["error"] < 1e-6
+    heights = found["heights"]
+    assert heights[max(heights)] < heights[min(heights)]
+
+
+def cell_types(found):
+    assert found["counts"].iloc[0].to_dict() == {"control": 30, "stiff": 6, "quick": 6, "leaving": 3}
+    assert found["counts"]["quick"].iloc[-1] > 18
+    assert len(found["results"].cells("slow")) == 3 * 16
+
+
+def space(found):
+    assert len(found["run"].final.cells.x) == 196
+    assert {"nucleus_z_um", "apical_z_um", "basal_z_um"} <= set(found["run"].table().columns)
+
+
+def simplify(found):
     assert found["found"].saving > 2
 
 
-@pytest.mark.xslow
-def test_the_large_study_has_the_answers_of_the_text(tmp_path):
-    """To what another processor may change: a few of 2,000 cells."""
-    page = PAGES / "emt_study.md"
-    text = page.read_text("utf-8")
-    (study,) = [block for block in blocks(text, "toml") if "replicates = 40" in block]
-    (tmp_path / "constriction.toml").write_text(study.replace("replicates = 40", "replicates = 400"))
-    results = tissue.run_study(tmp_path / "constriction.toml", tmp_path / "out")
-    table = answer_table(results).set_index(["question", "measure"])
-    rows = {
-        "on a line": "early - late, line",
-        "inside an arc": "early - late, arc",
-        "inside against on a line": "(early - late, arc) - (early - late, line)",
-    }
-    for name, question in rows.items():
-        cells = re.search(rf"^\| {name} \|.*\|(.*)\|(.*)\|$", text, re.MULTILINE).groups()
-        for measure, cell, scale in (("difference", cells[0], 100), ("ratio", cells[1], 1)):
-            row = scale * table.loc[(question, measure), ["value", "low", "high"]].astype(float)
-            said = [float(number) for number in re.findall(r"[-+]?\d+\.\d+", cell)]
-            assert row.to_list() == pytest.approx(said, rel=0.1, abs=0.5)
-            assert (row["low"] > 0 or row["high"] < 0) if scale == 100 else (row["low"] > 1 or row["high"] < 1)
-
-
-@pytest.mark.slow
-def test_claims_of_ones_own(tmp_path):
-    found = play(PAGES / "claims.md", tmp_path)
-    assert "2 passed" in found["printed"]
+def claims(found):
     assert found["found"].verdict is Verdict.REFUTED
 
 
-@pytest.mark.slow
-def test_solve(tmp_path):
-    words = play(PAGES / "solve.md", tmp_path)["printed"]
-    wanted = ("SUCCESS", "LinearisedCatchUp", "contact, particle", "smaller dt")
-    assert [word for word in wanted if word not in words] == []
+def proofs(found):
+    assert found["proof"].bound <= 1e-25
+
+
+FOUND = (first_steps, own_problem, own_scheme, moving_sets, own_event, own_force, cell_types, space)
+CHECKS = {check.__name__: check for check in (*FOUND, simplify, claims, proofs)}
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_a_page_runs_and_gives_what_it_says(name, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    if name == "space":
+        need_rendering()
+    try:
+        found = play(PAGES[name], tmp_path)
+        assert [words for words in PRINTED.get(name, ()) if words not in found["printed"]] == []
+        CHECKS.get(name, lambda _: None)(found)
+    finally:
+        for kind in (tissue.EmtEvent, tissue.Force, tissue.Observable):
+            registry(kind).clear()
+
+
+@pytest.mark.parametrize("page", EXTENSIONS, ids=lambda page: page.stem)
+def test_examples_of_extensions_run(page, capsys):
+    run(page)
+    assert capsys.readouterr().out.strip()

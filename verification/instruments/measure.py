@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 import dincl
 from dincl.checks import describe
-from dincl.conversions import because, plain
+from dincl.conversions import plain
 from verification.instruments.budget import Budget, CpuSeconds, OutOfBudgetError, counted
 from verification.instruments.error_norms import Computed, Errors, Norm, checked_errors, measured, of_reference
 from verification.instruments.machine_code import machine_code
@@ -266,7 +266,7 @@ def _states(method: Method, found: Any, problem: Any, count: int) -> Floats:
     states = plain(found)
     if states is None:
         raise dincl.InvalidProblem(
-            f"method {method.label!r} returned {describe(found)}: must return an array of real states{because(found)}"
+            f"method {method.label!r} returned {describe(found)}: must return an array of real states"
         )
     expected = (count, *problem.x0.shape) if isinstance(problem, dincl.Problem) else (count, *states.shape[1:])
     if states.shape != expected:

@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from concurrent.futures import Executor
 from dataclasses import KW_ONLY, dataclass, fields
 from functools import cached_property, partial
+from numbers import Integral
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -106,7 +107,7 @@ class W1Runs:
 
     def __post_init__(self) -> None:
         _checked_repeats(self.repeats, len(_checked_sizes(self.sizes)), self.quantiles)
-        for part in (self.seed,) if isinstance(self.seed, int) else tuple(self.seed):
+        for part in _listed(self.seed):
             integer("seed", part, least=0)
         if self.quantiles and self.density.nx > 1:
             raise InvalidProblem(
@@ -129,8 +130,7 @@ class W1Runs:
     def __call__(self, key: Key) -> list[Row]:
         """Compare one sample; one row for each time."""
         n, k = int(key["N"]), int(key["repeat"])
-        seed = (self.seed,) if isinstance(self.seed, int) else tuple(self.seed)
-        X, other = draw(self.density, self.start, n, np.random.default_rng((*seed, n, k)))
+        X, other = draw(self.density, self.start, n, np.random.default_rng((*_listed(self.seed), n, k)))
         at_start = {"t": 0.0, "w1": distance(self.density, X, other), "error_y": 0.0}
         later = [] if self.limit is None else through_flow(self.limit, X, other)
         return [{"N": n, "repeat": k} | row for row in [at_start, *later]]
@@ -297,6 +297,11 @@ def fitted_power(means: pd.DataFrame) -> dict[str, Any]:
     return row | {"constant": float(np.exp(line.at_zero)), "misfit": line.misfit}
 
 
+def _listed(value: int | Sequence[int]) -> list[int]:
+    """Return a number, of Python or NumPy, or several, as a list."""
+    return [value] if isinstance(value, Integral) else list(value)  # type: ignore[arg-type, list-item]
+
+
 def _checked_sizes(sizes: Sequence[int]) -> list[int]:
     counts = [integer("sizes", n, least=1) for n in sizes]
     if len(counts) < FEWEST_SIZES or (np.diff(counts) <= 0).any():
@@ -306,7 +311,7 @@ def _checked_sizes(sizes: Sequence[int]) -> list[int]:
 
 def _checked_repeats(repeats: int | Sequence[int], sizes: int, quantiles: bool) -> list[int]:
     """Return the repeats of each size."""
-    given = [repeats] * sizes if isinstance(repeats, int) else list(repeats)
+    given = _listed(repeats) * (sizes if np.ndim(repeats) == 0 else 1)
     least, most = (1, 1) if quantiles else (2, None)
     many = [integer("repeats", k, least=least, most=most) for k in given]
     if len(many) != sizes:

@@ -8,9 +8,7 @@ from hypothesis.extra import numpy as hnp
 from numpy.typing import NDArray
 
 from dincl.compiled.arrays import axes_of
-from dincl.neighbours.grid import grid_layout, grid_pairs
-from dincl.neighbours.hierarchy import hierarchy_pairs
-from dincl.neighbours.search import compared_pairs, neighbour_pairs
+from dincl.neighbours.search import compared_pairs, grid_pairs, neighbour_pairs
 from tests.twins import neighbours as twins
 
 Array = NDArray[np.float64]
@@ -36,15 +34,8 @@ def by_comparison(x: Array, radius: Array) -> Pairs:
 
 
 def by_grid(x: Array, radius: Array) -> Pairs:
-    """List close pairs in one grid, which must fit."""
-    shape, low, cell = grid_layout(x, radius)
-    assert shape.size == 3
-    return grid_pairs(x, radius, shape, low, cell, axes_of(x))
-
-
-def by_hierarchy(x: Array, radius: Array) -> Pairs:
-    """List close pairs in the hierarchy of grids."""
-    return hierarchy_pairs(x, radius, axes_of(x))
+    """List close pairs in a grid."""
+    return grid_pairs(x, radius, axes_of(x))
 
 
 def cloud(rng: np.random.Generator, n: int, d: int) -> Array:
@@ -61,7 +52,7 @@ def test_hand_computed_pairs() -> None:
     assert (start.dtype, partner.dtype) == (np.int64, np.int32)
 
 
-@pytest.mark.parametrize("search", [neighbour_pairs, by_comparison, by_grid, by_hierarchy])
+@pytest.mark.parametrize("search", [neighbour_pairs, by_comparison, by_grid])
 @pytest.mark.parametrize("d", DIMENSIONS)
 @pytest.mark.parametrize("n", [1, 2, 30, 200])
 def test_similar_radii(search, d: int, n: int, rng: np.random.Generator) -> None:
@@ -74,7 +65,7 @@ def test_similar_radii(search, d: int, n: int, rng: np.random.Generator) -> None
 def test_unequal_radii(d: int, decades: int, rng: np.random.Generator) -> None:
     x, radius = cloud(rng, 250, d), 10.0 ** rng.uniform(-decades, 0.5, 250)
     expected = twins.neighbour_pairs(x, radius)
-    assert same(by_hierarchy(x, radius), expected)
+    assert same(by_grid(x, radius), expected)
     assert same(neighbour_pairs(x, radius), expected)
 
 
@@ -97,7 +88,7 @@ def test_no_disc_and_one_disc(search, d: int) -> None:
         assert partner.size == 0
 
 
-@pytest.mark.parametrize("search", [by_comparison, by_grid, by_hierarchy])
+@pytest.mark.parametrize("search", [by_comparison, by_grid])
 def test_all_at_one_point(search) -> None:
     n = 120
     start, partner = search(np.full((n, 2), 7.0), np.ones(n))
@@ -113,7 +104,7 @@ def test_far_apart(scale: float, shift: float, d: int, rng: np.random.Generator)
     x[1::2] = x[::2] + rng.uniform(-1.0, 1.0, (75, d))
     radius = rng.uniform(0.3, 0.7, 150)
     expected = twins.neighbour_pairs(x, radius)
-    assert same(by_hierarchy(x, radius), expected)
+    assert same(by_grid(x, radius), expected)
     assert same(neighbour_pairs(x, radius), expected)
 
 
@@ -123,7 +114,6 @@ def test_lattice_distances_exactly_at_the_limit(unit: float, rng: np.random.Gene
     radius = np.full(200, 0.5 * unit)
     expected = twins.neighbour_pairs(x, radius)
     assert same(by_grid(x, radius), expected)
-    assert same(by_hierarchy(x, radius), expected)
 
 
 @pytest.mark.parametrize("lost", [0, 57, 119])
@@ -148,7 +138,5 @@ def test_generated_discs(data: st.DataObject, n: int, d: int, size: float, small
     x = data.draw(hnp.arrays(np.float64, (n, d), elements=st.floats(-size, size)))
     radius = data.draw(hnp.arrays(np.float64, n, elements=st.floats(smallest, 2.0)))
     expected = twins.neighbour_pairs(x, radius)
-    assert same(by_hierarchy(x, radius), expected)
     assert same(by_comparison(x, radius), expected)
-    if grid_layout(x, radius)[0].size:
-        assert same(by_grid(x, radius), expected)
+    assert same(by_grid(x, radius), expected)

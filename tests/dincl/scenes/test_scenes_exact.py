@@ -135,26 +135,6 @@ def errors(case: Case, times: list[float]) -> np.ndarray:
     return np.abs(np.array(runs) - case.scene.exact(times)).max(axis=(2, 3))
 
 
-def slope(error: np.ndarray) -> float:
-    return float(np.polyfit(np.log(STEPS), np.log(error), 1)[0])
-
-
-@pytest.mark.parametrize(("case", "bounds"), [(CASES[0], (0.2, 0.65)), (CASES[1], (0.1, 0.35))])
-def test_catch_up_converges_with_order_one_past_a_disc(case: Case, bounds: tuple[float, float]) -> None:
-    """While sliding and after leaving; ``bounds`` are those of error / dt."""
-    found = errors(case, list(case.scene.times))
-    for error, bound in zip(found.T, bounds, strict=True):
-        assert abs(slope(error) - 1) < 0.1
-        assert bound / 2 < error[-1] / STEPS[-1] < bound
-
-
-def test_a_single_fall_is_exact() -> None:
-    """Euler's steps add up without error and the projection onto the half line is exact: only rounding is left."""
-    found = errors(CASES[3], [0.5, 1.0])
-    assert found[:, 0].max() < 1e-13
-    assert found[:, 1].max() == 0
-
-
 def test_sweeping_errs_by_missed_reversals_only() -> None:
     """Steps are exact while the interval moves one way; a reversal inside of a step is missed by at most h^2 / 8."""
     scene = scenes.sweeping_interval()

@@ -23,7 +23,8 @@ FIBRE = mf.StraightFibre(m=1.0, k0=1.0, y_rest=1.5, k1=0.5)
 
 @pytest.fixture(scope="module")
 def flow() -> v.W1Rates:
-    return v.w1_rates(FIBRE, LAW, [8, 16, 32, 64], 40, 3, t=[1.0, 2.0], y0=[1.0], v0=[0.5], tol=1e-8)
+    sizes, repeats, seed = np.array([8, 16, 32, 64]), np.int64(40), np.int32(3)  # as NumPy's arrays hold them
+    return v.w1_rates(FIBRE, LAW, sizes, repeats, seed, t=[1.0, 2.0], y0=[1.0], v0=[0.5], tol=1e-8)
 
 
 def made_up(power: float, scatter: float, repeats: int = 40) -> pd.DataFrame:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meanfield import Density, Model
-from meanfield.solvers.push_forward import origins
+from meanfield.solvers.characteristics import origins
 from verification.thesis.chapter5.cases import CASES, FIBRE
 
 Floats = NDArray[np.float64]

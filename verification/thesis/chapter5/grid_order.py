@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from dincl.study import Study
 from meanfield import push_forward, solve_characteristics, solve_pde, w1
+from meanfield.solvers.characteristics import origins
 from meanfield.solvers.pde import averages, spacings
-from meanfield.solvers.push_forward import origins
 from verification.instruments.method import Method
 from verification.instruments.orders import OrderRuns, OrderStudy
 from verification.instruments.references import Known

@@ -12,7 +12,7 @@ from dincl.constraints import Constraint, MaxDistance, NonOverlap, Ordered
 from dincl.errors import InvalidProblem
 from dincl.problem import Problem
 from dincl.projection import Projection
-from dincl.projection.project import project
+from dincl.projection.feasible import project
 from tissue.frames.frame import Frame
 from tissue.model.energy import forces
 from tissue.state.cells import CellLayers, Cells, Floats, Forces, first

@@ -6,7 +6,7 @@ import pytest
 
 from dincl.study.table import run_names
 from meanfield import Density, push_forward, w1
-from meanfield.solvers.push_forward import origins
+from meanfield.solvers.characteristics import origins
 from tests.executors import Here
 from verification.site.agreement import compare_studies
 from verification.site.context import Context

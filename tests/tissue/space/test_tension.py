@@ -1,38 +1,15 @@
-"""The tutorial of the tissue in three dimensions: its Python runs, and what its text says is so."""
+"""Tension of new edges and free boundaries in space: what a tissue does in hours."""
 
 import numpy as np
 import pytest
 
 import tissue
-from tests.optional import need_rendering
-from tests.pages import ROOT, play
-from tissue.files.parameters import load
 from tissue.frames.observables import layer_area
 
-PAGE = ROOT / "docs" / "howto" / "space.md"
 # A slice made a sheet, which is crowded.
 CROWDED = tissue.preset("published").changed(
     {"tissue.dimension": 3, "tissue.cells": 196, "tissue.two_daughters": 1, "numerics.t_end": "6 h"}
 )
-
-
-@pytest.fixture(scope="module")
-def found(tmp_path_factory):
-    need_rendering()
-    folder = tmp_path_factory.mktemp("space")
-    return play(PAGE, folder) | {"folder": folder}
-
-
-def test_the_page_runs(found):
-    run = found["run"]
-    assert (found["folder"] / "section.png").exists()
-    assert (found["folder"] / "sheet.gif").exists()
-    assert load(found["folder"] / "short.toml").in_space
-    drawn = {path.name for path in (found["folder"] / "results" / "leave" / "figures").iterdir()}
-    assert {"positions.png", "ratios.png", "at_end.png", "examples_1.png", "examples_2.png"} <= drawn
-    assert len(run.final.cells.x) == 196
-    assert {"nucleus_z_um", "apical_z_um", "basal_z_um"} <= set(run.table().columns)
-    assert f"{2 * len(run.final.layers.apical)} triangles of" in found["printed"]
 
 
 def roughness(run):

@@ -1,4 +1,4 @@
-"""Contract of the commands: SIGTERM ends a command and all processes that it started, whatever these are doing."""
+"""A signal that ends a command, or a program with workers, ends all processes that it started, whatever they do."""
 
 import os
 import signal
@@ -15,16 +15,19 @@ REPORT = "import sys; from verification.command import main; sys.argv[1:] = ['re
 STUDY = "import sys; from tissue.cli import main; sys.argv[1:] = ['study', 'table5_7', '--out', 'out']; main()"
 # Two workers that hold the interpreter's lock, as libraries in C may do for minutes.
 HOLDING = """
+import signal
 import time
 from dincl.study import workers
 
+signal.signal(signal.SIGHUP, signal.SIG_DFL)  # under nohup a hangup is ignored, by workers, too
 executor = workers()
 sums = [executor.submit(sum, range(10**12)) for _ in range(2)]
 time.sleep(60)
 """
 # Each program, and how many processes of its own it has at work: of a report and its workers also the one that tracks
 # what they share. A study computes in threads.
-PROGRAMS = {"report": (REPORT, 4), "study": (STUDY, 1), "workers that hold the lock": (HOLDING, 4)}
+LOCKED = "workers that hold the lock"
+PROGRAMS = {"report": (REPORT, 4), "study": (STUDY, 1), LOCKED: (HOLDING, 4)}
 BEGUN, AT_WORK, GONE = 60.0, 3.0, 2.0  # seconds: to have all processes, to let them begin, to be gone
 
 
@@ -53,8 +56,11 @@ def wait_until(condition: Callable[[], bool], seconds: float) -> bool:
 
 @pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="processes are counted in /proc")
-@pytest.mark.parametrize("name", PROGRAMS)
-def test_sigterm_leaves_no_process(name: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("name", "how"),
+    [*((name, signal.SIGTERM) for name in PROGRAMS), (LOCKED, signal.SIGKILL), (LOCKED, signal.SIGHUP)],
+)
+def test_no_process_is_left(name: str, how: signal.Signals, tmp_path: Path) -> None:
     program, count = PROGRAMS[name]
     env = os.environ | {"PYTHONPATH": str(ROOT)}
     with (tmp_path / "said").open("wb") as said:
@@ -64,9 +70,9 @@ def test_sigterm_leaves_no_process(name: str, tmp_path: Path) -> None:
         assert wait_until(lambda: len(processes(main.pid)) >= count, BEGUN), (tmp_path / "said").read_text()
         time.sleep(AT_WORK)
         assert main.poll() is None, (tmp_path / "said").read_text()
-        main.send_signal(signal.SIGTERM)
+        main.send_signal(how)
         assert wait_until(lambda: not processes(main.pid), GONE), processes(main.pid)
-        assert main.wait(GONE) == -signal.SIGTERM
+        assert main.wait(GONE) == -how
     finally:
         for process in processes(main.pid):
             os.kill(process, signal.SIGKILL)

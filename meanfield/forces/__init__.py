@@ -1,1 +1,0 @@
-"""Effective mass and force of a measure of particles, and the interaction of its particles."""

@@ -1,1 +1,0 @@
-"""Wasserstein distance W1 between points and densities."""
