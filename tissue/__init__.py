@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from tissue.files.parameters import Parameters, load, preset
+    from tissue.fitting.results import fit, sensitivity
     from tissue.frames.frame import Frame
     from tissue.plugins import DivisionRule, EmtEvent, Force, Observable
     from tissue.runs.force_error import force_error
@@ -25,11 +26,13 @@ __all__ = [
     "Parameters",
     "Run",
     "RunFailed",
+    "fit",
     "force_error",
     "load",
     "preset",
     "register",
     "run_study",
+    "sensitivity",
     "simplify",
     "simulate",
     "simulate_many",
@@ -44,11 +47,13 @@ _HOMES = {
     "Parameters": "files.parameters",
     "Run": "runs.run",
     "RunFailed": "runs.run",
+    "fit": "fitting.results",
     "force_error": "runs.force_error",
     "load": "files.parameters",
     "preset": "files.parameters",
     "register": "runs.registration",
     "run_study": "study.run",
+    "sensitivity": "fitting.results",
     "simplify": "study.simplify",
     "simulate": "runs.simulate",
     "simulate_many": "runs.simulate",

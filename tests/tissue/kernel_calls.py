@@ -97,8 +97,8 @@ def together(states, wanted, given_numbers, seeds, named=()):
 
 
 @kernel
-def _sweeps(stores, ended, flat, wide, numbers):
-    n = copy_in(stores, ended, flat, numbers, 1.0)
+def _sweeps(stores, ended, flat, wide, numbers, scale):
+    n = copy_in(stores, ended, flat, numbers, scale)
     if len(ended) == 1:
         separate(flat, n)
         order_basal(flat, n)
@@ -111,9 +111,11 @@ def _sweeps(stores, ended, flat, wide, numbers):
 def swept(states, given_numbers, curve=store.STRAIGHT):
     """The cells of one tissue, or of eight, after one sweep of all projections."""
     kept, width = [held(state, curve=curve) for state in states], len(states)
-    workspaces = Workspaces(max(len(one.cells.x) for one in kept), width, given_numbers, 1.0, kept[0].curve)
+    workspaces = Workspaces(max(len(one.cells.x) for one in kept), width, [[given_numbers]], np.ones(1), kept[0].curve)
     places = np.array([one.address for one in kept])
-    _sweeps(places, np.zeros(width, np.int64), workspaces.flat, workspaces.wide, numbers_pointer(given_numbers))
+    pointer = numbers_pointer(given_numbers)
+    numbers = np.full(width, pointer.address)
+    _sweeps(places, np.zeros(width, np.int64), workspaces.flat, workspaces.wide, numbers, np.ones(width))
     return [taken(one).cells for one in kept]
 
 

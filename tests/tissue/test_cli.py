@@ -132,9 +132,10 @@ def test_a_run_goes_on_from_the_last_state_of_another():
     assert "--seed 3 --start 'one/final.npz'" in Path("two/parameters.toml").read_text("utf-8").splitlines()[0]
     again = call("run", "tissue.toml", "--seed", 3, "--start", "two/final.npz", "--out", "again")
     assert "Warning: nothing to grow: the start is at t = 1 h, and numerics.t_end = 1 h\n" in again.stderr
-    late = call("run", "short.toml", "--start", "two/final.npz")
+    late = call("run", "short.toml", "--start", "two/final.npz", "--out", "late")
     assert late.exit_code == 2
     assert "numerics.t_end" in late.stderr
+    assert list(Path("late").iterdir()) == []
 
 
 def test_the_folder_of_another_run_is_refused():
@@ -241,6 +242,12 @@ def test_a_study_ends_with_one_line_on_what_was_done():
     assert list(failures(results, results.summary())) == failed  # of each Status that there is
     again = call("study", "small.toml", "--out", "out")
     assert again.stdout.startswith("140 runs, 0 of them now in ")
+    for args in (("run", "tissue.toml"), ("simplify", "small.toml", "--tolerance", 1)):
+        other = call(*args, "--out", "out")
+        assert (other.exit_code, other.stderr) == (
+            2,
+            "Error: out: holds the results of a study; must be another folder\n",
+        )
 
 
 def test_remarks_come_first():

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import tissue
+from dincl.errors import InvalidProblem
 from dincl.status import Status
 from tests.tissue.bits import same, same_end
 from tests.tissue.own_forces.users import LAYERS as OF_FORCES
@@ -100,6 +101,45 @@ def test_alone_in_company_and_in_threads(parameters):
     ends = simulate(parameters.changed({"numerics.keep": parameters.as_dict()["numerics"]["t_end"]}), 5)
     assert len(ends.frames) == 2
     assert same(ends.final, company[0].final)
+
+
+@pytest.mark.slow_with("published, tube", "forces on a tube", "cylinder", "sphere")
+def test_side_by_side_each_with_parameters_of_its_own(parameters):
+    """The bits of each run are those that it has alone, also where another one cannot be beside it."""
+    cell, numerics, mu = parameters.cell, parameters.numerics, parameters.numerics.mu.value
+    given = [parameters]
+    for k in (1, 2):
+        own: dict[str, object] = {
+            "numerics.mu": f"{(1 + k / 4) * mu:g} h",
+            "cell.alpha_ax": cell.alpha_ax * (1 - k / 8),
+        }
+        own |= {"cell.alpha_xx": cell.alpha_xx * (1 + k / 4), "tissue.two_daughters": 0.4 * k}
+        own |= {f"forces.{name}": strength * (1 + k / 4) for name, strength in parameters.forces}
+        own |= {"tissue.diffusion": f"{0.7 * k} um^2/h"}
+        given.append(parameters.changed(own))
+    given.append(given[1].changed({"numerics.substeps": numerics.substeps + 1}))
+    for several in (given[:3], given[2:]):
+        for k, run in enumerate(simulate_many(several, range(len(several)))):
+            assert same_end(run, simulate(several[k], k))
+            assert run.parameters == several[k]
+            assert run.final.checkpoint.parameters == several[k].as_toml()
+
+
+def test_parameters_of_runs_side_by_side_must_have_the_same_times():
+    """One for each seed, and the message says what differs."""
+    given = preset("published").changed(SMALL)
+    for several, seeds, says in (
+        (
+            [given, given.changed({"numerics.t_end": "5 h"})],
+            [1, 2],
+            'numerics.t_end = "4 h" and "5 h": must be the same',
+        ),
+        ([given, given.changed({"numerics.keep": ["2 h"]})], [1, 2], "numerics.keep"),
+        ([given], [1, 2], "parameters = 1 of them: must be one for each of 2 seeds"),
+        ([given, 3], [1, 2], "must be tissue.Parameters"),
+    ):
+        with pytest.raises(InvalidProblem, match=says):
+            simulate_many(several, seeds)
 
 
 @pytest.mark.slow_with("forces on a tube", "cylinder")

@@ -15,6 +15,7 @@ import typer
 from dincl.errors import InvalidProblem
 from dincl.files import check_writable, replacing, write_text
 from dincl.study import progress
+from tissue.cli.fits import fit, sensitivity
 from tissue.cli.messages import RUN_FAILED, messages
 from tissue.cli.parameters import list_parameters
 from tissue.cli.simplify import simplify
@@ -38,6 +39,8 @@ app.command()(resolve_name(PAGE))
 app.command()(study)
 app.command()(page)
 app.command()(simplify)
+app.command()(fit)
+app.command()(sensitivity)
 app.command("parameters")(list_parameters)
 app.command("summary")(summarise)
 File = Annotated[str, typer.Argument(metavar="FILE", help=f"A parameter file, or a preset: {', '.join(PRESETS)}.")]
@@ -71,8 +74,9 @@ def run(
         folder = out or Path("results") / f"{Path(file).stem}_seed{seed}"
         first = Frame.load(start) if start else None
         after = f" --start {str(start)!r}" if start else ""
-        _write_parameters(parameters, file, f"--seed {seed}{after}", folder)
+        text = _checked_parameters(parameters, file, f"--seed {seed}{after}", folder)
         grown = _simulated(parameters, seed, first)
+        write_text(folder / "parameters.toml", text)
         with replacing(folder / "table.parquet") as partial:
             grown.table().to_parquet(partial, index=False)
         with replacing(folder / "summary.csv") as partial:
@@ -135,11 +139,14 @@ def _parameters(file: str) -> Parameters:
     return load(file)
 
 
-def _write_parameters(parameters: Parameters, file: str, given: str, folder: Path) -> None:
-    """Write the complete parameters, and what else it takes to repeat the run; refuse the folder of another run.
+def _checked_parameters(parameters: Parameters, file: str, given: str, folder: Path) -> str:
+    """Return the complete parameters, and what else it takes to repeat the run; refuse the folder of another run.
 
     ``given``: the options on which the run depends.
     """
+    from tissue.study.store import refuse_study
+
+    refuse_study(folder)
     folder.mkdir(parents=True, exist_ok=True)
     path, text = folder / "parameters.toml", parameters.as_toml()
     if names := sorted(set(WRITTEN) & {one.name for one in folder.iterdir()}):
@@ -149,7 +156,7 @@ def _write_parameters(parameters: Parameters, file: str, given: str, folder: Pat
             raise InvalidProblem(f"{folder}: {allowed}; it holds {', '.join(names)} of another one")
     made_by = ", ".join(f"{name} {version(name)}" for name in ("dincl-testbed", "numpy", "numba"))
     made_on = f"# Made by {made_by}, Python {platform.python_version()} on {platform.machine()}"
-    write_text(path, f"# All parameters of: tissue run {file!r} {given}\n{made_on}\n\n{text}")
+    return f"# All parameters of: tissue run {file!r} {given}\n{made_on}\n\n{text}"
 
 
 def _simulated(parameters: Parameters, seed: int, first: Frame | None = None) -> Run:

@@ -59,7 +59,9 @@ def forecast(study: TissueStudy) -> tuple[PlannedComparisons, pd.DataFrame]:
                 for p in NEAR:
                     spreads = np.sqrt(p * (1 - p) * (1 + (cells - 1) * WITHIN_RUN) / cells)
                     least = errors * float(np.linalg.norm(w * spreads))
-                    row[f"{100 * p:g} %"] = np.exp(least / p) if measure == "ratio" else least
+                    # A share is at most 1: no larger effect can be.
+                    effect, most = (np.exp(least / p), 1 / p) if measure == "ratio" else (least, 1.0)
+                    row[f"{100 * p:g} %"] = effect if effect <= most else np.inf
             rows.append(row)
     columns = ["question", "outcome", "measure", *(f"{100 * p:g} %" for p in NEAR), "spreads"]
     return plan, pd.DataFrame(rows, columns=columns)
@@ -84,6 +86,8 @@ def forecast_text(study: TissueStudy) -> str:
 def _least(measure: str, column: str, value: float) -> str:
     if pd.isna(value):
         return ""
+    if np.isinf(value):
+        return "none"
     if column == "spreads":
         return f"{value:.2f}"
     return f"x {value:.2f}" if measure == "ratio" else f"{100 * value:.1f} points"

@@ -148,7 +148,8 @@ def _said(results: Results) -> str:
     from tissue.study import answers
 
     study, stored = results.study, results.summary()
-    plan = f"{study.replicates} runs of each of {len(study.scenarios)} scenarios, seed {study.seed}"
+    paired = ", paired: replicate k of each has the same random numbers" if study.paired else ""
+    plan = f"{study.replicates} runs of each of {len(study.scenarios)} scenarios, seed {study.seed}{paired}"
     there = "" if results.complete else f", {stored['runs'].sum()} of them are stored"
     if without := ", ".join(stored.loc[stored["runs"] == 0, "scenario"]):
         there += f", none yet of {without}"

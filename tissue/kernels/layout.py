@@ -61,7 +61,9 @@ OfCells = Annotated[Integers, Shared(lambda size: size.cells)]
 
 
 def both_forms(kind: Any, size: Size, **given: Any) -> tuple[Any, Any]:
-    """Make a workspace of zeros, flat and in rows; ``given``: the numbers, where they are not the defaults."""
+    """Make a workspace of zeros, flat and in rows; ``given``: the numbers, where they are not the defaults, and what
+    there is for each tissue: one number for all, or one for each.
+    """
     flat, rows, layout = dict(given), dict(given), _layout(kind)
     lines = iter(_aligned(sum(isinstance(mark, PerCell) for mark in layout.values()), size.cells * size.width))
     for name, mark in layout.items():
@@ -70,7 +72,8 @@ def both_forms(kind: Any, size: Size, **given: Any) -> tuple[Any, Any]:
             rows[name] = flat[name].reshape(-1, WIDTH)
         elif isinstance(mark, PerTissue):
             rows[name] = np.zeros((mark.count, WIDTH), mark.kind)
-            flat[name] = rows[name].ravel() if size.width == WIDTH else np.zeros(mark.count, mark.kind)
+            rows[name][:] = given.get(name, 0)
+            flat[name] = rows[name].ravel() if size.width == WIDTH else rows[name][:, 0].copy()
         else:
             flat[name] = rows[name] = np.zeros(mark.shape(size), mark.kind)
     return kind(**flat), kind(**rows)

@@ -102,7 +102,7 @@ def _has_gone_far(work: SurfaceWorkspace, rows: int, n: int) -> bool:
 def make_lists(work: SurfaceWorkspace, n: int) -> None:
     """Both lists, from where the nuclei are now."""
     soft, hard = SOFT + SKIN, 2.0 * largest_radius(work, n) + SKIN
-    work.cutoff[0] = max(soft, hard) if work.repulsion != 0.0 else hard
+    work.cutoff[0] = max(soft, hard) if work.repulsion[0] != 0.0 else hard
     list_pairs(work, n, work.cutoff[0])
     for i in range(n):
         work.made_x[i], work.made_y[i], work.made_z[i] = work.x[i], work.y[i], work.z[i]

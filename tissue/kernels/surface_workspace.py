@@ -94,6 +94,8 @@ class SurfaceWorkspace(NamedTuple):
     made_z: CellFloats
     id: CellIntegers
     noise_key: Annotated[Integers, PerTissue(2, np.int64)]  # of the noise in substeps, see ``tissue.model.noise``
+    repulsion: Annotated[Floats, PerTissue(1)]  # k of the soft repulsion times h / mu
+    deviation: Annotated[Floats, PerTissue(1)]  # of the noise in a substep
     # Edges; ``sizes`` says how many are in use
     junctions: Edges  # the cells i and j of each junction
     rest: OfEdges  # its rest length
@@ -124,9 +126,7 @@ class SurfaceWorkspace(NamedTuple):
     counts: Counts
     # Of one substep
     substeps: int = 0  # in one dt
-    repulsion: float = 0.0  # k of the soft repulsion times h / mu
     max_basal_distance: float = 0.0
-    deviation: float = 0.0  # of the noise in a substep
     bent: int = 0  # 0: the surface is no curve
     along: float = 0.0
     tangent_x: float = 0.0

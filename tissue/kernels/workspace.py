@@ -86,6 +86,8 @@ class Workspace(NamedTuple):
     id: CellIntegers
     noise_key: Annotated[Integers, PerTissue(2, np.int64)]  # of the noise in substeps, see ``tissue.model.noise``
     counts: Annotated[Floats, PerTissue(2)]  # corrections of discs and of basal points
+    repulsion: Annotated[Floats, PerTissue(1)]  # strength of all pushes; 1 where each cell has its own, see ``mixed``
+    deviation: Annotated[Floats, PerTissue(1)]  # of the noise in a substep
     # Who may be near whom, one number for all tissues
     first: OfCells  # of each cell or block the first one that may be near it
     last: OfCells  # of each cell, behind the last one
@@ -97,10 +99,8 @@ class Workspace(NamedTuple):
     pairs: One  # pairs looked at for the repulsion
     # Of one substep
     substeps: int = 0  # in one dt
-    repulsion: float = 0.0  # strength of all pushes; 1 where each cell has its own, see ``mixed``
     mixed: int = 0  # 0, or the power p of R in the repulsion of cells whose soft discs differ
     soft_end: float = 0.0  # the largest R_soft, a little more
-    deviation: float = 0.0  # of the noise in a substep
     bent: int = 0  # whether the basal layer is not a straight line, 1 or 0
     curve: CurveNumbers = STRAIGHT
     z: float = 0.0  # third coordinates are not there, see ``tissue.kernels.lanes``
@@ -112,31 +112,38 @@ class Workspace(NamedTuple):
     forces: int = 0  # where those of users are, see ``tissue.step.user_forces``; 0: there are none
 
 
+def is_mixed(kinds: Sequence[Numbers]) -> int:
+    """Return the power p of R in the repulsion where the soft discs of the types of cells differ, else 0."""
+    return int(kinds[0].spring_power) if len({(one.soft_radius, one.repulsion) for one in kinds}) > 1 else 0
+
+
 class Workspaces:
     """A workspace of both forms, on the same memory, for the cells of one tissue or of eight; for kernels they are
     ``Workspace``.
+
+    ``kinds``: of each tissue the numbers of its types of cells, of one where they are the same for all; ``scales``
+    likewise. What the fields without an array say must be the same for all.
     """
 
     def __init__(
         self,
         capacity: int,
         width: int,
-        numbers: Numbers,
-        scale: float,
+        kinds: Sequence[Sequence[Numbers]],
+        scales: Floats,
         curve: CurveNumbers,
         forces: int = 0,
-        named: Sequence[Numbers] = (),
     ) -> None:
-        kinds = (numbers, *named)
-        mixed = len({(one.soft_radius, one.repulsion) for one in kinds}) > 1
+        numbers, mixed = kinds[0][0], is_mixed(kinds[0])
+        strengths = [scale * one[0].repulsion for one, scale in zip(kinds, scales, strict=True)]
         flat, wide = both_forms(
             Workspace,
             Size(capacity, width),
             substeps=int(numbers.substeps),
-            repulsion=1.0 if mixed else float(scale * numbers.repulsion),
-            mixed=int(numbers.spring_power) if mixed else 0,
-            soft_end=max(one.soft_radius for one in kinds) * SOFT_END,
-            deviation=float(np.sqrt(numbers.substep_variance)),
+            repulsion=1.0 if mixed else strengths,
+            mixed=mixed,
+            soft_end=max(one.soft_radius for mine in kinds for one in mine) * SOFT_END,
+            deviation=np.sqrt([mine[0].substep_variance for mine in kinds]),
             bent=curve.bent,
             curve=curve,
             forces=forces,

@@ -68,7 +68,7 @@ def move(work: Any, rows: int) -> None:
     point that it holds by the part of its force that is along the curve. Cells are whole: their own points need no
     nearest image.
     """
-    strength = work.repulsion
+    strength = load(work.repulsion, 0)
     for i in range(rows):
         x = load(work.x, i), load(work.y, i), load(work.z, i)
         a = load(work.ax, i), load(work.ay, i), load(work.az, i)

@@ -14,7 +14,7 @@ from numpy.random import Generator
 
 from dincl.compiled import inner
 from tissue.kernels.generators import threefry
-from tissue.kernels.lanes import binary_parts, either, fma, load, twice_rsqrt
+from tissue.kernels.lanes import binary_parts, either, fma, load, positive_bits, twice_rsqrt
 from tissue.kernels.lanes import store as put
 from tissue.state.cells import Integers
 from tissue.state.running import CELLS, TissueState
@@ -87,8 +87,8 @@ def add_substep_noise(work: Any, rows: int, number: int) -> None:
 
     It is a function of the key, the id of the cell and the number of the substep alone.
     """
-    deviation, x, y, z = work.deviation, work.x, work.y, work.z
-    if deviation > 0.0:
+    deviation, x, y, z = load(work.deviation, 0), work.x, work.y, work.z
+    if positive_bits(deviation):
         for i in range(rows):
             along_x, along_y = normal_pair(work.noise_key, work.id, i, number)
             along_z, _ = normal_pair(work.noise_key, work.id, i, DEPTH + number)

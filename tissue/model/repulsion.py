@@ -45,12 +45,12 @@ def push_in_rows(work: Workspace, n: int, wide: Workspace, rows: int) -> None:
     Where soft discs differ it has the strength of each pair. Eight nuclei in a row meet all that are near one of them,
     one after the other. Without strength no pair is looked at.
     """
-    pairs = 0
-    if work.repulsion != 0.0:
+    pairs, repels = 0, work.repulsion[0] != 0.0
+    if repels:
         find_near_rows(work, n, work.soft_end)
     for row in range(rows):
         push = spread(wide.x, 0.0), spread(wide.x, 0.0)
-        for k in range(list_around(work, row, n) if work.repulsion != 0.0 else 0):
+        for k in range(list_around(work, row, n) if repels else 0):
             begin, end = work.begin[k], min(work.end[k], n)
             push = _push_row(work, wide, row, begin, end, push)
             pairs += WIDTH * (end - begin)
@@ -81,13 +81,16 @@ def _push_row(work: Workspace, wide: Workspace, row: int, begin: int, end: int, 
 
 @inner
 def push_in_pairs(work: Workspace, n: int) -> None:
-    """Push in eight tissues, where each pair is looked at once; sums are added up in the same order."""
+    """Push in eight tissues, where each pair is looked at once; sums are added up in the same order. All of them have
+    strength, or none.
+    """
+    repels = work.repulsion[0, 0] != 0.0
     pairs, first, ahead, boxes = 0, 0, spread(work.x, -1e300), work.bent > 0
-    if boxes and work.repulsion != 0.0:
+    if boxes and repels:
         find_boxes(work, n, BLOCK, 0.0, work.soft_end)
     for i in range(n):
         push = spread(work.x, 0.0), spread(work.x, 0.0)
-        if work.repulsion == 0.0:
+        if not repels:
             pass
         elif boxes:
             for k in range(list_before(work, i)):

@@ -34,7 +34,7 @@ def push_nuclei(work: SurfaceWorkspace, n: int) -> None:
         i = order[p]
         store_quad(at, 4 * p, quad_of(work.x[i], work.y[i], work.z[i]))
         store_quad(pushed, 4 * p, quad_of(0.0, 0.0, 0.0))
-    if work.repulsion != 0.0:
+    if work.repulsion[0] != 0.0:
         store_quad(at, 4 * n, quad_of(0.0, FAR, 0.0))
         pairs = 0
         for p in range(n):

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import pandas as pd
-from jinja2 import Environment, PackageLoader, StrictUndefined
+from jinja2 import Environment, PackageLoader, StrictUndefined, Template
 from markupsafe import Markup
 
 from dincl.errors import InvalidProblem
@@ -123,9 +123,7 @@ def write_page(results: Results, path: Path | None = None) -> Path:
     movies = {name: movie for name in shown if (movie := _movie(results, name)) is not None}
     events = {name: colour for movie in movies.values() for name, colour in movie.events.items()}
     copy = results.folder / COPY
-    environment = Environment(loader=PackageLoader("tissue.report", ""), autoescape=True, undefined=StrictUndefined)
-    environment.trim_blocks = environment.lstrip_blocks = True
-    text = environment.get_template("page.html.j2").render(
+    text = template("page.html.j2").render(
         study=study,
         runs=int(stored["runs"].sum()),
         failed=int(stored["failed"].sum()),
@@ -133,22 +131,29 @@ def write_page(results: Results, path: Path | None = None) -> Path:
         folded=folded_remarks(results),
         note="" if plan is None else how_text(results, plan),
         answers=_answers(results),
-        differences="" if study.compare else _table(answers_shown(results)),
+        differences="" if study.compare else html_table(answers_shown(results)),
         movies=movies,
         colours=COLOURS | {label_of(name): one for name, one in events.items()},
-        ends=_table(shares_shown(results)),
+        ends=html_table(shares_shown(results)),
         figures=list(_of_scenarios(results)),
         examples=list(_examples(results)),
-        changes=_table(scenario_changes(results).replace("nan", "not set")),
+        changes=html_table(scenario_changes(results).replace("nan", "not set")),
         parameters={name: results.parameters(name).as_toml() for name in study.scenarios},
         # A link could lead to any file of the user, and pages are sent to others.
         copy=read_bytes(copy).decode() if copy.is_file() and not copy.is_symlink() else "",
         origin=results.origin,
-        image=_image,
+        image=image,
         widths=(WIDTH, NARROW),
     )
     write_text(file, text)
     return file
+
+
+def template(name: str) -> Template:
+    """Return a template of this folder."""
+    environment = Environment(loader=PackageLoader("tissue.report", ""), autoescape=True, undefined=StrictUndefined)
+    environment.trim_blocks = environment.lstrip_blocks = True
+    return environment.get_template(name)
 
 
 def _answers(results: Results) -> list[Answer]:
@@ -214,11 +219,11 @@ def _movie(results: Results, scenario: str) -> Movie | None:
     )
 
 
-def _image(figure: Drawable, width: float) -> str:
+def image(figure: Drawable, width: float) -> str:
     """Return a WebP image of a figure in base64."""
     return b64encode(webp(figure.draw(width), DPI)).decode()
 
 
-def _table(table: pd.DataFrame) -> Markup:
+def html_table(table: pd.DataFrame) -> Markup:
     """Return a table of texts in HTML; none without rows."""
     return Markup(table.to_html(index=False, border=0)) if len(table) else Markup()

@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from itertools import count, repeat, takewhile
+from itertools import count, takewhile
+from typing import Any
 
 import numpy as np
 
 from dincl.callables import UserFunction
 from dincl.checks import function, instance
-from dincl.errors import FunctionFailed
+from dincl.errors import FunctionFailed, InvalidProblem
 from dincl.status import Status
 from tissue.files.parameters import Parameters
+from tissue.files.sections import show
 from tissue.frames.frame import Frame
 from tissue.kernels.workspace import LOST, RUNNING
 from tissue.model.measures import Measures, measure
 from tissue.runs.compiled_rules import together
-from tissue.runs.group import Group
+from tissue.runs.group import Group, OwnNumbers
 from tissue.runs.resume import checkpoint_of, resumed, steps_made
 from tissue.runs.run import Run
 from tissue.runs.stability import LOOKS, stability_fault, surely_stable, swings
@@ -36,11 +38,27 @@ GIVEN = ("stiff_ax", "stiff_bx", "stiff_axb", "stiff_aa", "radius")
 
 
 class Batch:
-    """Runs of the same parameters and of up to WIDTH seeds, from t = 0 or from saved states of one time."""
+    """Runs of up to WIDTH seeds, from t = 0 or from saved states of one time.
 
-    def __init__(self, parameters: Parameters, seeds: Sequence[int], starts: Sequence[Frame] = ()) -> None:
-        instance("parameters", parameters, Parameters, "tissue.Parameters, made by load, preset or changed")
-        self.parameters, self.seeds, self._text = parameters, seeds, parameters.as_toml()
+    Attributes
+    ----------
+    parameters
+        Of all runs, or of the first one.
+    each
+        Those of each run. dt and output times are the same; where kernels cannot make all of them side by side, see
+        ``OwnNumbers.shared``, each run is alone, with the same bits.
+    """
+
+    def __init__(
+        self, parameters: Parameters | Sequence[Parameters], seeds: Sequence[int], starts: Sequence[Frame] = ()
+    ) -> None:
+        several: Any = parameters if isinstance(parameters, (list, tuple)) else [parameters] * len(seeds)
+        self.each: list[Parameters] = list(several)
+        for one in self.each:
+            instance("parameters", one, Parameters, "tissue.Parameters, made by load, preset or changed")
+        _require_same_times(self.each, len(seeds))
+        self.parameters, self.seeds = self.each[0], seeds
+        self._texts: dict[int, str] = {}  # of parameters, made where they are asked for
         self.fault: FunctionFailed | None = None
         # How runs ended that an output time showed to be unstable, or folded.
         self._ended: dict[int, tuple[Status, str]] = {}
@@ -48,19 +66,24 @@ class Batch:
         self.folded: dict[int, tuple[float, str]] = {}
         # What was measured of each run at the present output time; None of one that failed, or has no apical layer.
         self.measures: list[Measures | None] = [None] * len(seeds)
-        self._begin = steps_made(parameters, starts[0]) if starts else 0
+        self._begin = steps_made(self.parameters, starts[0]) if starts else 0
         if starts:
-            states, random = zip(*map(resumed, repeat(parameters), starts, seeds), strict=True)
+            states, random = zip(*map(resumed, self.each, starts, seeds), strict=True)
             self._separation: Sequence[Separation] = [checkpoint_of(start).separation for start in starts]
         else:
             random = tuple(streams(seed) for seed in seeds)
-            states, self._separation = zip(*map(started, repeat(parameters), random), strict=True)
+            states, self._separation = zip(*map(started, self.each, random), strict=True)
         self._random = random
-        rule, forces, named = parameters.division_rule(), parameters.forces.acting(), parameters.named_numbers()
-        size = 1 if parameters.in_space else len(states)  # in space they are not side by side
-        parts = [slice(k, k + size) for k in range(0, len(states), size)]
-        self._surely_stable = surely_stable(parameters)
-        self._groups = [Group(states[k], parameters.numbers(), random[k], rule, forces, named) for k in parts]
+        # In space they are not side by side.
+        own, size = [own_numbers(one) for one in self.each], len(states)
+        if self.parameters.in_space or len(set(map(_structure, self.each, own))) > 1:
+            size = 1
+        self._surely_stable = [surely_stable(one) for one in self.each]
+        self._groups = []
+        for k in range(0, len(states), size):
+            some, first = slice(k, k + size), self.each[k]
+            rule, forces = first.division_rule(), first.forces.acting()
+            self._groups.append(Group(states[some], own[k].numbers, random[some], rule, forces, own=own[some]))
 
     def times(self, ask: Callable[[], None] | None = None) -> Iterator[float]:
         """Yield the output times [h], the first that of the start; when one is given, the runs are there.
@@ -100,7 +123,7 @@ class Batch:
             if found.fold and k not in self.folded:
                 t = step * self.parameters.numerics.dt.value if goes_on else self._stopped(k)
                 self.folded[k] = t, found.fold
-                if goes_on and self.parameters.numerics.folded == "stop":
+                if goes_on and self.each[k].numerics.folded == "stop":
                     self._end(k, step, Status.FOLDED, found.fold)
 
     def _end_unstable(self, before: int, step: int) -> None:
@@ -110,13 +133,14 @@ class Batch:
         """
         last = round(self.parameters.t_end / self.parameters.numerics.dt.value)
         looks = step == last or step * LOOKS // last > before * LOOKS // last
-        floored, size = self.parameters.rules.floor_rest_length, len(self._groups[0].states)
+        size = len(self._groups[0].states)
         for first, group in zip(range(0, len(self.seeds), size), self._groups, strict=True):
-            running = group.ended == RUNNING
-            looked = looks and running.any() and not self._surely_stable
-            swing = swings(group) if looked else np.zeros(len(group.states))
+            running, sure = group.ended == RUNNING, self._surely_stable[first : first + size]
+            swing = swings(group) if looks and running.any() and not all(sure) else np.zeros(len(group.states))
             for lane, state in enumerate(group.states):
-                if running[lane] and (fault := stability_fault(state, swing[lane], floored=floored)):
+                floored = self.each[first + lane].rules.floor_rest_length
+                mine = 0.0 if sure[lane] else swing[lane]
+                if running[lane] and (fault := stability_fault(state, mine, floored=floored)):
                     self._end(first + lane, step, Status.UNSTABLE, fault)
 
     def _end(self, k: int, step: int, status: Status, why: str) -> None:
@@ -159,11 +183,13 @@ class Batch:
 
     def frame(self, k: int, t: float) -> Frame:
         """Return a copy of run k at the present time t, or of the state that failed, at its time."""
-        state, random = self.state(k), self._random[k]
-        checkpoint = checkpoint_at(state, self.seeds[k], random, self._separation[k], self._text)
+        state, random, mine = self.state(k), self._random[k], self.each[k]
+        if id(mine) not in self._texts:
+            self._texts[id(mine)] = mine.as_toml()
+        checkpoint = checkpoint_at(state, self.seeds[k], random, self._separation[k], self._texts[id(mine)])
         time = t if self.goes_on(k) else self._stopped(k)
         sheets = kept(state.space) if self.parameters.in_space else None
-        return Frame(time, *contents(state), self.parameters.curve(), checkpoint, sheets)
+        return Frame(time, *contents(state), mine.curve(), checkpoint, sheets)
 
     def status(self, k: int) -> Status:
         """Return how run k ended, or that it goes on."""
@@ -201,7 +227,7 @@ class Batch:
         """Run k with these frames."""
         stats = dict(zip(COUNTERS, self.state(k).counts.tolist(), strict=True))
         ended = self.status(k), self.failure(k), stats, self._separation[k]
-        return Run(self.parameters, self.seeds[k], tuple(frames), *ended, folded=self.remark(k))
+        return Run(self.each[k], self.seeds[k], tuple(frames), *ended, folded=self.remark(k))
 
     def _advance(self, made: int, step: int) -> None:
         """Make steps; where a function of a user fails in them, they did not end a run."""
@@ -242,6 +268,29 @@ class Batch:
         """Return the group of run k, and its place there."""
         group = self._groups[k // len(self._groups[0].states)]
         return group, k % len(group.states)
+
+
+def own_numbers(parameters: Parameters) -> OwnNumbers:
+    """Return the numbers that a group has of a run with these parameters."""
+    strengths = tuple(strength for _, strength in parameters.forces.acting())
+    return OwnNumbers(parameters.numbers(), parameters.named_numbers(), strengths)
+
+
+def _structure(parameters: Parameters, own: OwnNumbers) -> tuple[Any, ...]:
+    """Return what must be the same for runs side by side."""
+    forces = tuple(force.name for force, _ in parameters.forces.acting())
+    return *own.shared, forces, parameters.division.rule, parameters.curve()
+
+
+def _require_same_times(each: Sequence[Parameters], runs: int) -> None:
+    """Refuse another number of parameters than of runs, or other output times; a dt."""
+    if len(each) != runs:
+        raise InvalidProblem(f"parameters = {len(each)} of them: must be one, or one for each of {runs} seeds")
+    for key in ("numerics.dt", "numerics.t_end", "numerics.keep", "tissue.dimension"):
+        section, _, name = key.partition(".")
+        if len(values := {getattr(getattr(one, section), name) for one in each}) > 1:
+            found = " and ".join(sorted(map(show, values))[:2])
+            raise InvalidProblem(f"parameters: {key} = {found}: must be the same for runs side by side")
 
 
 def checkpoint_at(

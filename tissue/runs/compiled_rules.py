@@ -16,7 +16,7 @@ from tissue.events.division import BESIDE
 from tissue.events.known import BUILT_IN, acting, bit, events
 from tissue.kernels.rules import BEGIN, LAST, PLACE, RULES, SPLITS, Rules, address_of
 from tissue.plugins import POINTS, DivisionRule, EmtEvent, Force
-from tissue.state.cells import Integers
+from tissue.state.cells import Floats, Integers
 from tissue.state.running import TissueState
 from tissue.step.user_forces import ENERGY, PART, PUSH, USER_FORCES, UserForces, evaluate_forces, follow_forces
 
@@ -50,12 +50,13 @@ def rules_pointer(states: Sequence[TissueState], division: DivisionRule = BESIDE
     return StructPointer(Rules(order, begin, last, int(splits), int(place), apical, basal), RULES)
 
 
-def forces_pointer(forces: Sequence[tuple[Force, float]], states: Integers, numbers: int, scale: float) -> Any:
-    """Return the forces of users with their strengths, for tissues and numbers at these addresses; ``scale`` =
-    h / mu.
+def forces_pointer(
+    forces: Sequence[Force], strengths: Floats, states: Integers, numbers: Integers, scale: Floats
+) -> Any:
+    """Return the forces of users with their strengths, (forces, tissues), for tissues and numbers at these addresses;
+    ``scale`` = h / mu of each tissue.
     """
-    push = code_of("push", [force for force, _ in forces])
-    strengths = np.array([strength for _, strength in forces])
+    push = code_of("push", forces)
     parts = (address_of(PART, evaluate_forces), address_of(PART, follow_forces))
     return StructPointer(UserForces(push, strengths, states, numbers, scale, *parts), USER_FORCES)
 

@@ -1,10 +1,13 @@
-"""Tissues that are stepped together: one alone, or up to eight side by side, with the same bits; one in space."""
+"""Tissues that are stepped together: one alone, or up to eight side by side, with the same bits; one in space.
+
+Each of them may have numbers of its own.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -15,7 +18,7 @@ from tissue.kernels.generators import GENERATOR, generator_words
 from tissue.kernels.lanes import WIDTH
 from tissue.kernels.rules import address_of
 from tissue.kernels.surface_workspace import SurfaceWorkspaces
-from tissue.kernels.workspace import EMPTY, RUNNING, Workspaces
+from tissue.kernels.workspace import EMPTY, RUNNING, Workspaces, is_mixed
 from tissue.network.neighbours import RENEWED, renew
 from tissue.plugins import DivisionRule, Force
 from tissue.runs.compiled_rules import answered, forces_pointer, rules_pointer, users_of
@@ -39,8 +42,28 @@ from tissue.step.advance import (
 from tissue.step.substeps import SLICE, SLICES, SURFACE, substeps_address
 
 
+class OwnNumbers(NamedTuple):
+    """Numbers of one tissue of a group: of its cells, of each named type of them, and the strengths of the forces."""
+
+    numbers: Numbers
+    named: tuple[Numbers, ...] = ()
+    strengths: tuple[float, ...] = ()
+
+    @property
+    def kinds(self) -> tuple[Numbers, ...]:
+        """The numbers of all cells."""
+        return (self.numbers, *self.named)
+
+    @property
+    def shared(self) -> tuple[Any, ...]:
+        """What must be the same for all tissues of a group, as kernels decide it for all at once."""
+        one = self.numbers
+        noise = one.substep_variance > 0
+        return one.dt, one.substeps, one.repulsion > 0, noise, is_mixed(self.kinds), len(self.strengths)
+
+
 class Group:
-    """Running tissues of the same numbers; ``named``: those of the named types of cells.
+    """Running tissues of the same numbers, or of numbers that differ; ``named``: those of the named types of cells.
 
     Attributes
     ----------
@@ -48,6 +71,8 @@ class Group:
         The tissues, up to WIDTH.
     forces
         Those of users that act, with their strengths, in the order of their names.
+    own
+        The numbers of each tissue, equal in ``OwnNumbers.shared``; in place of ``numbers``, ``named`` and strengths.
     ended
         Of each RUNNING, or the number of the step that failed; (1,) for a tissue alone, (WIDTH,) for several: EMPTY
         where there is none.
@@ -63,12 +88,16 @@ class Group:
         division: DivisionRule = BESIDE,
         forces: Sequence[tuple[Force, float]] = (),
         named: Sequence[Numbers] = (),
+        own: Sequence[OwnNumbers] = (),
     ) -> None:
         self.states, self.forces = list(states), forces
         width = 1 if len(self.states) == 1 else WIDTH
         self.ended: Integers = np.where(np.arange(width) < len(self.states), RUNNING, EMPTY)
-        self._numbers, self._named, self._keep = numbers, named, random
-        self._numbers_pointer = numbers_pointer(numbers, named)
+        same = OwnNumbers(numbers, tuple(named), tuple(strength for _, strength in forces))
+        self.own, self._keep = list(own) or [same] * len(self.states), random
+        places = [*range(len(self.states)), *[len(self.states) - 1] * (width - len(self.states))]  # the last one fills
+        self._lanes = [self.own[k] for k in places]
+        self._pointers = [numbers_pointer(one.numbers, one.named) for one in self._lanes]
         self._rules = rules_pointer(self.states, division)
         words = [[generator_words(one.cycle), generator_words(one.noise)] for one in random]
         self._random = np.ascontiguousarray(np.array(words, np.int64).reshape(-1, 2, GENERATOR).transpose(1, 0, 2))
@@ -110,10 +139,12 @@ class Group:
 
     def with_single_substeps(self, states: Sequence[TissueState]) -> Group:
         """Make the same group of other states, whose dt is one substep of this one, without noise."""
-        numbers = self._numbers._replace(
-            dt=self._numbers.dt / self._numbers.substeps, substeps=1, noise_in_substeps=False
-        )
-        group = Group(states, numbers, forces=self.forces, named=self._named)
+        once = [
+            one.numbers._replace(dt=one.numbers.dt / one.numbers.substeps, substeps=1, noise_in_substeps=False)
+            for one in self.own
+        ]
+        own = [one._replace(numbers=numbers) for one, numbers in zip(self.own, once, strict=True)]
+        group = Group(states, once[0], forces=self.forces, own=own)
         group.ended[:] = self.ended
         return group
 
@@ -124,7 +155,9 @@ class Group:
 
     def _place(self) -> None:
         """Make room for the substeps, and collect for the kernel where everything is."""
-        width, numbers = len(self.ended), self._numbers
+        width, numbers = len(self.ended), self.own[0].numbers
+        of_numbers = np.array([pointer.address for pointer in self._pointers])
+        scales = np.array([one.numbers.scale for one in self._lanes])
         addresses = [state.address for state in self.states]
         states = np.array(addresses + addresses[-1:] * (width - len(addresses)))
         first, capacity = self.states[0], max(len(state.cells.x) for state in self.states)
@@ -133,11 +166,11 @@ class Group:
         if in_plane:
             forces = 0
             if self.forces:
-                self._own = forces_pointer(self.forces, states, self._numbers_pointer.address, numbers.scale)
+                strengths = np.array([one.strengths for one in self._lanes]).T.copy()
+                self._own = forces_pointer([force for force, _ in self.forces], strengths, states, of_numbers, scales)
                 forces, push = self._own.address, self._own.value.push
-            self._workspaces: Any = Workspaces(
-                capacity, width, numbers, numbers.scale, first.curve, forces, self._named
-            )
+            kinds = [one.kinds for one in self._lanes]
+            self._workspaces: Any = Workspaces(capacity, width, kinds, scales, first.curve, forces)
         else:
             self._workspaces = SurfaceWorkspaces(
                 capacity,
@@ -153,12 +186,12 @@ class Group:
             states,
             self.ended,
             self._random,
-            numbers=self._numbers_pointer.address,
+            numbers=of_numbers,
             rules=self._rules.address,
             flat=self._workspaces.flat.address,
             wide=self._workspaces.wide.address,
             substeps=substeps_address(SURFACE if not in_plane else SLICE if width == 1 else SLICES),
             move=address_of(MOVE, move_slices if in_plane else move_surface),
-            scale=numbers.scale,
+            scale=scales,
         )
         self._step: Any = StructPointer(step, STEP)

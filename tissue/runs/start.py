@@ -205,7 +205,7 @@ def _separated(
     set_phases(state, 0.0, numbers_pointer(numbers, types.numbers))
     n, in_plane = start.cells, space.dimension == FLAT
     sweep, axes = (separate_all, "xy") if in_plane else (separate_all_balls, "xyz")
-    workspaces: Any = Workspaces(n, 1, numbers, 0.0, curve)
+    workspaces: Any = Workspaces(n, 1, [[numbers]], np.zeros(1), curve)
     if not in_plane:
         workspaces = SurfaceWorkspaces(n, 1, space.surface)
     work = workspaces.flat.value

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -162,18 +162,24 @@ def summary_table(frames: Iterable[Frame], parameters: Parameters) -> pd.DataFra
     ``lumen_area_um2``, ``tissue_area_um2``                 float64   of tubes alone: what they enclose, what they fill
     ======================================================  ========  ===============================================
     """
-    shown, own = (*SUMMARY_COLUMNS, *(TUBE_COLUMNS if parameters.curve().ring else ())), registered(Observable)
     rows: list[dict[str, Any]] = []
     for frame in measurable(frames):
         found = measure(state_of(frame))
-        hidden = found.fold and parameters.numerics.folded != "keep"
-        row: dict[str, Any] = {}
-        for one in shown:
-            value = math.nan if hidden and one.of_layer else one.value(frame, found)
-            row[one.column] = _um(parameters) ** one.power * value if one.power else value
-        row |= {one.column: one.of(frame, parameters) for one in own}
+        row = summary_row(frame, found, parameters)
         rows.append({"time_h": row.pop("time_h"), "folded": found.fold or "no", **row})
     return pd.DataFrame(rows)
+
+
+def summary_row(
+    frame: Frame, found: Measures, parameters: Parameters, names: Collection[str] | None = None
+) -> dict[str, Any]:
+    """Return the columns of the summary of one state, of which ``found`` was measured; ``names``: all if None."""
+    shown, own = (*SUMMARY_COLUMNS, *(TUBE_COLUMNS if parameters.curve().ring else ())), registered(Observable)
+    hidden, row = found.fold and parameters.numerics.folded != "keep", {}
+    for one in (one for one in shown if names is None or one.column in names):
+        value = math.nan if hidden and one.of_layer else one.value(frame, found)
+        row[one.column] = _um(parameters) ** one.power * value if one.power else value
+    return row | {one.column: one.of(frame, parameters) for one in own if names is None or one.column in names}
 
 
 def _um(parameters: Parameters) -> float:

@@ -19,7 +19,7 @@ from tissue.model.extents import is_closed
 from tissue.model.noise import add_noise, draw_key
 from tissue.model.scale import watch_sides
 from tissue.network.neighbours import has_room
-from tissue.state.cells import Integers
+from tissue.state.cells import Floats, Integers
 from tissue.state.numbers import Numbers, numbers_at
 from tissue.state.running import APICAL, BASAL, CELLS, TissueState, state_at
 from tissue.state.space import FLAT, SPATIAL
@@ -32,22 +32,25 @@ MANY = 1 / 20
 
 
 class StepInput(NamedTuple):
-    """Input of steps dt of tissues side by side: addresses of the tissues, of numbers, memory and machine code."""
+    """Input of steps dt of tissues side by side: addresses of the tissues, of numbers, memory and machine code.
+
+    dt and the number of substeps are the same for all of them, see ``tissue.runs.group``.
+    """
 
     states: Integers  # (1,) or (WIDTH,)
     ended: Integers  # of each RUNNING, or the step that failed
     random: Integers  # (2, k, GENERATOR): the generators of draws and of noise
-    numbers: int
+    numbers: Integers  # of each tissue
     rules: int
     flat: int  # the workspace seen flat, and as substeps see it
     wide: int
     substeps: int  # all substeps of one dt
     move: int  # that, with what comes before and after: ``move_slices`` or ``move_surface``
-    scale: float  # h / mu
+    scale: Floats  # h / mu of each tissue
 
 
 _LINE = np.zeros(1, np.int64)
-_EXAMPLE = StepInput(_LINE, _LINE, np.zeros((2, 1, GENERATOR), np.int64), 0, 0, 0, 0, 0, 0, 0.0)
+_EXAMPLE = StepInput(_LINE, _LINE, np.zeros((2, 1, GENERATOR), np.int64), _LINE, 0, 0, 0, 0, 0, np.zeros(1))
 STEP = struct_type(_EXAMPLE)
 # move(step): the largest number of cells of the tissues that run.
 MOVE: Any = signature(int, STEP)
@@ -62,9 +65,9 @@ def advance(step: StepInput, made: int, steps: int, ruled: bool) -> tuple[int, i
     failed. After FULL nothing is lost: put the cells into larger states and go on. After LEFT renew the networks and
     go on with ``ruled``: the rules of the next step have been applied.
     """
-    numbers, rules, states, ended = numbers_at(step.numbers), rules_at(step.rules), step.states, step.ended
+    rules, states, ended, dt = rules_at(step.rules), step.states, step.ended, numbers_at(step.numbers[0]).dt
     while made < steps:
-        t = (made + 1) * numbers.dt
+        t = (made + 1) * dt
         for k in range(len(states)):
             if ended[k] == RUNNING and not ruled and is_full(state_at(states[k]), t):
                 return made, FULL
@@ -76,7 +79,7 @@ def advance(step: StepInput, made: int, steps: int, ruled: bool) -> tuple[int, i
                     generator_at(step.random[1], k),
                 )
                 outside = count_outside(state)
-                apply_rules(state, t, numbers, rules, draws, noise)
+                apply_rules(state, t, numbers_at(step.numbers[k]), rules, draws, noise)
                 if state.space.dimension != FLAT and count_outside(state) - outside > MANY * state.sizes[CELLS]:
                     return made, LEFT
         ruled = False
@@ -103,7 +106,7 @@ def move_all(step: StepInput) -> int:
 def move_slices(step: StepInput) -> int:
     """Copy slices to their workspace, make all substeps of one dt, and copy them back; the largest number of cells."""
     flat = workspace_at(step.flat)
-    n = copy_in(step.states, step.ended, flat, numbers_at(step.numbers), step.scale)
+    n = copy_in(step.states, step.ended, flat, step.numbers, step.scale)
     if n > 0:
         call_substeps(step.substeps, step.flat, step.wide, n)
         copy_out(flat, step.states)
@@ -115,7 +118,7 @@ def move_surface(step: StepInput) -> int:
     if step.ended[0] != RUNNING:
         return 0
     state, work = state_at(step.states[0]), surface_workspace_at(step.flat)
-    n = copy_to_workspace(state, work, numbers_at(step.numbers), step.scale)
+    n = copy_to_workspace(state, work, numbers_at(step.numbers[0]), step.scale[0])
     call_substeps(step.substeps, step.flat, step.wide, n)
     copy_from_workspace(work, state)
     return int(n)

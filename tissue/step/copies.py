@@ -13,9 +13,9 @@ from tissue.kernels.layers import chained_before
 from tissue.kernels.surface_workspace import JUNCTIONS, NEIGHBOURS, SurfaceWorkspace
 from tissue.kernels.workspace import FAR, RUNNING, Workspace
 from tissue.model.springs import apical_length, basal_length, coefficient
-from tissue.state.cells import Cells, Integers
+from tissue.state.cells import Cells, Floats, Integers
 from tissue.state.network import EDGES, Network
-from tissue.state.numbers import Numbers, numbers_of
+from tissue.state.numbers import Numbers, numbers_at, numbers_of
 from tissue.state.running import (
     APICAL,
     BASAL_CORRECTIONS,
@@ -36,8 +36,10 @@ MOST_NOISE = 10.0
 
 
 @inner
-def copy_in(states: Integers, ended: Integers, work: Workspace, numbers: Numbers, scale: float) -> int:
-    """Copy the tissues that run to the workspace, seen flat; ``scale`` = h / mu; the largest number of cells."""
+def copy_in(states: Integers, ended: Integers, work: Workspace, numbers: Integers, scale: Floats) -> int:
+    """Copy the tissues that run to the workspace, seen flat, and return the largest number of cells; of each tissue
+    the address of its numbers, and ``scale`` = h / mu.
+    """
     width, largest = len(ended), 0
     work.links[0] = 0
     for k in range(width):
@@ -49,7 +51,7 @@ def copy_in(states: Integers, ended: Integers, work: Workspace, numbers: Numbers
         for i in range(largest):
             work.in_apical[width * i + k] = work.joined[width * i + k] = 0.0
         if ended[k] == RUNNING:
-            _copy(state_at(states[k]), k, width, work, numbers, scale)
+            _copy(state_at(states[k]), k, width, work, numbers_at(numbers[k]), scale[k])
     return largest
 
 
@@ -141,7 +143,7 @@ def find_jump(work: Any, state: TissueState, n: int, first: int, width: int) -> 
     The state has its points before the substeps, the workspace those after: cell i at place ``first`` + ``width`` i.
     """
     cells, sizes = state.cells, state.sizes
-    noise = MOST_NOISE * work.deviation * math.sqrt(work.substeps)
+    noise = MOST_NOISE * work.deviation[first] * math.sqrt(work.substeps)
     for i in range(n):
         place = width * i + first
         length = apical_length(cells, i) + basal_length(cells, i)

@@ -23,15 +23,16 @@ class UserForces(NamedTuple):
     """Forces of users that act on tissues side by side."""
 
     push: Integers  # (forces,): where their machine code is, in the order of their names
-    strength: Floats  # (forces,)
+    strength: Floats  # (forces, tissues)
     states: Integers  # (1,) or (WIDTH,): where the tissues are
-    numbers: int  # where the numbers of the run are
-    scale: float  # h / mu
+    numbers: Integers  # likewise the numbers of each
+    scale: Floats  # h / mu of each
     evaluate: int  # the machine code of the functions below
     follow: int
 
 
-_EXAMPLE = UserForces(np.zeros(1, np.int64), np.zeros(1), np.zeros(1, np.int64), 0, 0.0, 0, 0)
+_LINE = np.zeros(1, np.int64)
+_EXAMPLE = UserForces(_LINE, np.zeros((1, 1)), _LINE, _LINE, np.zeros(1), 0, 0)
 USER_FORCES = struct_type(_EXAMPLE)
 user_forces_at = reader(_EXAMPLE)
 # push(state, on, strength, numbers) and energy(state, strength, numbers) of a force; a part of a substep.
@@ -61,14 +62,14 @@ def evaluate_forces(own: UserForces, work: Workspace) -> None:
             put_back(work, state, k)
             clear(state)
             for number in range(len(own.push)):
-                call_push(own.push[number], state, state.on, own.strength[number], numbers_at(own.numbers))
+                call_push(own.push[number], state, state.on, own.strength[number, k], numbers_at(own.numbers[k]))
 
 
 def follow_forces(own: UserForces, work: Workspace) -> None:
     """Move the points of each tissue by (h / mu) times these forces, a basal point as the others do, see ``move``."""
-    width, scale = len(work.cells), own.scale
+    width = len(work.cells)
     for k in range(width):
-        on = state_at(own.states[k]).on
+        scale, on = own.scale[k], state_at(own.states[k]).on
         for points, force in ((work.x, on.x), (work.y, on.y), (work.ax, on.ax), (work.ay, on.ay)):
             for i in range(work.cells[k]):
                 points[width * i + k] += scale * force[i]

@@ -103,8 +103,8 @@ def _batch(
     of_cells: dict[str, NDArray[Any]] = {}
     of_runs: dict[str, NDArray[Any]] = {}
     for t in batch.times(ask):
-        measured = [_measured(batch, k, t) for k in range(n)]
-        positions, beyond, lowest, rows = (np.array(parts) for parts in zip(*measured, strict=True))
+        of_each = [measured(batch, k, t) for k in range(n)]
+        positions, beyond, lowest, rows = (np.array(parts) for parts in zip(*of_each, strict=True))
         of_cells[f"ab_{t:g}h"] = positions
         if parameters.curve().ring:
             of_cells[f"beyond_{t:g}h"] = beyond
@@ -126,25 +126,26 @@ def _left_out(batch: Batch, k: int) -> bool:
     return k in batch.folded and batch.parameters.numerics.folded != "keep"
 
 
-def _measured(batch: Batch, k: int, t: float) -> tuple[Floats, Flags, float, Floats]:
+def measured(batch: Batch, k: int, t: float) -> tuple[Floats, Flags, float, Floats]:
     """Return what is measured of a run at the present output time: y_AB of the EMT cells of the start, whether they
     are beyond the apical layer, the lowest y_AB of a control cell, and the numbers of the run.
 
     NaN for a run that failed; where the apical layer is folded, also for what means nothing, unless it is kept.
     """
-    m, um = emt_count(batch.parameters), batch.parameters.cell.soft_radius.value
+    parameters = batch.each[k]
+    m, um = emt_count(parameters), parameters.cell.soft_radius.value
     positions, beyond, lowest = np.full(m, np.nan), np.zeros(m, np.bool_), math.nan
     own = np.full(len(shown := registered(Observable)), np.nan)
     if shown and batch.goes_on(k):
         frame = batch.frame(k, t)
-        own[:] = [one.of(frame, batch.parameters) for one in shown]
+        own[:] = [one.of(frame, parameters) for one in shown]
     found = batch.measures[k]
     if found is None:
         return positions, beyond, lowest, np.append(np.full(len(CONTROLS) + len(EXTENTS) + len(SHAPE), np.nan), own)
     where, others = found.positions, found.controls
     extents = um * np.array(found.extents[: len(EXTENTS)])
     controls = np.array([others.sum(), where.apically[others].sum(), where.basally[others].sum()], np.float64)
-    if found.fold and batch.parameters.numerics.folded != "keep":
+    if found.fold and parameters.numerics.folded != "keep":
         extents[0] = controls[1:] = math.nan
     else:
         numbers = batch.state(k).cells.emt[: len(where.y_ab)]

@@ -364,6 +364,9 @@ def _found(path: str | PathLike[str]) -> Path:
 
 def _planned(asked: Compare, factors: Factors, scenarios: Mapping[str, Parameters]) -> PlannedComparisons:
     """Return the comparisons of [compare] of a study file; raises InvalidProblem for names that are not in it."""
+    if asked.measures == ("ratio",) and (plain := [one for one in asked.outcomes if one not in get_args(What)]):
+        allowed = f"must have 'difference', too: {', '.join(plain)} is no share of EMT cells, and has no ratio"
+        raise InvalidProblem(f"compare.measures = ['ratio']: {allowed}")
     if not (asked.effect or asked.by or asked.contrasts):
         if len(scenarios) < 2:
             raise InvalidProblem(f"compare: must have two scenarios or more, there is {', '.join(scenarios)}")

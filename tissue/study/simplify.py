@@ -31,6 +31,7 @@ from tissue.study.estimates import Floats, holm
 from tissue.study.outcomes import emt_count, outcomes
 from tissue.study.plan import TissueStudy, load_study, outcome_names, run_seeds
 from tissue.study.simplifications import KINDS, applicable, simplified
+from tissue.study.store import refuse_study
 
 Outcome = str | Callable[[pd.DataFrame, float], pd.Series]
 FULL, AND = "the full model", " + "
@@ -114,6 +115,8 @@ def simplify(
         If the study or an argument is not in order, or most runs of the full model fail.
     """
     plan = load_study(study)
+    if out is not None:
+        refuse_study(checked_path("out", out))
     full = _asked(plan, scenarios, outcome, at)
     shares = not callable(outcome) and outcome in (*get_args(What), *CONTROL_SIDES)
     if number("tolerance", tolerance, positive=True) >= 1 and shares:

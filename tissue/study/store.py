@@ -115,6 +115,12 @@ def opened(study: TissueStudy, out: str | os.PathLike[str]) -> Iterator[Parts]:
         yield parts
 
 
+def refuse_study(folder: Path) -> None:
+    """Refuse the folder of a study as that of something else."""
+    if (folder / ABOUT).exists():
+        raise InvalidProblem(f"{folder}: holds the results of a study; must be another folder")
+
+
 def _refuse_others(folder: Path) -> None:
     """Refuse a folder with other things in it."""
     names = [path.name for path in folder.iterdir()] if folder.exists() else []

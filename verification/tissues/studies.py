@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from dincl.study import Study
-from verification.tissues import curved
+from verification.tissues import curved, fits
 from verification.tissues.needs import study as needs
 from verification.tissues.space import choices, growth, isolated, sheet, substeps
 
@@ -18,4 +18,5 @@ STUDIES: dict[str, Callable[..., Study]] = {
     "space_sheet": sheet.study,
     "curved_ways_out": curved.study,
     "needs_answers": needs.study,
+    "fit_coverage": fits.study,
 }

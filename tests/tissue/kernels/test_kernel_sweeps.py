@@ -44,7 +44,7 @@ def test_sweeps_of_heaps_overlook_no_contact(seed, size, kind, width, bent):
 def test_sweep_stays_in_its_arrays(n):
     """What lies behind the last cell is not looked at, and stays."""
     state = heap(np.random.default_rng(n), n, 0.6, "square")
-    workspaces = Workspaces(n + 1, 1, numbers(), 0.0, STRAIGHT)
+    workspaces = Workspaces(n + 1, 1, [[numbers()]], np.zeros(1), STRAIGHT)
     work = workspaces.flat.value
     lines = {name: line for name, line in work._asdict().items() if getattr(line, "shape", None) == work.x.shape}
     for line in lines.values():

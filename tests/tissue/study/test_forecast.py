@@ -91,6 +91,15 @@ def test_the_command_says_it_and_makes_no_run(study):
     assert "18 comparisons, all pairs" in CliRunner().invoke(app, ["study", "study.toml", "--plan"]).stdout
 
 
+def test_an_effect_beyond_all_shares_is_none(study):
+    """Two runs of each show no difference of 100 points."""
+    text = (HEAD + FACTORS + COMPARE).replace("replicates = 40", "replicates = 2")
+    Path("study.toml").write_text(text)
+    _, table = forecast.forecast(load_study("study.toml"))
+    assert np.isinf(table.loc[table["outcome"] == "basal", "50 %"]).all()
+    assert "none" in forecast.forecast_text(load_study("study.toml"))
+
+
 def test_a_study_without_a_folder_is_refused(study):
     done = CliRunner().invoke(app, ["study", "study.toml"])
     assert done.exit_code == 2

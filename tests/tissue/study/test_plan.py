@@ -199,6 +199,8 @@ def test_contrasts_of_named_scenarios():
         ('"basal", ', '"bassal", ', "compare.outcomes = ['bassal', 'controls_apical']: must be a list of some of"),
         ('outcomes = ["basal", "controls_apical"]', "", "compare.outcomes is missing: must be a list of some of"),
         ('"ratio"', '"odds"', "compare.measures = ['difference', 'odds']: must be a list of some of difference, ratio"),
+        ('"basal", "controls_apical"]\nmeasures = ["difference", "ratio"]', '"height_um"]\nmeasures = ["ratio"]',
+         "compare.measures = ['ratio']: must have 'difference', too: height_um is no share of EMT cells"),
         ('effect = "time"', 'effect = "tme"', "compare.effect = 'tme': must be one of the factors: time, shape"),
         ('by = "shape"', 'by = "time"', "compare.by = 'time': must be one of the factors: shape"),
         ('effect = "time"\n', "", "compare.effect = '': must be one of the factors: time, shape"),

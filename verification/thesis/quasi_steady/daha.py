@@ -27,6 +27,7 @@ from verification.thesis.quasi_steady.iteration import (
     UNFINISHED,
     iterate,
     memory_for,
+    scale_of,
     workspaces_for,
 )
 
@@ -107,13 +108,14 @@ class TissueArrowHurwicz:
             raise InvalidProblem(f"|z|^2 = {size:g}: must be below {TOO_FAR:g} R_soft^2, z all coordinates")
         state = new_state(cells, layers, capacity=len(cells.x), space=in_plane())
         workspaces = workspaces_for(len(state.cells.x), numbers, self.numbers)
-        place, running = np.array([state.address]), np.zeros(1, np.int64)
+        place, running, pointer = np.array([state.address]), np.zeros(1, np.int64), numbers_pointer(numbers)
         made, end = iterate(
             place,
             running,
             workspaces.flat,
             workspaces.wide,
-            numbers_pointer(numbers),
+            np.array([pointer.address]),
+            scale_of(self.numbers),
             self.numbers,
             memory_for(workspaces),
         )

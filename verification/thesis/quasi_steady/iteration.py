@@ -45,7 +45,12 @@ class Memory(NamedTuple):
 
 def workspaces_for(capacity: int, numbers: Numbers, daha: Daha) -> Workspaces:
     """Workspaces for so many cells, whose displacements are those of one iteration."""
-    return Workspaces(capacity, 1, numbers, daha.dtau**2 / (1 + daha.c * daha.dtau / 2) * daha.alpha, STRAIGHT)
+    return Workspaces(capacity, 1, [[numbers]], scale_of(daha), STRAIGHT)
+
+
+def scale_of(daha: Daha) -> Floats:
+    """Return what a displacement of one iteration is over the force, in place of h / mu, (1,)."""
+    return np.array([daha.dtau**2 / (1 + daha.c * daha.dtau / 2) * daha.alpha])
 
 
 def memory_for(workspaces: Workspaces) -> Any:
@@ -64,7 +69,14 @@ def memory_for(workspaces: Workspaces) -> Any:
 
 @kernel
 def iterate(
-    states: Integers, ended: Integers, flat: Workspace, wide: Workspace, numbers: Numbers, daha: Daha, memory: Memory
+    states: Integers,
+    ended: Integers,
+    flat: Workspace,
+    wide: Workspace,
+    numbers: Integers,
+    scale: Floats,
+    daha: Daha,
+    memory: Memory,
 ) -> tuple[int, int]:
     """Move the cells until |z_{n+1} - z_n| <= dtau eps |z_n| (3.24): the number of iterations, and how the call ended.
 
@@ -73,7 +85,7 @@ def iterate(
     """
     state, half = state_at(states[0]), daha.c * daha.dtau / 2
     weight, inertia = daha.dtau**2 / (1 + half), (1 - half) / (1 + half)
-    n = copy_in(states, ended, flat, numbers, weight * daha.alpha)
+    n = copy_in(states, ended, flat, numbers, scale)
     rows, layer, basal = (n + WIDTH - 1) // WIDTH, state.layers.basal, state.sizes[BASAL]
     made, end = 0, UNFINISHED if list_pairs(flat, n, memory.multipliers) else CROWDED
     _begin(memory, n)
