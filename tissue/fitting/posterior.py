@@ -42,7 +42,7 @@ class Posterior(NamedTuple):
         """Return the correlations of the parameters, (d, d)."""
         away = self.u - self.weights @ self.u
         covariance = (self.weights[:, None] * away).T @ away
-        s = np.sqrt(np.diagonal(covariance))
+        s = np.sqrt(np.maximum(np.diagonal(covariance), 1e-300))  # 0 of a single point
         return np.asarray(covariance / (s[:, None] * s))
 
     def drawn(self, number: int, seed: int = 0) -> Floats:
@@ -66,7 +66,7 @@ def posterior(emulator: Emulator, values: Floats, errors: Floats, tissues: int) 
     for zoom in range(ZOOMS):
         u = low + (high - low) * unit
         density, misfits = _densities(emulator, u, values, errors, tissues)
-        seen = u[density > density.max() - DEEP - d]
+        seen = u[density >= density.max() - DEEP - d]
         margin = MARGIN * (high - low)
         box = np.maximum(seen.min(axis=0) - margin, -1), np.minimum(seen.max(axis=0) + margin, 1)
         if zoom == ZOOMS - 1 or np.prod((box[1] - box[0]) / (high - low)) > 0.8:
