@@ -95,7 +95,7 @@ def test_indices_are_those_that_scipy_samples():
     assert (rough[:, :3, 0, 2] - rough[:, :3, 0, 1]).min() > 5 * (found[:, :3, 0, 2] - found[:, :3, 0, 1]).max()
 
 
-@pytest.mark.parametrize("d", [1, 4])
+@pytest.mark.parametrize("d", [1, 4, 6])
 def test_the_posterior_of_a_linear_model_is_normal(d):
     """y = u with errors s: mean z, standard deviation sqrt(s^2 + that of runs), cut at the ends of the ranges."""
     u = 2 * sobol_like(d, 128) - 1
