@@ -1,11 +1,11 @@
 # Needs Python >= 3.11 and make, nothing else. The first target makes the environment .venv, and each target adds what it
 # needs to it: the extra of pyproject.toml that its stamp is named after, in the versions of requirements.lock.
 #
-#   make report           run the experiments, write report/index.html    (FULL=1: the complete studies)
+#   make report           run the experiments, write the site, report/index.html    (FULL=1: the complete studies)
 #   make test             run the tests                                    (ARGS=--slow: all but those of minutes)
 #   make numba-range      run the tests of kernels with the oldest and the newest numba that pyproject.toml allows
 #   make lint             check style, format, imports and types
-#   make docs             write the documentation to site/index.html, with the outputs of its tutorials
+#   make docs             run the tutorials, draw the gallery, write the site with both; a warning is an error
 #   make bench            measure steps of PBD, projections and substeps of a tissue on this machine
 #   make everything       install what all targets need, and what tests are skipped without
 #   make dist             build the wheels and source archives of the last commit into dist/, and check them
@@ -47,9 +47,10 @@ lint: .venv/lint
 	$(BIN)/lint-imports --no-cache
 	$(BIN)/mypy
 
-docs: .venv/docs
-	rm -rf site docs/made build/doctrees
-	$(ONE_THREAD) $(BIN)/python -m sphinx -q -W -c docs -d build/doctrees . site
+docs: .venv/test
+	$(ONE_THREAD) $(BIN)/python -m docs.building.shown
+	$(ONE_THREAD) $(BIN)/python -m docs.building.gallery
+	$(BIN)/verification report --strict
 
 bench: .venv/thesis
 	$(BIN)/python -m verification.thesis.bench
@@ -66,6 +67,7 @@ dist: .venv/dist
 	git archive HEAD | tar -x -C build/dist
 	mv build/dist/verification/thesis build/dist/verification/methods build/dist/verification/tissues build/audit/verification
 	mv build/dist/verification/data build/audit/dincl_testbed_data
+	cp -r build/dist/docs build/dist/*.md build/dist/*.cff build/audit/dincl_testbed_data
 	mv build/audit/dincl_testbed_data/pyproject.toml build/audit
 	$(BIN)/python -m build --no-isolation --outdir dist build/dist
 	cd build/dist && NUMBA_CPU_NAME=x86-64-v3 NUMBA_CPU_FEATURES= NUMBA_CACHE_DIR=dincl/compiled/shipped \
@@ -104,5 +106,5 @@ lock:
 	rm -rf .venv-lock
 
 clean:
-	rm -rf .venv .venv-lock build dist site docs/made *.egg-info .hypothesis .mypy_cache .pytest_cache .ruff_cache
+	rm -rf .venv .venv-lock build dist docs/made *.egg-info .hypothesis .mypy_cache .pytest_cache .ruff_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -1,4 +1,4 @@
-"""The site of the documents; ``make docs`` builds it from the pages where they lie: the root of the repository."""
+"""The site: results and documentation. The pages are where they lie, below the root of the repository."""
 
 import sys
 from pathlib import Path
@@ -11,10 +11,17 @@ sys.path.insert(0, str(ROOT))
 
 project = "dincl"
 author = "The dincl authors"
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
+extensions = [
+    "myst_parser",
+    "sphinx_design",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "verification.site.extension",
+]
 root_doc = "docs/index"
 include_patterns = ["*.md", "docs/**/*.md", "docs/*.md", "docs/made/**/*.rst"]
 exclude_patterns = [path.name for path in ROOT.iterdir() if path.is_dir() and path != HERE]
+site_pages = ("docs/index", "docs/results/", "docs/explain/which_method")
 
 html_theme = "furo"
 html_title = "dincl"
@@ -27,7 +34,7 @@ html_show_sourcelink = False
 html_show_copyright = False
 html_show_search_summary = False  # it would fetch pages, which a browser refuses to pages that are files
 
-myst_enable_extensions = ["colon_fence"]
+myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 3
 autodoc_default_options = {"members": True}
 autodoc_typehints_format = "short"
@@ -41,7 +48,7 @@ suppress_warnings = ["misc.highlighting_failure"]
 
 
 def setup(app: Any) -> None:
-    """Make what is made: the gallery, the pages of the reference, the outputs of the tutorials."""
+    """Make the gallery and the reference; show pictures and outputs of tutorials where ``make docs`` has made them."""
     from docs.building import docstrings, gallery, reference
 
     app.connect("autodoc-process-docstring", docstrings.as_rst, priority=400)  # before napoleon
@@ -53,7 +60,9 @@ def setup(app: Any) -> None:
 
 def run_page(app: Any, name: str, text: list[str]) -> None:
     """Put outputs into a page that is a notebook, too."""
-    from docs.building.shown import is_notebook, with_outputs
+    page = ROOT / f"{name}.md"
+    # Tutorials are notebooks of libraries that the pages of results do without.
+    if (MADE / "notebooks" / f"{page.stem}.ipynb").exists():
+        from docs.building.shown import with_outputs
 
-    if is_notebook(page := ROOT / f"{name}.md"):
-        text[0] = with_outputs(page, MADE / "notebooks")
+        text[0] = with_outputs(page)

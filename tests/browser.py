@@ -81,5 +81,5 @@ def fits(page: Page) -> None:
 def draw_all(page: Page) -> None:
     """Wait until all figures and charts are drawn; raises what a figure has against being shown."""
     page.evaluate(ALL_FIGURES)
-    for chart in page.locator("figure > div").all():
+    for chart in page.locator("figure > div, .figure .live").all():
         chart.locator(".bk-Canvas").wait_for()

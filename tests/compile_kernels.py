@@ -23,7 +23,7 @@ def events(tissue: bool) -> None:
     scene = dincl.scenes.two_disks()
     dincl.solve(scene, dincl.EventDriven(1e-6), scene.times)
     if tissue:
-        import_module("verification.thesis.chapter3.page").compile_kernels()
+        import_module("verification.thesis.chapter3.page").prepare()
 
 
 HALVES = {half.__name__: half for half in (steps, events)}

@@ -30,6 +30,10 @@ def copy_sources(tree: Path) -> Path:
         place.parent.mkdir(parents=True, exist_ok=True)
         (tree / name).rename(place)
     (tree / "audit/dincl_testbed_data/pyproject.toml").rename(tree / "audit/pyproject.toml")
+    pages = tree / "audit/dincl_testbed_data"
+    shutil.copytree(ROOT / "docs", pages / "docs", ignore=shutil.ignore_patterns("made", "__pycache__"))
+    for page in (*ROOT.glob("*.md"), *ROOT.glob("*.cff")):
+        shutil.copy(page, pages)
     return tree
 
 

@@ -31,8 +31,12 @@ COLOURS |= {Verdict.CORRECTED: "yellow", Verdict.REFUTED: "red", Verdict.OPEN: "
 
 
 @app.command()
-def report(full: Full = False, out: Out = Path("report")) -> None:
-    """Write <out>/index.html from the complete studies that ship, and rerun parts of them to compare.
+def report(
+    full: Full = False,
+    out: Out = Path("report"),
+    strict: Annotated[bool, typer.Option("--strict", help="Fail if a page has a fault.")] = False,
+) -> None:
+    """Write the site, <out>/index.html, from the complete studies that ship, and rerun parts of them to compare.
 
     An interrupted call resumes where it stopped.
     """
@@ -41,12 +45,12 @@ def report(full: Full = False, out: Out = Path("report")) -> None:
     from verification.site.context import Context
     from verification.site.report import write_report
     from verification.site.store import DATA
-    from verification.thesis.chapters import CHAPTERS
+    from verification.thesis.chapters import PAGES
     from verification.thesis.shipped_studies import STUDIES
 
     start = time.monotonic()
     with workers() as executor:
-        path = write_report(CHAPTERS, Context(out, full, executor, STUDIES, complete=DATA))
+        path = write_report(PAGES, Context(out, full, executor, STUDIES, complete=DATA), strict)
     print(f"{path}, {time.monotonic() - start:.0f} s")
 
 
@@ -161,15 +165,15 @@ def stability(full: Full = False, out: Out = Path("report")) -> None:
     """Map where each method fails, print the predicted failures, write tables and figures to <out>."""
     need_thesis("verification stability")
     from dincl.study import workers
-    from verification.methods.stability.page import CHAPTER
+    from verification.methods.stability import page
     from verification.site.context import Context
     from verification.site.store import DATA
     from verification.thesis.shipped_studies import STUDIES
 
     with workers() as executor:
         context = Context(out, full, executor, STUDIES, complete=DATA)
-        CHAPTER.run(context)
-        CHAPTER.sections(context)
+        page.run(context)
+        page.show(context)
         context.finish_drawings()
     shown = Table(show_lines=True)
     for name in ("case", "to be expected", "predicted", "found", "agrees"):

@@ -1,4 +1,7 @@
-"""The gallery: a picture of every ready-made scene and of every preset of the tissue, with the line that makes it."""
+"""The gallery: a picture of every ready-made scene and of every preset of the tissue, with the line that makes it.
+
+``python -m docs.building.gallery`` draws it.
+"""
 
 from __future__ import annotations
 
@@ -22,27 +25,30 @@ COUNT = 30
 PAGE = """# Gallery
 
 Every scene of `dincl.scenes`, from its start to its last time, and every preset of the tissue, at its end.
-The build of these pages makes the pictures.
+`make docs` draws the pictures.
 
 ## Scenes
 
 Particles are drawn at their start, on their way and at the end, by PBD with a step of 0.01. `scene.times` are the times
 worth looking at; those marked *exact* have their solution in `scene.exact`.
 
-::::{{container}} gallery
+::::{{grid}} 1 2 3 3
+:gutter: 3
+
 {scenes}
 ::::
 
 ## Tissues
 
-::::{{container}} gallery
+::::{{grid}} 1 2 3 3
+:gutter: 3
+
 {tissues}
 ::::
 """
-CARD = """:::{{container}} card
-**{title}**
+CARD = """:::{{grid-item-card}} {title}
 
-[![{title}]({picture})]({picture})
+{picture}
 
 {words}
 
@@ -74,16 +80,21 @@ def tissue_cards() -> list[Card]:
     return [_tissue_card(name) for name in PRESETS]
 
 
-def write(folder: Path) -> Path:
-    """Write the page and its pictures into a folder; the page."""
+def draw(folder: Path) -> None:
+    """Draw the pictures into a folder."""
     folder.mkdir(parents=True, exist_ok=True)
-    scenes, tissues = scene_cards(), tissue_cards()
-    for card in scenes:
+    for card in scene_cards():
         _save(_drawn_scene(card.made), folder / f"{card.name}.png")
-    for card in tissues:
+    for card in tissue_cards():
         _save(tissue.simulate(card.made, seed=1).plot(), folder / f"{card.name}.png")
+
+
+def write(folder: Path) -> Path:
+    """Write the page into a folder, with the pictures that are there; the page."""
+    folder.mkdir(parents=True, exist_ok=True)
     page = folder / "gallery.md"
-    write_text(page, PAGE.format(scenes=_written(scenes), tissues=_written(tissues)))
+    scenes, tissues = (_written(cards, folder) for cards in (scene_cards(), tissue_cards()))
+    write_text(page, PAGE.format(scenes=scenes, tissues=tissues))
     return page
 
 
@@ -128,11 +139,18 @@ def _drawn_scene(scene: Any) -> Any:
 def _save(ax: Any, path: Path) -> None:
     figure = ax.figure
     with replacing(path) as partial:
-        figure.savefig(partial, dpi=110, bbox_inches="tight")
+        figure.savefig(partial, dpi=90, bbox_inches="tight")
     plt.close(figure)
 
 
-def _written(cards: list[Card]) -> str:
-    return "\n".join(
-        CARD.format(title=card.title, picture=f"{card.name}.png", words=card.words, code=card.code) for card in cards
-    )
+def _written(cards: list[Card], folder: Path) -> str:
+    found = []
+    for card in cards:
+        file = f"{card.name}.png"
+        picture = f"![{card.title}]({file})" if (folder / file).exists() else ""
+        found.append(CARD.format(title=card.title, picture=picture, words=card.words, code=card.code))
+    return "\n".join(found)
+
+
+if __name__ == "__main__":
+    draw(Path(__file__).parents[1] / "made" / "gallery")

@@ -28,6 +28,7 @@ from tests.optional import need_rendering
 
 PYTHONS = ("3.11", "3.12", "3.13")
 FILES = ("pyproject.toml", f"{TABLES}/pyproject.toml")
+OF_PAGES = (".css", ".csv", ".html", ".md", ".png", ".py")
 LARGEST = {"packages": 2e6, "tables": 4.5e6}  # bytes
 CORE = """
 import dincl, meanfield, tissue, verification
@@ -183,6 +184,12 @@ def test_the_wheel_has_every_file_of_the_packages_and_nothing_of_the_audit(wheel
 def test_the_audit_is_a_wheel_of_its_own(wheels):
     tables = wheels[1]
     ours = {name.replace(TABLES, "dincl_testbed_data") for name in sources() if name.startswith(AUDIT)}
+    pages = [
+        *ROOT.glob("*.md"),
+        *ROOT.glob("*.cff"),
+        *(path for path in (ROOT / "docs").rglob("*.*") if path.suffix in OF_PAGES),
+    ]
+    ours |= {f"dincl_testbed_data/{page.relative_to(ROOT)}" for page in pages if "made" not in page.parts}
     assert contents(tables) == ours - {"dincl_testbed_data/pyproject.toml"}
     assert tables.stat().st_size < LARGEST["tables"]
     ours, theirs = (tomllib.loads((ROOT / f).read_text("utf-8"))["project"] for f in FILES)

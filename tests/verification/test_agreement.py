@@ -13,7 +13,6 @@ from dincl.study import Key, Row, Study, write
 from tests.executors import Here, Nowhere
 from verification.site.agreement import Agreement, compare_studies
 from verification.site.context import Context
-from verification.site.made_again import made_again
 
 
 def rows_of(key: Key) -> list[Row]:
@@ -60,9 +59,6 @@ def test_a_part_is_made_again_once_and_laid_over_it(tmp_path: Path) -> None:
     context.waiting.clear()
     context.rows_of(STUDY, STUDY)
     assert context.waiting == []
-    (section,) = made_again("c", context, context.agreements_of(("few",)))
-    assert section.parts[1].rows["Do not agree"].tolist() == [0]  # type: ignore[union-attr]
-    assert made_again("c", context, context.agreements_of(("other",))) == []
 
 
 def test_anew_the_complete_study_is_made_and_what_ships_is_laid_beside_it(tmp_path: Path) -> None:

@@ -1,99 +1,43 @@
-"""What pages are made of, and how a report fills; without any study."""
+"""What pages of results are made of: cells, tables, and the calls of the extension; without any study."""
 
+import json
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
 import pytest
+from jinja2 import UndefinedError
 
-from dincl.study import write
-from tests.executors import Here, Nowhere
+from tests.executors import Nowhere
 from verification.claims import Verdict
-from verification.methods import page as experiments
-from verification.site import parts
-from verification.site.context import Context
-from verification.site.parts import Grid, Section, Text, cell, number
-from verification.site.prose import duration
-from verification.site.report import Card, Chapter, Finding, write_report
-
-
-def test_the_first_page_fills_as_chapters_become_ready(tmp_path: Path) -> None:
-    seen = []
-
-    def chapter(number: int) -> Chapter:
-        def run(context: Context) -> None:
-            seen.append((context.out / "index.html").read_text("utf-8"))
-
-        def findings(context: Context) -> list[Finding]:
-            return [Finding(f"found {number}", "Only")]
-
-        def sections(context: Context) -> list[Section]:
-            return [Section("Only", [Text("said")])]
-
-        return Chapter(f"c{number}", f"Chapter {number}", f"asked {number}", run, sections, findings)
-
-    last = write_report([chapter(1), chapter(2)], Context(tmp_path, False, Here())).read_text("utf-8")
-    before, between = seen
-    assert "refresh" in before
-    assert "found" not in before.replace("What was found", "")
-    assert "found 1" in between
-    assert 'href="c1.html#section-1"' in between
-    assert 'Chapter 2 <span class="made">(is being computed)</span>' in between
-    assert 'Chapter 2 <span class="made">(to come)</span>' in before
-    assert "c2.html" not in between
-    assert "refresh" not in last
-    assert "found 2" in last
-
-
-def test_cards_stand_in_their_order_with_a_sentence_each(tmp_path: Path) -> None:
-    def chapter(number: int, card: Card) -> Chapter:
-        found = [Finding(f"found {number}", "Only", card)]
-        sections = [Section("Only", [Text("said")])]
-        name = f"c{number}"
-        return Chapter(name, name, "asked", lambda _: None, lambda _: sections, lambda _: found)
-
-    cards = [Card(tmp_path / "grows.webp", "last", 3), Card(tmp_path / "b.png", "second", 2)]
-    cards.append(Card(tmp_path / "a.png", "first", 1))
-    chapters = [chapter(number, card) for number, card in enumerate(cards)]
-    text = write_report(chapters, Context(tmp_path, False, Here())).read_text("utf-8")
-    places = [text.index(f"<span>{word}</span>") for word in ("first", "second", "last")]
-    assert places == sorted(places)
-    assert text.count('class="card moving"') == 1
-    assert "found 1" not in text
-    assert "found 1" in (tmp_path / "c1.html").read_text("utf-8")
-
-
-def test_a_finding_has_the_numbers_of_its_tables(tmp_path: Path) -> None:
-    """Of the finest step that both methods have, and not of the last time, where catch-up has come to rest."""
-    context = Context(tmp_path, False, Nowhere())
-    methods = {experiments.PBD.label: 6.0, experiments.CATCH_UP.label: 2.0}
-    rows = [
-        {"problem": experiments.CROWD, "method": method, "setting": dt}
-        | {f"t = {t:g}": error * dt * (1 + t * (error > 5)) for t in (0.5, 1.0, 2.0)}
-        for method, error in methods.items()
-        for dt in (0.1, 0.05)
-    ]
-    rows.append({"problem": experiments.CROWD, "method": experiments.PBD.label, "setting": 0.01, "t = 0.5": 1.0})
-    fits = {"method": [experiments.PBD.label] * 2 + ["other"], "low": [0.9, 0.95, 0.1], "high": [1.0, 1.1, 9.0]}
-    context.tables |= {"orders": pd.DataFrame(rows), "order_fits": pd.DataFrame(fits).assign(error="t = 1")}
-    (found,) = experiments.findings(context)
-    assert "[0.9, 1.1] over the ranges" in found.html
-    assert "4.5 to 6 times the error of catch-up" in found.html
+from verification.site import cells
+from verification.site.cells import cell, formula, grid, number, percents
+from verification.site.context import SHOWN, Context
+from verification.site.extension import fill
 
 
 def test_what_is_empty_is_not_printed() -> None:
-    rows = pd.DataFrame({"a": [1.0, np.nan], "none": [np.nan, np.nan], "text": ["x", ""], "blank": ["", ""]})
-    grid = Grid(rows, "", "few")
-    assert list(grid.shown) == ["a", "text"]
-    assert [[text for text, _ in row] for row in grid.cells] == [["1", "x"]]
+    rows = pd.DataFrame({"a": [1.0, np.nan], "none": [np.nan, np.nan], "x_k": ["<b>", ""], "blank": ["", ""]})
+    assert grid(rows) == (
+        '<table class="sortable"><thead><tr><th>a</th><th>x<sub>k</sub></th></tr></thead>'
+        '<tbody><tr><td class="number">1</td><td>&lt;b&gt;</td></tr></tbody></table>'
+    )
 
 
-def test_kept_table_is_written(tmp_path: Path) -> None:
-    context = Context(tmp_path, True, Nowhere())
-    context.keep("few", pd.DataFrame({"a": [1, 2]}))
-    assert pd.read_csv(tmp_path / "tables" / "few.csv")["a"].tolist() == [1, 2]
-    write(context.tables["few"].head(1), tmp_path / "tables" / "few.parquet")
-    assert pd.read_parquet(tmp_path / "tables" / "few.parquet")["a"].tolist() == [1]
+@pytest.mark.parametrize(
+    ("text", "html"),
+    [
+        ("x_{k+1} = P_S(x_k)", "x<sub>k+1</sub> = P<sub>S</sub>(x<sub>k</sub>)"),
+        ("e^{2M_F}, R^soft, 10^(-3)", "e<sup>2M<sub>F</sub></sup>, R<sup>soft</sup>, 10<sup>-3</sup>"),
+        ("(Bx_{k+1} - g)", "(Bx<sub>k+1</sub> - g)"),
+        ("λ_max(D²W) ≥ 0", "λ<sub>max</sub>(D²W) ≥ 0"),
+        ("cpu_seconds of emt_ratios.csv", "cpu_seconds of emt_ratios.csv"),
+        ("a < b & c", "a &lt; b &amp; c"),
+    ],
+)
+def test_scripts_are_set_and_names_of_code_stay(text: str, html: str) -> None:
+    assert formula(text) == html
 
 
 @pytest.mark.parametrize(
@@ -114,19 +58,39 @@ def test_numbers(value: float, text: str) -> None:
     assert cell(value) == (text, "number")
 
 
-@pytest.mark.parametrize(
-    ("seconds", "text"),
-    [(0.0034, "3.4 ms"), (0.12, "0.12 s"), (99.96, "100 s"), (2.14e-6, "2.1 µs"), (0.09996, "100 ms"), (1e-3, "1 ms")],
-)
-def test_durations(seconds: float, text: str) -> None:
-    assert duration(seconds) == text
-
-
 def test_cells() -> None:
     assert cell(True) == ("yes", "")
     assert cell(np.False_) == ("no", "")
     assert cell(3) == ("3", "number")
-    assert cell("refuted") == ("refuted", "refuted")
     assert cell("refuted, holds when corrected") == ("refuted, holds when corrected", "corrected")
     assert cell("PBD") == ("PBD", "")
-    assert parts.VERDICTS.keys() == {verdict.value for verdict in Verdict}
+    assert cells.VERDICTS.keys() == {verdict.value for verdict in Verdict}
+    assert percents((0.25, 0.204, 0.3)) == "25 % [20, 30]"
+    assert percents((0.0123, -0.0002, 0.03), 1, "+") == "+1.2 % [+0.0, +3.0]"
+
+
+def filled(out: Path, text: str, name: str = "docs/results/some") -> str:
+    """A page with its calls filled in."""
+    app, source = SimpleNamespace(outdir=out, config=SimpleNamespace(site_pages=("docs/results/",))), [text]
+    fill(app, name, source)  # type: ignore[arg-type]
+    return source[0]
+
+
+def test_pages_show_what_was_given(tmp_path: Path) -> None:
+    context = Context(tmp_path, True, Nowhere())
+    context.keep("few", pd.DataFrame({"a": [1, 2]}))
+    assert pd.read_csv(tmp_path / "tables" / "few.csv")["a"].tolist() == [1, 2]
+    context.show("short", context.tables["few"], "few")
+    context.show("long", pd.DataFrame({"a": range(13)}))
+    context.numbers["best"] = "42 %"
+    context.publish([("Processor", "one")])
+    assert json.loads((tmp_path / "tables" / SHOWN).read_text("utf-8"))["grids"]["long"]["rows"] == 13
+    short = filled(tmp_path, '{{ table("short", "Two rows.") }}')
+    assert "{container}" in short
+    assert "Two rows." in short
+    assert "../../tables/few.csv" in short
+    assert "{dropdown} Many. (13 rows)" in filled(tmp_path, '{{ table("long", "Many.") }}')
+    assert filled(tmp_path, '{{ number("best") }} {{ again("x_") }}{{ facts() }}') == "42 % - Processor: one"
+    assert filled(tmp_path, "{{ other }}", "docs/other") == "{{ other }}"
+    with pytest.raises(UndefinedError, match="tabel"):
+        filled(tmp_path, '{{ tabel("short") }}')

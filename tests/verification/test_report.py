@@ -1,8 +1,12 @@
-"""The pages have every section, open offline, and are written from tables without running anything again."""
+"""The site: written without warnings from tables that ship, with nothing run again; its links lead somewhere."""
 
 import re
+from collections.abc import Iterator
+from functools import cache
+from html import unescape
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote
 
 import pandas as pd
 import pytest
@@ -13,31 +17,31 @@ from dincl import study
 from dincl.study import Study
 from dincl.study.table import run_names
 from tests.executors import Here
+from tests.optional import need_module
 from tests.verification.in_browser import PagesInABrowser
-from tests.verification.page import Page
 from tests.verification.thesis.shortened import few_claims, shorten
 from verification import cli
-from verification.claims import Effect
 from verification.claims.decide import differing
-from verification.site import context
+from verification.site import context, report
 from verification.site.agreement import Agreement
 from verification.site.context import Context
-from verification.site.formulas import typeset
 from verification.site.report import write_report
 from verification.site.store import DATA
 from verification.thesis import chapters
-from verification.thesis.chapters import CHAPTERS
-from verification.thesis.page import corrections
+from verification.thesis.chapters import PAGES
 from verification.thesis.shipped_studies import STUDIES
 
 pytestmark = pytest.mark.slow
 
-LARGEST = 3e6  # bytes of a page, the script of its charts included
+LARGEST = 3e6  # bytes of a page
+MAKE, SAVE = Study._make, Figure.savefig
 
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Context]:
     """From the complete studies that ship, of which nothing is made again; with few claims."""
+    for name in ("furo", "myst_parser", "sphinx", "sphinx_design"):
+        need_module(name)
     out = tmp_path_factory.mktemp("report")
     shipped = Context(out, False, Here(), STUDIES, complete=DATA)
     with pytest.MonkeyPatch.context() as patch:
@@ -45,14 +49,8 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Context]:
         patch.setattr(Study, "_make", _only_claims)
         patch.setattr(Context, "_repeat", _said_to_agree)
         patch.setattr(Figure, "savefig", _saved_with_legends_inside)
-        path = write_report(CHAPTERS, shipped)
-    return path, shipped
-
-
-MAKE = Study._make
-
-
-SAVE = Figure.savefig
+        write_report(PAGES, shipped, strict=True)
+    return out, shipped
 
 
 def _saved_with_legends_inside(figure: Figure, path: Path, **options: Any) -> None:
@@ -75,105 +73,76 @@ class TestPagesInABrowser(PagesInABrowser):
     """In this file, so that the report is made once: the tests of one file run in one process."""
 
 
-def pages(made: tuple[Path, Context]) -> dict[str, Page]:
-    """All pages of the report, by file."""
-    names = ["index.html", *(chapter.file for chapter in CHAPTERS)]
-    return {name: Page((made[0].parent / name).read_text("utf-8")) for name in names}
+def pages(out: Path) -> Iterator[tuple[Path, str]]:
+    """All pages, without scripts."""
+    for path in out.rglob("*.html"):
+        yield path, re.sub(r"<script\b.*?</script>", "", path.read_text("utf-8"), flags=re.S)
 
 
-def test_every_section_is_in_the_contents_of_its_chapter(made: tuple[Path, Context]) -> None:
-    found = pages(made)
-    assert all(page.open == [] for page in found.values())
-    assert all(found[chapter.file].headings for chapter in CHAPTERS)
-    for page in found.values():
-        assert len(set(page.ids)) == len(page.ids)
-        assert {chapter.file for chapter in CHAPTERS} <= set(page.links)
-        assert {f"#{name}" for name in page.ids if name.startswith("section-")} <= set(page.links)
+@cache
+def places(path: Path) -> set[str]:
+    """The places of a page that a link can name."""
+    return {unescape(name) for name in re.findall(r'\bid="([^"]*)"', path.read_text("utf-8"))}
 
 
-def test_the_first_page_says_what_was_found_and_where_it_is_shown(made: tuple[Path, Context]) -> None:
-    text = made[0].read_text("utf-8")
-    linked = [link for link in Page(text).links if "#section-" in link]
-    assert len(CHAPTERS) <= len(linked) <= 15
-    assert {link.partition("#")[0] for link in linked} == {chapter.file for chapter in CHAPTERS}
-    assert "refresh" not in text
-    for chapter in CHAPTERS:
-        assert chapter.asked in text
-        own = (made[0].parent / chapter.file).read_text("utf-8")
-        for found in chapter.findings(made[1]):
-            shown = found.card.html if found.card else found.html
-            assert typeset(shown) in text
-            assert typeset(found.html) in own
-            assert re.search(r"\d", shown)
+def test_links_lead_to_files_and_places_that_are_there(made: tuple[Path, Context]) -> None:
+    lost = []
+    for path, text in pages(made[0]):
+        for link in re.findall(r'\b(?:href|src)="([^"]*)"', text):
+            file, _, place = unquote(unescape(link)).partition("#")
+            if re.match(r"\w+:", link) or place.startswith("scene="):
+                continue
+            target = (path.parent / file.partition("?")[0]).resolve() if file else path
+            if not target.is_file() or (place and place not in places(target)):
+                lost.append(f"{path.relative_to(made[0])}: {link}")
+    assert lost == []
 
 
-def test_pages_open_offline_and_link_what_is_there(made: tuple[Path, Context]) -> None:
-    folder, found = made[0].parent, pages(made)
-    texts = [re.sub(r"<script>.*?</script>", "", path.read_text("utf-8"), flags=re.S) for path in folder.glob("*.html")]
-    assert not any("://" in text for text in texts)
-    images = [image for page in found.values() for image in page.images]
-    assert len(images) == len(set(images)) > len(CHAPTERS)
-    assert all((folder / image).is_file() for image in images)
-    for name, page in found.items():
-        for link in page.links:
-            file, _, place = link.partition("#")
-            assert (folder / (file or name)).is_file(), link
-            target = found.get(file or name) or Page((folder / file).read_text("utf-8") if place else "")
-            assert not place or place in target.ids, link
+def test_pages_need_no_network(made: tuple[Path, Context]) -> None:
+    for path, text in pages(made[0]):
+        assert not re.search(r'<(?:img|link|script|source|iframe)\b[^>]*(?:src|href)="\w+://', text), path
+        assert path.stat().st_size < LARGEST, path
 
 
-def test_no_formula_is_left_as_it_is_typed(made: tuple[Path, Context]) -> None:
-    for path in made[0].parent.glob("*.html"):
-        shown = re.sub(r"<(script|style)\b.*?</\1>|<[^>]*>", "", path.read_text("utf-8"), flags=re.S)
-        assert not re.findall(r".*(?:\$|[_^]\{).*", shown), path.name
+def test_no_call_or_formula_is_left_as_it_is_typed(made: tuple[Path, Context]) -> None:
+    for path, text in pages(made[0] / "docs" / "results"):
+        shown = re.sub(r"<style\b.*?</style>|<[^>]*>", "", text, flags=re.S)
+        assert not re.findall(r".*(?:\$|[_^]\{|\{\{|\bnan\b).*", shown), path.name
 
 
-def test_tables_and_figures_lie_beside_the_page(made: tuple[Path, Context]) -> None:
-    folder = made[0].parent
-    kept, plain = ({path.stem for path in (folder / "tables").glob(f"*.{kind}")} for kind in ("parquet", "csv"))
-    assert kept == plain >= made[1].studies.keys()
-    assert made[1].studies.keys() <= {path.stem for path in DATA.glob("*.parquet")}
-    assert list(folder.rglob(".*.new")) == []
-    assert all(page.stat().st_size < LARGEST for page in folder.glob("*.html"))
+def test_all_that_was_given_is_shown(made: tuple[Path, Context]) -> None:
+    text = "".join(one for _, one in pages(made[0]))
+    for name in made[1].grids:
+        assert f'id="table-{name.replace("_", "-")}"' in text, name
+    for figure in (made[0] / "figures").iterdir():
+        assert f"figures/{figure.name}" in text, figure.name
 
 
-def test_page_states_machine_versions_orders_and_verdicts(made: tuple[Path, Context]) -> None:
-    tables = made[1].tables
+def test_first_page_has_cards_with_numbers_and_says_what_was_made_again(made: tuple[Path, Context]) -> None:
+    text = (made[0] / "docs" / "index.html").read_text("utf-8")
+    assert "docs/index.html" in (made[0] / "index.html").read_text("utf-8")
+    assert text.count("figures/card_") == len(made[1].numbers) == 6
+    assert all(f"<strong>{number}</strong>" in text for number in made[1].numbers.values())
     for word in ("cores", "numpy", "casadi", "those that ship", f"Parts of {len(made[1].agreements)} complete studies"):
-        assert word in made[0].read_text("utf-8")
-    text = (made[0].parent / "experiments.html").read_text("utf-8")
-    for order in tables["order_fits"]["order"]:
-        assert order in text
-    for sentence in tables["order_fits"]["verdict"]:
-        assert sentence in text
-
-
-def test_page_has_every_claim_and_the_most_serious_corrections_first(made: tuple[Path, Context]) -> None:
-    text, table = (made[0].parent / "statements.html").read_text("utf-8"), made[1].tables["claims"]
-    assert table["id"].tolist() == [claim.id for claim in few_claims()]
-    stated = [name for claim in few_claims() for name in (claim.id, *claim.also)]
-    assert [name for name in Page(text).ids if re.match(r"c\d\.", name)] == stated
-    assert not table["measured"].str.contains("is not there").any()  # what is open is so by its numbers
-    for kind, count in table["verdict"].value_counts().items():
-        assert text.count(f'data-verdict="{kind}"') == count
-    wrong = corrections(table, made[1].tables["claims_errata"])
-    order = {effect.value: number for number, effect in enumerate(Effect)}
-    assert wrong["effect"].map(order).is_monotonic_increasing
-    assert Effect.NOTATION.value not in set(wrong["effect"])
-    for word in ('id="words"', "hidden"):
         assert word in text
-
-
-def test_each_chapter_fills_tables_of_its_own_names(made: tuple[Path, Context]) -> None:
-    beginnings = [chapter.tables or ("claims",) for chapter in CHAPTERS]
-    for name in made[1].tables.keys() - {f"made_again_{chapter.name}" for chapter in CHAPTERS}:
-        assert sum(name.startswith(own) for own in beginnings) == 1, name
 
 
 def test_all_runs_of_the_complete_studies_ship(made: tuple[Path, Context]) -> None:
     for name, complete in made[1].studies.items():
         shipped = pd.read_parquet(DATA / f"{name}.parquet")
         assert set(run_names(shipped, complete.key)) == set(map(complete.name_of, complete.runs)), name
+
+
+def test_every_claim_is_in_the_register_and_on_the_page_of_its_chapter(made: tuple[Path, Context]) -> None:
+    folder, table = made[0] / "docs" / "results" / "claims", made[1].tables["claims"]
+    register = (folder / "index.html").read_text("utf-8")
+    assert not table["measured"].str.contains("is not there").any()  # what is open is so by its numbers
+    for kind, count in table["verdict"].value_counts().items():
+        assert register.count(f'data-verdict="{kind}"') == count
+    for claim in few_claims():
+        assert {claim.id, *claim.also} <= places(folder / f"chapter{claim.id[1]}.html")
+        assert f'href="chapter{claim.id[1]}.html#{claim.id}"' in register
+        assert claim.module in (made[0] / "code" / f"{claim.module.split('.')[2]}.html").read_text("utf-8")
 
 
 def test_independent_references_agree(made: tuple[Path, Context]) -> None:
@@ -194,11 +163,13 @@ def test_command_claims_lists_every_claim(made: tuple[Path, Context], monkeypatc
         assert name in said.output
 
 
-def test_command_report(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_command_report_makes_what_pages_show(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     shorten(monkeypatch)
     monkeypatch.setattr(study, "workers", Here)
-    monkeypatch.setattr(chapters, "CHAPTERS", CHAPTERS[-1:])
+    monkeypatch.setattr(chapters, "PAGES", PAGES[-1:])
+    monkeypatch.setattr(report, "build", lambda *_: None)
     said = CliRunner().invoke(cli.app, ["report", "--full", "--out", str(tmp_path)])
     assert said.exit_code == 0, said.output
-    assert "made here" in (tmp_path / "index.html").read_text("utf-8")
-    assert "is not there" in (tmp_path / "statements.html").read_text("utf-8")  # no study was run
+    assert "made here" in (tmp_path / "tables" / context.SHOWN).read_text("utf-8")
+    found = pd.read_parquet(tmp_path / "tables" / "claims.parquet")
+    assert found["measured"].str.contains("is not there").any()  # no study was run

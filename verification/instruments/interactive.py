@@ -44,7 +44,7 @@ WORDS |= {"not_reached": cheapest.NOT_REACHED, "not_resolved": cheapest.NOT_RESO
 # Columns of what is drawn: runs, names of lines, the strokes from the ends of lines to their names.
 POINTS, NAMES = ("x", "y", "setting", "status", "method"), ("x", "y", "text", "color", "size")
 LEADERS = ("x0", "y0", "x1", "y1", "color")
-CODE = Path(__file__).parents[1] / "site" / "templates" / "live.js"
+CODE = Path(__file__).parents[1] / "site" / "static" / "live.js"
 
 
 @cache

@@ -5,15 +5,17 @@ from __future__ import annotations
 import base64
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
 from dincl import InvalidProblem
 from dincl.checks import describe
+from dincl.files import write_text
 from verification.instruments.result import Result
+from verification.site.cells import grid
 from verification.site.facts import machine
-from verification.site.parts import Grid
-from verification.site.render import render_page
+from verification.site.render import render
 
 
 @dataclass(frozen=True)
@@ -23,7 +25,7 @@ class _Shown:
     title: str
     file: str
     picture: str
-    grids: list[Grid]
+    tables: dict[str, str]
 
 
 def save(results: Sequence[Result] | Result, folder: str | Path) -> Path:
@@ -42,7 +44,10 @@ def save(results: Sequence[Result] | Result, folder: str | Path) -> Path:
             raise InvalidProblem(f"results holds {describe(result)}: must be results of the instruments")
     out = Path(folder)
     shown = [_shown(result, result.save(out)) for result in _named(given)]
-    return render_page("results.html", out / "index.html", results=shown, facts=list(machine()))
+    out.mkdir(parents=True, exist_ok=True)
+    made = datetime.now().astimezone().strftime("%Y-%m-%d %H:%M")
+    write_text(out / "index.html", render("results.html", results=shown, facts=list(machine()), made=made))
+    return out / "index.html"
 
 
 def _named(results: Sequence[Any]) -> list[Any]:
@@ -58,5 +63,5 @@ def _named(results: Sequence[Any]) -> list[Any]:
 
 def _shown(result: Result, folder: Path) -> _Shown:
     picture = base64.b64encode((folder / f"{result.name}.png").read_bytes()).decode("ascii")
-    grids = [Grid(rows, caption, result.name) for caption, rows in result.summaries().items()]
-    return _Shown(result.title, f"{result.name}.csv", f"data:image/png;base64,{picture}", grids)
+    tables = {caption: grid(rows) for caption, rows in result.summaries().items()}
+    return _Shown(result.title, result.name, f"data:image/png;base64,{picture}", tables)

@@ -1,1 +1,1 @@
-"""The page: its parts, its look, and the templates that they are put into."""
+"""The site: tables, figures and claims for pages in Markdown, put into them by a Sphinx extension."""

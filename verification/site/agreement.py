@@ -10,7 +10,7 @@ import pandas as pd
 
 from dincl.study import Study
 from dincl.study.table import ATTRIBUTE, rounded
-from verification.site.parts import cell
+from verification.site.cells import cell
 
 # Columns that depend on the machine or its load.
 TIMES = ("seconds", "cpu_seconds", "us_best", "us_median")

@@ -1,4 +1,4 @@
-"""Small pictures for the first page of the report, from tables only."""
+"""Small pictures for the first page, from tables only."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 from scipy.stats import binomtest
 
 from verification.claims import Verdict
@@ -16,8 +15,6 @@ from verification.site.sheet import GREY, Axes, sheet
 
 SIZE = {"width": 4.4, "height": 2.7}  # inches
 LOOK: dict[str, Any] = {"font.size": 9.0, "axes.grid": False}
-# Least distance of two labels, as a part of the height.
-LABEL = 0.085
 # From sure to wrong.
 VERDICT_COLOURS: Mapping[Verdict, str] = {
     Verdict.PROVED: "#12602c",
@@ -31,7 +28,7 @@ VERDICT_COLOURS: Mapping[Verdict, str] = {
 
 
 def share(hits: int, tries: int) -> tuple[float, float, float]:
-    """Return a share with its 95 % interval by Wilson, as the filter ``percents`` takes it."""
+    """Return a share with its 95 % interval by Wilson."""
     low, high = binomtest(hits, tries).proportion_ci(method="wilson")
     return hits / tries, float(low), float(high)
 
@@ -41,34 +38,6 @@ def card(path: Path, **look: Any) -> Iterator[Axes]:
     """Yield the axes of a card, which is written at the end of the block."""
     with sheet(path, **SIZE, **LOOK | look) as figure:
         yield figure.subplots()
-
-
-def lines(
-    curves: Mapping[str, pd.DataFrame], x: str, y: str, labels: tuple[str, str], colours: Sequence[str], path: Path
-) -> Path:
-    """Draw y against x in logarithms, one curve for each name, which stands at its end."""
-    with card(path) as panel:
-        ends = []
-        for (name, rows), colour in zip(curves.items(), colours, strict=False):
-            mine = rows.sort_values(x)
-            panel.loglog(mine[x], mine[y], color=colour, marker="o", markersize=3)
-            ends.append((float(mine[y].iloc[-1]), float(mine[x].iloc[-1]), name, colour))
-        panel.set(xlabel=labels[0], ylabel=labels[1])
-        panel.minorticks_off()
-        low, high = np.log10(panel.get_ylim())
-        least = -np.inf
-        for value, last, name, colour in sorted(ends):
-            height = max((np.log10(value) - low) / (high - low), least + LABEL)
-            least = height
-            look: dict[str, Any] = {"arrowstyle": "-", "color": colour, "linewidth": 0.6}
-            place: dict[str, Any] = {
-                "xytext": (1.02, height),
-                "textcoords": "axes fraction",
-                "va": "center",
-                "arrowprops": look,
-            }
-            panel.annotate(name, (last, value), color=colour, annotation_clip=False, **place)
-    return path
 
 
 def bars(

@@ -1,11 +1,11 @@
-"""What the chapters of a report share: where to write, the tables so far, and the complete studies that ship."""
+"""What the pages of results share: the tables so far, the complete studies that ship, and what pages show."""
 
 from __future__ import annotations
 
-import pickle
-from collections.abc import Callable, Iterable, Mapping, Sequence
+import json
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor, Future
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from functools import partial
 from pathlib import Path
 from pkgutil import resolve_name
@@ -13,17 +13,20 @@ from typing import Any
 
 import pandas as pd
 
-from dincl.study import Study, digest, read_sealed, write
+from dincl.files import write_text
+from dincl.study import Study, read_sealed
 from verification.claims import Table
 from verification.site.agreement import Agreement, compare_studies
+from verification.site.cells import grid
 
-# In the attributes of the rows of a study: the name of its file.
-FILE = "file"
+# The file of what pages show, in the folder of the tables; the Sphinx extension reads it.
+SHOWN = "shown.json"
+LARGEST = 600_000  # letters of a CSV
 
 
 @dataclass
 class Context:
-    """What the chapters share: where to write, on what to run, and the tables so far, by name.
+    """What the pages share: where to write, on what to run, and the tables so far, by name.
 
     Attributes
     ----------
@@ -39,12 +42,14 @@ class Context:
         The folder of complete studies that ship; None: there are none.
     smallest
         Whether studies that do not ship are made in their smallest form, for tests.
+    grids, numbers, charts
+        What pages show by name: tables as HTML with their file and number of rows, numbers as text, charts as HTML.
     agreements
-        What came of making parts of complete studies again, by the name of the study.
+        What came of rerunning parts of complete studies, by the name of the study.
     studies
         The complete studies that were asked for, by name.
     waiting
-        Make the parts again.
+        Rerun the parts.
     """
 
     out: Path
@@ -55,10 +60,12 @@ class Context:
     smallest: bool = False
     tables: dict[str, pd.DataFrame] = field(default_factory=dict)
     drawings: list[Future[Path]] = field(default_factory=list)
+    grids: dict[str, dict[str, Any]] = field(default_factory=dict)
+    numbers: dict[str, str] = field(default_factory=dict)
+    charts: dict[str, str] = field(default_factory=dict)
     agreements: dict[str, Agreement] = field(default_factory=dict)
     studies: dict[str, Study] = field(default_factory=dict)
     waiting: list[Callable[[], None]] = field(default_factory=list)
-    _drawn: dict[str, str] = field(default_factory=dict)
 
     @property
     def folder(self) -> Path:
@@ -102,8 +109,7 @@ class Context:
         if shipped is not None and again.runs and study.name not in self.agreements:
             self.waiting.append(partial(self._repeat, study, rows if self.full else again, by, shipped))
         self.studies[study.name] = study
-        write(rows, self.folder / f"{study.name}.parquet")
-        rows.attrs[FILE] = study.name
+        self._write(study.name, rows)
         return rows
 
     def table(self, wanted: Table) -> pd.DataFrame:
@@ -112,39 +118,42 @@ class Context:
             resolve_name(wanted.made_by)(self)
         return self.tables[wanted]
 
-    def files_of(self, names: Iterable[str]) -> list[str]:
-        """Return the names of the files of some tables; without tables that were only read."""
-        files = (str(self.tables[name].attrs.get(FILE, name)) for name in names if name in self.tables)
-        return [file for file in files if (self.folder / f"{file}.csv").exists()]
-
     def _repeat(self, study: Study, again: Study | pd.DataFrame, by: Sequence[str], shipped: pd.DataFrame) -> None:
         """Make a part again, unless its rows are there, and lay it over what ships."""
         # Parts lie apart: they may be of a form of their own.
         made = again.complete(self.folder / "again", self.executor) if isinstance(again, Study) else again
         self.agreements[study.name] = compare_studies(made, shipped, study, by)
 
-    def agreements_of(self, beginnings: tuple[str, ...]) -> dict[str, Agreement]:
-        """Return the agreements of the studies whose names begin so."""
-        return {name: found for name, found in self.agreements.items() if name.startswith(beginnings)}
-
     def keep(self, name: str, table: pd.DataFrame) -> None:
         """Share a table that was derived from others, and write it beside them."""
         self.tables[name] = table
-        write(table, self.folder / f"{name}.parquet")
+        self._write(name, table)
 
-    def draw(self, name: str, figure: Callable[..., Path], *arguments: Any, ending: str = ".png") -> Path:
-        """Let a worker draw ``figure(*arguments, path)``; the path, where it is once the drawings are done.
+    def _write(self, name: str, table: pd.DataFrame) -> None:
+        """Write a CSV for readers, with six digits, unless it is large: all complete tables ship as Parquet."""
+        text = table.to_csv(index=False, float_format="%.6g")
+        if len(text) <= LARGEST:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            write_text(self.folder / f"{name}.csv", text)
 
-        What was drawn of the same arguments before is left.
-        """
-        path, wanted = self.out / "figures" / f"{name}{ending}", digest(pickle.dumps((figure, arguments)))
-        if self._drawn.get(name) != wanted:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            self.drawings.append(self.executor.submit(figure, *arguments, path))
-            self._drawn[name] = wanted
-        return path
+    def show(self, name: str, table: pd.DataFrame, file: str = "") -> None:
+        """Give pages a table, ``{{ table("name") }}``; ``file`` names the table that it was taken from."""
+        self.grids[name] = {"html": grid(table), "rows": len(table), "file": file or name}
+
+    def draw(self, name: str, figure: Callable[..., Path], *arguments: Any, ending: str = ".png") -> None:
+        """Let a worker draw ``figure(*arguments, path)`` for pages, ``{{ figure("name") }}``."""
+        path = self.out / "figures" / f"{name}{ending}"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        self.drawings.append(self.executor.submit(figure, *arguments, path))
 
     def finish_drawings(self) -> None:
         """Wait until all figures are there; raises what went wrong with one."""
         for drawing in self.drawings:
             drawing.result()
+
+    def publish(self, facts: Sequence[tuple[str, str]]) -> None:
+        """Write what pages show."""
+        found = {name: asdict(one) for name, one in self.agreements.items()}
+        shown = {"grids": self.grids, "numbers": self.numbers, "charts": self.charts}
+        self.folder.mkdir(parents=True, exist_ok=True)
+        write_text(self.folder / SHOWN, json.dumps(shown | {"agreements": found, "facts": list(facts)}))

@@ -36,8 +36,8 @@ __all__ = [
 ]
 
 Floats = NDArray[np.float64]
-WIDTH = 9.2  # inches; the page shows figures at this width, with twice the dots
-DPI = 200
+WIDTH = 9.2  # inches; the page shows figures at most at this width
+DPI = 150
 NOTE = 7.5  # points; words inside of panels
 GREY = "#8a8a8a"
 STYLE: Any = {  # the names are those of matplotlib

@@ -1,9 +1,9 @@
-"""The chapters of the report, in the order of its pages."""
+"""The pages of results that are made: modules with ``run`` and ``show``; what they write about is in docs/results."""
 
 from verification.methods import page as experiments
 from verification.methods.chart import page as chart
 from verification.methods.stability import page as stability
-from verification.site.report import Chapter
+from verification.site.report import Page
 from verification.thesis import page as claims
 from verification.thesis.chapter1 import page as geometry
 from verification.thesis.chapter3 import page as minimisers
@@ -13,8 +13,8 @@ from verification.tissues import curved
 from verification.tissues.needs import page as needs
 from verification.tissues.space import page as space
 
-PAGES = (
+# The claims read the tables of all others.
+PAGES: tuple[Page, ...] = (
     *(experiments, chart, needs, stability, geometry),
     *(minimisers, transitions, curved, space, meanfield, claims),
 )
-CHAPTERS: tuple[Chapter, ...] = tuple(page.CHAPTER for page in PAGES)

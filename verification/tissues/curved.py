@@ -17,9 +17,6 @@ from tissue.runs.simulate import simulate
 from tissue.study.outcomes import SIDES, outcomes
 from tissue.study.plan import load_study, run_seeds
 from verification.site.context import Context
-from verification.site.parts import Follows, Grid, Part, Picture, Section, Text
-from verification.site.prose import percents
-from verification.site.report import Chapter, Finding
 from verification.site.store import shipped
 
 NAME, STUDY = "curved_ways_out", "curved_published"
@@ -49,20 +46,6 @@ TISSUES: dict[str, dict[str, object]] = {
     "inside of a tube of 800 µm on an ellipse": TUBE | ELLIPSE,
 }
 DPI = 120  # of tissues, whose many discs make large files
-QUESTION = "Does curvature matter?"
-ANSWER = (
-    "Curvature matters, most where the tissue is inside: there cells that lose apical adhesion, [A], leave on the "
-    "basal side several times as often as on a line, and outside of an arc about half as often. Most cells that lose "
-    "basal adhesion and protrude, [BP], leave at any curvature tried. The thesis grows tissue on a line and names "
-    "curved layers as further work. Here one EMT cell stands in the middle of the published tissue, on a line or on an "
-    "open arc of a circle with the perimeter of a neural tube, 400 µm. The cause was not measured: inside an arc "
-    "apical sides are narrower than basal ones, so nuclei crowd there."
-)
-CHARTED = "Cells that have left at 54 h on each side, events at 12 h, [P] at 24 h; bars are 95 % intervals."
-PICTURED = (
-    "Published tissues on curved layers after a day, each to its own scale: nuclei blue in G1 and S, orange in G2, "
-    "purple in mitosis, the apical layer red, the basal layer black. Heights are along the normal of the basal layer."
-)
 
 
 def study(smallest: bool = False) -> Study:
@@ -135,36 +118,9 @@ def draw_tissues(path: Path) -> Path:
     return path
 
 
-def sections(context: Context) -> Sequence[Section]:
-    """Return the answer with its figure and table, and tissues to look at."""
+def show(context: Context) -> None:
+    """Give the answer with its figure and table, and tissues to look at."""
     table = context.tables[NAME]
-    parts: list[Part] = [
-        Text(ANSWER),
-        Picture(context.draw(NAME, draw_ways_out, table), CHARTED),
-        Picture(context.draw("curved_tissues", draw_tissues), PICTURED),
-        Grid(context.headed(NAME, table), "Ratios of EMT cells that have left at 54 h.", NAME, folded=True),
-        Follows("State the curvature with an answer about cells that lose apical adhesion."),
-    ]
-    return [Section(QUESTION, parts)]
-
-
-def findings(context: Context) -> Sequence[Finding]:
-    """State how many cells leave on the basal side of each layer."""
-    table = context.tables[NAME]
-    rows = table[(table["side"] == "basal") & (table["events"] == "[A]")].set_index("layer")
-    parts = []
-    for layer, (label, *_) in LAYERS.items():
-        value, low, high = rows.loc[layer, ["value", "low", "high"]]
-        parts.append(f"{label} {percents((value, low, high))}")
-    return [Finding(f"Cells that lose apical adhesion, [A], leave on the basal side: {', '.join(parts)}.", QUESTION)]
-
-
-CHAPTER = Chapter(
-    "curved",
-    "Curved layers",
-    "Does it matter for cells that leave whether the basal layer bends?",
-    run,
-    sections,
-    findings,
-    tables=("curved_",),
-)
+    context.draw(NAME, draw_ways_out, table)
+    context.draw("curved_tissues", draw_tissues)
+    context.show(NAME, context.headed(NAME, table))

@@ -11,7 +11,7 @@ from dincl import study
 from tests.executors import Here
 from verification import cli
 from verification.claims import Claim, Correction, Effect, Evidence, Table, Tables, Verdict, decide, equal
-from verification.site import parts
+from verification.site import extension
 from verification.site.context import Context
 from verification.thesis import register, selection
 
@@ -89,7 +89,7 @@ def test_each_reading_has_a_column_and_is_shown() -> None:
     table = pd.DataFrame([decide.evidence_row(claim, {}) for claim in claims]).fillna("")
     assert decide.readings(table) == ["reading: one way", "reading: other way"]
     assert table["reading: other way"].tolist() == ["", "refuted, holds when corrected"]
-    alone, both = (parts._by_reading(row, decide.readings(table)) for row in table.to_dict("records"))
+    alone, both = (extension._by_reading(row, decide.readings(table)) for row in table.to_dict("records"))
     assert alone == []
     assert both == [
         ("one way", "holds", "one is one"),

@@ -12,7 +12,7 @@ from verification.instruments.chart import TARGETS, WorkPrecision
 from verification.instruments.speed_accuracy import WorkPrecisionRuns
 from verification.methods.chart.references import SCENES, SMALL, known
 from verification.methods.methods import CHARTED, PBD
-from verification.site.parts import number
+from verification.site.cells import number
 
 ERRORS, COSTS = ("largest", "final", "overlap"), ("cpu_seconds", "drift_evaluations")
 # From coarse to fine; of scenes of many discs only coarse ones are within the budget.

@@ -7,20 +7,13 @@ from pathlib import Path
 
 import pandas as pd
 
-from verification.instruments.cheapest import LEAST_SPREAD
-from verification.methods.decisions.scenes import MOST_PARTICLES
-from verification.methods.decisions.study import AUTO, BUDGET, LOOKS, NO_REFERENCE, charts
+from verification.methods.decisions.study import AUTO, LOOKS, charts
 from verification.site import cards
 from verification.site.cards import share
+from verification.site.cells import number, percent
 from verification.site.context import Context
-from verification.site.parts import Follows, Grid, Picture, Section, Text, number
-from verification.site.prose import fill
-from verification.site.report import Card
 from verification.site.sheet import Axes, legend_below, sheet
 
-PROSE = Path(__file__).parent / "prose" / "decisions.html"
-TITLE = "Does Auto keep the error that is asked for?"
-PROFILE = "How often is each method the cheapest?"
 # Ranges of the errors that are asked for [length].
 BANDS = ((1e-3, 10**-1.5), (1e-4, 1e-3), (1e-5, 1e-4))
 ALL = (BANDS[-1][0], BANDS[0][1])
@@ -152,56 +145,13 @@ def run(context: Context) -> None:
     context.keep("decisions_cost", costs_of_auto(rows))
 
 
-def _said(context: Context) -> dict[str, str]:
-    rows, kept = context.tables["decisions"], context.tables["decisions_promise"]
-    found = context.tables["decisions_profile"]
-    by_time = found[(found["error"] == band_words(ALL)) & (found["cost"] == COSTS["cpu_seconds"])].to_dict("records")
-    return fill(
-        PROSE,
-        most=MOST_PARTICLES,
-        scenes=rows["seed"].nunique(),
-        without=int((rows["status"] == NO_REFERENCE).sum()),
-        compared=by_time[0]["scenes"],
-        by_time=by_time,
-        usually=max(by_time, key=lambda row: row["1"]),
-        within=LEAST_SPREAD,
-        budget=BUDGET,
-        kept=next(kept.iloc[:1].itertuples()),
-        cost=context.tables["decisions_cost"].iloc[0],
-    )
-
-
-def profile_section(context: Context) -> Section:
-    """Return how often each method is the cheapest on random scenes, by CPU time and by counted work."""
-    said, rows = _said(context), context.tables["decisions"]
-    return Section(
-        PROFILE,
-        [
-            Picture(context.draw("decisions_profile", draw, rows), said["curves"]),
-            Picture(context.draw("decisions_bands", draw_bands, rows), said["bands"]),
-            Follows(said["often"]),
-            _grid(context, "decisions_profile", said["shares"]),
-            Text(said["compared"]),
-        ],
-    )
-
-
-def section(context: Context) -> Section:
-    """Return what ``Auto`` keeps, and what it costs."""
-    said = _said(context)
-    grids = (_grid(context, f"decisions_{name}", said[name]) for name in ("promise", "cost"))
-    return Section(TITLE, [Follows(said["auto"]), *grids, Text(said["why"])])
-
-
-def _grid(context: Context, name: str, caption: str) -> Grid:
-    return Grid(context.headed("decisions", context.tables[name]), caption, name)
-
-
-def card(context: Context, place: int) -> Card:
-    """Return the profiles over all errors, for the first page."""
-    return Card(context.draw("card_speed", draw_card, context.tables["decisions"]), often(context), place)
-
-
-def often(context: Context) -> str:
-    """Return in a sentence how often each method is the cheapest."""
-    return _said(context)["often"]
+def show(context: Context) -> None:
+    """Give the performance profiles, how often each method is the cheapest, and what ``Auto`` keeps at which cost."""
+    rows, found = context.tables["decisions"], context.tables["decisions_profile"]
+    context.draw("decisions_profile", draw, rows)
+    context.draw("decisions_bands", draw_bands, rows)
+    context.draw("card_speed", draw_card, rows)
+    for name in ("profile", "promise", "cost"):
+        context.show(f"decisions_{name}", context.headed("decisions", context.tables[f"decisions_{name}"]))
+    by_time = found[(found["error"] == band_words(ALL)) & (found["cost"] == COSTS["cpu_seconds"])]
+    context.numbers["speed"] = percent(by_time["1"].max())

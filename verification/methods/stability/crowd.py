@@ -1,5 +1,4 @@
 """A crowd of discs drawn to one point: with few sweeps it collapses, with large steps centres coincide."""
-# ruff: noqa: RUF001 - formulas for readers are written with Greek letters and minus signs
 
 from __future__ import annotations
 
@@ -86,9 +85,6 @@ METHODS = some("PBD", "PBD with 16 sweeps", "springs of 0.3/dt", "springs of 100
 NUMBERS = Map(
     "crowd",
     "the number of attracted discs",
-    "n discs are drawn to one point, $X' = −X$. A single sweep stays feasible for about $dt R²/2 < 0.1$, where R is "
-    "the radius of the heap in diameters. Beyond it the heap collapses into itself without any sign of instability. "
-    "At $dt = 1$ all centres coincide, and beyond $dt = 2$ explicit Euler for −X itself is unstable.",
     StabilityRuns(
         None,
         {label: partial(by_number, scheme) for label, scheme in METHODS.items()},
@@ -100,8 +96,6 @@ NUMBERS = Map(
 SWEEPS = Map(
     "sweeps",
     "the number of sweeps",
-    f"{FEW} discs are drawn to one point. The pressure in the middle grows like the square of the radius of the heap, "
-    "and so do the sweeps or the steps that it takes to carry it.",
     StabilityRuns(
         None,
         {"PBD": by_sweeps},

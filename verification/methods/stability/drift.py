@@ -1,5 +1,4 @@
 """Stiff drifts: the explicit prediction has a limit of its own, which no projection lifts."""
-# ruff: noqa: RUF001 - formulas for readers are written with Greek letters and minus signs
 
 from __future__ import annotations
 
@@ -53,10 +52,6 @@ def run(scheme: Maker, dt: float, rate: float) -> dict[str, Any]:
 MAP = Map(
     "drift",
     "the stiffness of the drift",
-    "Each of two discs is drawn to its own place, $F = −k (x − rest)$. Methods of first order predict by explicit "
-    "Euler, which is unstable beyond $dt k = 2$, and midpoint catch-up by the explicit midpoint rule, which has the "
-    "same limit. Second-order PBD solves Newton's equation by symplectic Euler, which is unstable beyond $dt √k = "
-    "2$. Stability of the projections does not help here.",
     StabilityRuns(
         None,
         {label: partial(run, scheme) for label, scheme in some(*FIRST, SECOND).items()},

@@ -37,10 +37,6 @@ def times(dt: float) -> NDArray[np.float64]:
 MAP = Map(
     "penalty",
     "the strength of a penalty",
-    "An interval lies in a slit that just fits it, and the force 1 presses it to one side. Springs leave the depth "
-    "1/strength, so they are feasible above 10, and explicit Euler blows up beyond $dt · strength = 2$. The force as "
-    "printed must be stronger than the load, and makes the interval chatter by about $dt · strength$. The chatter "
-    "counts as unstable once it throws the interval farther than the load alone would carry it.",
     StabilityRuns(
         slit(),
         {SPRINGS: dincl.Penalty, PRINTED: partial(dincl.Penalty, exponent=1)},

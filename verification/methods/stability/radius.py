@@ -1,5 +1,4 @@
 """Steps longer than the prox-regularity radius: the nearest point is on the other side."""
-# ruff: noqa: RUF001 - formulas for readers are written with Greek letters and minus signs
 
 from __future__ import annotations
 
@@ -46,11 +45,6 @@ METHODS = some(
 MAP = Map(
     "radius",
     "the prox-regularity radius",
-    "A point is pressed down upon the gap between two discs of radius 1 whose centres are 2c apart. Its place is (0, "
-    "h) with $h = √(1 − c²)$, and h is the prox-regularity radius $η$. Beyond a step of $η$ the nearest feasible "
-    "point lies on the other side. Ipopt and Daqp, which search from the state before the step, stay above until the "
-    "prediction is feasible itself, at $2η$. The linearised set cannot be left at all. Sweeps alternate between the "
-    "discs and fall through at $η$ at the latest.",
     StabilityRuns(
         None,
         {label: partial(run, scheme) for label, scheme in METHODS.items()},

@@ -1,5 +1,4 @@
 """Rows of discs pressed onto a wall: sweeps carry a push from one neighbour to the next, so long rows need many."""
-# ruff: noqa: RUF001 - formulas for readers are written with Greek letters and minus signs
 
 from __future__ import annotations
 
@@ -68,10 +67,6 @@ def longest_row(dt: float) -> float:
 MAP = Map(
     "row",
     "the length of a row",
-    "n intervals with small gaps are pressed onto a wall, each with the force 1. One sweep of PBD leaves the last of "
-    "them $dt (n + (n − 1)(n − 2)/2)$ too deep, so dt must shrink like $1/n²$. Where a step carries several "
-    "intervals past the wall, sweeps put them on one point, and the next step is refused. Projections converge at "
-    "every dt.",
     StabilityRuns(
         apart,
         some(

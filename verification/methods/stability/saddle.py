@@ -53,9 +53,6 @@ def damped_limit(alpha: float) -> float:
 MAP = Map(
     "saddle",
     "the two steps of saddle-point methods",
-    "The problem is $min x²/2$ for $x ≥ 1$. Arrow-Hurwicz converges for $α (2 + β) < 4$. The damped form with $c dτ "
-    "= 2$ and $γ = 0$ converges for $β dτ < 1$ (and short steps). Uzawa, which minimises exactly in x, converges for "
-    "steps $β < 2$. Beyond these limits they swing or fly away; slow ones reach the limit of steps.",
     StabilityRuns(
         None,
         {method: partial(run, method) for method in (PLAIN, DAMPED, UZAWA)},

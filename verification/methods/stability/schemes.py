@@ -55,16 +55,13 @@ class Map:
     Attributes
     ----------
     name, title
-        Of its table, ``stability_<name>``, and of its section.
-    said
-        What is run and where theory predicts the limits; HTML with formulas between dollar signs.
+        Of its table, ``stability_<name>``, and of its study.
     runs
         The runs.
     """
 
     name: str
     title: str
-    said: str
     runs: StabilityRuns
 
     def study(self, smallest: bool = False) -> Study:

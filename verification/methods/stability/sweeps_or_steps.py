@@ -64,10 +64,6 @@ def run(scene: str, method: Callable[..., dincl.Scheme], sweeps: float, total: f
 MAP = Map(
     "sweeps_or_steps",
     "more sweeps or smaller steps",
-    "A run of PBD or XPBD costs as much as its sweeps over the contacts. The same number of sweeps can make many "
-    "steps with one sweep each or fewer steps with many. With few contacts one sweep in a step is best: further "
-    "sweeps only lengthen the step. In chains and piles information travels one contact a sweep, in a step or "
-    "between steps alike, so the division hardly matters until the step itself is too long.",
     StabilityRuns(
         None,
         {f"{name}, {scene}": partial(run, scene, method) for name, method in METHODS.items() for scene in SCENES},

@@ -1,7 +1,5 @@
 """Lemma 2.8 as measured limits: the velocity of one step of PBD as dt -> 0, and after many steps."""
 
-# ruff: noqa: RUF001 - formulas for readers are written with Greek letters and minus signs
-
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
@@ -16,7 +14,6 @@ from dincl.drifts import constant
 from dincl.geometry import normal_cone, support, tangent_velocity
 from verification.instruments.order import estimate, order_text
 from verification.site.context import Context
-from verification.site.parts import Follows, Grid, Picture, Section, Text, number
 from verification.site.sheet import legend_below, sheet
 from verification.thesis.chapter1.prox_regularity import honeycomb
 
@@ -191,37 +188,8 @@ def run(context: Context) -> None:
     context.keep(f"{NAME}_settling", settling())
 
 
-def section(context: Context) -> Section:
-    """Write about the consistency of one step of PBD."""
+def show(context: Context) -> None:
+    """Give the limits of one step and of many."""
     steps, settled = context.tables[f"{NAME}_steps"], context.tables[f"{NAME}_settling"]
-    return Section(
-        "Which inclusion does one step of PBD belong to?",
-        [
-            Text(
-                "V is the velocity of one step of PBD from a point with active contacts. As $dt → 0$ it tends to the "
-                "result of one sweep of projections onto the half-spaces ${v : ∇g_k · v ≥ 0}$, in the order of PBD. "
-                "This is an element of F - N, as Lemma 2.8 says. Where several contacts are not orthogonal it is not "
-                "the velocity P<sub>T</sub> F of the solution, and it need not even lie in the tangent cone T. More "
-                "sweeps bring it into T, but not always to P<sub>T</sub> F. PBD converges by the sequence of its "
-                "steps: at a fixed small dt the velocity of the k-th step settles to P<sub>T</sub> F, and small "
-                "overlaps carry the reactions that are missing at first. The largest $σ(V - F, w) - σ(-N ∩ B, w)$ over "
-                "random w, with a ball of radius 2 |F| instead of $(2^M + 1) |F|$, is "
-                f"{number(float(steps['excess'].max()))}: it is never positive, as the lemma needs it."
-            ),
-            Picture(
-                context.draw(NAME, figure, steps, settled),
-                f"Left: one step against dt. Right: the k-th step, $dt = {number(SETTLING_DT)}$. $P_T F$ is that of "
-                "the start; contacts of discs turn away from it in proportion to k dt.",
-            ),
-            Grid(
-                summary(steps, settled).rename(columns=HEADINGS),
-                f"Orders with the ranges of local orders; distances at $dt = {number(STEPS[-1])}$. Many sweeps: "
-                f"{SWEEPS}; last step: {SETTLING}.",
-                f"{NAME}_steps",
-            ),
-            Follows(
-                "A single step of PBD says little about its limit: the sequence of steps settles to the velocity of "
-                "the solution."
-            ),
-        ],
-    )
+    context.draw(NAME, figure, steps, settled)
+    context.show(NAME, summary(steps, settled).rename(columns=HEADINGS), f"{NAME}_steps")

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 from dincl.study import Study
 from verification.site.context import Context
-from verification.site.parts import Section
-from verification.site.report import Chapter, Finding
 from verification.thesis.chapter1 import consistency, prox_regularity
 
 STUDIES: dict[str, Callable[..., Study]] = {
@@ -23,22 +21,9 @@ def run(context: Context) -> None:
     consistency.run(context)
 
 
-def sections(context: Context) -> Sequence[Section]:
-    """Write about the constant of prox-regularity and about the consistency of one step of PBD."""
-    return [prox_regularity.section(context), consistency.section(context)]
-
-
-def findings(context: Context) -> Sequence[Finding]:
-    """Say by how much the printed constant is too small."""
-    return [Finding(prox_regularity.finding(context.tables[prox_regularity.NAME]), prox_regularity.TITLE)]
-
-
-CHAPTER = Chapter(
-    "geometry",
-    "The geometry of the feasible set",
-    "How far from convex is the feasible set of discs, and which inclusion does one step of PBD belong to?",
-    run,
-    sections,
-    findings,
-    tables=("prox_", "consistency"),
-)
+def show(context: Context) -> None:
+    """Give the constants of prox-regularity, and the consistency of one step of PBD."""
+    context.draw(prox_regularity.NAME, prox_regularity.figure, context.tables[prox_regularity.NAME])
+    for name in STUDIES:
+        context.show(name, context.headed(name, context.tables[name]))
+    consistency.show(context)

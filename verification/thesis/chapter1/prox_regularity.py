@@ -13,9 +13,6 @@ from numpy.typing import NDArray
 import dincl
 from dincl.geometry import normal_cone
 from dincl.study import Key, Row, Study
-from verification.site.context import Context
-from verification.site.parts import Follows, Grid, Picture, Section, Text
-from verification.site.prose import percent_up
 from verification.site.sheet import GREY, sheet
 from verification.thesis.chapter1.prox_constants import RADIUS, printed_constant, proved_constant, row_constant
 from verification.thesis.chapter1.prox_search import hypomonotonicity, prox_constant
@@ -168,47 +165,3 @@ def figure(table: pd.DataFrame, path: Path) -> Path:
         panel.minorticks_off()
         drawn.legend(loc="outside right center")
     return path
-
-
-def section(context: Context) -> Section:
-    """Write about the constant of prox-regularity."""
-    table, around = context.tables[NAME], context.tables[ARRANGED]
-    return Section(
-        TITLE,
-        [
-            Text(
-                "The set S of N discs of radius R is η-prox-regular with $η ≥ R √(2/(2N - 3))$ in every dimension: "
-                "with $L = 2R, n = -Σ λ∇g$ and $|n| = 1, n · (y - x) ≤ Σ λ_ij |v_i - v_j|² / (2L)$ for $v = y - x$, so "
-                "$1/η$ is at most the largest eigenvalue of the Laplacian of the contacts with the weights $λ/L$; and "
-                "the two discs of a contact carry $λ$ of at most $√(4N - 6)$ together (by a monotone test field). For "
-                "$d ≥ 2$ no $η$ is larger than that of a straight row of N discs, which can buckle. $N = 2$ ($η = √2 "
-                "R$) and $N = 3$ ($η = √8/3 R$) are exact; for large N both bounds are $R/√N$. A search over pairs "
-                "(random pairs, largest curvature, climbing) gives upper bounds of $η$: the least $|y - x|² / (2 n · "
-                "(y - x))$ that it finds. The printed constant is smaller by a factor that grows with N. At $N = 2$ it "
-                "is 0."
-            ),
-            Picture(
-                context.draw(NAME, figure, table),
-                "Constants of prox-regularity for N discs of radius 1/2 (Proposition 1.22 of the thesis).",
-            ),
-            Grid(context.headed(NAME, table), "Constants, $R = 1/2$.", NAME),
-            Grid(
-                context.headed(ARRANGED, around),
-                "Other arrangements. A longer search may find less; none is below the constant of the straight row of "
-                "as many discs.",
-                ARRANGED,
-            ),
-            Follows("Estimates that rest on the printed constant are too cautious."),
-        ],
-    )
-
-
-def finding(table: pd.DataFrame) -> str:
-    """Say by how much the printed constant is too small."""
-    factors = table["measured"] / table["printed_plane"]
-    return (
-        "The printed constant of prox-regularity of N discs in the plane is smaller than the upper bound that a search "
-        f"finds, by a factor of {factors.iloc[1]:.0f} for three discs and {factors.iloc[-1]:.0f} for "
-        f"{table['count'].iloc[-1]}; the constant proved here is within {percent_up(table['gap'].max() - 1)} of that "
-        "bound."
-    )

@@ -31,7 +31,7 @@ from verification.thesis.chapter4.ensembles import POPULATIONS, PRESETS
 from verification.thesis.chapter4.groups import EVENTS, ONSETS, TIMES
 from verification.thesis.chapter4.in_time import CONTROL
 from verification.thesis.chapter4.printed import PRINTED
-from verification.thesis.chapter4.ratios import INTERVALS, wilson
+from verification.thesis.chapter4.ratios import wilson
 
 PROGRAMS = ("[ABP]", "[BAP]", "[BPx]", "[BxP]", "[AxB]", "[BxA]", "[Ax]", "[xA]", "[Bx]", "[xB]", "no EMT")
 ALONE = ("[A]", "[B]", "[S]", "[BP]", "no EMT")
@@ -50,29 +50,7 @@ BY_TIME = {"[A], cells without [P]": "t_a_h", "[B], cells without [P]": "t_b_h",
 TWO = ("thesis", "published")  # the readings whose cells were followed in time
 MARK: Any = {"marker": "D", "markersize": 5.0, "color": "#ffe08a", "markeredgecolor": "black", "linestyle": "none"}
 END, HEIGHT, LINE, ROOM = "ratio of basal extrusion at the end [%]", 1.9, 0.23, 0.5  # inches: a panel, a line in one
-TITLES = {
-    10: "Ratios of isolated cells with one event, in time",
-    12: "Ratios of isolated cells without INM, in time",
-    13: "Isolated cells at the end",
-    14: "Isolated cells with [A] and [B] at different times",
-    15: "Eleven programs of events, alone and in groups",
-    17: "Cells with [A], then [B], in different environments",
-    18: "Cells with [A] alone in different environments",
-    19: "Cells with [B] alone in different environments",
-    20: "Basal extrusion given the time of an event",
-    21: "Basal extrusion given the position at the onset",
-}
-# Under the figures; the same words for those of one kind.
-ALONE_IN_TIME = f"Isolated EMT cell, 400 runs of each; bands: {INTERVALS}, for each time."
-PLACES = "Alone and in the homogeneous group: events at fixed times; in heterogeneous groups at any time"
-CAPTIONS = {
-    **dict.fromkeys(CURVES, ALONE_IN_TIME),
-    13: "Isolated EMT cells; [BP] without INM, and no EMT with INM, are not among them; whiskers: " + INTERVALS + ".",
-    15: f"One EMT cell, or a group of ten with the same events; x: a delay of 12 h; whiskers: {INTERVALS}.",
-    **dict.fromkeys(DELAYED, f"{PLACES}; whiskers: {INTERVALS}."),
-    20: f"[P]: when it begins to act, not before [B]; bands: {INTERVALS}.",
-    21: f"Cells of heterogeneous groups without [P]; bands: {INTERVALS}.",
-}
+FIGURES = (10, 12, 13, 14, 15, 17, 18, 19, 20, 21)
 Entries = dict[str, Line2D | Patch]
 Drawn = tuple[Figure, Entries]
 

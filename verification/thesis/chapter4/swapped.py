@@ -6,45 +6,26 @@ from collections.abc import Iterable
 
 import pandas as pd
 
-from verification.claims import Tables
-from verification.site.parts import Grid, Section, Text
-from verification.site.prose import listed, percents
+from verification.site.cells import listed, percents
+from verification.site.context import Context
 from verification.thesis.chapter4.differences import AS_PRINTED, COUNTING, COUNTING_ROW, PUBLISHED, ROWS
 from verification.thesis.chapter4.frequencies import CLAIM_LEVEL
 from verification.thesis.chapter4.ratios import Ratio, difference
 
-TITLE = "Which difference between the readings makes which ratio?"
-ASKED = (
-    "The model as chapter 3 prints it and the published runs differ in twelve rows that the printed ratios can depend "
-    "on, and in when and by which rule cells are counted. Two energies decide, of the cytoskeleton and of the apical "
-    "junctions. No single difference gives a ratio that the model as printed misses. One row is changed at a "
-    "time from either end; then all together, in a factorial design in which the effect of a row is averaged over all "
-    "others. Rows about [P] and [S] are reached by no printed ratio."
-)
-SIDES = {
-    AS_PRINTED: "The model as printed with one row as in the published runs; ✓: agrees with the printed ratio (99 %).",
-    PUBLISHED: "The published runs with one row as printed; ✓: agrees with the printed ratio (99 %).",
-}
 OUTCOMES = {"apical": "leaves apically", "basal": "leaves basally", "below": "lies below all control cells"}
 AGREES = " ✓"
 LARGEST = 2  # of the average effects of a ratio that are named
 CLEAR = 2.0  # effects of two rows are shown if one is this far from 0, by the half of its interval
 
 
-def section(tables: Tables) -> Section:
-    """Show the answer for each ratio, one row changed at a time from both ends, and the effects of the design."""
-    changed, effects = tables["emt_changed"], tables["emt_effects"]
-    alone = (Grid(one_by_one(changed, start), text, "emt_changed", folded=True) for start, text in SIDES.items())
-    return Section(
-        TITLE,
-        [
-            Text(ASKED),
-            Grid(answers(changed, effects), "What gives each printed ratio, and what takes it away.", "emt_effects"),
-            Grid(meanings(), "The differences in words. R_soft, the radius of a soft disc, is 5 μm.", "emt_changed"),
-            *alone,
-            Grid(averages(effects), "Average effects [points], 95 % intervals.", "emt_effects", folded=True),
-        ],
-    )
+def show(context: Context) -> None:
+    """Give the answer for each ratio, one row changed at a time from both ends, and the effects of the design."""
+    changed, effects = context.tables["emt_changed"], context.tables["emt_effects"]
+    context.show("emt_swapped", answers(changed, effects), "emt_effects")
+    context.show("emt_meanings", meanings(), "emt_changed")
+    context.show("emt_from_printed", one_by_one(changed, AS_PRINTED), "emt_changed")
+    context.show("emt_from_published", one_by_one(changed, PUBLISHED), "emt_changed")
+    context.show("emt_effects", averages(effects))
 
 
 def meanings() -> pd.DataFrame:

@@ -1,5 +1,5 @@
 """DAE, RATTLE, the ODE and its reduction against each other: errors of y, y', X and the multipliers; drift of g."""
-# ruff: noqa: RUF001 - formulas for readers are written with Greek letters and minus signs
+# ruff: noqa: RUF001 - headings for readers have minus signs
 
 from __future__ import annotations
 
@@ -19,7 +19,6 @@ from verification.instruments.orders import OrderRuns, OrderStudy
 from verification.instruments.references import Known
 from verification.instruments.result import draw_results
 from verification.site.context import Context
-from verification.site.parts import Follows, Grid, Picture, Section, Text
 from verification.thesis.chapter5 import cases, exact
 
 Floats = NDArray[np.float64]
@@ -124,27 +123,9 @@ def orders(found: dict[str, OrderStudy]) -> pd.DataFrame:
     return wide.add_prefix("order_").reset_index()
 
 
-def section(context: Context) -> Section:
-    """Write about the agreement of the formulations."""
-    found = results(context.tables[NAME])
-    title = cases.TITLES[SHOWN]
-    return Section(
-        "Constrained and reduced equations give one motion",
-        [
-            Text(
-                "The constrained equations (5.6), integrated with their multipliers, and the reduced equations (5.11) "
-                "give the same motion: at their best settings all methods but RATTLE of order 2 agree with the "
-                "reference to $10^{−9}$ in y, y', X and $λ$, on all models. RATTLE has the orders 2, 4, 6 and 8, and "
-                "all methods keep g and g'. The references are closed forms (StraightFibre, LinearFibre) and elsewhere "
-                "the ODE at a tolerance of $10^{−13}$."
-            ),
-            Picture(context.draw(NAME, draw_results, {title: found[title]}, 1, 3.8), "Error of y with five particles."),
-            Grid(
-                context.headed(NAME, best(context.tables[NAME])),
-                "For each model and method the setting with the least error.",
-                NAME,
-            ),
-            Grid(context.headed(NAME, orders(found)), "Orders of RATTLE.", NAME),
-            Follows("Choose a formulation by its cost and by what has to stay exact: all give the same motion."),
-        ],
-    )
+def show(context: Context) -> None:
+    """Give the agreement of the formulations."""
+    found, title = results(context.tables[NAME]), cases.TITLES[SHOWN]
+    context.draw(NAME, draw_results, {title: found[title]}, 1, 3.8)
+    context.show(NAME, context.headed(NAME, best(context.tables[NAME])))
+    context.show(f"{NAME}_orders", context.headed(NAME, orders(found)), NAME)

@@ -1,5 +1,4 @@
 """Speed against accuracy: y at the end of a mean-field problem by every level of the model."""
-# ruff: noqa: RUF001 - formulas for readers are written with Greek letters and minus signs
 
 from __future__ import annotations
 
@@ -18,7 +17,6 @@ from verification.instruments.meanfield_methods import DensityProblem, density_m
 from verification.instruments.result import draw_results
 from verification.instruments.speed_accuracy import WorkPrecisionRuns
 from verification.site.context import Context
-from verification.site.parts import Chart, Follows, Grid, Picture, Section, Text
 from verification.thesis.chapter5 import cases, exact
 
 Floats = NDArray[np.float64]
@@ -76,39 +74,16 @@ def results(rows: pd.DataFrame) -> dict[str, WorkPrecision]:
     return {name: runs()[name].result(one) for name, one in mine.items() if len(one)}
 
 
-def section(context: Context) -> Section:
-    """Write about the cost of each level of the model."""
-    from verification.instruments.interactive import draw_chart, script
+def show(context: Context) -> None:
+    """Give the cost of each level of the model."""
+    from verification.instruments.interactive import draw_chart
 
-    rows = context.tables[NAME]
-    charts = results(rows)
+    charts = results(context.tables[NAME])
     won = pd.concat([chart.cheapest(TARGETS).assign(model=name) for name, chart in charts.items()])
     times = pd.concat([chart.costs(TARGETS).reset_index().assign(model=name) for name, chart in charts.items()])
     costs = {"model": "Model", "method": "Method"} | {target: f"Time to {target:g} [s]" for target in TARGETS}
     first = {"model": "Model", "target": "Error", "cheapest": "Cheapest", "tied": "Tied", "cost": "CPU time [s]"}
-    picture = Picture(context.draw(NAME, draw_results, charts, 1, 3.8), "Error of y at the end against CPU time.")
-    return Section(
-        "Which is cheapest: particles, characteristics, PDE or moments?",
-        [
-            Text(
-                "Particles are cheapest for rough answers; characteristics, and moments where they close, for small "
-                "errors. Particles at quantiles have an error of about $N^{−1.2}$, whichever solver moves them, so a "
-                "smaller tolerance needs a larger N. Characteristics put the particles at Gauss points and are as "
-                "accurate as their tolerance. Moments need four unknowns."
-            ),
-            Text(
-                "Settings go from coarse to fine until a run costs more than its budget; times are without compiling."
-            ),
-            Chart(
-                draw_chart(charts, ("cpu_seconds",)),
-                script(),
-                "Error of y at the end against CPU time, for each model. Point at a mark for its method, setting, "
-                "error and cost. Settings are tolerances, 1/N of particles and 1/cells of the PDE.",
-                picture,
-            ),
-            Grid(won[list(first)].rename(columns=first), "The cheapest method for each error.", NAME),
-            Grid(times[list(costs)].rename(columns=costs), "Time to an error (—: not reached in time).", NAME),
-            Grid(context.headed(NAME, rows), "All runs.", NAME, folded=True),
-            Follows("Take particles for rough answers and for questions about particles; characteristics otherwise."),
-        ],
-    )
+    context.charts["meanfield"] = draw_chart(charts, ("cpu_seconds",))
+    context.draw(NAME, draw_results, charts, 1, 3.8)
+    context.show(NAME, won[list(first)].rename(columns=first))
+    context.show(f"{NAME}_times", times[list(costs)].rename(columns=costs), NAME)

@@ -1,5 +1,5 @@
 """The constrained equations of index 1 without stabilisation: how they leave g = c, beside those that keep it."""
-# ruff: noqa: RUF001 - formulas for readers are written with Greek letters and minus signs
+# ruff: noqa: RUF001 - headings for readers have minus signs
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ from dincl.study import Key, Row, Study
 from meanfield import Motion, solve_dae, solve_ode, solve_rattle
 from verification.instruments.lines import slope
 from verification.site.context import Context
-from verification.site.parts import Follows, Grid, Picture, Section, Text
 from verification.site.sheet import legend_below, sheet
 from verification.thesis.chapter5 import cases
 from verification.thesis.chapter5.naive import solve_naive, solve_naive_rk4
@@ -85,22 +84,8 @@ def figure(table: pd.DataFrame, path: Path) -> Path:
     return path
 
 
-def section(context: Context) -> Section:
-    """Write about the drift."""
+def show(context: Context) -> None:
+    """Give the drift of the constraint."""
     table = context.tables[NAME]
-    return Section(
-        "Which formulations leave the constraint?",
-        [
-            Text(
-                "Equations of index 1, integrated without stabilisation, lose the constraint: errors add up in g', and "
-                "these add up in g. The drift grows as a power of t. RATTLE keeps g to rounding, and "
-                "DAE and ODE stay near their tolerance."
-            ),
-            Picture(
-                context.draw(NAME, figure, table),
-                "WavyFibre with five particles; values below $10^{−16}$ are drawn there.",
-            ),
-            Grid(context.headed(NAME, growth(table)), "Drift of the constraint.", NAME),
-            Follows("Do not integrate the equations of index 1 as they stand."),
-        ],
-    )
+    context.draw(NAME, figure, table)
+    context.show(NAME, context.headed(NAME, growth(table)))

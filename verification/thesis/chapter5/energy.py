@@ -1,5 +1,5 @@
 """Drift of the energies (5.37) and (5.50): against the setting of each solver, and over many periods."""
-# ruff: noqa: RUF001 - formulas for readers are written with Greek letters and minus signs
+# ruff: noqa: RUF001 - headings for readers have minus signs
 
 from __future__ import annotations
 
@@ -27,7 +27,6 @@ from verification.instruments.method import Method
 from verification.instruments.orders import OrderRuns
 from verification.instruments.references import Known
 from verification.site.context import Context
-from verification.site.parts import Follows, Grid, Picture, Section, Text
 from verification.site.sheet import legend_below, sheet
 from verification.thesis.chapter5 import agreement, cases
 
@@ -129,25 +128,9 @@ def figure(rows: pd.DataFrame, path: Path) -> Path:
     return path
 
 
-def section(context: Context) -> Section:
-    """Write about the energy."""
+def show(context: Context) -> None:
+    """Give the energy over long times, and within a period."""
     long = context.tables[LONG]
-    return Section(
-        "Which solvers keep the energy?",
-        [
-            Text(
-                "Over many periods DAE and ODE gain or lose energy steadily, in proportion to their tolerance. The "
-                "energy of RATTLE swings about its start by an amount that falls with the order of the method, and the "
-                "swings do not add up. Within one period every solver changes the energy by a power of its setting."
-            ),
-            Picture(context.draw(LONG, figure, long), "Energy of a WavyFibre with five particles."),
-            Grid(context.headed(LONG, trends(long)), "Slope of a line through E − E(0), with its 95 % interval.", LONG),
-            Grid(
-                context.headed(NAME, powers(context.tables[NAME])),
-                "Change of energy until t = 2 against tolerance, step or width of a cell.",
-                NAME,
-                folded=True,
-            ),
-            Follows("For long times take RATTLE."),
-        ],
-    )
+    context.draw(LONG, figure, long)
+    context.show(LONG, context.headed(LONG, trends(long)))
+    context.show(NAME, context.headed(NAME, powers(context.tables[NAME])))

@@ -1,5 +1,5 @@
 """Provoked failures of the solvers of the mean-field chapter, each with its prediction."""
-# ruff: noqa: RUF001 - formulas for readers are written with Greek letters and minus signs
+# ruff: noqa: RUF001 - headings for readers have minus signs
 
 from __future__ import annotations
 
@@ -34,7 +34,6 @@ from meanfield.model.symbolic import library
 from verification.instruments.meanfield_methods import STYLES
 from verification.instruments.predicted import Case, Found, cases_study, happens, within
 from verification.site.context import Context
-from verification.site.parts import Follows, Grid, Section, Text
 from verification.thesis.chapter5 import cases, exact
 from verification.thesis.chapter5.maps import SINGULAR
 
@@ -195,20 +194,7 @@ def study(smallest: bool = False) -> Study:
     return cases_study(chosen, NAME, "Mean field: failures")
 
 
-def section(context: Context) -> Section:
-    """Write about the failures."""
+def show(context: Context) -> None:
+    """Give the failures beside what theory predicts."""
     words = pd.DataFrame([{"case": one.id, "title": one.title, "theory": one.theory} for one in CASES])
-    found = words.merge(context.tables[NAME], on="case")
-    return Section(
-        "Where do the mean-field solvers fail?",
-        [
-            Text(
-                f"{found['agrees'].sum()} of {len(found)} failures that theory predicts end as predicted: at the "
-                "predicted place, with a Status or an error that names the reason. All numbers of all results are "
-                "finite. Where dg/dX loses rank every solver stops shortly before: at $y → 0$ (all particles in one "
-                "point), at $det F(y) → 0$, and at a fold of g."
-            ),
-            Grid(context.headed(NAME, found), "Predicted and found.", NAME),
-            Follows("Watch dg/dX: no solver passes a point where it loses rank, and all say so when they stop."),
-        ],
-    )
+    context.show(NAME, context.headed(NAME, words.merge(context.tables[NAME], on="case")))

@@ -20,7 +20,6 @@ from verification.instruments.method import Method
 from verification.instruments.orders import OrderRuns, OrderStudy
 from verification.instruments.references import Known
 from verification.site.context import Context
-from verification.site.parts import Follows, Grid, Picture, Section, Text
 from verification.site.sheet import legend_below, sheet
 from verification.thesis.chapter5 import cases, exact
 
@@ -135,26 +134,10 @@ def figure(found: OrderStudy, path: Path) -> Path:
     return path
 
 
-def section(context: Context) -> Section:
-    """Write about finite volumes."""
+def show(context: Context) -> None:
+    """Give the orders of finite volumes."""
     rows = context.tables[NAME]
     found = runs().result(rows)
-    return Section(
-        "How accurate are grids for the PDE (5.42)?",
-        [
-            Text(
-                "Finite volumes converge in L1 with order 2 for a smooth density, and with an order below 1 for a "
-                "density with jumps, whose W1 falls with the power 1.4. The exact density at the end is known: it is "
-                "carried by $g(x, y) =$ const. The mass is kept to rounding, and no average of a cell is negative."
-            ),
-            Picture(
-                context.draw(NAME, figure, found),
-                "Errors at the end against 1/cells; the uniform density has jumps. The legend has the orders in L1.",
-            ),
-            Grid(context.headed(NAME, orders(found)), "Orders with the ranges of local orders.", NAME),
-            Grid(
-                context.headed(NAME, rows.assign(W1=rows["W1"].where(rows["W1"] > 0))), "All grids.", NAME, folded=True
-            ),
-            Follows("Use grids for smooth densities, and particles or characteristics where the density jumps."),
-        ],
-    )
+    context.draw(NAME, figure, found)
+    context.show(NAME, context.headed(NAME, orders(found)))
+    context.show(f"{NAME}_all", context.headed(NAME, rows.assign(W1=rows["W1"].where(rows["W1"] > 0))), NAME)

@@ -29,7 +29,6 @@ from verification.instruments.outcome import FAR, Outcome
 from verification.instruments.result import Result
 from verification.instruments.stability import Limit, StabilityRuns
 from verification.site.context import Context
-from verification.site.parts import Follows, Grid, Picture, Section, Text
 from verification.thesis.chapter5.naive import solve_naive_rk4
 
 Floats = NDArray[np.float64]
@@ -176,30 +175,9 @@ def agreement(name: str, table: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def section(context: Context) -> Section:
-    """Write about the two maps."""
-    drawn = {name: context.draw(name, Result.draw, MAPS[name].result(context.tables[name])) for name in MAPS}
+def show(context: Context) -> None:
+    """Give the two maps."""
+    for name, runs in MAPS.items():
+        context.draw(name, Result.draw, runs.result(context.tables[name]))
     counts = pd.concat([agreement(name, context.tables[name]) for name in MAPS], ignore_index=True)
-    return Section(
-        "Do the solvers fail at the limits that theory gives?",
-        [
-            Text(
-                "On a stiff spring RATTLE is Verlet's scheme, which is unstable beyond $dt ω = 2$; a composition of "
-                "its steps has another limit. A StraightFibre that is pushed fast enough reaches $y = 0$, where dg/dX "
-                "has no rank, and all solvers stop; a slower one comes back. Away from a limit by 5 % or more, the "
-                "cells of both maps end as theory says."
-            ),
-            Picture(
-                drawn[STIFF],
-                "LinearFibre over 100 steps, from near its rest. Unstable: more than twice as far from rest as at the "
-                "start; converged: error at most 2 % of the amplitude.",
-            ),
-            Picture(
-                drawn[PUSHED],
-                "StraightFibre over one period. Refused: stopped with a Status that says singular, or a vanishing "
-                "step.",
-            ),
-            Grid(counts, "Cells 5 % or more away from a limit.", STIFF),
-            Follows("Choose the step of RATTLE below the limit of the stiffest spring."),
-        ],
-    )
+    context.show("meanfield_maps", counts, STIFF)

@@ -2,7 +2,6 @@
 
 Starts of the unit cube in d = 1, 2, 3 without a flow, for the laws of E W1; densities of models and their flows to T.
 """
-# ruff: noqa: RUF001 - formulas for readers are written with Greek letters and minus signs
 
 from __future__ import annotations
 
@@ -22,7 +21,6 @@ from verification.instruments.lines import CONFIDENCE
 from verification.instruments.rates import FEWEST_SIZES, QUANTILES, W1Rates, W1Runs, log_points
 from verification.instruments.result import draw_results
 from verification.site.context import Context
-from verification.site.parts import Follows, Grid, Picture, Section, Text
 from verification.thesis.chapter5 import cases
 
 Floats = NDArray[np.float64]
@@ -156,40 +154,9 @@ def laws(found: dict[str, W1Rates]) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def section(context: Context) -> Section:
-    """Write about the powers of N."""
+def show(context: Context) -> None:
+    """Give the powers of N."""
     found = results(context.tables[NAME])
-    flows = {cases.TITLES[name]: found[cases.TITLES[name]] for name in PLACE}
-    picture = context.draw(NAME, draw_results, flows, 2, 3.6)
-    fitted = fits(found)
-    return Section(
-        TITLE,
-        [
-            Text(
-                "At the start the mean of W1 falls like $N^{−1/2}$ on a line with random particles, like 1/N with "
-                "quantiles, and like $N^{−1/3}$ in space. In two dimensions one power does not fit: the square root "
-                "has the logarithm of Ajtai, Komlós and Tusnády. In two and three dimensions W1 is taken between two "
-                "independent samples, which is one to two times the mean of W1 to the law."
-            ),
-            Text(
-                "The flow keeps the rate. The error of y falls like $N^{−1/2}$ with random starts, whatever the "
-                "dimension: y depends on a mean over the particles. Where the density vanishes at the ends of its "
-                "support, W1 of quantiles approaches 1/N slowly; the error of y is that of a quadrature, and falls "
-                "faster."
-            ),
-            Picture(picture, "Means with 95 % intervals and fitted powers, random starts."),
-            Grid(
-                context.headed(NAME, fitted),
-                "Fitted powers of N with 95 % intervals. W1 in two and three dimensions is between two samples.",
-                NAME,
-            ),
-            Grid(
-                laws(found).rename(columns=LAW_HEADINGS),
-                "Laws fitted to the means of W1 on the unit cubes; a $χ²$ of about 1 per degree of freedom is as good "
-                "as the data allow.",
-                NAME,
-                folded=True,
-            ),
-            Follows("Four times as many random particles halve the error of y; quantiles gain more."),
-        ],
-    )
+    context.draw(NAME, draw_results, {cases.TITLES[name]: found[cases.TITLES[name]] for name in PLACE}, 2, 3.6)
+    context.show(NAME, context.headed(NAME, fits(found)))
+    context.show(f"{NAME}_laws", laws(found).rename(columns=LAW_HEADINGS), NAME)

@@ -2,23 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 
 import pandas as pd
 
-from tissue.files.parameters import preset
-from tissue.study.simplify import AND, ERROR
+from tissue.study.simplify import AND
 from verification.site import cards
 from verification.site.context import Context
-from verification.site.parts import Follows, Grid, HowMeasured, Part, Picture, Section, Text
-from verification.site.prose import listed, percent, percent_up
-from verification.site.report import Card, Chapter, Finding
 from verification.site.sheet import GREY, legend_below, sheet
 from verification.site.store import shipped
 from verification.tissues.needs.study import EIGHT, NAME, QUESTIONS
 
-TITLE = "How simple a model answers which question?"
 SUMMARY = {
     "name": "Question",
     "full": "Full model",
@@ -29,16 +23,6 @@ SUMMARY = {
     "enough": "Simplifications that are equivalent alone",
     "open": "Not decided",
 }
-METHOD = (
-    "Each simplification ran beside the full model with the same seeds. The paired differences of runs decide by two "
-    "one-sided tests, corrected by Holm. Those that are equivalent are combined, first those that save the most work, "
-    "while their differences add up to at most half of the tolerance; the combination runs with fresh seeds. If it is "
-    "not shown to be equivalent, the simplest model is the single simplification that saves the most. An answer is "
-    f"wrong in at most {percent_up(ERROR)} of the cases. Work is the number of substeps times that of cells. What "
-    "a question needs depends on its tolerance: a smaller difference needs more of the model."
-)
-LISTED = "The simplest model for each question. “Not decided”: the difference may be within the tolerance or outside."
-VERDICTS = "Verdicts: each simplification alone, then their combination."
 COLOURS = {"equivalent": "#009e73", "open": GREY, "different": "#d55e00"}
 
 
@@ -101,87 +85,20 @@ def draw(rows: pd.DataFrame, unit: str, scale: float, path: Path) -> Path:
     return path
 
 
-def sections(context: Context) -> Sequence[Section]:
-    """Write about all questions together, then about each: bias against cost, and verdicts."""
+def show(context: Context) -> None:
+    """Give all questions together, then for each bias against cost, and verdicts."""
     table = context.tables["needs_summary"]
-    grid = Grid(table[list(SUMMARY)].rename(columns=SUMMARY), LISTED, "needs_summary")
-    parts: list[Part] = [
-        Follows(_said(table)),
-        Text(_limit()),
-        grid,
-        Text(_never(context)),
-        HowMeasured([Text(METHOD)]),
-    ]
-    first = Section(TITLE, parts)
-    return [first, *(_section(context, name) for name in QUESTIONS)]
-
-
-def _said(table: pd.DataFrame) -> str:
-    """Say what the questions of chapter 4 cost."""
-    eight = table[table["id"].isin(EIGHT)]
-    least, greatest = percent(eight["work"].min()), percent(eight["work"].max())
-    return (
-        f"Of {len(eight)} questions of chapter 4, {(eight['work'] < 0.5).sum()} are answered with less than half of "
-        f"the work: the simplest model that is enough takes {least} to {greatest} of that of the full one."
-    )
-
-
-def _limit() -> str:
-    """Say how far the full model is from its own limit of small steps: heights at the end of its runs."""
-    steps, full = shipped("tissue_substeps"), preset("thesis")
-    mine = steps[(steps["preset"] == "thesis") & (steps["substeps"] == full.numerics.substeps)]
-    last = mine[mine["t"] == mine["t"].max()]
-    return (
-        f"“Full model” is the model as printed in the thesis, with its {full.numerics.substeps} substeps. After "
-        f"{last['t'].iloc[0]:g} h its tissue is {percent(last['deviation'].mean(), 1)} higher than in its own limit of "
-        "small steps. A bias is measured from the full model, not from that limit, so it may be smaller than the error "
-        "of the full model itself."
-    )
-
-
-def _never(context: Context) -> str:
-    """Name what no question can do without, and what each can."""
-    rows = context.tables[NAME]
-    alone = rows[rows["step"] == "alone"]
-    enough = alone[alone["verdict"] == "equivalent"].groupby("model")["question"].nunique()
-    never = sorted(set(alone["model"]) - set(enough.index))
-    always = sorted(enough.index[enough == len(QUESTIONS)])
-    return f"Enough for no question, alone: {listed(never)}. Enough for each question, alone: {listed(always)}."
-
-
-def _section(context: Context, name: str) -> Section:
-    rows = _rows(context, name)
-    unit, scale = _unit(rows)
-    chart = context.draw(f"needs_{list(QUESTIONS).index(name) + 1}", draw, rows, unit, scale)
-    ends = (scale * rows[["difference", "low", "high"]]).itertuples(index=False)
-    shown = rows.assign(
-        difference=["" if pd.isna(d) else f"{d:+.2f} [{low:+.2f}, {high:+.2f}] {unit}" for d, low, high in ends]
-    )
-    parts: list[Part] = [
-        Text(QUESTIONS[name].about),
-        Picture(chart, "Work and difference of simpler models."),
-        Grid(context.headed(NAME, shown), VERDICTS, NAME, folded=True),
-    ]
-    return Section(f"How simple a model answers {QUESTIONS[name].name}?", parts)
-
-
-def findings(context: Context) -> Sequence[Finding]:
-    """Return what the eight questions of chapter 4 cost in the simplest model."""
-    table = context.tables["needs_summary"]
-    known = table[table["work"].notna() & table["id"].isin(EIGHT)]
-    costs = list(100 * known["work"])
+    context.show("needs_summary", table[list(SUMMARY)].rename(columns=SUMMARY))
+    for number, name in enumerate(QUESTIONS, start=1):
+        rows, (unit, scale) = _rows(context, name), _unit(_rows(context, name))
+        context.draw(f"needs_{number}", draw, rows, unit, scale)
+        ends = (scale * rows[["difference", "low", "high"]]).itertuples(index=False)
+        shown = rows.assign(
+            difference=["" if pd.isna(d) else f"{d:+.2f} [{low:+.2f}, {high:+.2f}] {unit}" for d, low, high in ends]
+        )
+        context.show(f"needs_{number}", context.headed(NAME, shown), NAME)
+    eight = table[table["work"].notna() & table["id"].isin(EIGHT)]
+    costs = list(100 * eight["work"])
     label = "work of the simplest model that answers [% of the full one]"
-    picture = context.draw("card_needs", cards.bars, list(known["id"]), costs, [(cost, cost) for cost in costs], label)
-    said = _said(table)
-    return [Finding(said, TITLE, Card(picture, said, 6))]
-
-
-CHAPTER = Chapter(
-    "needs",
-    "What a scene needs",
-    "Which parts of the tissue model does an answer need?",
-    run,
-    sections,
-    findings,
-    tables=("needs_",),
-)
+    context.draw("card_needs", cards.bars, list(eight["id"]), costs, [(cost, cost) for cost in costs], label)
+    context.numbers["needs"] = f"{(eight['work'] < 0.5).sum()} of {len(EIGHT)}"

@@ -52,13 +52,12 @@ def without_protrusions(cells: pd.DataFrame, end: float) -> pd.Series:
 
 
 class Asked(NamedTuple):
-    """A question with its name, what is measured, a study, by name or path, and what ``tissue.simplify`` is asked.
+    """A question with its name, a study, by name or path, and what ``tissue.simplify`` is asked.
 
     Shares are parts, heights um.
     """
 
     name: str
-    about: str
     study: str
     what: dict[str, Any]
 
@@ -68,75 +67,39 @@ def _basal(study: str, tolerance: float, runs: int, *scenarios: str) -> tuple[st
 
 
 FIVE = {
-    "basal extrusion after [A]": Asked(
-        "Basal extrusion after [A]",
-        "An isolated cell loses its apical adhesion at 12 h.",
-        *_basal("figure10", 0.03, 512, "[A]"),
-    ),
+    "basal extrusion after [A]": Asked("Basal extrusion after [A]", *_basal("figure10", 0.03, 512, "[A]")),
     "apical extrusion after [A]": Asked(
         "Apical extrusion after [A]",
-        "An isolated cell loses its apical adhesion at 12 h.",
         "figure10",
         {"outcome": "apical", "scenarios": ["[A]"], "tolerance": 0.05, "runs": 768},
     ),
-    "basal extrusion of a group": Asked(
-        "Basal extrusion of a group",
-        "Ten cells in the middle lose apical and basal adhesion, each at its own time from 6 h to 24 h.",
-        *_basal("questions", 0.05, 256, GROUP),
-    ),
+    "basal extrusion of a group": Asked("Basal extrusion of a group", *_basal("questions", 0.05, 256, GROUP)),
     "effect of INM on a group": Asked(
-        "Effect of INM on a group",
-        "Ten such cells without interkinetic nuclear movement, minus ten such cells with it.",
-        *_basal("questions", 0.05, 256, f"{ANY_TIME} no INM, 10 cells", GROUP),
+        "Effect of INM on a group", *_basal("questions", 0.05, 256, f"{ANY_TIME} no INM, 10 cells", GROUP)
     ),
     "height at 48 h": Asked(
         "Height at 48 h",
-        "Mean height of the apical layer of a tissue with one cell that loses its basal adhesion.",
         "figure10",
         {"outcome": "height_um", "scenarios": ["[B]"], "tolerance": 2.0, "at": "48 h", "runs": 128},
     ),
 }
 # By the names of ``verification.thesis.chapter4.questions``; all are of basal extrusion.
 EIGHT = {
-    "Q1": Asked(
-        "Q1, isolated cells against groups",
-        "An isolated cell with the programs of the group '35 % [P]', minus ten such cells.",
-        *_basal(PROGRAMS, 0.07, 512, "35 % [P], alone", "35 % [P]"),
-    ),
-    "Q2": Asked(
-        "Q2, what [P] adds to [B]",
-        "An isolated cell with [B] and [P], minus one with [B] alone.",
-        *_basal("figure10", 0.1, 512, "[BP]", "[B]"),
-    ),
-    "Q3": Asked(
-        "Q3, early against late [A]",
-        "An isolated cell with [A] from 6 h to 12 h, minus one with [A] from 18 h to 24 h.",
-        *_basal(PROGRAMS, 0.05, 512, "early [A]", "late [A]"),
-    ),
-    "Q4": Asked(
-        "Q4, [A] before [B] against [B] before [A]",
-        "An isolated cell with [A] at 6 h and [B] at 24 h, minus one with [B] at 6 h and [A] at 24 h.",
-        *_basal("figure14", 0.1, 256, "[AxB]", "[BxA]"),
-    ),
-    "Q5": Asked(
-        "Q5, alone against in a group of its like",
-        "An isolated cell with [A] and [B] from 6 h to 24 h, minus ten such cells.",
-        *_basal("questions", 0.1, 256, ANY_TIME, GROUP),
-    ),
+    "Q1": Asked("Q1, isolated cells against groups", *_basal(PROGRAMS, 0.07, 512, "35 % [P], alone", "35 % [P]")),
+    "Q2": Asked("Q2, what [P] adds to [B]", *_basal("figure10", 0.1, 512, "[BP]", "[B]")),
+    "Q3": Asked("Q3, early against late [A]", *_basal(PROGRAMS, 0.05, 512, "early [A]", "late [A]")),
+    "Q4": Asked("Q4, [A] before [B] against [B] before [A]", *_basal("figure14", 0.1, 256, "[AxB]", "[BxA]")),
+    "Q5": Asked("Q5, alone against in a group of its like", *_basal("questions", 0.1, 256, ANY_TIME, GROUP)),
     "Q6": Asked(
-        "Q6, without against with INM",
-        "An isolated cell with [B] from 6 h to 24 h without INM, minus one with INM.",
-        *_basal("questions", 0.07, 256, "[B] at any time no INM", "[B] at any time"),
+        "Q6, without against with INM", *_basal("questions", 0.07, 256, "[B] at any time no INM", "[B] at any time")
     ),
     "Q7": Asked(
         "Q7, effect of the place at the onset",
-        "Cells that begin EMT in the most basal fifth, minus the others, in groups of ten cells with [A] and [B].",
         "questions",
         {"outcome": placed, "scenarios": [GROUP], "tolerance": 0.25, "runs": 256},
     ),
     "Q8": Asked(
         "Q8, few against many cells with [P]",
-        "Cells without [P] in the group '7 % [P]', minus those in the group '63 % [P]'.",
         PROGRAMS,
         {"outcome": without_protrusions, "scenarios": ["7 % [P]", "63 % [P]"], "tolerance": 0.05, "runs": 128},
     ),

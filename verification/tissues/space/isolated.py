@@ -17,7 +17,7 @@ from tissue.state.checkpoint import streams
 from tissue.study.categories import What, kept_times, outcome
 from tissue.study.plan import load_study
 from tissue.study.run import run_study
-from verification.site.prose import percents
+from verification.site.cells import percents
 from verification.site.store import shipped
 from verification.thesis.chapter4.frequencies import more
 from verification.thesis.chapter4.ratios import as_ratio, difference, wilson

@@ -6,13 +6,10 @@ import pandas as pd
 import pytest
 from matplotlib.colors import to_hex
 
-from tests.executors import Here, Nowhere
-from tests.verification.undrawn import draw_nothing
+from tests.executors import Here
 from tissue.pictures.charts import OUTCOMES
 from verification.site.agreement import compare_studies
-from verification.site.context import Context
-from verification.site.report import write_report
-from verification.site.store import DATA, shipped
+from verification.site.store import shipped
 from verification.thesis.chapter4 import differences, figures, printed, swapped
 from verification.thesis.chapter4 import page as chapter
 from verification.thesis.chapter4.claims import s3_1_counts, s4_1_isolated
@@ -53,24 +50,12 @@ def test_complete_tables_have_every_run() -> None:
     assert (ratios["runs"] == ratios["study"].map({name: ensemble(name).replicates for name in NAMES})).all()
 
 
-@pytest.mark.slow
-def test_the_page_has_its_sections_from_tables_alone(tmp_path, monkeypatch) -> None:
-    draw_nothing(monkeypatch)
-    context = Context(tmp_path, False, Nowhere(), STUDIES, complete=DATA)
-    monkeypatch.setattr(context, "_repeat", lambda *_: None)
-    write_report([chapter.CHAPTER], context)
-    text = (tmp_path / "emt.html").read_text("utf-8")
-    assert all(title in text for title in (*chapter.SECTIONS, swapped.TITLE))
-    assert all(f"Figure {number} of chapter 4" in text for number in figures.TITLES)
-    assert "nan" not in text.split()
-
-
 def coloured(panel, colour):
     return [line for line in panel.lines if to_hex(line.get_color()) == colour]
 
 
 @pytest.mark.slow_with("10", "12", "14", "15", "17", "18", "20")
-@pytest.mark.parametrize("number", figures.TITLES)
+@pytest.mark.parametrize("number", figures.FIGURES)
 def test_figures_are_drawn(number: int, tmp_path, monkeypatch) -> None:
     """Of Figures 10, 13 and 21 a line has the numbers of the table."""
     drawn = []
@@ -95,14 +80,14 @@ def test_figures_are_drawn(number: int, tmp_path, monkeypatch) -> None:
 
 
 def test_readings_stand_beside_each_other() -> None:
-    (programs,), (isolated,) = (list(found(tables())) for found in (chapter.programs, chapter.isolated))
-    assert list(programs.rows) == ["Scenario", *chapter.LABELS.values()]
+    (programs, _), (isolated, _) = chapter.programs(tables()), chapter.isolated(tables())
+    assert list(programs) == ["Scenario", *chapter.LABELS.values()]
     rows = tables()["emt_ratios"].query("study == 'figure15_published' and scenario == '[Bx] no INM'")
     value = rows.set_index("what").loc["basal", "value"]
-    row = programs.rows.set_index("Scenario").loc["[Bx] no INM"]
+    row = programs.set_index("Scenario").loc["[Bx] no INM"]
     assert row["Published program"].startswith(f"{100 * value:.1f} % [")
-    assert len(programs.rows) == 44
-    cells = isolated.rows.iloc[:, 3:].to_numpy().ravel()
+    assert len(programs) == 44
+    cells = isolated.iloc[:, 3:].to_numpy().ravel()
     assert sum(text.count("off by") for text in cells) == (~tables()["emt_printed"]["agrees"]).sum()
 
 
