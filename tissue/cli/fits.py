@@ -27,7 +27,7 @@ def fit(file: File, out: Out) -> None:
     """
     from dincl.study.table import write_csv
     from tissue.fitting import results as fitting
-    from tissue.report.fit import shown_intervals, write_fit_page
+    from tissue.report.fit import shown_intervals, shown_misfit, write_fit_page
 
     with messages(resumes=True):
         found = fitting.fit(file, out)
@@ -36,7 +36,7 @@ def fit(file: File, out: Out) -> None:
         for remark in found.remarks():
             print(f"{remark}.")
         print(_table("Medians and 95 % intervals", shown_intervals(found)))
-    print(f"Misfit: p = {found.p_value():.2g}. {page}, {out / 'sample.csv'}")
+    print(f"Misfit: p = {shown_misfit(found)}. {page}, {out / 'sample.csv'}")
 
 
 def sensitivity(file: File, out: Out) -> None:

@@ -25,6 +25,8 @@ MOST_DEGREE, OF_SPREAD = 6, 2
 POINTS_A_TERM = 2.0
 # Variances between runs below this part of the variance between points are rounding.
 LEAST_SPREAD = 1e-4
+# Part of the square of a mean below which its variance between points is rounding.
+ROUNDING = 1e-24
 BOOTSTRAPS = 200
 
 
@@ -141,8 +143,9 @@ class Emulator:
         fit = least_squares(self.points[chosen], self.averages[chosen], self.weights[chosen], degrees)
         parts = np.square(fit.coefficients[1:])
         total, acting = parts.sum(axis=0), degrees[1:] > 0
+        total[total <= ROUNDING * np.square(fit.coefficients[0])] = np.inf  # of an output that never changes
         alone = acting & (acting.sum(axis=1, keepdims=True) == 1)
-        shares: Floats = np.stack([alone.T @ parts, acting.T @ parts], axis=-1) / np.where(total > 0, total, 1)[:, None]
+        shares: Floats = np.stack([alone.T @ parts, acting.T @ parts], axis=-1) / total[:, None]
         return shares
 
 

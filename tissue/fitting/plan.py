@@ -25,12 +25,15 @@ from tissue.plugins import Observable, registered
 from tissue.runs.tables import SUMMARY_COLUMNS
 from tissue.state.cells import Floats
 from tissue.study.categories import What
+from tissue.study.outcomes import emt_count
 from tissue.study.plan import TEXT, Tables, checked
 
 if TYPE_CHECKING:
     import pandas as pd
 
-MOST_POINTS, MOST_REPLICATES, MOST_PARAMETERS, MOST_TISSUES = 2**20, 1000, 6, 1_000_000
+MOST_POINTS, MOST_REPLICATES, MOST_PARAMETERS, MOST_TISSUES = 2**14, 1000, 6, 1_000_000
+# Values and errors whose squares are numbers.
+MOST_VALUE = 1e50
 COLUMNS = ("measure", "time_h", "value", "standard_error")
 RANGE = 'a range such as ["0.03 h", "0.4 h"] or [0, 0.6], and on request "log" behind it'
 # Keys that all runs of a design share.
@@ -143,11 +146,18 @@ def load_fit(path: str | PathLike[str], *, values: bool = True) -> Fit:
         ranges = _ranges(base, flat(file.parameters))
         head = file.points, file.replicates, file.seed, file.tissues
         fit = Fit(file.title, base, ranges, data, *head, found.read_text("utf-8-sig"))
-        for corner in product((0.0, 1.0), repeat=len(ranges)):
-            fit.parameters(np.array(corner))
+        _check_corners(fit)
     except InvalidProblem as error:
         raise InvalidProblem(f"{found}: {str(error).removeprefix('changed parameters: ')}") from None
     return fit
+
+
+def _check_corners(fit: Fit) -> None:
+    """Refuse ranges whose ends are no parameters of a run, or of one without the cells that the data are shares of."""
+    shares = [one for one in fit.data["measure"] if one in get_args(What)]
+    for corner in product((0.0, 1.0), repeat=len(fit.ranges)):
+        if not emt_count(fit.parameters(np.array(corner))) and shares:
+            raise InvalidProblem(f"emt.cells = 0: must be more, since {shares[0]!r} is a share of the EMT cells")
 
 
 def _ranges(base: Parameters, given: Mapping[str, Any]) -> tuple[Range, ...]:
@@ -197,6 +207,8 @@ def _read_data(path: Path, values: bool) -> pd.DataFrame:
 
 def check_data(table: pd.DataFrame, source: str, *, values: bool) -> pd.DataFrame:
     """Return a table of data, if it can be used; ``source``: of the table, for messages."""
+    import pandas as pd
+
     needed = COLUMNS if values else COLUMNS[:2]
     if missing := [name for name in needed if name not in table]:
         raise InvalidProblem(f"{source}: has no column {missing[0]!r}: must have {', '.join(needed)}")
@@ -204,14 +216,17 @@ def check_data(table: pd.DataFrame, source: str, *, values: bool) -> pd.DataFram
     allowed: Mapping[str, tuple[Any, str]] = {
         "measure": (lambda x: isinstance(x, str) and x in measure_names(), f"one of {', '.join(measure_names())}"),
         "time_h": (lambda x: _finite(x) and x >= 0, "a time >= 0 in hours"),
-        "value": (_finite, "a number"),
-        "standard_error": (lambda x: _finite(x) and x > 0, "a number > 0"),
+        "value": (_finite, f"a number up to {MOST_VALUE:g}"),
+        "standard_error": (lambda x: _finite(x) and x > 0, f"a number > 0 up to {MOST_VALUE:g}"),
     }
     for name in needed:
         test, words = allowed[name]
-        for row, value in enumerate(table[name], 2):
+        given = table[name]
+        if name != "measure":  # a column of a file is one of texts if one of its cells is no number
+            table[name] = pd.to_numeric(given, errors="coerce")
+        for row, (value, shown) in enumerate(zip(table[name], given, strict=True), 2):
             if not test(value):
-                raise InvalidProblem(f"{source}: line {row}: {name} = {describe(value)}: must be {words}")
+                raise InvalidProblem(f"{source}: line {row}: {name} = {describe(shown)}: must be {words}")
     if not (table["time_h"] > 0).any():
         raise InvalidProblem(f"{source}: must have a time_h > 0")
     if (twice := table.duplicated(["measure", "time_h"])).any():
@@ -220,4 +235,4 @@ def check_data(table: pd.DataFrame, source: str, *, values: bool) -> pd.DataFram
 
 
 def _finite(value: Any) -> bool:
-    return isinstance(value, (int, float, np.integer, np.floating)) and math.isfinite(value)
+    return isinstance(value, (int, float, np.integer, np.floating)) and abs(float(value)) <= MOST_VALUE

@@ -11,21 +11,20 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.spatial import KDTree
 
 from dincl.checks import path as checked_path
 from dincl.errors import InvalidProblem
-from dincl.files import write_text
-from tissue.fitting.design import design, sobol_points
+from tissue.fitting.design import NAME, design, sobol_points
 from tissue.fitting.emulator import Emulator, emulate
 from tissue.fitting.plan import Fit, check_data, load_fit
 from tissue.fitting.posterior import Posterior, posterior
 from tissue.state.cells import Floats
-from tissue.study.store import refuse_study
+from tissue.study.store import refuse_others
 
 if TYPE_CHECKING:
     import pandas as pd
 
-COPY = "fit.toml"
 # A parameter is identified if its interval is shorter than this part of its range, as seen in its scale.
 IDENTIFIED = 0.5
 # Correlation of two parameters from which on data fix a combination of them better than either.
@@ -79,11 +78,14 @@ def sensitivity(
 def _run(plan: Fit, out: str | os.PathLike[str], executor: Executor | None) -> pd.DataFrame:
     """Make the runs that are missing; return the table of all."""
     folder = checked_path("out", out)
-    refuse_study(folder)
     threads = ThreadPoolExecutor(len(os.sched_getaffinity(0))) if executor is None else nullcontext(executor)
-    with threads as workers:
-        table = design(plan).complete(folder, workers)
-    write_text(folder / COPY, plan.text)
+    try:
+        if not any(folder.glob(f"{NAME}.*")):
+            refuse_others(folder, "fit")
+        with threads as workers:
+            table = design(plan).complete(folder, workers)
+    except OSError as error:
+        raise InvalidProblem(f"{folder}: must be a folder that can be written to: {error}") from error
     return table[table["point"] < plan.points]
 
 
@@ -122,7 +124,11 @@ class FitResults:
         by_point = dict(iter(self.runs.loc[self._sound].groupby("point")[outputs]))
         none = np.empty((0, len(outputs)))
         runs = [by_point[k].to_numpy(float) if k in by_point else none for k in range(len(self.points))]
-        return emulate(self.points, runs)
+        try:
+            return emulate(self.points, runs)
+        except InvalidProblem as error:
+            had = self.runs[outputs].notna().sum()
+            raise InvalidProblem(f"{error}; of {len(self.runs)} runs {had.min()} have {had.idxmin()}") from None
 
     @cached_property
     def posterior(self) -> Posterior:
@@ -214,16 +220,22 @@ class FitResults:
             yield f"The model does not fit the data (p = {p:.1g}): intervals mean nothing before it is known why"
         table = self.predicted()
         for row in table[table["off"].abs() > OFF].itertuples():
-            yield f"{row.measure} at {row.time_h:g} h is {abs(row.off):.1f} deviations from the fitted model"
+            yield f"{row.measure} at {row.time_h:g} h is {abs(row.off):.3g} deviations from the fitted model"
 
     def _weak(self) -> Iterator[str]:
         if (share := self.emulator.calibration()) < LEAST_CALIBRATION:
             found = f"{100 * share:.0f} % of points left out are in its 95 % intervals"
             yield f"The emulator is weak: {found}; take more points"
         if (failed := 1 - self._sound.mean()) > MOST_FAILED:
-            yield f"{100 * failed:.0f} % of the runs failed or were folded, and are left out; ranges may be too wide"
+            said = f"{100 * failed:.0f} % of the runs failed or were folded, and are left out"
+            yield f"{said}, {100 * self._failed_near():.0f} % of those next to the posterior; ranges may be too wide"
         if (effective := self.posterior.effective) < LEAST_EFFECTIVE:
             yield f"The posterior stands on {effective:.0f} points only; take fewer parameters, or narrower ranges"
+
+    def _failed_near(self) -> float:
+        """Return the part of runs that failed at the points next to draws from the posterior."""
+        _, nearest = KDTree(self.points).query(self.posterior.drawn(400))
+        return 1 - float(self._sound.groupby(self.runs["point"]).mean().loc[nearest].mean())
 
     def __repr__(self) -> str:
         return f"FitResults({self.fit.title!r}, {len(self.runs)} runs)"

@@ -28,7 +28,7 @@ def write_fit_page(results: FitResults, folder: Path) -> Path:
     text = template("fit.html.j2").render(
         fit=fit,
         remarks=results.remarks(),
-        p=f"{results.p_value():.2g}",
+        p=shown_misfit(results),
         intervals=html_table(shown_intervals(results)),
         figures=[
             Drawable("pairs", "Pairs", partial(pairs, results), PAIRS),
@@ -46,6 +46,12 @@ def write_fit_page(results: FitResults, folder: Path) -> Path:
     )
     write_text(path, text)
     return path
+
+
+def shown_misfit(results: FitResults) -> str:
+    """Return p as a text."""
+    p = results.p_value()
+    return "unknown, as there are no more data than identified parameters" if np.isnan(p) else f"{p:.2g}"
 
 
 def shown_intervals(results: FitResults) -> pd.DataFrame:

@@ -105,7 +105,7 @@ def opened(study: TissueStudy, out: str | os.PathLike[str]) -> Iterator[Parts]:
     with ExitStack() as held:
         try:
             if about(folder) is None:
-                _refuse_others(folder)
+                refuse_others(folder, "study")
             held.enter_context(locked(folder, LOCK))
             parts.remove_partial()
             write_text(folder / ABOUT, _record(folder, study).model_dump_json(indent=1))
@@ -121,11 +121,11 @@ def refuse_study(folder: Path) -> None:
         raise InvalidProblem(f"{folder}: holds the results of a study; must be another folder")
 
 
-def _refuse_others(folder: Path) -> None:
+def refuse_others(folder: Path, kind: str) -> None:
     """Refuse a folder with other things in it."""
     names = [path.name for path in folder.iterdir()] if folder.exists() else []
     if others := sorted(name for name in names if name != LOCK and not name.startswith(PARTIAL)):
-        allowed = "must be new, empty or the folder of this study"
+        allowed = f"must be new, empty or the folder of this {kind}"
         raise InvalidProblem(f"{folder}: {allowed}; it holds {', '.join(others[:3])}")
 
 

@@ -89,11 +89,13 @@ def test_indices_are_those_that_scipy_samples():
     assert np.all(found[..., 1] <= found[..., 0])
     assert np.all(found[..., 0] <= found[..., 2])
     assert not found[:, 3].any()
+    never = emulate(U, [np.full((8, 1), 40.1 + 1e-14 * k) for k in range(100)])  # but for rounding
+    assert not never.sensitivity().any()
     rough = emulate(U[:30], list(runs_of(U[:30], 2, spread=1.0))).sensitivity()
     assert (rough[:, :3, 0, 2] - rough[:, :3, 0, 1]).min() > 5 * (found[:, :3, 0, 2] - found[:, :3, 0, 1]).max()
 
 
-@pytest.mark.parametrize("d", [1, 4])
+@pytest.mark.parametrize("d", [1, 4, 6])
 def test_the_posterior_of_a_linear_model_is_normal(d):
     """y = u with errors s: mean z, standard deviation sqrt(s^2 + that of runs), cut at the ends of the ranges."""
     u = 2 * sobol_like(d, 128) - 1
@@ -125,6 +127,7 @@ def sobol_like(d, n):
     [
         ("seed = 2", "", "seed is missing"),
         ("points = 24", "points = 4", "points = 4: must be a whole number from 8"),
+        ("points = 24", "points = 1048576", "points = 1048576: must be a whole number from 8 to 16384"),
         ('"0.05 h", "0.4 h"', '"0.4 h", "0.05 h"', "the lower value first"),
         ("[0, 0.5]", '[0, 0.5, "log"]', '> 0 with "log"'),
         ("[0, 0.5]", "[0, 1.5]", "tissue.two_daughters = 1.5: must be a number from 0 to 1"),
@@ -148,6 +151,9 @@ def test_a_bad_fit_file_is_refused(file, old, new, says):
         ("value,", "values,", "has no column 'value'"),
         ("cells,6", "cell,6", "line 4: measure = 'cell': must be one of cells, divisions, height_um"),
         ("6,41,1", "6,41,0", "line 3: standard_error = 0"),
+        ("6,41,1", "6,n. m.,1", "line 3: value = 'n. m.': must be a number"),
+        ("6,41,1", "6,41,1e200", "line 3: standard_error = 1e+200: must be a number > 0 up to 1e+50"),
+        ("cells,6", "below,6", "emt.cells = 0: must be more, since 'below' is a share of the EMT cells"),
         ("3,40,1", "3,,1", "line 2: value = nan"),
         ("height_um,6", "height_um,3", "line 3: must be the only one of this measure and time"),
         ("height_um,3", "height_um,-1", "line 2: time_h = -1"),
@@ -208,9 +214,10 @@ def test_a_design_goes_on_where_it_was_stopped_and_with_more_points(file, tmp_pa
     pd.testing.assert_frame_equal(more.runs.iloc[: 14 * 4], first.runs)
     alone = design(replace(plan, points=16)).rows()
     pd.testing.assert_frame_equal(more.runs, alone[more.runs.columns], check_dtype=False)
-    (tmp_path / "study.json").write_text("{}")
-    with pytest.raises(InvalidProblem, match="holds the results of a study"):
+    with pytest.raises(InvalidProblem, match=r"new, empty or the folder of this fit; it holds data.csv, fit.toml"):
         tissue.fit(plan, tmp_path, Here())
+    with pytest.raises(InvalidProblem, match=r"data.csv: must be a folder that can be written to"):
+        tissue.fit(plan, tmp_path / "data.csv", Here())
 
 
 @pytest.fixture
@@ -253,6 +260,14 @@ def test_data_that_do_not_fit_and_weak_designs_are_noticed(stand_in):
     assert any("numerics.mu: its interval ends where the range ends" in line for line in end.remarks())
     failed = stand_in.runs.assign(status=np.where(stand_in.runs["point"] % 4 == 0, "FOLDED", "SUCCESS"))
     assert "25 % of the runs failed" in FitResults(stand_in.fit, failed).remarks()[-1]
+    gone = np.repeat(sobol_points(stand_in.fit, 100)[:, 0] > 0.5, 8)  # mu of the data, and all above
+    beyond = FitResults(stand_in.fit, stand_in.runs.assign(status=np.where(gone, "FOLDED", "SUCCESS")))
+    assert "are left out, 100 % of those next to the posterior" in beyond.remarks()[-1]
+    none = FitResults(stand_in.fit, stand_in.runs.assign(cells_6h=np.nan))
+    with pytest.raises(InvalidProblem, match="of 800 runs 0 have cells_6h"):
+        none.intervals()
+    far = stand_in.given(data.assign(value=1e20))  # of densities so small that a digit is more than their differences
+    assert any(line.startswith("The model does not fit") for line in far.remarks())
     with pytest.raises(InvalidProblem, match="height_um_5h was not kept of the runs"):
         stand_in.given(data.assign(time_h=5.0)[:1])
 
