@@ -62,7 +62,7 @@ def run_page(app: Any, name: str, text: list[str]) -> None:
     """Put outputs into a page that is a notebook, too."""
     page = ROOT / f"{name}.md"
     # Tutorials are notebooks of libraries that the pages of results do without.
-    if (MADE / "notebooks" / f"{page.stem}.ipynb").exists():
+    if page.is_file() and (MADE / "notebooks" / f"{page.stem}.ipynb").exists():
         from docs.building.shown import with_outputs
 
         text[0] = with_outputs(page)

@@ -7,6 +7,7 @@ import pickle
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.integrate import quad
 
 import meanfield as mf
 import verification as v
@@ -177,7 +178,12 @@ def test_a_density_is_pushed_forward_in_one_dimension_and_keeps_its_mass():
     start = np.array([1.0])
     flow = mf.solve_characteristics(model, LAW, start, [0.5], [1.0], 1e-10)
     law = mf.push_forward(model, LAW, start, flow.y[0])
-    np.testing.assert_allclose(law.density(flow.X[0]), flow.density(0), rtol=1e-7, atol=1e-9)
+    x = flow.X[0, :, 0]
+    for f in (np.ones_like, np.cos, np.square):
+        expected, _ = quad(
+            lambda z, f=f: f(z) * law.density([[z]])[0], x.min() - 0.1, x.max() + 0.1, points=[x.min(), x.max()]
+        )
+        assert flow.weights @ f(x) == pytest.approx(expected, abs=1e-6)
     assert pickle.loads(pickle.dumps(law)).density([[1.2]]) == law.density([[1.2]])
     with pytest.raises(InvalidProblem, match="both must be 1"):
         mf.push_forward(model, SQUARE, start, flow.y[0])

@@ -93,9 +93,9 @@ def test_readings_stand_beside_each_other() -> None:
 
 @pytest.mark.slow
 def test_no_comparison_is_lost() -> None:
-    whole, parts = chapter.questions(tables())
-    assert whole.rows[""].tolist() == list(QUESTIONS)
-    assert len(parts.rows) == len(tables()["emt_answers"][["id", "compared"]].drop_duplicates())
+    (whole, _), (parts, _) = chapter.questions(tables()), chapter.compared_parts(tables())
+    assert whole[""].tolist() == list(QUESTIONS)
+    assert len(parts) == len(tables()["emt_answers"][["id", "compared"]].drop_duplicates())
 
 
 def test_unchanged_runs_give_the_ratios_of_the_studies() -> None:
