@@ -118,7 +118,7 @@ def density_methods(of: Part = Y) -> dict[str, Method]:
 
 
 def _prepared(name: str, problem: DensityProblem, setting: float, t: ArrayLike) -> Callable[[], Found]:
-    """Return a run of one method of ``density_methods`` whose particles are made before, so that it is timed alone."""
+    """Return a run of one method of ``density_methods``: its particles or moments are made now."""
     model, law, times = problem.model, problem.density, np.asarray(t, dtype=np.float64)
     start = problem.y0, problem.v0, times
     if name == "pde":
