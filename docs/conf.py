@@ -63,6 +63,7 @@ def run_page(app: Any, name: str, text: list[str]) -> None:
     page = ROOT / f"{name}.md"
     # Tutorials are notebooks of libraries that the pages of results do without.
     if page.is_file() and (MADE / "notebooks" / f"{page.stem}.ipynb").exists():
-        from docs.building.shown import with_outputs
+        from docs.building.shown import is_notebook, with_outputs
 
-        text[0] = with_outputs(page)
+        if is_notebook(page):  # another page may have its name
+            text[0] = with_outputs(page)
