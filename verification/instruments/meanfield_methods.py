@@ -117,21 +117,21 @@ def density_methods(of: Part = Y) -> dict[str, Method]:
     return {name: _method(name, setting, partial(_of_density, name, of)) for name, setting in settings.items()}
 
 
-def _prepared(name: str, problem: DensityProblem, setting: float, t: ArrayLike) -> Callable[[], Found]:
-    """Return a run of one method of ``density_methods``: its particles or moments are made now."""
+def _solved(name: str, problem: DensityProblem, setting: float, t: ArrayLike) -> Found:
+    """Run one method of ``density_methods``; its particles or moments are made here."""
     model, law, times = problem.model, problem.density, np.asarray(t, dtype=np.float64)
     start = problem.y0, problem.v0, times
     if name == "pde":
-        return partial(solve_pde, model, law, *start, round(1 / setting))
+        return solve_pde(model, law, *start, round(1 / setting))
     if name == "characteristics":
-        return partial(solve_characteristics, model, law, *start, setting)
+        return solve_characteristics(model, law, *start, setting)
     if name == "moments":
-        return partial(solve_moments, model, Moments(*law.moments()), *start, setting)
+        return solve_moments(model, Moments(*law.moments()), *start, setting)
     count = round(1 / setting)
     wanted = max(QUANTILE_ERROR / count, LEAST_TOLERANCE)
     # Of RATTLE a step whose error is of this size.
     fine = wanted ** (1 / int(name[-1])) if name.startswith("rattle") else wanted
-    return partial(SOLVERS[name], model, State(X=law.quantiles(count), y=problem.y0, v=problem.v0), times, fine)
+    return SOLVERS[name](model, State(X=law.quantiles(count), y=problem.y0, v=problem.v0), times, fine)
 
 
 def _method(name: str, setting: str, run: Callable[[Any, float, Any], Floats]) -> Method:
@@ -149,11 +149,11 @@ def _of_density(name: str, of: Part, problem: Any, setting: float, t: ArrayLike)
     if not isinstance(problem, DensityProblem):
         raise InvalidProblem(f"problem = {describe(problem)}: must be a DensityProblem(model, density, y0, v0)")
     _compile(name, problem)
-    return np.asarray(of(_prepared(name, problem, setting, t)()))
+    return np.asarray(of(_solved(name, problem, setting, t)))
 
 
 @lru_cache(maxsize=64)
 def _compile(name: str, problem: DensityProblem) -> None:
     """Compile what only runs of many particles or cells need: instruments throw away the first run, a coarse one."""
     if name in COMPILED:
-        _prepared(name, problem, 1 / MANY, [BRIEF])()
+        _solved(name, problem, 1 / MANY, [BRIEF])
