@@ -16,7 +16,6 @@ from meanfield.solvers.characteristics import Flow, push_forward, solve_characte
 from meanfield.solvers.dae import solve_dae
 from meanfield.solvers.ode import MomentMotion, solve_moments, solve_ode
 from meanfield.solvers.pde import GridMotion, solve_pde
-from meanfield.solvers.rattle import solve_rattle
 from meanfield.solvers.result import Motion, SolverWork
 from meanfield.transport import Weighted, w1
 
@@ -50,6 +49,5 @@ __all__ = [
     "solve_moments",
     "solve_ode",
     "solve_pde",
-    "solve_rattle",
     "w1",
 ]

@@ -54,10 +54,6 @@ def ode(model, start, t, tol, throw=True):
     return read(meanfield.solve_ode(model, start, t, tol, throw=throw))
 
 
-def rattle(model, start, t, dt, order=2, throw=True):
-    return read(meanfield.solve_rattle(model, start, t, dt, order, throw=throw))
-
-
 def characteristics(model, density, y0, v0, t, tol, throw=True):
     return read(meanfield.solve_characteristics(model, density, y0, v0, t, tol, throw=throw))
 
@@ -161,12 +157,6 @@ CALLS = (
     Call("state", MOTION.state, {"k": (0, 1, -1)}),
     Call("solve_dae", dae, {"model": MODELS, "start": STARTS, **RUN}, ("throw",)),
     Call("solve_ode", ode, {"model": (*MODELS, *REDUCTIONS), "start": STARTS, **RUN}, ("throw",)),
-    Call(
-        "solve_rattle",
-        rattle,
-        {"model": MODELS, "start": STARTS, "t": TIMES, "dt": (0.1, 0.05), "order": (2, 4), "throw": FLAG},
-        ("order", "throw"),
-    ),
     Call(
         "solve_characteristics",
         characteristics,

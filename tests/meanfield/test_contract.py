@@ -24,7 +24,6 @@ SOLVERS = {
     "ode": partial(meanfield.solve_ode, tol=1e-8),
     "reduced": reduced,
     "dae": partial(meanfield.solve_dae, tol=1e-8),
-    "rattle": partial(meanfield.solve_rattle, dt=0.1, order=6),
 }
 ON_ALL = pytest.mark.parametrize("solver", SOLVERS)
 

@@ -23,17 +23,7 @@ def limit(t: list[float]) -> np.ndarray:
     return mf.solve_moments(STRAIGHT, mf.Moments(*LAW.moments()), [1.0], [0.5], t, 1e-13).y
 
 
-@pytest.mark.parametrize("order", [2, 4])
-def test_order_of_rattle_on_an_own_model(order):
-    problem = v.ParticleProblem(WAVY, START)
-    study = v.order_study(
-        problem, [PARTICLES[f"rattle{order}"]], [0.25 / 2**k for k in range(5)], T,
-        mf.solve_ode(WAVY, START, T, 1e-13).y,
-    )  # fmt: skip
-    assert study.fits["slope"].to_numpy() == pytest.approx(order, abs=0.1)
-
-
-@pytest.mark.parametrize("name", [name for name in PARTICLES if not name.startswith("rattle")])
+@pytest.mark.parametrize("name", PARTICLES)
 def test_methods_of_particles_follow_their_tolerance(name):
     found = PARTICLES[name].run(v.ParticleProblem(STRAIGHT, START), 1e-9, T)
     np.testing.assert_allclose(found, mf.solve_ode(STRAIGHT, START, T, 1e-12).y, atol=1e-7)

@@ -28,7 +28,6 @@ from meanfield import (
     solve_moments,
     solve_ode,
     solve_pde,
-    solve_rattle,
 )
 from meanfield.model.symbolic import library
 from verification.instruments.meanfield_methods import STYLES
@@ -40,8 +39,8 @@ from verification.thesis.chapter5.maps import SINGULAR
 Floats = NDArray[np.float64]
 NAME = "meanfield_failures"
 # The setting of each solver, where failures are looked for.
-SETTINGS = {"ode": 1e-8, "reduced": 1e-8, "dae": 1e-6, "rattle2": 0.01}
-PARTICLE_SOLVERS = ("ode", "dae", "rattle2")
+SETTINGS = {"ode": 1e-8, "reduced": 1e-8, "dae": 1e-6}
+PARTICLE_SOLVERS = ("ode", "dae")
 # Times kept before a failure, and how near to it the last one must be, relative to it.
 KEPT, NEAR = 100, 0.03
 # How far a start is off the constraint.
@@ -54,7 +53,7 @@ KERNELS: dict[str, Callable[[Any], Any]] = {
 
 
 def _tried(solver: str, model: Model, start: State, t: Floats) -> Motion:
-    calls: dict[str, Callable[..., Motion]] = {"ode": solve_ode, "dae": solve_dae, "rattle2": solve_rattle}
+    calls: dict[str, Callable[..., Motion]] = {"ode": solve_ode, "dae": solve_dae}
     if solver == "reduced":
         return solve_ode(reduce(model), start, t, SETTINGS[solver], throw=False)
     return calls[solver](model, start, t, SETTINGS[solver], throw=False)
@@ -182,7 +181,7 @@ CASES = (
         Case(f"kernel-{kind}", f"Kernel V = {kind}", "refused, or NON_FINITE", partial(unbounded_kernel, kind))
         for kind in KERNELS
     ),
-    *_each("blow", ("ode", "rattle2"), "W0 = −y⁴, y → ∞", "ends at t = 1", blow_up),
+    *_each("blow", ("ode",), "W0 = −y⁴, y → ∞", "ends at t = 1", blow_up),
     Case("grid-pde", "The density reaches the end of the grid, PDE", "ends at the time of the end", left_grid),
 )
 FEW = ("U-ode", "zero-moments", "kernel-1/r²")
