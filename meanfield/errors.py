@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 class NotClosed(InvalidProblem):
-    """A reduction that does not hold for the model; the message says why."""
+    """Moment equations that do not close for the model; the message says why."""
 
 
 class SolveFailed(RuntimeError):

@@ -268,3 +268,9 @@ def _sufficient(pairs: Pairs, length: float) -> int:
 def sums_over_pairs(pairs: Pairs, X: Floats, w: Floats, out: Floats) -> None:
     """Compute sum_k w_k K(X_k - X_i) for each i."""
     pair_sums(pairs, X, w, out)
+
+
+@kernel
+def rates_of(m: Measure, X: Floats, state: Floats, U: Floats, a: Floats) -> None:
+    """Compute velocities U and a = y'' as ``rates``."""
+    rates(m, True, X, state, U, a)

@@ -12,7 +12,7 @@ from dincl.checks import describe, integer, number, shaped
 from dincl.errors import FunctionFailed, InvalidProblem, StepFailure
 from dincl.status import Status
 from meanfield.kernels.program import evaluated
-from meanfield.model.symbolic import Expressions, casadi_functions, depends, expressions, library, program
+from meanfield.model.symbolic import Expressions, casadi_functions, expressions, library, program
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -29,8 +29,6 @@ SIGNATURES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "jacobians": (("X", "y"), ("gX", "gy")),
     "phi": (("X", "y"), ("phi",)),
     "omega": (("X", "y", "v"), ("omega",)),
-    "curvature": (("X", "U", "y", "v"), ("curvature",)),
-    "determinant": (("X", "U", "y", "v"), ("determinant", "turning")),
     "watched": (("X", "U", "y", "v"), ("determinant", "turning", "W1", "W0")),
     "F0": (("y",), ("F0",)),
     "F1": (("X",), ("F1",)),
@@ -40,7 +38,7 @@ SIGNATURES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "V": (("r",), ("V",)),
 }
 PARTICLE, MATRICES = ("X", "U", "r"), ("gX", "gy", "phi")
-MAY_BE_SINGULAR = ("phi", "omega", "level", "jacobians", "determinant")
+MAY_BE_SINGULAR = ("phi", "omega", "level", "jacobians")
 NO_INPUTS = np.empty((1, 0))
 
 
@@ -119,11 +117,6 @@ class Model:
         """Functions built so far, by their names in SIGNATURES."""
         return {}
 
-    @cached_property
-    def jacobian_varies(self) -> bool:
-        """Whether dg/dX depends on X."""
-        return depends(self.expressions.gX, self.expressions.X)
-
     def __reduce__(self) -> tuple[Any, ...]:
         # Lambdas do not pickle, and expressions that are pickled one by one no longer share their symbols.
         functions = casadi_functions(self.expressions)
@@ -150,23 +143,11 @@ class Model:
         (omega,) = self._evaluate("omega", X, y, v)
         return omega
 
-    def curvature(self, X: ArrayLike, y: ArrayLike, U: ArrayLike, v: ArrayLike) -> NDArray[np.float64]:
-        """Compute D^2 g[(U, v), (U, v)] of shape (Q, nx): g'' = dg/dX X'' + dg/dy y'' + curvature."""
-        (curvature,) = self._evaluate("curvature", X, U, y, v)
-        return curvature
-
-    def determinant(
-        self, X: ArrayLike, y: ArrayLike, U: ArrayLike, v: ArrayLike
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Compute det dg/dX of shape (Q,), and its rate of change along the velocities U, v."""
-        determinant, turning = self._evaluate("determinant", X, U, y, v)
-        return determinant[:, 0], turning[:, 0]
-
     def watched(
         self, X: ArrayLike, y: ArrayLike, U: ArrayLike, v: ArrayLike
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], float]:
-        """Compute what a run watches: det dg/dX and its rate, see ``determinant``, W1 of each particle, and W0."""
-        determinant, turning, W1, W0 = self._evaluate("watched", X, U, y, v)
+        """Compute det dg/dX, its rate along U, v, and W1 of each particle (Q,), and W0: finite or not."""
+        determinant, turning, W1, W0 = self._evaluate("watched", X, U, y, v, finite=False)
         return determinant[:, 0], turning[:, 0], W1[:, 0], float(W0[0, 0])
 
     def F0(self, y: ArrayLike) -> NDArray[np.float64]:
@@ -199,8 +180,8 @@ class Model:
         (energy,) = self._evaluate("V", r)
         return np.asarray(energy[:, 0])
 
-    def _evaluate(self, name: str, *values: ArrayLike) -> list[NDArray[np.float64]]:
-        """Evaluate a function of SIGNATURES; FunctionFailed if a value is not finite."""
+    def _evaluate(self, name: str, *values: ArrayLike, finite: bool = True) -> list[NDArray[np.float64]]:
+        """Evaluate a function of SIGNATURES; FunctionFailed if ``finite`` and a value is not."""
         if name not in self._functions:
             self._functions[name] = self._built(name)
         f = self._functions[name]
@@ -208,7 +189,7 @@ class Model:
         arrays = [self._argument(*given) for given in zip(f.inputs, values, strict=True)]
         particles[: f.particles], common[1:] = arrays[: f.particles], arrays[f.particles :]
         found = evaluated(f.program, particles[0], particles[1], np.concatenate(common))
-        if not np.isfinite(found).all():
+        if finite and not np.isfinite(found).all():
             raise FunctionFailed(f.status, f"{name} of the model has no finite value.")
         return [found[:, place].reshape(len(found), *shape) for place, shape in f.parts]
 

@@ -122,12 +122,6 @@ def affine(expression: Any, X: Any) -> Any:
     return ca.densify(ca.reshape(straight, *expression.shape))
 
 
-def depends(expression: Any, symbols: Any) -> bool:
-    """Return whether an expression depends on symbols."""
-    ca = library()
-    return bool(ca.jacobian(ca.vec(expression), symbols).nnz() > 0)
-
-
 def is_affine(expression: Any, symbols: Any) -> bool:
     """Return whether the second derivative of an expression vanishes symbolically."""
     ca = library()

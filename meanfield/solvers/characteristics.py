@@ -11,14 +11,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dincl.checks import flag, shaped
-from dincl.errors import InvalidProblem
+from dincl.errors import InvalidProblem, StepFailure
 from dincl.status import Status
-from meanfield.density.density import MAX_NODES_PER_AXIS, Density
+from meanfield.density import MAX_NODES_PER_AXIS, Density
 from meanfield.model.state import State
-from meanfield.solvers.arguments import check_density, check_model, checked_start, tolerance
-from meanfield.solvers.index_one import consistent_values
 from meanfield.solvers.ode import solve_weighted
-from meanfield.solvers.result import Motion, delivered
+from meanfield.solvers.result import Motion, check_law, checked_limit, delivered, tolerance
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -33,6 +31,8 @@ FIRST_NODES, MAX_NODES = 8, 200_000
 MAX_INTERACTING_NODES = 10_000
 # Smallest quadrature error that two runs can show, relative to the size of y and v.
 FLOW_ROUNDING = 1e-14
+# Newton's method converges quadratically: after a correction of this relative size the next one is below rounding.
+NEWTON_TOLERANCE, MAX_NEWTON_ITERATIONS = 1e-9, 20
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -84,7 +84,7 @@ def solve_characteristics(
 
     Source: (5.40), (5.41).
     """
-    y, v, times = checked_start(model, density, y0, v0, t)
+    y, v, times = checked_limit(model, density, y0, v0, t)
     tol, raises = tolerance(tol), flag("throw", throw)
     flow = _flow(model, density, y, v, times, tol, FIRST_NODES, None)
     n, converged = FIRST_NODES, False
@@ -137,10 +137,9 @@ def push_forward(model: Model, density: Density, y0: ArrayLike, y: ArrayLike) ->
 
     Source: (5.40), with conservation of g(X, y) and of mass.
     """
-    check_model(model)
-    check_density(density)
-    if model.nx != 1 or density.nx != 1:
-        raise InvalidProblem(f"nx = {model.nx} of the model, {density.nx} of the density: both must be 1")
+    check_law(model, density)
+    if model.nx != 1:
+        raise InvalidProblem(f"model.nx = {model.nx}: must be 1 to push a density forward")
     before, after = shaped("y0", y0, (model.ny,)), shaped("y", y, (model.ny,))
     places = np.array([density.lower[0], *density.breaks, density.upper[0]])
     ends = np.sort(origins(model, places[:, None], before, after)[:, 0])
@@ -148,8 +147,23 @@ def push_forward(model: Model, density: Density, y0: ArrayLike, y: ArrayLike) ->
 
 
 def origins(model: Model, x: Floats, y: Floats, y0: Floats) -> Floats:
-    """Trace particles at x (n, nx) from the macroscopic state y back to y0: solve g(x0, y0) = g(x, y) for x0."""
-    return consistent_values(model, x, y0, np.zeros_like(y0), model.level(x, y))[0]
+    """Trace particles at x (n, 1) from the macroscopic state y back to y0: solve g(x0, y0) = g(x, y) for x0.
+
+    Raises
+    ------
+    StepFailure
+        if Newton's method does not converge, or dg/dX is singular.
+    """
+    level, found = model.level(x, y), x
+    for _ in range(MAX_NEWTON_ITERATIONS):
+        gX, _ = model.jacobians(found, y0)
+        if not gX.all():
+            raise StepFailure(Status.SINGULAR, "dg/dX of a particle is singular.")
+        step = (level - model.level(found, y0)) / gX[:, :, 0]
+        found = found + step
+        if np.abs(step).max() <= NEWTON_TOLERANCE * (1 + np.abs(found).max()):
+            return found
+    raise StepFailure(Status.NOT_CONVERGED, "No positions that satisfy the constraint were found.")
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,8 +12,6 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from dincl.errors import StepFailure
-
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -36,13 +34,12 @@ class End(NamedTuple):
     turning: Floats
 
 
-def end_of_step(model: Model, X: Floats, y: Floats, U: Floats, v: Floats) -> End | None:
-    """Return one end of a step; None where the determinant is not finite."""
-    try:
-        determinant, turning = model.determinant(X, y, U, v)
-    except StepFailure:
-        return None
-    return End(np.concatenate([y, X.ravel()]), np.concatenate([v, U.ravel()]), determinant, turning)
+def end_of_step(model: Model, X: Floats, y: Floats, U: Floats, v: Floats) -> tuple[End | None, float, Floats]:
+    """Return one end of a step, None where the determinant is not finite; W0, and W1 of each particle."""
+    determinant, turning, W1, W0 = model.watched(X, y, U, v)
+    if not (np.isfinite(determinant).all() and np.isfinite(turning).all()):
+        return None, W0, W1
+    return End(np.concatenate([y, X.ravel()]), np.concatenate([v, U.ravel()]), determinant, turning), W0, W1
 
 
 def unresolved_dip(model: Model, before: End | None, after: End | None, h: float) -> float | None:
@@ -62,7 +59,7 @@ def unresolved_dip(model: Model, before: End | None, after: End | None, h: float
     path, speed = _cubic(s, z, rate, end, end_rate), _cubic_slope(s, z, rate, end, end_rate) / h
     inside = []
     for at, by in zip(path, speed, strict=True):
-        found = end_of_step(model, at[ny:].reshape(-1, nx), at[:ny], by[ny:].reshape(-1, nx), by[:ny])
+        found, _, _ = end_of_step(model, at[ny:].reshape(-1, nx), at[:ny], by[ny:].reshape(-1, nx), by[:ny])
         if found is None:
             return 0.5
         inside.append((found.determinant, found.turning))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import meanfield
-from meanfield import Positions, Status
+from meanfield import Status
 from tests.meanfield.models import EVERY, MODELS, start
 
 TIMES = np.array([0.0, 0.4, 1.0])
@@ -15,26 +15,12 @@ PARTICLES = 4
 ERROR = 1e-6
 
 
-def reduced(model, state, t, **options):
-    return meanfield.solve_ode(meanfield.reduce(model), state, t, 1e-8, **options)
-
-
 # Each solver of particles, at a setting with an error below ERROR.
 SOLVERS = {
     "ode": partial(meanfield.solve_ode, tol=1e-8),
-    "reduced": reduced,
     "dae": partial(meanfield.solve_dae, tol=1e-8),
 }
 ON_ALL = pytest.mark.parametrize("solver", SOLVERS)
-
-
-def solved(solver, name):
-    model = MODELS[name]
-    if solver == "reduced" and meanfield.reduce(model).positions is Positions.FLOW:
-        with pytest.raises(meanfield.NotClosed):
-            SOLVERS[solver](model, start(name, PARTICLES), TIMES)
-        return None
-    return SOLVERS[solver](model, start(name, PARTICLES), TIMES)
 
 
 @pytest.fixture(scope="module")
@@ -46,9 +32,8 @@ def best():
 @ON_ALL
 @pytest.mark.parametrize("name", EVERY)
 def test_solvers_agree(solver, name, best):
-    motion, model, state = solved(solver, name), MODELS[name], start(name, PARTICLES)
-    if motion is None:
-        return
+    model, state = MODELS[name], start(name, PARTICLES)
+    motion = SOLVERS[solver](model, state, TIMES)
     assert motion.status is Status.SUCCESS
     assert motion.detail == ""
     np.testing.assert_array_equal(motion.t, TIMES)
@@ -85,8 +70,6 @@ def test_a_failure_is_returned_or_raised(solver):
 @pytest.mark.parametrize(
     ("state", "t", "message"),
     [
-        (meanfield.State([[0.2]], [1.0], [1.0], level=[[0.0]]), [1.0], "must satisfy the constraint"),
-        (meanfield.State([[0.2]], [1.0], [1.0], U=[[7.0]]), [1.0], "must satisfy the constraint"),
         (meanfield.State([[0.2, 0.1]], [1.0], [1.0]), [1.0], "must have X of shape"),
         (meanfield.State([[0.2]], [0.0], [1.0]), [1.0], "full rank"),
         (meanfield.State([[0.2]], [1.0], [1.0]), [2.0, 1.0], "increasing times"),

@@ -42,7 +42,7 @@ def test_samples_follow_the_density(name, rng):
 
 
 def test_rejection_draws_from_the_density_even_where_its_first_bound_is_too_low(rng, monkeypatch):
-    monkeypatch.setattr("meanfield.density.density.CHECK_NODES", 2)  # there f is below a tenth of its largest value
+    monkeypatch.setattr("meanfield.density.CHECK_NODES", 2)  # there f is below a tenth of its largest value
     bump = MOMENTS["bump 3"][0]
     x = bump.sample(rng, 20_000) - [0, 0, 1]
     np.testing.assert_allclose(x.T @ x / len(x), np.eye(3) / 11, rtol=0, atol=0.004)

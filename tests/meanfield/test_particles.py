@@ -16,9 +16,7 @@ from meanfield import (
     solve_dae,
     solve_ode,
 )
-from meanfield.forces import forces
 from meanfield.solvers import dae
-from meanfield.solvers.index_one import accelerations
 from tests.meanfield.exact import CLOSED, FIBRE, K0, K1, REST, TIMES, M, fibre_start, worst
 from tests.meanfield.models import MODELS, start
 
@@ -41,23 +39,6 @@ def test_agrees_with_the_closed_form(name, solve, error):
         assert worst(motion, closed(fibre_start(n), TIMES)) < error
 
 
-def test_accelerations_solve_the_whole_linear_system():
-    """Test each equation for X'', y'' and lambda, with D^2 g from differences of g."""
-    model = MODELS["bending"]
-    at = start("bending", 3).complete(model, 1e-9)
-    found = accelerations(model, at.X, at.U, at.y, at.v)
-    gX, gy = model.jacobians(at.X, at.y)
-    force = model.F1(at.X) + forces(model, at.X, None)
-    h = 1e-4
-    levels = [model.level(at.X + s * h * at.U, at.y + s * h * at.v) for s in (-1, 0, 1)]
-    curvature = (levels[0] - 2 * levels[1] + levels[2]) / h**2
-    for i in range(3):
-        assert model.m * found.X[i] == pytest.approx(force[i] - gX[i].T @ found.multipliers[i])
-        assert gX[i] @ found.X[i] + gy[i] @ found.y + curvature[i] == pytest.approx(0, abs=1e-6)
-    pushed = sum(gy[i].T @ found.multipliers[i] for i in range(3)) / 3
-    assert found.y == pytest.approx(model.F0(at.y) - pushed)
-
-
 def test_stiff_springs_over_many_periods_to_twelve_digits():
     """Test multipliers of size 1e6 that pass through zero: a purely relative tolerance of 1e-12 is impossible there."""
     motion = solve_dae(WavyFibre(m=M, k0=1e6, y_rest=REST, k1=K1), fibre_start(3), [0.0, 0.05], 1e-12)
@@ -69,13 +50,6 @@ def test_output_times_do_not_restart_the_integrator():
     assert few.y[-1] == pytest.approx(many.y[-1], abs=1e-8)
     assert many.work.steps < 1.1 * few.work.steps
     assert few.work.unknowns == 2 + 5 * 4 + 1  # y, v; X, U, lambda and a sum each; y''
-
-
-def test_a_start_that_violates_the_constraint_by_less_than_tol_is_projected():
-    at = fibre_start(5).complete(WAVY, 1e-6)
-    off = State(X=at.X + 1e-7, y=at.y, v=at.v, U=at.U - 1e-7, level=at.level)
-    motion = solve_dae(WAVY, off, [0.0, 1.0], 1e-6)
-    assert max(motion.constraint_drift().max(), motion.velocity_drift().max()) < 1e-9
 
 
 def test_length_zero_is_singular_and_the_part_before_is_right(capfd):

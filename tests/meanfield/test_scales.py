@@ -5,12 +5,12 @@ import pytest
 
 import meanfield
 from meanfield import Density, Moments, State, Status
-from meanfield.solvers import integrate, pde
-from meanfield.solvers.integrate import WARM_UP_STEPS
+from meanfield.solvers import ode, pde
+from meanfield.solvers.ode import WARM_UP_STEPS
 from tests.borders.harness import holds_nan, limited
 
 SEED = 20260119
-SOLVERS = ("ode", "reduced", "moments", "characteristics", "pde", "dae")
+SOLVERS = ("ode", "moments", "characteristics", "pde", "dae")
 MODELS = {
     "straight": meanfield.StraightFibre,
     "linear": meanfield.LinearFibre,
@@ -24,7 +24,6 @@ def solved(solver, model, size, speed, t, tol):
     start, density = State(X, y, v), lambda: Density.uniform(0.5 * size, 1.3 * size)
     runs = {
         "ode": lambda: meanfield.solve_ode(model, start, t, tol, throw=False),
-        "reduced": lambda: meanfield.solve_ode(meanfield.reduce(model), start, t, tol, throw=False),
         "moments": lambda: meanfield.solve_moments(
             model, Moments([size], [[1.3 * size**2]]), y, v, t, tol, throw=False
         ),
@@ -40,7 +39,7 @@ def fibre(name, **changes):
 
 
 @pytest.mark.slow_with("characteristics")
-@pytest.mark.parametrize("solver", ["ode", "reduced", "moments", "characteristics"])
+@pytest.mark.parametrize("solver", ["ode", "moments", "characteristics"])
 @pytest.mark.parametrize(("stiffness", "end"), [(1.0, 1e10), (1e20, 1.0), (1e-60, 1e40)])
 def test_hopeless_runs_end_after_hundreds_of_steps(solver, stiffness, end):
     model = fibre("linear", k0=stiffness, k1=stiffness / 2)
@@ -102,7 +101,7 @@ def random_run(number):
     """Draw a solver and the arguments of a run: each scale is 1, or within ``decades`` of 1."""
     rng = np.random.default_rng((SEED, number))
     solver, decades = SOLVERS[number % len(SOLVERS)], rng.choice([3, 12, 60, 150, 300])
-    names = sorted(MODELS) if solver not in ("reduced", "moments") else ["linear", "straight"]
+    names = sorted(MODELS) if solver != "moments" else ["linear", "straight"]
     scales = 10.0 ** np.where(rng.random(7) < 0.5, 0.0, rng.uniform(-decades, decades, 7))
     values = dict(zip(("m", "k0", "k1", "y_rest"), scales, strict=False))
     return solver, names[rng.integers(len(names))], values, scales[4], rng.integers(2) * scales[5], scales[6]
@@ -121,7 +120,7 @@ def complaint(number):
 
 @pytest.mark.slow
 def test_every_scale_ends(monkeypatch):
-    monkeypatch.setattr(integrate, "MAX_ODE_STEPS", 500)
+    monkeypatch.setattr(ode, "MAX_ODE_STEPS", 500)
     monkeypatch.setattr(pde, "MAX_GRID_STEPS", 500)
     assert [found for found in map(complaint, range(70)) if found] == []
 

@@ -59,12 +59,10 @@ def test_all_levels_of_a_model_stand_on_one_chart():
 
 
 def test_what_a_model_does_not_allow_is_a_refused_row():
-    study = v.order_study(
-        v.ParticleProblem(WAVY, START), [PARTICLES["reduced"]], [10.0**-k for k in range(3, 8)], T,
-        mf.solve_ode(WAVY, START, T, 1e-13).y,
-    )  # fmt: skip
+    problem = v.DensityProblem(WAVY, LAW, [1.0], [0.5])
+    study = v.order_study(problem, [DENSITY["moments"]], [10.0**-k for k in range(3, 8)], T, limit(T))
     assert study.table["status"].iloc[0] == "REFUSED"
-    assert "no reduction holds" in study.table["detail"].iloc[0]
+    assert "do not close" in study.table["detail"].iloc[0]
 
 
 def test_problems_of_the_other_kind_are_refused_with_the_name_of_the_right_one():

@@ -1,4 +1,4 @@
-"""DAE, the ODE and its reduction against each other: errors of y, y', X and the multipliers; drift of g."""
+"""DAE and ODE against each other: errors of y, y', X and the multipliers; drift of g."""
 # ruff: noqa: RUF001 - headings for readers have minus signs
 
 from __future__ import annotations
@@ -12,9 +12,9 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from dincl.study import Study, joined
-from meanfield import Motion, Positions, reduce, solve_dae, solve_ode
+from meanfield import Motion, solve_dae, solve_ode
 from verification.instruments.error_norms import ErrorOf
-from verification.instruments.meanfield_methods import SOLVERS, ParticleProblem, particle_methods
+from verification.instruments.meanfield_methods import ParticleProblem, particle_methods
 from verification.instruments.orders import OrderRuns, OrderStudy
 from verification.instruments.references import Known
 from verification.instruments.result import draw_results
@@ -61,17 +61,10 @@ def runs() -> dict[str, OrderRuns]:
         path, off = reference(name)
         known = Known(T, path, np.full(len(T), off.max()))
         errors = {key: ErrorOf(key, itemgetter(part), float(off[part].max())) for key, part in parts.items()}
-        chosen = [methods[way] for way in methods_of(name)]
-        found[cases.TITLES[name]] = OrderRuns(
-            ParticleProblem(model, start), chosen, {"tol": TOLERANCES}, T, known, errors
-        )
+        problem = ParticleProblem(model, start)
+        chosen = list(methods.values())
+        found[cases.TITLES[name]] = OrderRuns(problem, chosen, {"tol": TOLERANCES}, T, known, errors)
     return found
-
-
-def methods_of(name: str) -> list[str]:
-    """Return the names of the methods that a model allows: only some models can be reduced."""
-    flows = reduce(cases.model(name)).positions is Positions.FLOW
-    return [way for way in SOLVERS if way != "reduced" or not flows]
 
 
 def reference(name: str) -> tuple[Floats, Floats]:

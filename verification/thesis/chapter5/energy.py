@@ -65,7 +65,7 @@ def runs() -> dict[str, OrderRuns]:
     for name in agreement.MODELS:
         model, start = cases.model(name), cases.few(name, agreement.PARTICLES)
         scale = abs(float(solve_ode(model, start, T[1:], 1e-6).energy()[0]))
-        methods = [of_particles[way] for way in agreement.methods_of(name)]
+        methods = list(of_particles.values())
         found[cases.TITLES[name]] = _runs(ParticleProblem(model, start), methods, {"tol": agreement.TOLERANCES}, scale)
     for name, used in LIMITS.items():
         case = cases.CASES[name]

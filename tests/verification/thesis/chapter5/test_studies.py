@@ -61,21 +61,12 @@ def test_a_density_is_carried_as_its_points_are():
     assert found == pytest.approx(np.diff(moved.panels.distribution(edges)) / np.diff(edges), abs=1e-12)
 
 
-def test_a_carried_density_on_the_plane_is_a_density():
-    low, high = np.asarray(grid_order.BOXES["element"])
-    one = grid_order.Carried("element", np.array([1.2, 0.9, 0.2]), low, high)
-    axes = [np.linspace(a, b, 161)[:-1] for a, b in zip(low, high, strict=True)]
-    points = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)
-    assert one.density(points).sum() * np.prod((high - low) / 160) == pytest.approx(1.0, abs=1e-6)
-
-
 def test_all_formulations_give_one_motion():
     rows = shipped(agreement.NAME)
     best = agreement.best(rows)
     worst = best[list(agreement.COMPARED)].max(axis=1)
     assert (worst < 1e-9).all()
     assert best["drift"].max() < 1e-12
-    assert ("WavyFibre", "reduced ODE") not in set(zip(rows["model"], rows["method"], strict=True))
 
 
 def test_the_reference_knows_its_error():
@@ -102,7 +93,7 @@ def test_the_energy_drifts_by_the_tolerance():
 def test_orders_in_the_grid_tell_jumps_from_smooth():
     found = grid_order.runs().result(shipped(grid_order.NAME))
     slopes = found.fits.set_index(["method", "error"])["slope"]
-    for name in ("StraightFibre", "WavyFibre", "TissueElement"):
+    for name in ("StraightFibre", "WavyFibre"):
         assert slopes[name, "f"] > 1.8
     assert slopes["uniform StraightFibre", "f"] < 1
     assert slopes["uniform StraightFibre", "W1"] == pytest.approx(1.4, abs=0.05)
@@ -129,6 +120,6 @@ def test_streams_are_independent():
 
 def test_the_starts_are_regular():
     for name in cases.CASES:
-        start = cases.few(name, 3).complete(cases.model(name), 1e-12)
-        assert np.isfinite(start.U).all()
+        start = cases.few(name, 3)
+        assert np.isfinite(cases.model(name).phi(start.X, start.y)).all()
     assert isinstance(cases.law("cube"), Density)

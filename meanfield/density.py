@@ -1,4 +1,7 @@
-"""Probability densities of the particles at the start of a run: f on a box of R^nx, nx = 1, 2, 3, and 0 outside."""
+"""Probability densities of the particles at the start of a run: f on a box of R^nx, nx = 1, 2, 3, and 0 outside.
+
+On a line a density is resolved to rounding by polynomials on panels, so that its integrals and quantiles are exact.
+"""
 
 from __future__ import annotations
 
@@ -7,13 +10,13 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 
 import numpy as np
+from numpy.polynomial import legendre
 from numpy.typing import ArrayLike, NDArray
 
 from dincl import checks
 from dincl.callables import UserFunction
 from dincl.errors import InvalidProblem
 from dincl.status import Status
-from meanfield.density.panels import Panels, resolve
 
 Floats = NDArray[np.float64]
 Pdf = Callable[[Floats], Floats]
@@ -33,6 +36,27 @@ BOUND_RATIO, MAX_TRIES, MAX_REJECTION_ROUNDS = 1.25, 1_000_000, 200
 MAX_POINTS, MAX_NODES_PER_AXIS = 10_000_000, 2_048
 PDF = UserFunction("pdf", ("x",), Status.FUNCTION_FAILED)
 SAMPLER = UserFunction("sampler", ("rng", "n"), Status.FUNCTION_FAILED)
+# Degree of the polynomial on each panel, and as many Gauss points as projection to this degree needs to be exact.
+DEGREE = 15
+GAUSS_NODES, GAUSS_WEIGHTS = legendre.leggauss(DEGREE + 1)
+# Maps values at the nodes to Legendre coefficients.
+PROJECTION = (legendre.legvander(GAUSS_NODES, DEGREE) * GAUSS_WEIGHTS[:, None]).T
+PROJECTION *= (np.arange(DEGREE + 1) + 0.5)[:, None]
+# A panel is resolved if its last TAIL coefficients are below rounding relative to the largest coefficient of all
+# panels, or if they change the mass by less than rounding: panels around an unlisted kink shrink until this holds.
+TAIL, RESOLVED = 3, 1e-15
+# Far from the origin, coordinates are rounded relative to the size of a panel, by up to eps/2 |x| / half in s, and the
+# values of the density with them: coefficients below this many eps |x| / half are rounding, too.
+COORDINATE_ROUNDING = 2 * float(np.finfo(np.float64).eps)
+MAX_HALVINGS = 60
+# Unresolved panels at one level of halving; each takes 16 values of the density.
+MAX_PANELS = 100_000
+# The mass of a density on a grid differs from 1 by the error of its first quadrature.
+GRID_MASS_TOLERANCE = 1e-8
+# Newton's method falls back on bisection, so it ends after at most as many steps as a number has bits.
+MAX_NEWTON_STEPS, NEWTON_CONVERGED = 60, 2.0**-51
+# Points whose polynomials are evaluated together, for memory.
+POINTS_PER_BLOCK = 100_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,11 +91,11 @@ class Density:
     sampler: Sampler | None = None
 
     def __post_init__(self) -> None:
-        lower, upper = corners(self.lower, self.upper)
+        lower, upper = _corners(self.lower, self.upper)
         checks.function("pdf", self.pdf, "a function of points (n, nx)")
         if self.sampler is not None:
             checks.function("sampler", self.sampler, "a function of (rng, n)")
-        for name, value in (("lower", lower), ("upper", upper), ("breaks", breaks_within(self.breaks, lower, upper))):
+        for name, value in (("lower", lower), ("upper", upper), ("breaks", _breaks_within(self.breaks, lower, upper))):
             object.__setattr__(self, name, value)
         if self.nx == 1:
             edges, coefficients = self._resolved
@@ -87,7 +111,7 @@ class Density:
     @classmethod
     def uniform(cls, lower: ArrayLike, upper: ArrayLike) -> Density:
         """Build f = 1 / volume on the box."""
-        low, high = corners(lower, upper)
+        low, high = _corners(lower, upper)
         return cls(partial(_uniform, low, high), low, high, sampler=partial(_uniform_sample, low, high))
 
     @classmethod
@@ -101,7 +125,7 @@ class Density:
         deviation
             standard deviations > 0 of independent components (nx,), or the covariance L L^T (nx, nx).
         """
-        centre = row("mean", mean, None)
+        centre = _row("mean", mean, None)
         factor = _cholesky_factor(deviation, len(centre))
         deviations = np.hypot.reduce(factor, axis=1)
         low, high = centre - CUT * deviations, centre + CUT * deviations
@@ -118,7 +142,7 @@ class Density:
         radius
             r > 0 of each axis (nx,), or one number for all axes.
         """
-        middle, given = row("centre", centre, None), row("radius", radius, None)
+        middle, given = _row("centre", centre, None), _row("radius", radius, None)
         if len(given) not in (1, len(middle)) or (given <= 0).any():
             raise InvalidProblem(f"radius = {checks.describe(given)}: must be > 0, one number or {len(middle)}")
         r = np.broadcast_to(given, middle.shape)
@@ -138,7 +162,7 @@ class Density:
 
     @cached_property
     def _resolved(self) -> tuple[Floats, Floats]:
-        return resolve(lambda x: self._values(x[:, None]), self._pieces()[0])
+        return _resolve(lambda x: self._values(x[:, None]), self._pieces()[0])
 
     def density(self, x: ArrayLike) -> Floats:
         """Evaluate f at points (n, nx), 0 outside the box."""
@@ -282,7 +306,7 @@ def _bump(centre: Floats, radius: Floats, x: Floats) -> Floats:
     return np.asarray(np.prod(315 / (256 * radius) * np.maximum(1 - s * s, 0.0) ** 4, axis=1))
 
 
-def row(name: str, value: ArrayLike, length: int | None) -> Floats:
+def _row(name: str, value: ArrayLike, length: int | None) -> Floats:
     """Return numbers as an array of shape (length,), of any length for None; a single number becomes shape (1,)."""
     return checks.shaped(name, np.atleast_1d(checks.array(name, value)), (length,))
 
@@ -291,7 +315,7 @@ def _cholesky_factor(deviation: ArrayLike, nx: int) -> Floats:
     """Return the Cholesky factor (nx, nx) of a covariance (nx, nx), or of that of independent components (nx,)."""
     numbers = checks.array("deviation", deviation)
     if numbers.ndim < 2:
-        given = row("deviation", numbers, nx)
+        given = _row("deviation", numbers, nx)
         if (given <= 0).any():
             raise InvalidProblem(f"deviation = {checks.describe(given)}: must be > 0")
         return np.diag(given)
@@ -304,10 +328,10 @@ def _cholesky_factor(deviation: ArrayLike, nx: int) -> Floats:
     raise InvalidProblem(f"deviation = {checks.describe(given)}: must be symmetric and positive definite")
 
 
-def corners(lower: ArrayLike, upper: ArrayLike) -> tuple[Floats, Floats]:
+def _corners(lower: ArrayLike, upper: ArrayLike) -> tuple[Floats, Floats]:
     """Return the lower and the upper corner (nx,) of a box; InvalidProblem unless lower < upper and nx <= 3."""
-    low = row("lower", lower, None)
-    high = row("upper", upper, len(low))
+    low = _row("lower", lower, None)
+    high = _row("upper", upper, len(low))
     if len(low) > MAX_AXES:
         raise InvalidProblem(f"lower = {checks.describe(low)}: must have 1, 2 or 3 components")
     if not (low < high).all():
@@ -315,7 +339,7 @@ def corners(lower: ArrayLike, upper: ArrayLike) -> tuple[Floats, Floats]:
     return low, high
 
 
-def breaks_within(breaks: tuple[float, ...], lower: Floats, upper: Floats) -> tuple[float, ...]:
+def _breaks_within(breaks: tuple[float, ...], lower: Floats, upper: Floats) -> tuple[float, ...]:
     """Return breaks in increasing order; InvalidProblem unless all of them lie inside the box, in one dimension."""
     listed = checks.items("breaks", breaks, object, "a list of numbers")
     found = tuple(sorted({checks.number("breaks", value) for value in listed}))
@@ -346,3 +370,151 @@ def gauss_product(pieces: list[Floats], n: int) -> tuple[Floats, Floats]:
     for h in half:
         weights = np.multiply.outer(weights, (h * weight).ravel())
     return product_points(axes), weights.ravel()
+
+
+@dataclass(frozen=True, eq=False)
+class Panels:
+    """Density f(x) = sum_k c_pk P_k(s) on panel p, Legendre polynomials P_k of s in [-1, 1]; f = 0 elsewhere.
+
+    Parameters
+    ----------
+    edges
+        ends of the panels (P + 1,), increasing.
+    coefficients
+        c (P, degree + 1); scaled so that the mass is 1.
+
+    Raises
+    ------
+    InvalidProblem
+        if the mass is not 1 to 1e-8, or a panel has negative mass.
+    """
+
+    edges: Floats
+    coefficients: Floats
+
+    def __post_init__(self) -> None:
+        edges = checks.shaped("edges", self.edges, (None,))
+        if len(edges) < 2 or (np.diff(edges) <= 0).any():
+            raise InvalidProblem(f"edges = {checks.describe(edges)}: must be at least two, increasing")
+        found = checks.shaped("coefficients", self.coefficients, (len(edges) - 1, None))
+        mass = found[:, 0] * np.diff(edges)
+        if (mass < -RESOLVED).any():
+            where = int(mass.argmin())
+            raise InvalidProblem(f"coefficients: panel {where} has the mass {mass[where]:.3g}: must be >= 0")
+        if abs(mass.sum() - 1.0) > GRID_MASS_TOLERANCE:
+            raise InvalidProblem(f"coefficients: the mass is {mass.sum():.12g}: must be 1 to {GRID_MASS_TOLERANCE:g}")
+        object.__setattr__(self, "edges", edges)
+        object.__setattr__(self, "coefficients", found / mass.sum())
+
+    @classmethod
+    def piecewise_constant(cls, edges: ArrayLike, averages: ArrayLike) -> Panels:
+        """Build a density that is constant on cells, from their edges (P + 1,) and averages (P,)."""
+        return cls(checks.array("edges", edges), checks.shaped("averages", averages, (None,))[:, None])
+
+    @cached_property
+    def _cumulative(self) -> tuple[Floats, Floats]:
+        """F at the edges, and the Legendre coefficients of F on the panels, of shape (degree + 2, P)."""
+        half = np.diff(self.edges) / 2
+        inner = legendre.legint(self.coefficients.T, lbnd=-1, axis=0) * half
+        at_edges = np.append(0.0, np.cumsum(2 * half * self.coefficients[:, 0]))
+        at_edges /= at_edges[-1]
+        inner[0] += at_edges[:-1]
+        return at_edges, inner
+
+    def distribution(self, x: ArrayLike) -> Floats:
+        """Evaluate F(x) = int_{-inf}^x f at points (n,)."""
+        return self._blockwise(checks.shaped("x", x, (None,)), self._cumulative[1])
+
+    def quantile(self, p: ArrayLike) -> Floats:
+        """Solve F(x) = p for probabilities p (n,), by Newton's method with bisection where it leaves its bracket.
+
+        Raises
+        ------
+        InvalidProblem
+            if a number is not from 0 to 1.
+        """
+        p = checks.shaped("p", p, (None,))
+        if not ((p >= 0) & (p <= 1)).all():
+            raise InvalidProblem(f"p = {checks.describe(p)}: must be probabilities, 0 to 1")
+        at_edges = self._cumulative[0]
+        panel = np.clip(np.searchsorted(at_edges, p, side="left") - 1, 0, len(self.edges) - 2)
+        # The first guess s in [-1, 1] is exact if F is linear on the panel.
+        rise = at_edges[panel + 1] - at_edges[panel]
+        fraction = np.divide(p - at_edges[panel], rise, out=np.full(len(p), 0.5), where=rise > 0)
+        s = np.clip(2 * fraction - 1, -1.0, 1.0)
+        low, high, active = np.full(len(p), -1.0), np.full(len(p), 1.0), np.arange(len(p))
+        for _ in range(MAX_NEWTON_STEPS):
+            moved, excess = self._newton(s[active], panel[active], p[active])
+            low[active] = np.where(excess <= 0, s[active], low[active])
+            high[active] = np.where(excess >= 0, s[active], high[active])
+            outside = ~((low[active] <= moved) & (moved <= high[active]))
+            moved = np.where(outside, (low[active] + high[active]) / 2, moved)
+            converged = np.abs(moved - s[active]) <= NEWTON_CONVERGED
+            s[active] = moved
+            active = active[~converged]
+        x: Floats = (self.edges[panel] * (1 - s) + self.edges[panel + 1] * (1 + s)) / 2
+        return x
+
+    def _newton(self, s: Floats, panel: NDArray[np.intp], p: Floats) -> tuple[Floats, Floats]:
+        """Compute the next Newton iterate on the panel, infinite where the density is <= 0, and F - p."""
+        excess = _series(s, self._cumulative[1], panel) - p
+        slope = _series(s, self.coefficients.T, panel) * (self.edges[panel + 1] - self.edges[panel]) / 2
+        step = np.divide(excess, slope, out=np.full(len(s), np.inf), where=slope > np.abs(excess) / 4)
+        return s - step, excess
+
+    def _blockwise(self, x: Floats, coefficients: Floats) -> Floats:
+        panel = np.clip(np.searchsorted(self.edges, x, side="right") - 1, 0, len(self.edges) - 2)
+        low, high = self.edges[panel], self.edges[panel + 1]
+        return _series(np.clip((2 * x - low - high) / (high - low), -1.0, 1.0), coefficients, panel)
+
+
+def _series(s: Floats, coefficients: Floats, panel: NDArray[np.intp]) -> Floats:
+    """Evaluate sum_k c_kp P_k(s) for points s (n,) on panels p (n,)."""
+    found = np.empty(len(s))
+    for begin in range(0, len(s), POINTS_PER_BLOCK):
+        part = slice(begin, begin + POINTS_PER_BLOCK)
+        found[part] = legendre.legval(s[part], coefficients[:, panel[part]], tensor=False)
+    return found
+
+
+def _resolve(pdf: Pdf, pieces: Floats) -> tuple[Floats, Floats]:
+    """Approximate a function to rounding by polynomials on panels, halving panels until all are resolved.
+
+    Parameters
+    ----------
+    pdf
+        points (n,) -> values (n,), smooth between consecutive ``pieces`` (P + 1,).
+
+    Returns
+    -------
+    edges, coefficients
+        as for ``Panels``.
+
+    Raises
+    ------
+    InvalidProblem
+        if 60 halvings are not enough, or more than 100 000 panels are unresolved at a time.
+    """
+    waiting, done, largest = [(pieces[:-1], pieces[1:])], [], 0.0
+    for _ in range(MAX_HALVINGS):
+        low, high = waiting.pop()
+        middle, half = (low + high) / 2, (high - low) / 2
+        values = pdf((middle[:, None] + half[:, None] * GAUSS_NODES).ravel()).reshape(len(low), -1)
+        found = values @ PROJECTION.T
+        largest = max(largest, float(np.abs(found).max()))
+        tail = np.abs(found[:, -TAIL:]).max(axis=1)
+        rounding = RESOLVED + COORDINATE_ROUNDING * np.maximum(np.abs(low), np.abs(high)) / half
+        fine = (tail <= rounding * largest) | (tail * half <= RESOLVED / MAX_HALVINGS)
+        done.append((low[fine], high[fine], found[fine]))
+        if fine.all():
+            first, last, coefficients = (np.concatenate(parts) for parts in zip(*done, strict=True))
+            order = np.argsort(first)
+            return np.append(first[order], last[order[-1]]), coefficients[order]
+        low, middle, high = low[~fine], middle[~fine], high[~fine]
+        if 2 * len(low) > MAX_PANELS:
+            raise InvalidProblem(
+                f"pdf is not resolved by {MAX_PANELS} panels of {DEGREE + 1} values between {low.min():.9g} and "
+                f"{high.max():.9g}: must be smooth there, except at its breaks"
+            )
+        waiting.append((np.concatenate([low, middle]), np.concatenate([middle, high])))
+    raise InvalidProblem(f"pdf is not resolved after {MAX_HALVINGS} halvings near {low.min():.9g}: list its breaks")
