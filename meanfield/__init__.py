@@ -12,7 +12,7 @@ from meanfield.model.model import Model
 from meanfield.model.state import State
 from meanfield.solvers.characteristics import Flow, push_forward, solve_characteristics
 from meanfield.solvers.dae import solve_dae
-from meanfield.solvers.moments import MomentMotion, Moments, sample_moments, solve_moments
+from meanfield.solvers.moments import MomentMotion, Moments, solve_moments
 from meanfield.solvers.ode import solve_ode
 from meanfield.solvers.pde import GridMotion, solve_pde
 from meanfield.solvers.result import Motion, SolverWork
@@ -39,7 +39,6 @@ __all__ = [
     "WavyFibre",
     "Weighted",
     "push_forward",
-    "sample_moments",
     "solve_characteristics",
     "solve_dae",
     "solve_moments",

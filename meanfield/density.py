@@ -51,8 +51,6 @@ COORDINATE_ROUNDING = 2 * float(np.finfo(np.float64).eps)
 MAX_HALVINGS = 60
 # Unresolved panels at one level of halving; each takes 16 values of the density.
 MAX_PANELS = 100_000
-# The mass of a density on a grid differs from 1 by the error of its first quadrature.
-GRID_MASS_TOLERANCE = 1e-8
 # Newton's method falls back on bisection, so it ends after at most as many steps as a number has bits.
 MAX_NEWTON_STEPS, NEWTON_CONVERGED = 60, 2.0**-51
 # Points whose polynomials are evaluated together, for memory.
@@ -116,20 +114,17 @@ class Density:
 
     @classmethod
     def normal(cls, mean: ArrayLike, deviation: ArrayLike) -> Density:
-        """Build f = exp(-|L^-1 (x - mean)|^2 / 2) / ((2 pi)^(nx/2) det L), cut at 8.3 deviations on each axis.
+        """Build f = prod_k exp(-(x_k - mean_k)^2 / (2 s_k^2)) / (sqrt(2 pi) s_k), cut at 8.3 deviations on each axis.
 
         Parameters
         ----------
         mean
             (nx,), or a number.
         deviation
-            standard deviations > 0 of independent components (nx,), or the covariance L L^T (nx, nx).
+            s > 0 of each axis (nx,), or one number for all axes.
         """
-        centre = _row("mean", mean, None)
-        factor = _cholesky_factor(deviation, len(centre))
-        deviations = np.hypot.reduce(factor, axis=1)
-        low, high = centre - CUT * deviations, centre + CUT * deviations
-        return cls(partial(_normal, centre, factor), low, high, sampler=partial(_normal_sample, centre, factor))
+        centre, s = _with_widths("mean", mean, "deviation", deviation)
+        return cls(partial(_normal, centre, s), centre - CUT * s, centre + CUT * s, sampler=partial(_drawn, centre, s))
 
     @classmethod
     def bump(cls, centre: ArrayLike, radius: ArrayLike) -> Density:
@@ -142,10 +137,7 @@ class Density:
         radius
             r > 0 of each axis (nx,), or one number for all axes.
         """
-        middle, given = _row("centre", centre, None), _row("radius", radius, None)
-        if len(given) not in (1, len(middle)) or (given <= 0).any():
-            raise InvalidProblem(f"radius = {checks.describe(given)}: must be > 0, one number or {len(middle)}")
-        r = np.broadcast_to(given, middle.shape)
+        middle, r = _with_widths("centre", centre, "radius", radius)
         return cls(partial(_bump, middle, r), middle - r, middle + r)
 
     @property
@@ -289,16 +281,12 @@ def _uniform_sample(lower: Floats, upper: Floats, rng: np.random.Generator, n: i
     return rng.uniform(lower, upper, (n, len(lower)))
 
 
-def _normal(centre: Floats, factor: Floats, x: Floats) -> Floats:
-    inverse = np.linalg.inv(factor)
-    scale = float(np.prod(np.diag(inverse))) / (2 * np.pi) ** (len(centre) / 2)
-    return np.asarray(scale * np.exp(-(((x - centre) @ inverse.T) ** 2).sum(axis=1) / 2))
+def _normal(centre: Floats, s: Floats, x: Floats) -> Floats:
+    return np.asarray(np.exp(-(((x - centre) / s) ** 2).sum(axis=1) / 2) / np.prod(np.sqrt(2 * np.pi) * s))
 
 
-def _normal_sample(centre: Floats, factor: Floats, rng: np.random.Generator, n: int) -> Floats:
-    spread = CUT * np.hypot.reduce(factor, axis=1)
-    drawn = centre + rng.standard_normal((n, len(centre))) @ factor.T
-    return np.clip(drawn, centre - spread, centre + spread)
+def _drawn(centre: Floats, s: Floats, rng: np.random.Generator, n: int) -> Floats:
+    return np.clip(centre + rng.standard_normal((n, len(centre))) * s, centre - CUT * s, centre + CUT * s)
 
 
 def _bump(centre: Floats, radius: Floats, x: Floats) -> Floats:
@@ -311,21 +299,12 @@ def _row(name: str, value: ArrayLike, length: int | None) -> Floats:
     return checks.shaped(name, np.atleast_1d(checks.array(name, value)), (length,))
 
 
-def _cholesky_factor(deviation: ArrayLike, nx: int) -> Floats:
-    """Return the Cholesky factor (nx, nx) of a covariance (nx, nx), or of that of independent components (nx,)."""
-    numbers = checks.array("deviation", deviation)
-    if numbers.ndim < 2:
-        given = _row("deviation", numbers, nx)
-        if (given <= 0).any():
-            raise InvalidProblem(f"deviation = {checks.describe(given)}: must be > 0")
-        return np.diag(given)
-    given = checks.shaped("deviation", numbers, (nx, nx))
-    try:
-        if np.array_equal(given, given.T):
-            return np.asarray(np.linalg.cholesky(given), dtype=np.float64)
-    except np.linalg.LinAlgError:
-        pass
-    raise InvalidProblem(f"deviation = {checks.describe(given)}: must be symmetric and positive definite")
+def _with_widths(name: str, middle: ArrayLike, word: str, widths: ArrayLike) -> tuple[Floats, Floats]:
+    """Return a point and the width of each axis, both (nx,); InvalidProblem unless the widths are > 0."""
+    centre, given = _row(name, middle, None), _row(word, widths, None)
+    if len(given) not in (1, len(centre)) or (given <= 0).any():
+        raise InvalidProblem(f"{word} = {checks.describe(given)}: must be > 0, one number or {len(centre)}")
+    return centre, np.array(np.broadcast_to(given, centre.shape))
 
 
 def _corners(lower: ArrayLike, upper: ArrayLike) -> tuple[Floats, Floats]:
@@ -376,40 +355,18 @@ def gauss_product(pieces: list[Floats], n: int) -> tuple[Floats, Floats]:
 class Panels:
     """Density f(x) = sum_k c_pk P_k(s) on panel p, Legendre polynomials P_k of s in [-1, 1]; f = 0 elsewhere.
 
+    ``Density.panels`` and ``GridMotion.density`` return it.
+
     Parameters
     ----------
     edges
         ends of the panels (P + 1,), increasing.
     coefficients
-        c (P, degree + 1); scaled so that the mass is 1.
-
-    Raises
-    ------
-    InvalidProblem
-        if the mass is not 1 to 1e-8, or a panel has negative mass.
+        c (P, degree + 1), with the mass 1.
     """
 
     edges: Floats
     coefficients: Floats
-
-    def __post_init__(self) -> None:
-        edges = checks.shaped("edges", self.edges, (None,))
-        if len(edges) < 2 or (np.diff(edges) <= 0).any():
-            raise InvalidProblem(f"edges = {checks.describe(edges)}: must be at least two, increasing")
-        found = checks.shaped("coefficients", self.coefficients, (len(edges) - 1, None))
-        mass = found[:, 0] * np.diff(edges)
-        if (mass < -RESOLVED).any():
-            where = int(mass.argmin())
-            raise InvalidProblem(f"coefficients: panel {where} has the mass {mass[where]:.3g}: must be >= 0")
-        if abs(mass.sum() - 1.0) > GRID_MASS_TOLERANCE:
-            raise InvalidProblem(f"coefficients: the mass is {mass.sum():.12g}: must be 1 to {GRID_MASS_TOLERANCE:g}")
-        object.__setattr__(self, "edges", edges)
-        object.__setattr__(self, "coefficients", found / mass.sum())
-
-    @classmethod
-    def piecewise_constant(cls, edges: ArrayLike, averages: ArrayLike) -> Panels:
-        """Build a density that is constant on cells, from their edges (P + 1,) and averages (P,)."""
-        return cls(checks.array("edges", edges), checks.shaped("averages", averages, (None,))[:, None])
 
     @cached_property
     def _cumulative(self) -> tuple[Floats, Floats]:

@@ -26,12 +26,9 @@ from meanfield.kernels.field import (
 from meanfield.model.symbolic import is_affine, library, program
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from dincl.compiled.arrays import Floats
     from meanfield.kernels.program import Program
     from meanfield.model.model import Model
-
-    Floats = NDArray[np.float64]
 
 
 def measure(model: Model, weights: Floats, orientation: float, blocks: int = 1) -> Measure:

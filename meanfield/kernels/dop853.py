@@ -11,9 +11,7 @@ from dincl.events.runge_kutta import RungeKutta, stage_point
 from meanfield.kernels.field import Measure, rates
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
+    from dincl.compiled.arrays import Floats
 
 # Safety factor and bounds of the ratio of consecutive steps; the error of a step is of order 8.
 SAFETY, SHRINK, GROW, EXPONENT = 0.9, 0.2, 10.0, -1 / 8

@@ -13,9 +13,7 @@ from dincl.compiled import inner, kernel
 from meanfield.kernels.program import BLOCK, Program, compute_common, run_block
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
+    from dincl.compiled.arrays import Floats
 
 # Interaction of the particles: none, by their mean (V is quadratic), by pairs.
 NONE, BY_MEAN, BY_PAIRS = 0, 1, 2

@@ -11,9 +11,7 @@ from meanfield.kernels.field import Measure, rates
 from meanfield.kernels.program import BLOCK, Program, compute_common, run_block
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
+    from dincl.compiled.arrays import Floats
 
 # Cells with less density have no outflow. Its products with speeds and time steps could be subnormal numbers, whose
 # rounding error is not relative and could make a density negative.

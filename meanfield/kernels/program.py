@@ -16,7 +16,8 @@ from dincl.compiled import inner, kernel
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    Floats = NDArray[np.float64]
+    from dincl.compiled.arrays import Floats
+
     Integers = NDArray[np.int64]
 
 # Particles per block: the values of a block fit into the cache.

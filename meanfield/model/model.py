@@ -15,8 +15,9 @@ from meanfield.kernels.program import evaluated
 from meanfield.model.symbolic import Expressions, casadi_functions, expressions, library, program
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
+    from dincl.compiled.arrays import Floats
     from meanfield.kernels.program import Program
 
 # Inverses of dg/dX are written out by minors, whose number grows fast with the dimension.
@@ -123,44 +124,42 @@ class Model:
         V = None if self.V is None else functions["V"]
         return Model, (functions["g"], functions["W0"], functions["W1"], V, self.m, self.nx, self.ny)
 
-    def level(self, X: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
+    def level(self, X: ArrayLike, y: ArrayLike) -> Floats:
         """Compute g(X_i, y) of shape (Q, nx), for X (Q, nx) and y (ny,)."""
         (level,) = self._evaluate("level", X, y)
         return level
 
-    def jacobians(self, X: ArrayLike, y: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def jacobians(self, X: ArrayLike, y: ArrayLike) -> tuple[Floats, Floats]:
         """Compute dg/dX of shape (Q, nx, nx) and dg/dy of shape (Q, nx, ny)."""
         gX, gy = self._evaluate("jacobians", X, y)
         return gX, gy
 
-    def phi(self, X: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
+    def phi(self, X: ArrayLike, y: ArrayLike) -> Floats:
         """Compute Phi = -(dg/dX)^{-1} dg/dy of shape (Q, nx, ny): X_i' = Phi_i y' (5.9)."""
         (phi,) = self._evaluate("phi", X, y)
         return phi
 
-    def omega(self, X: ArrayLike, y: ArrayLike, v: ArrayLike) -> NDArray[np.float64]:
+    def omega(self, X: ArrayLike, y: ArrayLike, v: ArrayLike) -> Floats:
         """Compute Omega[v, v] of shape (Q, nx): X_i'' = Phi_i y'' + Omega_i[y', y'] (5.10)."""
         (omega,) = self._evaluate("omega", X, y, v)
         return omega
 
-    def watched(
-        self, X: ArrayLike, y: ArrayLike, U: ArrayLike, v: ArrayLike
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], float]:
+    def watched(self, X: ArrayLike, y: ArrayLike, U: ArrayLike, v: ArrayLike) -> tuple[Floats, Floats, Floats, float]:
         """Compute det dg/dX, its rate along U, v, and W1 of each particle (Q,), and W0: finite or not."""
         determinant, turning, W1, W0 = self._evaluate("watched", X, U, y, v, finite=False)
         return determinant[:, 0], turning[:, 0], W1[:, 0], float(W0[0, 0])
 
-    def F0(self, y: ArrayLike) -> NDArray[np.float64]:
+    def F0(self, y: ArrayLike) -> Floats:
         """Compute -grad W0(y) of shape (ny,)."""
         (force,) = self._evaluate("F0", y)
         return np.asarray(force[0])
 
-    def F1(self, X: ArrayLike) -> NDArray[np.float64]:
+    def F1(self, X: ArrayLike) -> Floats:
         """Compute -grad W1(X_i) of shape (Q, nx)."""
         (force,) = self._evaluate("F1", X)
         return force
 
-    def K(self, r: ArrayLike) -> NDArray[np.float64]:
+    def K(self, r: ArrayLike) -> Floats:
         """Compute the force grad V(r) that a particle at X + r exerts on a particle at X, shape (Q, nx) (5.4)."""
         (force,) = self._evaluate("K", r)
         return force
@@ -170,17 +169,17 @@ class Model:
         (energy,) = self._evaluate("W0", y)
         return float(energy[0, 0])
 
-    def energy1(self, X: ArrayLike) -> NDArray[np.float64]:
+    def energy1(self, X: ArrayLike) -> Floats:
         """Compute W1(X_i) of each particle, shape (Q,)."""
         (energy,) = self._evaluate("W1", X)
         return np.asarray(energy[:, 0])
 
-    def pair_energy(self, r: ArrayLike) -> NDArray[np.float64]:
+    def pair_energy(self, r: ArrayLike) -> Floats:
         """Compute V(r) of shape (Q,)."""
         (energy,) = self._evaluate("V", r)
         return np.asarray(energy[:, 0])
 
-    def _evaluate(self, name: str, *values: ArrayLike, finite: bool = True) -> list[NDArray[np.float64]]:
+    def _evaluate(self, name: str, *values: ArrayLike, finite: bool = True) -> list[Floats]:
         """Evaluate a function of SIGNATURES; FunctionFailed if ``finite`` and a value is not."""
         if name not in self._functions:
             self._functions[name] = self._built(name)
@@ -209,7 +208,7 @@ class Model:
         made = program(X, F, common, [value.T for value in values])
         return _Function(made, inputs, len(particles), parts, status)
 
-    def _argument(self, name: str, value: ArrayLike) -> NDArray[np.float64]:
+    def _argument(self, name: str, value: ArrayLike) -> Floats:
         """Return an argument as an array of the right shape.
 
         Solvers call this often with arrays of the right shape, which are returned without further checks.

@@ -12,8 +12,9 @@ from dincl.errors import InvalidProblem, StepFailure
 from dincl.status import Status
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
+    from dincl.compiled.arrays import Floats
     from meanfield.model.model import Model
 
 
@@ -39,7 +40,7 @@ class State:
             object.__setattr__(self, name, shaped(name, value, shape))
 
 
-def level_and_orientation(model: Model, start: State) -> tuple[NDArray[np.float64], float]:
+def level_and_orientation(model: Model, start: State) -> tuple[Floats, float]:
     """Return g(X_i, y) of shape (N, nx), and the common sign of det dg/dX of all particles.
 
     Raises

@@ -19,11 +19,10 @@ from meanfield.solvers.ode import solve_weighted
 from meanfield.solvers.result import Motion, check_law, checked_limit, delivered, tolerance
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
+    from dincl.compiled.arrays import Floats
     from meanfield.model.model import Model
-
-    Floats = NDArray[np.float64]
 
 # Gauss points per axis and smooth piece of the density in the first run, and largest total number of nodes.
 FIRST_NODES, MAX_NODES = 8, 200_000

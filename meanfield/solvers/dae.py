@@ -24,12 +24,11 @@ from meanfield.solvers.ode import FAR, solve_ode
 from meanfield.solvers.result import Motion, SolverWork, checked_run, delivered, multipliers, tolerance
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
+    from dincl.compiled.arrays import Floats
     from meanfield.model.model import Model
     from meanfield.model.state import State
-
-    Floats = NDArray[np.float64]
 
 # IDAS bounds the error of a step; over a run the errors add up to some tens of that bound.
 SAFETY = 30.0

@@ -21,9 +21,9 @@ from meanfield.solvers.ode import solve_ode
 from meanfield.solvers.result import Motion, delivered
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
-    Floats = NDArray[np.float64]
+    from dincl.compiled.arrays import Floats
 
 # A covariance may be negative by rounding, relative to the second moment.
 MOMENT_ROUNDING = 1e-12
@@ -32,14 +32,8 @@ MOMENT_ROUNDING = 1e-12
 class Moments(NamedTuple):
     """Mean rho = int x f dx (nx,) and second moment sigma = int x x^T f dx (nx, nx), not centred."""
 
-    mean: NDArray[np.float64]
-    second: NDArray[np.float64]
-
-
-def sample_moments(X: ArrayLike) -> Moments:
-    """Compute the moments of particles (N, nx); InvalidProblem if X has another shape or is not finite."""
-    x = shaped("X", X, (None, None))
-    return Moments(x.mean(axis=0), x.T @ x / len(x))
+    mean: Floats
+    second: Floats
 
 
 @lru_cache(maxsize=256)

@@ -16,13 +16,12 @@ from meanfield.solvers.result import Motion, SolverWork, checked_run, delivered,
 from meanfield.solvers.singular import end_of_step, unresolved_dip
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
+    from dincl.compiled.arrays import Floats
     from meanfield.model.model import Model
     from meanfield.model.state import State
     from meanfield.solvers.singular import End
-
-    Floats = NDArray[np.float64]
 
 MAX_ODE_STEPS = 100_000
 # The first steps of a run say little about its length: step lengths grow by up to a factor of ten from step to step.
@@ -77,23 +76,13 @@ def solve_ode(model: Model, start: State, t: ArrayLike, tol: float, *, throw: bo
 
 
 def solve_weighted(
-    model: Model,
-    start: State,
-    weights: Floats | None,
-    t: ArrayLike,
-    tol: float,
-    *,
-    throw: bool = True,
-    most_steps: int | None = None,
+    model: Model, start: State, weights: Floats | None, t: ArrayLike, tol: float, *, throw: bool = True
 ) -> Motion:
-    """Solve as ``solve_ode``, for particles with weights (N,) that sum to 1: the flow (5.40) of a measure of points.
-
-    ``most_steps`` limits the steps of the integrator; None: as in ``solve_ode``.
-    """
+    """Solve as ``solve_ode``, for particles with weights (N,) that sum to 1: the flow (5.40) of a measure of points."""
     tol, raises = tolerance(tol), flag("throw", throw)
     level, orientation, times = checked_run(model, start, t)
     w = np.full(len(level), 1 / len(level)) if weights is None else weights
-    run = _Run(model, start, orientation, w, times, tol, MAX_ODE_STEPS if most_steps is None else most_steps)
+    run = _Run(model, start, orientation, w, times, tol)
     status, detail = Status.SUCCESS, ""
     with np.errstate(all="ignore"):
         try:
@@ -113,9 +102,9 @@ class _Run:
     """
 
     def __init__(
-        self, model: Model, start: State, orientation: float, weights: Floats, times: Floats, tol: float, most: int
+        self, model: Model, start: State, orientation: float, weights: Floats, times: Floats, tol: float
     ) -> None:
-        self._model, self._times, self._tol, self._most = model, times, tol, most
+        self._model, self._times, self._tol = model, times, tol
         X = np.asarray(start.X)
         self._z = np.concatenate([start.y, start.v, X.ravel()])
         # Each component of y and v weighs as much as all particles together in the mean square of the error.
@@ -146,12 +135,12 @@ class _Run:
     def step(self) -> None:
         """Make one step, or reject it; append the values at the output times in it."""
         system, end, now = self._system, float(self._times[-1]), self._t
-        # After k steps, a run may still become most/k times as fast as its average so far: a run over 1e30 periods
-        # stops after some hundreds of steps, one that needs slightly more than ``most`` steps after almost ``most``.
-        if self._steps >= min(self._most, WARM_UP_STEPS) and now / end < (self._steps / self._most) ** 2:
+        # After k steps, a run may still become MAX_ODE_STEPS/k times as fast as its average so far: a run over 1e30
+        # periods stops after some hundreds of steps, one that needs slightly more than the limit after almost as many.
+        if self._steps >= min(MAX_ODE_STEPS, WARM_UP_STEPS) and now / end < (self._steps / MAX_ODE_STEPS) ** 2:
             total = f"{self._steps / (now / end):.1e}" if now > 0 else "infinitely many"
             detail = f"{self._steps} steps until t = {now:.6g}; at this rate the run takes {total}"
-            self._fail(Status.TOO_MANY_STEPS, f"{detail}, at most {self._most} are allowed.")
+            self._fail(Status.TOO_MANY_STEPS, f"{detail}, at most {MAX_ODE_STEPS} are allowed.")
         h, length, evaluations, wrong = step(system, self._z, now, end, self._length)
         self._steps += 1
         self._evaluations += evaluations

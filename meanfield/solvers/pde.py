@@ -33,20 +33,18 @@ from meanfield.solvers.ode import solve_weighted
 from meanfield.solvers.result import SolverResult, SolverWork, checked_limit, delivered, total_energy
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
+    from dincl.compiled.arrays import Floats
     from meanfield.density import Density
     from meanfield.kernels.program import Program
     from meanfield.model.model import Model
 
-    Floats = NDArray[np.float64]
-
 MAX_GRID_STEPS = 200_000
 MIN_CELLS, MAX_CELLS = 8, 100_000
 # Coarse run that finds the box of the grid: Gauss points per piece, points all over the box of the density, output
-# times, tolerance, most steps. Its steps are of order 8: a motion that needs more of them needs more steps on a grid
-# than are allowed.
-COARSE_NODES, COARSE_POINTS, COARSE_TIMES, COARSE_TOLERANCE, COARSE_STEPS = 16, 17, 128, 1e-5, 10_000
+# times, tolerance.
+COARSE_NODES, COARSE_POINTS, COARSE_TIMES, COARSE_TOLERANCE = 16, 17, 128, 1e-5
 # Margin of the box on each side. Relative to the box, for the error of the coarse run; in cells, because numerical
 # diffusion carries more than 1e-9 of the mass at most 7 cells past a jump (measured). On coarse grids at most the box.
 MARGIN, MARGIN_CELLS, MAX_MARGIN = 0.1, 8, 1.0
@@ -113,7 +111,8 @@ class GridMotion(SolverResult):
         count = len(self.t)
         if count == 0:
             raise InvalidProblem(f"k = {checks.describe(k)}: the run ended before its first output time")
-        return Panels.piecewise_constant(self.edges, self.f[checks.integer("k", k, least=-count, most=count - 1)])
+        f = self.f[checks.integer("k", k, least=-count, most=count - 1)]
+        return Panels(self.edges, f[:, None] / (f @ np.diff(self.edges)))
 
     def _size(self) -> str:
         return f"{len(self.edges) - 1} cells"
@@ -276,7 +275,7 @@ def swept(model: Model, density: Density, y: Floats, v: Floats, end: float, cell
     start = State(X=np.concatenate([nodes, tracers]), y=y, v=v)
     all_weights = np.concatenate([weights, np.zeros(len(tracers))])
     t = np.linspace(0.0, end, COARSE_TIMES + 1)
-    motion = solve_weighted(model, start, all_weights, t, COARSE_TOLERANCE, throw=False, most_steps=COARSE_STEPS)
+    motion = solve_weighted(model, start, all_weights, t, COARSE_TOLERANCE, throw=False)
     paths = motion.X[:, len(nodes) :]
     lower, upper = float(paths.min()), float(paths.max())
     by_cells = MARGIN_CELLS / (cells - 2 * MARGIN_CELLS) if cells > 3 * MARGIN_CELLS else MAX_MARGIN

@@ -18,9 +18,9 @@ from meanfield.model.model import Model
 from meanfield.model.state import State, level_and_orientation
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
-    Floats = NDArray[np.float64]
+    from dincl.compiled.arrays import Floats
 
 # Range of tolerances: below, rounding exceeds the tolerance; above, results have no correct digit.
 TIGHTEST, LOOSEST = 1e-13, 1e-1

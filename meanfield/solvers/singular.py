@@ -15,9 +15,8 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from dincl.compiled.arrays import Floats
     from meanfield.model.model import Model
-
-    Floats = NDArray[np.float64]
 
 # Least ratio of |det| in a dip to the larger value at its sides: a parabola falls to it over 3/4 of its side's length.
 RESOLVED_DIP = 0.25
