@@ -189,7 +189,8 @@ class _Run:
 
     def _watch(self, z: Floats) -> tuple[End | None, tuple[float, float]]:
         """Return the end of a step and the kinetic and potential energy at z, where the rate was evaluated last."""
-        X, U, y, v = self._system.X, self._system.U, *np.split(z[: 2 * self._model.ny], 2)
+        X, U, ny = self._system.X, self._system.U, self._model.ny
+        y, v = z[:ny], z[ny : 2 * ny]
         end, W0, W1 = end_of_step(self._model, X, y, U, v)
         return end, with_potential(self._model, X, self._system.measure.weights, U, v, W0, W1)
 

@@ -8,9 +8,12 @@ shorter step; a zero is resolved by none, which locates it.
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+
+from meanfield.model.symbolic import is_affine
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -34,11 +37,21 @@ class End(NamedTuple):
 
 
 def end_of_step(model: Model, X: Floats, y: Floats, U: Floats, v: Floats) -> tuple[End | None, float, Floats]:
-    """Return one end of a step, None where the determinant is not finite; W0, and W1 of each particle."""
+    """Return one end of a step, None where the determinant is not finite; W0, and W1 of each particle.
+
+    If dg/dX depends on y alone, one particle stands for all.
+    """
     determinant, turning, W1, W0 = model.watched(X, y, U, v)
-    if not (np.isfinite(determinant).all() and np.isfinite(turning).all()):
+    if not np.isfinite(determinant + turning).all():
         return None, W0, W1
-    return End(np.concatenate([y, X.ravel()]), np.concatenate([v, U.ravel()]), determinant, turning), W0, W1
+    few = slice(1 if _is_affine_in_X(model) else None)
+    values, rates = np.concatenate([y, X[few].ravel()]), np.concatenate([v, U[few].ravel()])
+    return End(values, rates, determinant[few], turning[few]), W0, W1
+
+
+@lru_cache(maxsize=256)
+def _is_affine_in_X(model: Model) -> bool:
+    return is_affine(model.expressions.level, model.expressions.X)
 
 
 def unresolved_dip(model: Model, before: End | None, after: End | None, h: float) -> float | None:
