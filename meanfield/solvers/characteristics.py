@@ -85,38 +85,22 @@ def solve_characteristics(
     """
     y, v, times = checked_limit(model, density, y0, v0, t)
     tol, raises = tolerance(tol), flag("throw", throw)
-    flow = _flow(model, density, y, v, times, tol, FIRST_NODES, None)
-    n, converged = FIRST_NODES, False
+    n, flow, converged = FIRST_NODES, None, False
     most = MAX_NODES if model.V is None else MAX_INTERACTING_NODES
-    while not converged and 2 * n <= MAX_NODES_PER_AXIS and len(flow.level) * 2**model.nx <= most:
-        n, before = 2 * n, len(flow.t)
-        flow = _flow(model, density, y, v, times, tol, n, flow)
-        converged = len(flow.t) == before and flow.quadrature_error <= tol * (1 + _size(flow))
+    while flow is None or not (converged or n > MAX_NODES_PER_AXIS or len(flow.level) * 2**model.nx > most):
+        nodes, weights = density.nodes(n)
+        motion = solve_weighted(model, State(X=nodes, y=y, v=v), weights, times, tol, throw=False)
+        now, size, error = len(motion.t), max(np.abs(z).max(initial=0.0) for z in (motion.y, motion.v)), 0.0
+        if flow is not None:
+            k = min(len(flow.t), now)
+            gaps = [np.abs(a[:k] - b[:k]).max(initial=0.0) for a, b in ((flow.y, motion.y), (flow.v, motion.v))]
+            error = float(max(*gaps, FLOW_ROUNDING * size))
+            converged = len(flow.t) == now and error <= tol * (1 + size)
+        n, flow = 2 * n, Flow(**vars(motion), quadrature_error=error)
     if not converged and flow.status:
         detail = f"{len(flow.level)} nodes give the integrals over the density to {flow.quadrature_error:.1e}."
         flow = replace(flow, status=Status.NOT_CONVERGED, detail=detail)
     return delivered(flow, raises)
-
-
-def _flow(
-    model: Model, density: Density, y: Floats, v: Floats, t: Floats, tol: float, n: int, coarser: Flow | None
-) -> Flow:
-    """Compute the flow of n nodes per axis and piece, and its change from a coarser flow."""
-    nodes, weights = density.nodes(n)
-    motion = solve_weighted(model, State(X=nodes, y=y, v=v), weights, t, tol, throw=False)
-    flow = Flow(**vars(motion), quadrature_error=0.0)
-    return flow if coarser is None else replace(flow, quadrature_error=_change(coarser, flow))
-
-
-def _change(coarser: Flow, flow: Flow) -> float:
-    """Return the largest difference of y and v at the output times that both runs reached, at least their rounding."""
-    k = min(len(coarser.t), len(flow.t))
-    gaps = [np.abs(a[:k] - b[:k]).max(initial=0.0) for a, b in ((coarser.y, flow.y), (coarser.v, flow.v))]
-    return float(max(*gaps, FLOW_ROUNDING * _size(flow)))
-
-
-def _size(flow: Flow) -> float:
-    return float(max(np.abs(flow.y).max(initial=0.0), np.abs(flow.v).max(initial=0.0)))
 
 
 def push_forward(model: Model, density: Density, y0: ArrayLike, y: ArrayLike) -> Density:

@@ -2,7 +2,6 @@
 
 import math
 
-import casadi as ca
 import mpmath
 import numpy as np
 import pytest
@@ -20,9 +19,6 @@ def time_in(detail: str) -> float:
 def moments(X):
     """Return mean and second moment of particles (N, nx)."""
     return meanfield.Moments(X.mean(axis=0), X.T @ X / len(X))
-
-
-FOLD = meanfield.Model(g=lambda X, y: X + 1.5 * ca.sin(X) - y, W0=lambda y: y**2 / 2, W1=lambda X: X**2)
 
 
 @pytest.mark.parametrize("name", EVERY)
@@ -110,19 +106,6 @@ def test_moments_that_no_density_has_are_refused_at_every_size(size):
     skew = size**2 * np.array([[1.0, 1e-9], [0.0, 1.0]])
     with pytest.raises(meanfield.InvalidModel, match=r"moments0.second = .*: must be symmetric, and"):
         meanfield.solve_moments(moments0=meanfield.Moments([0.0, 0.0], skew), **ELEMENT)
-
-
-@pytest.mark.parametrize(
-    ("model", "state", "message"),
-    [
-        ("wavy", meanfield.State([[0.0]], [0.0, 1.0], [1.0, 1.0]), r"must have X of shape \(N, 1\) and y \(1,\)"),
-        ("straight", meanfield.State([[0.0]], [0.0], [1.0]), r"y = array\(\[0.\]\): dg/dX must have full rank"),
-        ("fold", meanfield.State([[0.0], [3.0]], [0.0], [1.0]), "1 positive and 1 other values at the start"),
-    ],
-)
-def test_bad_starts(model, state, message):
-    with pytest.raises(meanfield.InvalidModel, match=message):
-        meanfield.solve_ode({**MODELS, "fold": FOLD}[model], state, t=[1.0], tol=1e-8)
 
 
 def test_force_that_is_not_finite():
