@@ -6,16 +6,15 @@
 from dincl.errors import InvalidProblem as InvalidModel
 from dincl.status import Status
 from meanfield.density import Density, Panels
-from meanfield.errors import NotClosed, SolveFailed
 from meanfield.model.examples import LinearFibre, StraightFibre, TissueElement, WavyFibre
 from meanfield.model.model import Model
 from meanfield.model.state import State
 from meanfield.solvers.characteristics import Flow, push_forward, solve_characteristics
 from meanfield.solvers.dae import solve_dae
-from meanfield.solvers.moments import MomentMotion, Moments, solve_moments
+from meanfield.solvers.moments import MomentMotion, Moments, NotClosed, solve_moments
 from meanfield.solvers.ode import solve_ode
 from meanfield.solvers.pde import GridMotion, solve_pde
-from meanfield.solvers.result import Motion, SolverWork
+from meanfield.solvers.result import Motion, SolveFailed, SolverWork
 from meanfield.transport import Weighted, w1
 
 __all__ = [

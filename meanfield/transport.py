@@ -14,7 +14,7 @@ from dincl.errors import InvalidProblem
 from dincl.extras import needs
 from dincl.status import Status
 from meanfield.density import DEGREE, Density, Panels
-from meanfield.errors import SolveFailed
+from meanfield.solvers.result import SolveFailed
 
 Floats = NDArray[np.float64]
 

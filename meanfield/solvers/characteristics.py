@@ -6,6 +6,7 @@ On a line, ``push_forward`` gives the density at any macroscopic state: g(X, y) 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -126,7 +127,7 @@ def push_forward(model: Model, density: Density, y0: ArrayLike, y: ArrayLike) ->
     before, after = shaped("y0", y0, (model.ny,)), shaped("y", y, (model.ny,))
     places = np.array([density.lower[0], *density.breaks, density.upper[0]])
     ends = np.sort(origins(model, places[:, None], before, after)[:, 0])
-    return Density(_PushedForward(model, density, before, after), ends[:1], ends[-1:], breaks=tuple(ends[1:-1]))
+    return Density(partial(_pushed, model, density, before, after), ends[:1], ends[-1:], breaks=tuple(ends[1:-1]))
 
 
 def origins(model: Model, x: Floats, y: Floats, y0: Floats) -> Floats:
@@ -149,14 +150,7 @@ def origins(model: Model, x: Floats, y: Floats, y0: Floats) -> Floats:
     raise StepFailure(Status.NOT_CONVERGED, "No positions that satisfy the constraint were found.")
 
 
-@dataclass(frozen=True, eq=False)
-class _PushedForward:
-    model: Model
-    density: Density
-    y0: Floats
-    y: Floats
-
-    def __call__(self, x: Floats) -> Floats:
-        before = origins(self.model, x, self.y, self.y0)
-        ratio = self.model.jacobians(x, self.y)[0] / self.model.jacobians(before, self.y0)[0]
-        return np.asarray(self.density.density(before) * np.abs(ratio[:, 0, 0]))
+def _pushed(model: Model, density: Density, y0: Floats, y: Floats, x: Floats) -> Floats:
+    before = origins(model, x, y, y0)
+    ratio = model.jacobians(x, y)[0] / model.jacobians(before, y0)[0]
+    return np.asarray(density.density(before) * np.abs(ratio[:, 0, 0]))

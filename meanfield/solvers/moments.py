@@ -13,7 +13,6 @@ import numpy as np
 
 from dincl.checks import describe, flag, instance, items, shaped
 from dincl.errors import InvalidProblem
-from meanfield.errors import NotClosed
 from meanfield.model.model import Model
 from meanfield.model.state import State
 from meanfield.model.symbolic import is_affine
@@ -27,6 +26,10 @@ if TYPE_CHECKING:
 
 # A covariance may be negative by rounding, relative to the second moment.
 MOMENT_ROUNDING = 1e-12
+
+
+class NotClosed(InvalidProblem):
+    """Moment equations that do not close for the model; the message says why."""
 
 
 class Moments(NamedTuple):

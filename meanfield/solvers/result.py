@@ -12,7 +12,6 @@ from dincl import checks
 from dincl.errors import FunctionFailed, InvalidProblem
 from dincl.status import Status
 from meanfield.density import Density
-from meanfield.errors import SolveFailed
 from meanfield.forces import forces, pair_energy
 from meanfield.model.model import Model
 from meanfield.model.state import State, level_and_orientation
@@ -64,6 +63,23 @@ def _output_times(value: ArrayLike) -> Floats:
     if t[-1] == 0:
         raise InvalidProblem(f"t = {checks.describe(value)}: must be increasing times >= 0, the last one > 0")
     return t
+
+
+class SolveFailed(RuntimeError):
+    """A run that ended early.
+
+    ``result`` holds the output times reached, ``status`` says why the run ended and what to try, ``detail`` where.
+    """
+
+    def __init__(self, status: Status, detail: str, result: Any) -> None:
+        super().__init__(f"{status.value} {detail}".rstrip())
+        self.status = status
+        self.detail = detail
+        self.result = result
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # By default an exception is rebuilt from its message alone, which fails between processes.
+        return type(self), (self.status, self.detail, self.result)
 
 
 class SolverWork(NamedTuple):

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from meanfield import (
-    InvalidModel,
     Model,
     SolveFailed,
     State,
@@ -18,7 +17,6 @@ from meanfield import (
 )
 from meanfield.solvers import dae
 from tests.meanfield.exact import CLOSED, FIBRE, K0, K1, REST, TIMES, M, fibre_start, worst
-from tests.meanfield.models import MODELS, start
 
 WAVY = WavyFibre(**FIBRE)
 FOLD = Model(g=lambda X, y: X + X**3 / 3 - X**5 / 5 - y, W0=lambda y: -2 * y, W1=lambda X: 0 * X)
@@ -85,22 +83,3 @@ def test_how_idas_fails(monkeypatch, capfd):
     motion = solve_dae(root, State(X=[[1.0]], y=[-1.0], v=[0.0]), [1.0], 1e-6, throw=False)
     assert (motion.status, motion.X.shape) == (Status.NON_FINITE, (0, 1, 1))
     assert capfd.readouterr() == ("", "")
-
-
-@pytest.mark.parametrize(
-    ("solve", "given", "message"),
-    [
-        (solve_dae, {"tol": 0.0}, "tol = 0.0: must be"),
-        (solve_ode, {"tol": 1e-15}, "tol = 1e-15: must be from 1e-13"),
-        (solve_dae, {"tol": 1e-6, "t": [1.0, 1.0 + 1e-9]}, "t = .*must differ by"),
-        (solve_dae, {"tol": 1e-6, "model": FOLD, "start": State([[0.1], [3.0]], [0.2], [0.1])}, "one sign"),
-        (
-            solve_dae,
-            {"tol": 1e-6, "model": MODELS["bending"], "start": start("bending", 61)},
-            "N = 61 particles with interaction: must be at most 60",
-        ),
-    ],
-)
-def test_refuses_invalid_input(solve, given, message):
-    with pytest.raises(InvalidModel, match=message):
-        solve(**{"model": WAVY, "start": fibre_start(2), "t": [1.0]} | given)

@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import brentq
 
 import meanfield
-from dincl import InvalidProblem, Status
+from dincl import Status
 from meanfield import Density, SolveFailed, push_forward, solve_characteristics, solve_pde, w1
 from meanfield.solvers import pde
 
@@ -109,28 +109,3 @@ def test_too_many_steps_end_the_run(monkeypatch):
     assert grid.status is Status.TOO_MANY_STEPS
     assert grid.work.steps == 10
     assert grid.f.shape == (0, 400)
-
-
-PLANE = meanfield.Model(g=lambda X, y: X - y, W0=lambda y: y, W1=lambda X: X[0], nx=2)
-GOOD = {"model": LINEAR, "density": BUMP, "y0": [0.0], "v0": [0.5], "t": [1.0], "cells": 20, "bounds": (-2.0, 4.0)}
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"density": Density.bump((0.0, 0.0), 1.0)}, "density has nx = 2: must be 1"),
-        ({"y0": [0.0, 1.0]}, "y0 = .*shape"),
-        ({"v0": [np.nan]}, "v0 = nan"),
-        ({"t": [1.0, 0.5]}, "t = .*increasing"),
-        ({"cells": 7}, "cells = 7: must be an integer from 8"),
-        ({"cells": 40.0}, "cells = 40.0"),
-        ({"bounds": (2.0, -2.0)}, "lower one must be below"),
-        ({"bounds": (-2.0, 2.0, 3.0)}, "bounds = .*shape"),
-        ({"bounds": (0.0, 4.0)}, "bounds hold 0.82828.* of the mass"),
-        ({"model": STRAIGHT}, "y0 = .*the model must hold"),
-        ({"model": PLANE, "density": Density.uniform([0, 0], [1, 1])}, "model.nx = 2: must be 1"),
-    ],
-)
-def test_bad_input(change, message):
-    with pytest.raises(InvalidProblem, match=message):
-        solve_pde(**(GOOD | change))
