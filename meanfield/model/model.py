@@ -12,9 +12,11 @@ from dincl.checks import describe, integer, number, shaped
 from dincl.errors import FunctionFailed, InvalidProblem, StepFailure
 from dincl.status import Status
 from meanfield.kernels.program import evaluated
-from meanfield.model.symbolic import Expressions, casadi_functions, expressions, library, program
+from meanfield.model.symbolic import expressions, library, program
 
 if TYPE_CHECKING:
+    from types import SimpleNamespace
+
     from numpy.typing import ArrayLike
 
     from dincl.compiled.arrays import Floats
@@ -109,7 +111,7 @@ class Model:
             self._check_even()
 
     @cached_property
-    def expressions(self) -> Expressions:
+    def expressions(self) -> SimpleNamespace:
         """Derivatives as CasADi expressions."""
         return expressions({"g": self.g, "W0": self.W0, "W1": self.W1, "V": self.V}, self.nx, self.ny)
 
@@ -120,9 +122,10 @@ class Model:
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Lambdas do not pickle, and expressions that are pickled one by one no longer share their symbols.
-        functions = casadi_functions(self.expressions)
-        V = None if self.V is None else functions["V"]
-        return Model, (functions["g"], functions["W0"], functions["W1"], V, self.m, self.nx, self.ny)
+        ca, e = library(), self.expressions
+        given = ("g", [e.X, e.y], e.level), ("W0", [e.y], e.W0), ("W1", [e.X], e.W1), ("V", [e.r], e.V)
+        g, W0, W1, V = (ca.Function(name, symbols, [value]) for name, symbols, value in given)
+        return Model, (g, W0, W1, None if self.V is None else V, self.m, self.nx, self.ny)
 
     def level(self, X: ArrayLike, y: ArrayLike) -> Floats:
         """Compute g(X_i, y) of shape (Q, nx), for X (Q, nx) and y (ny,)."""
