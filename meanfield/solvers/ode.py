@@ -31,6 +31,8 @@ MIN_RELATIVE = 100 * float(np.finfo(np.float64).eps)
 # A step that is rejected, because it does not resolve a dip of |det dg/dX| or changes the energy, is repeated with this
 # part of its length, or with half the way to the dip.
 SHORTER, APPROACH = 0.25, 0.5
+# A trial step that is not zero, however fast the start.
+SHORTEST_TRIAL = 1e-300
 # Shortest step towards a dip, relative to the run: a dip that it does not resolve is a zero of the determinant.
 SHORTEST = 1e-10
 # Largest change of the energy in a step, relative to the tolerance and the energies (at least 1, as the tolerance is
@@ -76,15 +78,25 @@ def solve_ode(model: Model, start: State, t: ArrayLike, tol: float, *, throw: bo
 
 
 def solve_weighted(
-    model: Model, start: State, weights: Floats | None, t: ArrayLike, tol: float, *, throw: bool = True
+    model: Model,
+    start: State,
+    weights: Floats | None,
+    t: ArrayLike,
+    tol: float,
+    *,
+    throw: bool = True,
+    most_steps: int | None = None,
 ) -> Motion:
-    """Solve as ``solve_ode``, for particles with weights (N,) that sum to 1: the flow (5.40) of a measure of points."""
+    """Solve as ``solve_ode``, for particles with weights (N,) that sum to 1: the flow (5.40) of a measure of points.
+
+    ``most_steps`` limits the steps of the integrator; None: as in ``solve_ode``.
+    """
     tol, raises = tolerance(tol), flag("throw", throw)
     level, orientation, times = checked_run(model, start, t)
     w = np.full(len(level), 1 / len(level)) if weights is None else weights
-    run = _Run(model, start, orientation, w, times, tol)
     status, detail = Status.SUCCESS, ""
     with np.errstate(all="ignore"):
+        run = _Run(model, start, orientation, w, times, tol, MAX_ODE_STEPS if most_steps is None else most_steps)
         try:
             while len(run.outputs) < len(times):
                 run.step()
@@ -102,9 +114,9 @@ class _Run:
     """
 
     def __init__(
-        self, model: Model, start: State, orientation: float, weights: Floats, times: Floats, tol: float
+        self, model: Model, start: State, orientation: float, weights: Floats, times: Floats, tol: float, most: int
     ) -> None:
-        self._model, self._times, self._tol = model, times, tol
+        self._model, self._times, self._tol, self._most = model, times, tol, most
         X = np.asarray(start.X)
         self._z = np.concatenate([start.y, start.v, X.ravel()])
         # Each component of y and v weighs as much as all particles together in the mean square of the error.
@@ -135,12 +147,12 @@ class _Run:
     def step(self) -> None:
         """Make one step, or reject it; append the values at the output times in it."""
         system, end, now = self._system, float(self._times[-1]), self._t
-        # After k steps, a run may still become MAX_ODE_STEPS/k times as fast as its average so far: a run over 1e30
-        # periods stops after some hundreds of steps, one that needs slightly more than the limit after almost as many.
-        if self._steps >= min(MAX_ODE_STEPS, WARM_UP_STEPS) and now / end < (self._steps / MAX_ODE_STEPS) ** 2:
+        # After k steps, a run may still become most/k times as fast as its average so far: a run over 1e30 periods
+        # stops after some hundreds of steps, one that needs slightly more than ``most`` steps after almost ``most``.
+        if self._steps >= min(self._most, WARM_UP_STEPS) and now / end < (self._steps / self._most) ** 2:
             total = f"{self._steps / (now / end):.1e}" if now > 0 else "infinitely many"
             detail = f"{self._steps} steps until t = {now:.6g}; at this rate the run takes {total}"
-            self._fail(Status.TOO_MANY_STEPS, f"{detail}, at most {MAX_ODE_STEPS} are allowed.")
+            self._fail(Status.TOO_MANY_STEPS, f"{detail}, at most {self._most} are allowed.")
         h, length, evaluations, wrong = step(system, self._z, now, end, self._length)
         self._steps += 1
         self._evaluations += evaluations
@@ -213,7 +225,7 @@ class _Run:
         system, end = self._system, float(self._times[-1])
         scale = system.allowed + np.abs(self._z) * system.relative
         size, speed = (float(np.sqrt(np.mean((part / scale) ** 2))) for part in (self._z, rate))
-        h = min(1e-6 if size < 1e-5 or speed < 1e-5 else 0.01 * size / speed, end)
+        h = max(min(1e-6 if size < 1e-5 or speed < 1e-5 else 0.01 * size / speed, end), SHORTEST_TRIAL)
         stages(system, self._z + h * rate, 0.0, 0, 1)
         bend = float(np.sqrt(np.mean(((system.rate[0] - rate) / scale) ** 2))) / h
         system.rate[0] = rate

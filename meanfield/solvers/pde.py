@@ -43,8 +43,9 @@ if TYPE_CHECKING:
 MAX_GRID_STEPS = 200_000
 MIN_CELLS, MAX_CELLS = 8, 100_000
 # Coarse run that finds the box of the grid: Gauss points per piece, points all over the box of the density, output
-# times, tolerance.
-COARSE_NODES, COARSE_POINTS, COARSE_TIMES, COARSE_TOLERANCE = 16, 17, 128, 1e-5
+# times, tolerance, most steps. Its steps are of order 8: a motion that needs more of them needs more steps on a grid
+# than are allowed.
+COARSE_NODES, COARSE_POINTS, COARSE_TIMES, COARSE_TOLERANCE, COARSE_STEPS = 16, 17, 128, 1e-5, 10_000
 # Margin of the box on each side. Relative to the box, for the error of the coarse run; in cells, because numerical
 # diffusion carries more than 1e-9 of the mass at most 7 cells past a jump (measured). On coarse grids at most the box.
 MARGIN, MARGIN_CELLS, MAX_MARGIN = 0.1, 8, 1.0
@@ -275,7 +276,7 @@ def swept(model: Model, density: Density, y: Floats, v: Floats, end: float, cell
     start = State(X=np.concatenate([nodes, tracers]), y=y, v=v)
     all_weights = np.concatenate([weights, np.zeros(len(tracers))])
     t = np.linspace(0.0, end, COARSE_TIMES + 1)
-    motion = solve_weighted(model, start, all_weights, t, COARSE_TOLERANCE, throw=False)
+    motion = solve_weighted(model, start, all_weights, t, COARSE_TOLERANCE, throw=False, most_steps=COARSE_STEPS)
     paths = motion.X[:, len(nodes) :]
     lower, upper = float(paths.min()), float(paths.max())
     by_cells = MARGIN_CELLS / (cells - 2 * MARGIN_CELLS) if cells > 3 * MARGIN_CELLS else MAX_MARGIN

@@ -69,6 +69,12 @@ def test_a_slow_beginning_does_not_end_the_run():
     assert run.v[-1, 0] == pytest.approx(1e5, rel=1e-9)
 
 
+@pytest.mark.parametrize("solver", ["ode", "dae"])
+def test_a_start_whose_rate_overflows_its_scale_ends(solver):
+    model = fibre("straight", m=1.0, k0=3.5e75, k1=1.0, y_rest=2.5e-76)
+    assert solved(solver, model, 8.7e97, 0.0, [1.6e-39], 1e-6).status is Status.STEP_TOO_SMALL
+
+
 def heavy(m):
     """Build a model whose particles add the mass m to y along (1, 1) and nothing along (1, -1)."""
     energies = (lambda y: y[0] ** 2 + 2 * y[1] ** 2, lambda X: X**2)
