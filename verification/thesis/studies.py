@@ -6,14 +6,12 @@ from collections.abc import Callable
 from functools import partial
 
 from dincl.study import Study
-from verification.thesis.chapter1 import page as geometry
 from verification.thesis.chapter3 import accuracy, daha, growth, limits, stability, substeps
 from verification.thesis.chapter4 import differences, groups, in_time, programs
 from verification.thesis.chapter5 import page as meanfield
 
 # Name -> the function ``study(smallest=False)``; the smallest form has some of the runs of the complete one.
 STUDIES: dict[str, Callable[..., Study]] = {
-    **geometry.STUDIES,
     "tissue_substeps": substeps.study,
     "tissue_motion": accuracy.motion,
     "tissue_judged": accuracy.steps,
