@@ -6,7 +6,7 @@ from collections.abc import Callable
 from functools import partial
 
 from dincl.study import Study
-from verification.thesis.chapter3 import accuracy, daha, growth, limits, stability, substeps
+from verification.thesis.chapter3 import accuracy, daha, growth, stability, substeps
 from verification.thesis.chapter4 import differences, groups, in_time, programs
 from verification.thesis.chapter5 import page as meanfield
 
@@ -16,8 +16,7 @@ STUDIES: dict[str, Callable[..., Study]] = {
     "tissue_motion": accuracy.motion,
     "tissue_judged": accuracy.steps,
     "tissue_growth": growth.study,
-    "tissue_limits": limits.study,
-    **{name: partial(stability.map_study, name) for name in stability.TITLED},
+    **{name: partial(stability.map_study, name) for name in stability.TITLES},
     "tissue_daha": daha.study,
     "emt_in_time": in_time.study,
     "emt_ratios": programs.study,
