@@ -22,7 +22,7 @@ def prepare() -> None:
     """Let numba compile and keep what takes it longest, by the shortest runs there are; those of EMT, too."""
     brief = preset("thesis").changed(until(0.1))
     simulate(brief, 0)
-    simulate_quasi_steady(brief, 0, throw=False)
+    simulate_quasi_steady(brief, 0)
     outcomes(brief, [0], [0])
 
 

@@ -62,9 +62,6 @@ class JudgedMinimum:
         """The largest of the three residuals."""
         return max(self.stationarity, self.violation, self.complementarity)
 
-    def __repr__(self) -> str:
-        return f"Minimum(W = {self.energy:.9g}, {self.status.name}, residual = {self.residual:.2g})"
-
 
 def local_minimum(cells: Cells, layers: CellLayers, numbers: Numbers, tol: float) -> JudgedMinimum:
     r"""Return a local minimum of W over S near the given state:  argmin over Z in S of W(Z).

@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import minimize
 
 import dincl
-from tests.tissue.states import cells, divided, layers, numbers, start, tissue
+from tests.tissue.states import cells, layers, numbers, tissue
 from tissue.model.energy import energy, forces
 from tissue.state.cells import CellLayers
 from verification.thesis.quasi_steady import judge, program
@@ -69,15 +69,6 @@ def test_a_chain_at_the_maximal_basal_distance():
     assert hold == pytest.approx(push - tension, rel=1e-8)
     assert hold > 0.1
     assert on["DistanceRows", "particle 8 and 7"] == pytest.approx(hold, rel=1e-6)
-
-
-def test_basal_points_that_would_cross_stay_in_order():
-    state = tissue([[0.5, 2.5], [-0.5, 2.5]], [[0.5, 5.0], [-0.5, 5.0]], [[-0.1, 0.0], [0.1, 0.0]])
-    found = local_minimum(state, layers(2), numbers(repulsion=0.0), TOL)
-    assert found.status
-    assert found.cells.bx[1] - found.cells.bx[0] == pytest.approx(0, abs=1e-9)
-    assert found.cells.x[0] > found.cells.x[1]
-    assert reactions(found)["AffineRows", "particle 4 and 5"] > 0.1
 
 
 TISSUES = {
@@ -165,16 +156,6 @@ def test_at_a_minimum_the_search_stays(seed):
     assert np.abs(shape(back.cells) - shape(least.cells)).max() < 1e-6
 
 
-def test_a_division_is_an_infeasible_start():
-    settled = local_minimum(start(20, 0), layers(20), numbers(), TOL).cells
-    state, network = divided(settled, 9), layers(21)
-    found = local_minimum(state, network, numbers(), TOL)
-    assert found.status
-    assert found.violation <= TOL
-    assert np.hypot(*(shape(found.cells)[10] - shape(found.cells)[9])) >= 2 / 3 - TOL
-    assert np.abs(shape(found.cells) - shape(state)).max() < 1.0
-
-
 def test_a_start_that_breaks_every_rule():
     rng = np.random.default_rng(3)
     state = cells(12, 3)
@@ -220,21 +201,6 @@ def test_failure_is_said_and_the_start_comes_back(monkeypatch):
     assert particles(found.cells).tolist() == particles(state).tolist()
     assert np.isfinite(found.residual)
     assert found.residual > 1
-
-
-def test_a_tolerance_out_of_reach_is_not_met():
-    found = local_minimum(cells(6, 0), layers(6), numbers(), 1e-17)
-    assert found.status is dincl.Status.NOT_CONVERGED
-    assert "asked for was 1e-17; Ipopt said Solve_Succeeded" in found.detail
-    assert found.residual < TOL
-
-
-def test_the_result_says_what_it_is():
-    found = local_minimum(tissue([[0.7, 2.0]], [[0.0, 4.0]], [[0.0, 0.0]], rest_ax=3.0), layers(1), numbers(), TOL)
-    assert repr(found).startswith("Minimum(W = ")
-    assert "SUCCESS" in repr(found)
-    assert found.detail == ""
-    assert found.iterations > 3
 
 
 BAD = {
