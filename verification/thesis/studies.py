@@ -22,7 +22,6 @@ STUDIES: dict[str, Callable[..., Study]] = {
     "emt_ratios": programs.study,
     "emt_groups": groups.study,
     "emt_ranking": groups.ranking,
-    "emt_changed": differences.changed,
     "emt_effects": differences.effects,
     **meanfield.STUDIES,
 }

@@ -10,12 +10,11 @@ from tests.executors import Here
 from tissue.pictures.charts import OUTCOMES
 from verification.site.agreement import compare_studies
 from verification.site.store import shipped
-from verification.thesis.chapter4 import differences, figures, printed, swapped
+from verification.thesis.chapter4 import differences, figures, printed
 from verification.thesis.chapter4 import page as chapter
 from verification.thesis.chapter4.claims import s3_1_counts, s4_1_isolated
 from verification.thesis.chapter4.ensembles import NAMES, PRESETS, ensemble, preset_of
 from verification.thesis.chapter4.questions import QUESTIONS, answered
-from verification.thesis.chapter4.ratios import Ratio, difference
 from verification.thesis.studies import STUDIES
 
 EMT = [name for name in STUDIES if name.startswith("emt_")]
@@ -98,32 +97,11 @@ def test_no_comparison_is_lost() -> None:
     assert len(parts) == len(tables()["emt_answers"][["id", "compared"]].drop_duplicates())
 
 
-def test_unchanged_runs_give_the_ratios_of_the_studies() -> None:
-    """Other seeds: the same ratios beyond chance."""
-    bare = tables()["emt_changed"].query("row == ''")
-    known = tables()["emt_printed"].set_index(["preset", "time_h", "scenario", "what"])["measured"]
-    level = 1 - 0.01 / len(bare)
-    for row in bare.itertuples():
-        preset, time = ("published", printed.LATER) if row.start == "published" else ("thesis", printed.END)
-        value = known.loc[(preset, time, row.scenario, row.what)]
-        low, high = difference(Ratio(row.count, row.of), Ratio(round(value * printed.OF), printed.OF)).interval(level)
-        assert low <= 0 <= high
-
-
-def test_what_gives_a_printed_ratio_is_told() -> None:
-    changed, effects = tables()["emt_changed"], tables()["emt_effects"]
-    for start in (differences.AS_PRINTED, differences.PUBLISHED):
-        shown = swapped.one_by_one(changed, start)
-        assert list(shown["Changed"]) == ["nothing changed", *differences.ROWS, differences.COUNTING]
-        marks = shown.iloc[:, 1:].map(lambda text: text.endswith("✓")).to_numpy()
-        assert marks.sum() == changed[changed["start"] == start]["agrees"].sum()
-    told = swapped.answers(changed, effects).set_index("Cells")
-    given, taken = told["Given by one difference alone"], told["Taken from the published runs by undoing"]
-    assert given["[B] leaves basally"] == "needs none"
-    assert set(given) == {"needs none", "none"}  # what the page says of single differences
-    assert taken["[B] without INM leaves basally"] == "energy of the cytoskeleton"
-    assert taken["[A] leaves basally"] == "energy of the cytoskeleton, energy of the apical junctions"
-    assert told["Largest average effects [points]"]["[A] leaves basally"].startswith("energy of the cytoskeleton +28 [")
+def test_effects_are_shown_by_row_and_ratio() -> None:
+    shown, _ = chapter.effects(tables())
+    alone = shown[~shown["Changed"].str.contains(" with ")].set_index("Changed")
+    assert list(alone.index) == [*differences.ROWS, differences.COUNTING]
+    assert alone.loc["energy of the cytoskeleton", "[A] leaves basally"].startswith("+28 [")
 
 
 def test_the_correction_of_the_printed_ratios_has_the_effects_of_the_table() -> None:
