@@ -1,4 +1,4 @@
-"""The damped Arrow-Hurwicz method on a frozen tissue: against plain NumPy, dincl, PBD, Ipopt and its own stability."""
+"""The damped Arrow-Hurwicz method on a frozen tissue: against plain NumPy, dincl, PBD and its own stability."""
 
 import math
 from itertools import pairwise
@@ -16,9 +16,10 @@ from tissue.runs.group import Group
 from tissue.state.cells import COORDINATES
 from tissue.state.numbers import Daha
 from tissue.state.running import contents, new_state
+from verification.thesis.chapter3.accuracy import left_over
+from verification.thesis.chapter3.frozen import Frozen
 from verification.thesis.quasi_steady.daha import TissueArrowHurwicz, violation
 from verification.thesis.quasi_steady.frozen import constraints, frozen_problem, particles
-from verification.thesis.quasi_steady.judge import local_minimum
 
 TABLE_4 = Daha(alpha=1e-4, beta=0.25, gamma=1e-3, c=2.0, dtau=1.0, eps=1e-6, most_iterations=100_000)
 NEVER = 1e-100  # an eps that no move meets
@@ -175,18 +176,16 @@ def test_a_stop_is_no_minimum_and_need_not_be_feasible():
     assert 0.99 * bound < slope < 1.001 * bound
 
 
-def test_converges_to_a_minimum_as_ipopt_certifies():
-    """Stopped late enough it is at a state that meets all optimality conditions, with constraints that push."""
+def test_converges_to_a_minimum_with_a_certificate():
+    """Stopped late enough it is at a state that meets the optimality conditions, with constraints that push."""
     given, network = numbers(max_basal_distance=0.15), layers(8)
     state = cells(8, 4, rest_ax=3.0, rest_bx=3.0)
     quick = {"alpha": 2e-2, "gamma": 2e-1, "eps": 1e-12, "most_iterations": 1_000_000}
     reached = found(state._replace(radius=1.5 * state.radius), network, given, **quick)
     assert reached.status is dincl.Status.SUCCESS
-    exact = local_minimum(reached.cells, network, given, 1e-9)
-    assert exact.status is dincl.Status.SUCCESS
-    assert (exact.multipliers > 1e-2).sum() > 8
-    assert distance(reached.cells, exact.cells) < 1e-6
-    assert reached.energy == pytest.approx(exact.energy, abs=1e-8)
+    assert left_over(reached.cells, Frozen(reached.cells, network, given)) < 1e-8
+    free = reached.cells._replace(radius=0.5 * state.radius)  # where the discs do not push
+    assert left_over(free, Frozen(free, network, given)) > 0.1
     assert reached.violation < 1e-8
 
 

@@ -21,7 +21,7 @@ from verification.claims import (
     equal,
 )
 from verification.thesis.chapter3 import tables as made
-from verification.thesis.chapter3.accuracy import TOL
+from verification.thesis.chapter3.accuracy import minimum
 from verification.thesis.chapter3.daha import COMPARED, DOUBLED_CASE, OWN, PRINTED, TERMINATING, THEORY, TIMES
 from verification.thesis.chapter3.frozen import begun, floored
 from verification.thesis.chapter3.intervals import CONFIDENCE
@@ -29,7 +29,6 @@ from verification.thesis.chapter3.printed import SUBSTEPS, USUAL
 from verification.thesis.chapter3.sampled import SEEDS, daha_runs_ending, needed, of_column, of_mean, row_of
 from verification.thesis.quasi_steady.daha import TissueArrowHurwicz
 from verification.thesis.quasi_steady.frozen import particles
-from verification.thesis.quasi_steady.judge import local_minimum
 
 SHARE, DISTANCE = 0.25, 0.06
 # "Roughly every fourth", "close to", "almost optimal": what is taken as such.
@@ -48,13 +47,13 @@ FLOOR = "rest lengths ≥ 0 as corrected in c3.passive-springs"
 def ways(seed: int) -> list[float]:
     """Return the ways of the nuclei by DAHA with Table 4, and with 10 times its ε, over their way to the minimum.
 
-    Means over steps at 1 and 5 h; the minimum is the one that Ipopt finds from where DAHA with Table 4 stops.
+    Means over steps at 1 and 5 h; the minimum is the one below where DAHA with Table 4 stops.
     """
     found = []
     for t in (1.0, 5.0):
         state, numbers = begun(floored(), seed, t), floored().daha_numbers()
         own, coarse = (TissueArrowHurwicz(numbers._replace(eps=k * OWN)).minimise(*state).cells for k in (1, 10))
-        least = local_minimum(own, state.layers, state.numbers, TOL).cells
+        least = minimum(own, state).cells
         x, *ends = (particles(cells)[: len(state.cells.x)] for cells in (state.cells, least, own, coarse))
         far, *moved = (float(np.linalg.norm(end - x)) for end in ends)
         found.append([way / far for way in moved])
