@@ -2,14 +2,7 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
-import numpy as np
-from PIL import Image
-
 from tissue.files.parameters import preset
-from tissue.pictures.movie import write_images
-from tissue.pictures.picture import stills
 from tissue.runs.simulate import simulate
 from tissue.study.outcomes import outcomes
 from verification.site.context import Context
@@ -91,17 +84,6 @@ def show(context: Context) -> None:
         context.draw(name, stability.map_of(name, tables[name]).draw)
     context.draw("tissue_daha_iterations", figures.iterations, tables["tissue_daha"], daha.PRINTED)
     context.draw("tissue_daha_damping", figures.damping, tables["tissue_daha_distances"], tables["tissue_daha_fits"])
-    context.draw("card_tissue", movie, ending=".webp")
     orders = tables["tissue_orders"]
     last = orders[orders["t"] == orders["t"].max()].set_index("preset")["enough"]
     context.numbers["tissue"] = f"{last['published']} substeps"
-
-
-def movie(path: Path) -> Path:
-    """Write a movie of a growing tissue for the first page, at half of the usual size."""
-    parameters = preset("thesis").changed({"tissue.cells": 24, "numerics.keep": "2 h"})
-    frames = simulate(parameters, seed=0).frames
-    path.parent.mkdir(parents=True, exist_ok=True)
-    images = (np.asarray(Image.fromarray(still).reduce(2)) for still in stills(frames, parameters))
-    write_images(images, len(frames), path)
-    return path

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 import pandas as pd
 
-from verification.site import cards
 from verification.site.cells import percent, percents
 from verification.site.context import Context
 from verification.site.store import shipped
@@ -25,7 +24,6 @@ LABELS = {preset: READINGS[preset].capitalize() for preset in PRESETS}
 # The factors by short names.
 SHORT = {"A": "[A]", "B": "[B]", "S": "[S]", "P": "protrusions", "inm": "INM", "onset": "place at the onset"}
 SHORT |= {f"{event} time": f"time of [{event}]" for event in "ABSP"}
-CARD = 5  # factors on the first page
 OUTCOMES = {"apical": "leaves apically", "basal": "leaves basally", "below": "lies below all control cells"}
 CLEAR = 2.0  # effects of two rows are shown if one is this far from 0, by the half of its interval
 
@@ -143,8 +141,5 @@ def show(context: Context) -> None:
     for tabulate in (isolated, meanings, effects, programs, categories, factors, questions, compared_parts):
         context.show(f"emt_{tabulate.__name__}", *tabulate(tables))
     ranking = tables["emt_ranking"]
-    most = ranking[ranking["study"].map(preset_of) == "published"].sort_values("value", ascending=False).head(CARD)
-    names, ends = [SHORT[factor] for factor in most["factor"]], list(zip(most["low"], most["high"], strict=True))
-    label = "log loss of a prediction without it [nats]"
-    context.draw("card_emt", cards.bars, names, list(most["value"]), ends, label)
-    context.numbers["emt"] = names[0].capitalize()
+    mine = ranking[ranking["study"].map(preset_of) == "published"].set_index("factor")["value"]
+    context.numbers["emt"] = SHORT[mine.idxmax()].capitalize()
