@@ -16,7 +16,6 @@ STUDIES: dict[str, Callable[..., Study]] = {
     "references": references.study,
     "orders": orders.study,
     "penalty_scan": strengths.scan,
-    "infeasibility": strengths.curves,
     "large_steps": large_steps.study,
     "proved_scenes": proved.chosen,
     "proved_random": proved.random,

@@ -77,7 +77,7 @@ def show(context: Context) -> None:
             # Presets by their titles.
             table = tables[name].replace({"preset": figures.PRESETS})
             context.show(name, context.headed(study, table))
-    context.draw("tissue_accuracy", figures.substeps, tables["tissue_accuracy"], "preset", figures.PRESETS)
+    context.draw("tissue_accuracy", figures.substeps, tables["tissue_accuracy"])
     context.draw("tissue_motion", accuracy.MOTION.result(tables["tissue_motion"]).draw)
     context.draw("tissue_growth", figures.growth, tables["tissue_growth"], growth.fine(tables["tissue_growth"]))
     for name in stability.TITLES:
