@@ -56,7 +56,7 @@ def coloured(panel, colour):
 @pytest.mark.slow_with("10", "12", "14", "15", "17", "18", "20")
 @pytest.mark.parametrize("number", figures.FIGURES)
 def test_figures_are_drawn(number: int, tmp_path, monkeypatch) -> None:
-    """Of Figures 10, 13 and 21 a line has the numbers of the table."""
+    """Of Figures 10 and 21 a line has the numbers of the table."""
     drawn = []
     monkeypatch.setattr(figures, "write", lambda figure, path: drawn.append(figure))
     assert figures.draw(number, tables(), tmp_path / "x.png") == tmp_path / "x.png"
@@ -66,12 +66,6 @@ def test_figures_are_drawn(number: int, tmp_path, monkeypatch) -> None:
         rows = tables()["emt_in_time"].query("study == 'figure10_published' and scenario == '[A]' and what == 'basal'")
         (line,) = coloured(panels["[A], published"], OUTCOMES["basal"][0])
         assert line.get_ydata() == pytest.approx((100 * rows["count"] / rows["of"]).to_numpy())
-    if number == 13:
-        marks = [line for line in panels["basal extrusion, thesis"].lines if line.get_marker() == "D"]
-        assert sorted(float(mark.get_xdata()[0]) for mark in marks) == [0.0, 10.0, 20.0, 70.0]
-        rows = tables()["emt_ratios"].query("study == 'figure10' and what == 'basal'").set_index("scenario")["value"]
-        found = panels["basal extrusion, thesis"].containers[0].lines[0].get_xdata()
-        assert found == pytest.approx(100 * rows.to_numpy())
     if number == 21:
         rows = tables()["emt_groups"].query("study == 'table5_7' and given == 'onset_ab' and kind == 'no INM'")
         (line,) = coloured(panels["without INM, thesis"], figures.COLOURS["table5_7"])
