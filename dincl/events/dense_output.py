@@ -1,4 +1,4 @@
-"""Dense output of a run of the event-driven method: its states and residuals at any time."""
+"""Dense output of a run of the event-driven method: its states and reactions at any time."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from dincl.errors import StepFailure
 from dincl.events import integrate as kernels
 from dincl.events.contacts import TOUCHING
 from dincl.events.workspace import KIND, StepTable, event_workspace, sparse_gram, step_table
-from dincl.projection.cone import distance_to_cone
+from dincl.forces import Reaction
 from dincl.system.arrays import OK
 from dincl.system.compiled_problem import CompiledProblem
 from dincl.trajectory import Between
@@ -48,11 +48,11 @@ class DenseOutput(Between):
         x = self._states(np.asarray(times) / self._units.time)
         return x.reshape(-1, *self._problem.x0.shape) * self._units.length
 
-    def residuals(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Evaluate residuals with the velocity from before each time, or from after t = 0."""
+    def reactions(self, times: NDArray[np.float64]) -> list[Reaction | None]:
+        """Evaluate reactions with the velocity from before each time, or from after t = 0."""
         scaled = np.asarray(times) / self._units.time
         points = zip(times, scaled, *self._steps(scaled), self._states(scaled), strict=True)
-        return np.array([self._residual(float(t), float(s), int(k), int(p), x) for t, s, k, p, x in points])
+        return [self._reaction(float(t), float(s), int(k), int(p), x) for t, s, k, p, x in points]
 
     def __getstate__(self) -> dict[str, Any]:
         """Leave out what is bound to this process."""
@@ -110,18 +110,17 @@ class DenseOutput(Between):
             step[later] = np.minimum(np.searchsorted(table.end, times[later]), len(table.end) - 1)
         return which, step
 
-    def _residual(self, t: float, scaled: float, table: int, step: int, x: NDArray[np.float64]) -> float:
-        """Compute the residual at time t, which is ``scaled`` in the units of the run, as x (n,) is."""
+    def _reaction(self, t: float, scaled: float, table: int, step: int, x: NDArray[np.float64]) -> Reaction | None:
+        """Compute the reaction at time t, which is ``scaled`` in the units of the run, as x (n,) is."""
         if not self._tables:
-            return np.inf
+            return None
         rate, at = np.empty(x.size), x.reshape(self._problem.x0.shape) * self._units.length
         try:
             with self._system.callbacks():
                 code = kernels.rate_at(self._workspaces[table], scaled, step, x, rate)
             if code != OK:
                 self._system.failure(code)
-            reaction = rate * self._units.speed - self._problem.velocity(t, at).ravel()
-            touching = TOUCHING * self._size * self._units.length
-            return distance_to_cone(reaction, self._problem.rows_within(t, at, touching).jacobian(at))
+            value = rate * self._units.speed - self._problem.velocity(t, at).ravel()
         except StepFailure:
-            return np.inf
+            return None
+        return Reaction(t, at, value, TOUCHING * self._size * self._units.length)

@@ -9,17 +9,19 @@ import numpy as np
 
 from dincl.checks import number
 from dincl.errors import StepFailure
-from dincl.schemes.base import Scheme, step_residual
+from dincl.schemes.base import Scheme, step_reaction
 from dincl.status import Status
+from dincl.steps.grid import StepState
 from dincl.system.time_scales import RESOLVED, TimeScales, time_scales
 from dincl.trajectory import Between, RunOutcome
 from dincl.work import Work
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from numpy.typing import NDArray
 
+    from dincl.forces import Reaction
     from dincl.problem import Problem
     from dincl.system.time_scales import Interval
 
@@ -219,31 +221,38 @@ class _Between(Between):
 
     def states(self, times: Floats) -> Floats:
         """Compute x between two steps by (1.48)."""
-        runs = AdaptiveRuns(self.problem, self.tol, self.smooth)
-        values, q = np.empty((len(times), *self.problem.x0.shape)), 0
-        state = runs.start(self.parts)
-        while q < len(times) and times[q] <= 0.0:
-            values[q], q = state.x, q + 1
-        for part in self.parts:
-            while q < len(times) and times[q] <= part.until:
-                state = runs.advance(state, part, float(times[q]), self.tau)
-                weight = 1.0 - (state.t - times[q]) / state.last if state.last else 1.0
-                values[q] = state.x if state.t == times[q] else state.before + weight * (state.x - state.before)
-                q += 1
-            if q == len(times):
-                break
-            state = runs.pass_break(runs.advance(state, part, part.until, self.tau), part)
+        values = np.empty((len(times), *self.problem.x0.shape))
+        for q, (t, state) in enumerate(zip(times, self._reached(times), strict=True)):
+            weight = 1.0 - (state.t - t) / state.last if state.last else 1.0
+            values[q] = state.x if state.t == t else state.before + weight * (state.x - state.before)
         return values
 
-    def residuals(self, times: Floats) -> Floats:
-        """Compute the residuals of the steps that end at the output times."""
-        return np.array([self._residual(one) for one in self.found])
+    def reactions(self, times: Floats) -> list[Reaction | None]:
+        """Compute the reactions of the steps that end at or after each time; None at the start, or behind a jump."""
+        known = {one.t: one for one in self.found}
+        reached = [known[t] for t in times] if set(times.tolist()) <= known.keys() else self._reached(times)
+        return [self._reaction(one) for one in reached]
 
-    def _residual(self, reached: Reached) -> float:
+    def _reached(self, times: Floats) -> Iterator[Reached]:
+        """Make the run once more; give the end of the step that ends at or after each time, and x0 at the start."""
+        runs, left = AdaptiveRuns(self.problem, self.tol, self.smooth), times.tolist()
+        state = runs.start(self.parts)
+        while left and left[0] <= 0.0:
+            left.pop(0)
+            yield state
+        for part in self.parts:
+            while left and left[0] <= part.until:
+                state = runs.advance(state, part, left.pop(0), self.tau)
+                yield state
+            if not left:
+                return
+            state = runs.pass_break(runs.advance(state, part, part.until, self.tau), part)
+
+    def _reaction(self, reached: Reached) -> Reaction | None:
         if reached.last == 0.0:
-            return np.inf
+            return None
         try:
-            t = reached.t - reached.last
-            return step_residual(self.problem, t, reached.last, reached.before, reached.x)
+            before = StepState(reached.before)
+            return step_reaction(self.problem, reached.t - reached.last, reached.last, before, reached.x)
         except StepFailure:
-            return np.inf
+            return None

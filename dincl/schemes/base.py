@@ -11,6 +11,7 @@ import numpy as np
 
 from dincl.checks import number
 from dincl.errors import StepFailure
+from dincl.forces import Reaction
 from dincl.norms import longest
 from dincl.status import Status
 from dincl.steps.grid import Output, Reached, Stepper, StepState, TimeGrid, divide_time
@@ -106,11 +107,24 @@ class StraightLines(Between):
                 values[index] = state.x
         return values
 
-    def residuals(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Compute the residuals of the steps that end at or after each of the output times."""
-        stepper = self.bind()
-        found = [self._residual(stepper, self._stored(q)) if t > 0 else np.inf for q, t in enumerate(times)]
-        return np.array(found)
+    def reactions(self, times: NDArray[np.float64]) -> list[Reaction | None]:
+        """Compute the reactions of the steps that end at or after each time; None at the start."""
+        stepper, found = self.bind(), list[Reaction | None]()
+        k, state = 0, stepper.start()
+        for step, t in zip(self.grid.before(times).tolist(), times, strict=True):
+            stored = self._stored_before(step)
+            if stored.k > k:
+                k, state = stored.k, stored.state
+            try:
+                if not (t > 0 and self.grid.steps):
+                    found.append(None)
+                    continue
+                state, after = self._step(stepper, step, k, state)
+                k = step
+                found.append(step_reaction(stepper.problem, self.grid.time(k), self.grid.h, state, after.x))
+            except StepFailure:
+                found.append(None)
+        return found
 
     def _stored(self, q: int) -> Reached:
         """Return the step and state of output time q."""
@@ -134,24 +148,12 @@ class StraightLines(Between):
             raise after.failure
         return before.state, after.state
 
-    def _residual(self, stepper: Stepper, stored: Reached) -> float:
-        state, h, t = stored.state, self.grid.h, self.grid.time(stored.k)
-        if state.v is not None:
-            return np.inf
-        try:
-            _, after = self._step(stepper, stored.k, stored.k, state)
-            return step_residual(stepper.problem, t, h, state.x, after.x)
-        except StepFailure:
-            return np.inf
 
-
-def step_residual(
-    problem: Problem, t: float, h: float, before: NDArray[np.float64], after: NDArray[np.float64]
-) -> float:
-    """Compute dist((after - before) / h - F(t, before), -N^g(after)) of a step; see ``normal_cone_residual``."""
-    from dincl.projection.cone import distance_to_cone
-
-    drift = problem.velocity(t, before)
-    reaction = (after - before) / h - drift
-    rows = problem.rows_within(t + h, after, h * longest(drift) / 2)
-    return distance_to_cone(reaction.ravel(), rows.jacobian(after))
+def step_reaction(problem: Problem, t: float, h: float, before: StepState, after: NDArray[np.float64]) -> Reaction:
+    """Compute (after - before) / h - F(t, before) of a step, or of second order ((after - before) / h - v) / h - F."""
+    drift = velocity = problem.velocity(t, before.x)
+    rate = (after - before.x) / h
+    if before.v is not None:
+        rate, velocity = (rate - before.v) / h, before.v + h * drift
+    value = (rate - drift).ravel()
+    return Reaction(t + h, after, value, h * longest(velocity) / 2, second_order=before.v is not None)

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from dincl.events.run import EventRun
+    from dincl.forces import Reaction
     from dincl.problem import Problem
     from dincl.system.compiled_problem import CompiledProblem
 
@@ -137,9 +138,9 @@ class _Start(Between):
         """x0."""
         return np.tile(self.x0, (len(times), 1, 1))
 
-    def residuals(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Infinite."""
-        return np.full(len(times), np.inf)
+    def reactions(self, times: NDArray[np.float64]) -> list[Reaction | None]:
+        """None."""
+        return [None] * len(times)
 
 
 def _hidden(system: CompiledProblem, run: EventRun, end: float, tol: float) -> float:
