@@ -2,30 +2,51 @@
 
 from __future__ import annotations
 
+import inspect
 from dataclasses import fields
 from typing import TYPE_CHECKING
 
 from dincl import checks
-from dincl.checks import describe, flag, instance
-from dincl.errors import InvalidProblem
-from dincl.problem import Problem
-from dincl.schemes.base import Scheme
+from dincl.checks import describe, flag, function, instance, number
+from dincl.errors import InvalidProblem, StepFailure
+from dincl.problem import Problem, at_end, check_start
+from dincl.schemes.base import Scheme, Span, Watch
 from dincl.trajectory import RunOutcome, StepFailed, Trajectory
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
+
+    from dincl.schemes.base import Until
 
 
-def solve(problem: Problem, scheme: Scheme, t: ArrayLike, *, throw: bool = True) -> Trajectory:
-    """Approximate x' in F(t, x) - N(S, x), x(0) = x0, by ``scheme``.
+def solve(
+    problem: Problem | Trajectory,
+    scheme: Scheme,
+    t: ArrayLike,
+    *,
+    t0: float | None = None,
+    until: Until | None = None,
+    throw: bool = True,
+) -> Trajectory:
+    """Approximate x' in F(t, x) - N(S, x), x(t0) = x0, by ``scheme``.
 
     Parameters
     ----------
     problem, scheme
-        The inclusion and the numerical method.
+        The inclusion and the numerical method. A Trajectory in place of a problem is continued from its last state,
+        with the velocity of second-order schemes; multi-step schemes begin anew. Equal steps of a run in two parts are
+        those of one run, to rounding, if dt divides both parts.
     t
-        Output times, shape (K,), K >= 1, >= 0, increasing; the last one ends the run. Time steps are the fewest equal
+        Output times, shape (K,), K >= 1, >= t0, increasing; the last one ends the run. Time steps are the fewest equal
         ones of at most ``scheme.dt`` that end there; an output time between two steps is interpolated (1.48).
+    t0
+        Time of the start, >= 0, at which x0 is feasible, too; None: 0, or the end of a Trajectory [time].
+    until
+        (t, x) -> a number. The run ends where it first changes its sign, or is zero; its sign at the start counts, or
+        the first one that is not zero. It is evaluated once after each step; a sign that changes twice in a step is not
+        seen. The time is located to rounding, on the straight line of the step or on the dense output, and is the last
+        one of the Trajectory, whose status is then STOPPED.
     throw
         Whether a run that fails raises; otherwise its Trajectory is returned with the Status.
 
@@ -37,16 +58,40 @@ def solve(problem: Problem, scheme: Scheme, t: ArrayLike, *, throw: bool = True)
         When a step fails and ``throw`` is true; ``trajectory`` has everything until then. Its cause is the failure of
         the step: a FunctionFailed if a function of the user failed, whose cause is the error that the function raised.
     """
-    instance("problem", problem, Problem, "a dincl.Problem")
+    velocity, start = None, 0.0
+    if isinstance(problem, Trajectory):
+        velocity, start, problem = problem.velocity, float(problem.t[-1]), at_end(problem.problem, problem.final)
+        if t0 is not None:
+            raise InvalidProblem(f"t0 = {describe(t0)}: must be None where a Trajectory is continued, from its end")
+    instance("problem", problem, Problem, "a dincl.Problem, or a Trajectory to continue")
     instance("scheme", scheme, Scheme, "a scheme such as PBD(dt=1e-3)")
     raises = flag("throw", throw)
-    times = checks.times("t", t)
-    outcome = scheme.run(problem, times)
+    if t0 is not None and (start := number("t0", t0, non_negative=True)) > 0.0:
+        check_start(problem, start)
+    times = checks.times("t", t, start)
+    if until is not None:
+        try:
+            Watch(function("until", until, "a callable (t, x) -> number"), start, problem.x0)
+        except StepFailure as failure:
+            raise InvalidProblem(f"until: {failure.detail}") from failure
+    outcome = _run(problem, scheme, times, Span(start, (), until, velocity))
     if not isinstance(outcome, RunOutcome):
         raise InvalidProblem(f"scheme: {type(scheme).__name__}.run returned {describe(outcome)}: must be a RunOutcome")
     names = {part.name for part in fields(outcome)} - {"failure", "scheme"}
     parts = {name: getattr(outcome, name) for name in names}
-    trajectory = Trajectory(problem=problem, scheme=outcome.scheme or scheme, **parts)
+    trajectory = Trajectory(problem=problem, scheme=outcome.scheme or scheme, t0=start, **parts)
     if raises and not trajectory.status:
         raise StepFailed(trajectory) from outcome.failure
     return trajectory
+
+
+def _run(problem: Problem, scheme: Scheme, times: NDArray[np.float64], span: Span) -> RunOutcome:
+    """Run a scheme, also one whose ``run`` takes no ``span``."""
+    if span.t0 == 0.0 and not span.breaks and span.until is None:
+        return scheme.run(problem, times)
+    try:
+        inspect.signature(scheme.run).bind(problem, times, span)
+    except TypeError as error:
+        name = type(scheme).__name__
+        raise InvalidProblem(f"t0, until: {name}.run takes no span: must be run(problem, times, span)") from error
+    return scheme.run(problem, times, span)

@@ -67,7 +67,7 @@ class RunOutcome:
 
     Attributes
     ----------
-    t, x, status, detail, stats, events, error
+    t, x, status, detail, stats, events, error, velocity
         As in ``Trajectory``.
     between
         The states between the output times, and the residuals.
@@ -87,6 +87,7 @@ class RunOutcome:
     error: NDArray[np.float64] | None = None
     failure: StepFailure | None = None
     scheme: Scheme | None = None
+    velocity: NDArray[np.float64] | None = None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -96,7 +97,8 @@ class Trajectory:
     Attributes
     ----------
     t
-        Output times, shape (K,); after a failure those that were reached, and last the time of the last state.
+        Output times, shape (K,); after a failure, or a stop by ``until``, those that were reached, and last the time of
+        the last state.
     x
         States, shape (K, N, d).
     status, detail
@@ -107,6 +109,10 @@ class Trajectory:
         Contacts and releases in the order of time; empty for time steps, which do not look for them.
     error
         Estimated error max_i |X_i - exact| at the output times, shape (K,); None from schemes that make no estimate.
+    velocity
+        At the last time, of second-order schemes, shape (N, d).
+    t0
+        Time of the start.
     """
 
     t: NDArray[np.float64]
@@ -119,6 +125,8 @@ class Trajectory:
     between: Between
     events: tuple[Event, ...] = ()
     error: NDArray[np.float64] | None = None
+    velocity: NDArray[np.float64] | None = None
+    t0: float = 0.0
 
     def __getstate__(self) -> dict[str, Any]:
         """Return the state to pickle; PicklingError names a part that cannot be pickled."""
@@ -140,8 +148,8 @@ class Trajectory:
 
         For time steps dist((x_{k+1} - x_k)/h - F(t_k, x_k), -N^g(x_{k+1})) for the step that ends at or after the
         output time, with the rows of N^g (Definition 1.24) that the step could have closed: g <= h max |F_i|; zero up
-        to tol/h for catch-up. For ``EventDriven`` the same with x' itself. Infinite where it is not defined (at t = 0
-        before any step, for second-order schemes, at coincident centres).
+        to tol/h for catch-up. For ``EventDriven`` the same with x' itself. Infinite where it is not defined (before any
+        step, at the start, for second-order schemes, at coincident centres).
         """
         return np.array([self._residual(one) for one in self.between.reactions(self.t)])
 
@@ -198,9 +206,10 @@ class Trajectory:
     def _inside(self, t: ArrayLike) -> NDArray[np.float64]:
         """Return times; InvalidProblem for those outside of the run."""
         times = array("t", t)
-        outside = (times < 0) | (times > self.t[-1])
+        outside = (times < self.t0) | (times > self.t[-1])
         if outside.any():
-            raise InvalidProblem(f"t = {times[outside].flat[0]}: must lie in [0, {self.t[-1]}], the time of this run")
+            time = f"[{self.t0:g}, {self.t[-1]}], the time of this run"
+            raise InvalidProblem(f"t = {times[outside].flat[0]}: must lie in {time}")
         return times
 
     def plot(self, ax: Axes | None = None) -> Axes:
@@ -221,7 +230,7 @@ class Trajectory:
         """
         from dincl.plotting import animate
 
-        times = np.linspace(0.0, float(self.t[-1]), integer("frames", frames, least=2))
+        times = np.linspace(self.t0, float(self.t[-1]), integer("frames", frames, least=2))
         return animate(self._film(times, self(times)), file, fps)
 
     def to_frame(self) -> DataFrame:
@@ -253,7 +262,7 @@ class Trajectory:
         name = getattr(self.problem, "title", type(self.scheme).__name__)
         ending = "" if self.status else f", {self.status.name}"
         words = f"{self!r}. {self.status.value} {self.detail}".strip()
-        return Film(self.problem, times, states, f"{name}, t = {times[-1]:.3g}{ending}", words)
+        return Film(self.problem, times, states, f"{name}, t = {times[-1]:.3g}{ending}", words, self.t0)
 
     def __repr__(self) -> str:
         n, d = self.problem.x0.shape

@@ -27,13 +27,18 @@ if TYPE_CHECKING:
 class DenseOutput(Between):
     """A polynomial for each step of a run, in the units of its system; states are moved onto the active rows.
 
-    ``size`` is that of the problem, ``start`` is x(0), shape (N d,).
+    ``size`` is that of the problem, ``start`` is x(t0), shape (N d,). States that are
+    asked for ``during`` the run need a factor of their own.
     """
 
-    def __init__(self, system: EventSystem, pair: RungeKutta, size: float, start: NDArray[np.float64]) -> None:
-        self._system, self._gram = system.compiled, system.gram
+    def __init__(
+        self, system: EventSystem, pair: RungeKutta, size: float, start: NDArray[np.float64], *, during: bool = False
+    ) -> None:
+        self._system = system.compiled
+        self._gram = sparse_gram(system.compiled.arrays) if during else system.gram
         self._problem, self._units, self._smooth = self._system.problem, self._system.units, system.scales.smooth
         self._start, self._pair, self._size = start, pair, size
+        self._begin = system.scales.start / self._units.time
         self._differences = {name: getattr(self._system.sets, name) for name in ("spacing", "spacings", "breaks")}
         self._tables: list[StepTable] = []
 
@@ -41,6 +46,7 @@ class DenseOutput(Between):
         """Append steps, and set the size of the problem after them."""
         if len(table.end):
             self._tables.append(table)
+            self.__dict__.pop("_workspaces", None)
         self._size = size
 
     def states(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -49,7 +55,7 @@ class DenseOutput(Between):
         return x.reshape(-1, *self._problem.x0.shape) * self._units.length
 
     def reactions(self, times: NDArray[np.float64]) -> list[Reaction | None]:
-        """Evaluate reactions with the velocity from before each time, or from after t = 0."""
+        """Evaluate reactions with the velocity from before each time, or from after the start."""
         scaled = np.asarray(times) / self._units.time
         points = zip(times, scaled, *self._steps(scaled), self._states(scaled), strict=True)
         return [self._reaction(float(t), float(s), int(k), int(p), x) for t, s, k, p, x in points]
@@ -92,7 +98,7 @@ class DenseOutput(Between):
         table, step = self._steps(times)
         with self._system.callbacks():
             for k in range(table.min(), table.max() + 1):
-                chosen = (table == k) & (times > 0)
+                chosen = (table == k) & (times > self._begin)
                 found = x[chosen]
                 code = kernels.states_at(self._workspaces[k], times[chosen], step[chosen], found)
                 if code != OK:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from dincl.callables import UserFunction
 from dincl.checks import number
 from dincl.errors import StepFailure
 from dincl.forces import Reaction
@@ -18,11 +20,59 @@ from dincl.steps.grid import Output, Reached, Stepper, StepState, TimeGrid, divi
 from dincl.trajectory import Between, RunOutcome
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import NDArray
 
     from dincl.problem import Problem
+
+
+UNTIL = UserFunction("until", ("t", "x"), Status.FUNCTION_FAILED)
+EPS = float(np.finfo(float).eps)
+# Particles times steps between two looks at ``until``.
+WATCHED = 6400
+
+
+Until = Callable[[float, "NDArray[np.float64]"], Any]
+
+
+class Span(NamedTuple):
+    """The time of a run besides its output times, as ``solve`` is given it.
+
+    ``velocity`` (N, d) at t0 is that of a run that goes on with a second-order scheme.
+    """
+
+    t0: float = 0.0
+    breaks: tuple[float, ...] = ()
+    until: Until | None = None
+    velocity: NDArray[np.float64] | None = None
+
+
+WHOLE = Span()
+
+
+class Watch:
+    """The function ``until`` along one run, from a time and a state on: where its value changes its sign."""
+
+    def __init__(self, until: Until, t: float, x: NDArray[np.float64]) -> None:
+        self._until, self._sign = until, 0.0
+        self.crossed(t, x)
+
+    def crossed(self, t: float, x: NDArray[np.float64]) -> bool:
+        """Return whether the value at t has another sign than the first one that is not zero; StepFailure if it fails.
+
+        Zero is another sign.
+        """
+        seen = x.copy()
+        seen.flags.writeable = False
+        sign = float(np.sign(UNTIL.evaluated(self._until, t, seen, shape=())))
+        if self._sign == 0.0:
+            self._sign = sign
+        return sign != self._sign
+
+    def locate(self, a: float, b: float, state: Callable[[float], NDArray[np.float64]]) -> float:
+        """Return the first time, to rounding, at which the sign has changed between a and b; ``state(t)`` is x(t)."""
+        while b - a > EPS * b and a < (middle := 0.5 * (a + b)) < b:
+            a, b = (a, middle) if self.crossed(middle, state(middle)) else (middle, b)
+        return b
 
 
 @dataclass(frozen=True)
@@ -30,8 +80,11 @@ class Scheme(ABC):
     """A way to solve x' in F(t, x) - N(S, x), an object that ``solve`` is given."""
 
     @abstractmethod
-    def run(self, problem: Problem, times: NDArray[np.float64]) -> RunOutcome:
-        """Compute the solution at increasing ``times`` (K,) >= 0, or until it fails; InvalidProblem if it cannot."""
+    def run(self, problem: Problem, times: NDArray[np.float64], span: Span = WHOLE) -> RunOutcome:
+        """Compute the solution at increasing ``times`` (K,) >= t0, or until it fails; InvalidProblem if it cannot.
+
+        A scheme without ``span`` serves runs from 0 to the last time.
+        """
 
 
 @dataclass(frozen=True)
@@ -46,36 +99,102 @@ class FixedStep(Scheme):
     def __post_init__(self) -> None:
         object.__setattr__(self, "dt", number("dt", self.dt, positive=True))
 
-    def run(self, problem: Problem, times: NDArray[np.float64]) -> RunOutcome:
+    def run(self, problem: Problem, times: NDArray[np.float64], span: Span = WHOLE) -> RunOutcome:
         """Make equal steps of at most ``dt`` to the last of ``times``."""
-        return run_steps(partial(self.stepper, problem), self.dt, times)
+        return run_steps(partial(self.stepper, problem), self.dt, times, span)
 
     @abstractmethod
     def stepper(self, problem: Problem) -> Stepper:
         """Bind to a problem; InvalidProblem if the two do not go together."""
 
 
-def run_steps(bind: Callable[[], Stepper], dt: float, times: NDArray[np.float64]) -> RunOutcome:
+def run_steps(bind: Callable[[], Stepper], dt: float, times: NDArray[np.float64], span: Span = WHOLE) -> RunOutcome:
     """Make equal steps of at most ``dt`` until the last of ``times`` (K,), or until one fails.
 
     ``bind()`` makes a Stepper; it is stored, and must pickle for the outcome to pickle.
     """
-    grid, stepper = divide_time(float(times[-1]), dt), bind()
+    grid = divide_time(float(times[-1]), dt, span.t0)
+    prepared = partial(_prepared, bind, (grid,), times)
+    stepper = prepared()
     start = stepper.start()
-    output = Output(grid, times, start)
+    if start.v is not None and span.velocity is not None:
+        start = start._replace(v=span.velocity)
+    output = Output.at(grid, times, start)
     # Numbers that overflow end the run with a Status of their own.
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        reached = stepper.advance(grid, 0, grid.steps, start, output)
+        if span.until is None:
+            reached, stop = stepper.advance(grid, 0, grid.steps, start, output), None
+        else:
+            reached, stop = _advance_until(span.until, stepper, grid, start, output, times)
     count = int(output.filled[0])
     t, x, last = times[:count].copy(), output.x[:count], None
-    status, detail, failure = Status.SUCCESS, "", reached.failure
+    status, detail, failure, v = Status.SUCCESS, "", reached.failure, reached.state.v
     if failure is not None:
         status, time = failure.status, grid.time(reached.k)
         detail = f"{failure.detail} This was in the step from t = {time:.6g} with dt = {grid.h:.6g}."
         if not count or t[-1] < time:
             t, x = np.append(t, time), np.concatenate((x, reached.state.x[None]))
             last = reached
-    return RunOutcome(t, x, status, detail, stepper.work, StraightLines(bind, grid, output, last), failure=failure)
+    elif stop is not None:
+        status, last = Status.STOPPED, reached
+        t, x, v = np.append(t, stop.t), np.concatenate((x, stop.x[None])), stop.v
+    lines = StraightLines(prepared, grid, output, start, last)
+    return RunOutcome(t, x, status, detail, stepper.work, lines, failure=failure, velocity=v)
+
+
+def _prepared(bind: Callable[[], Stepper], grids: tuple[TimeGrid, ...], times: NDArray[np.float64]) -> Stepper:
+    stepper = bind()
+    stepper.prepare(grids, times)
+    return stepper
+
+
+class Stop(NamedTuple):
+    """Where ``until`` ended a run, within a step."""
+
+    t: float
+    x: NDArray[np.float64]
+    v: NDArray[np.float64] | None
+
+
+def _advance_until(
+    until: Until,
+    stepper: Stepper,
+    on: TimeGrid,
+    state: StepState,
+    output: Output,
+    times: NDArray[np.float64],
+) -> tuple[Reached, Stop | None]:
+    """Make steps, some in one call, and look at the state after each; return the step in which the run ends."""
+    most, k = max(WATCHED // len(state.x), 1), 0
+    try:
+        watch = Watch(until, on.origin, state.x)
+        while k < on.steps:
+            end = min(k + most, on.steps)
+            ends = Output(np.arange(k, end), np.ones(end - k), state)
+            reached = stepper.advance(on, k, end, state, ends)
+            for q in range(reached.k - k):
+                state, after = ends.stored(q), StepState(ends.x[q])
+                if watch.crossed(on.time(k + q + 1), after.x):
+                    place = partial(_on_line, state.x, after.x, on.time(k + q), on.h)
+                    t = watch.locate(on.time(k + q), on.time(k + q + 1), place)
+                    output.fill(k + q, state, after, most=int(np.searchsorted(times, t)))
+                    v = None if state.v is None else (after.x - state.x) / on.h
+                    return Reached(k + q, state), Stop(t, place(t), v)
+                output.fill(k + q, state, after)
+            k, state = reached.k, reached.state
+            if reached.failure is not None:
+                return reached, None
+    except StepFailure as failure:
+        return Reached(k, state, failure), None
+    return Reached(k, state), None
+
+
+def _on_line(
+    before: NDArray[np.float64], after: NDArray[np.float64], start: float, h: float, t: float
+) -> NDArray[np.float64]:
+    """Compute x(t) within a step from ``start`` by (1.48)."""
+    weight = (t - start) / h
+    return after if weight >= 1.0 else before + weight * (after - before)
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,24 +202,26 @@ class StraightLines(Between):
     """Straight lines between the steps; the steps around a time are repeated from a stored state before it.
 
     ``bind()`` makes a new Stepper of the scheme for the problem: repeated steps do not add to the work of the run.
-    Stored are the states before the steps of the output times, and the ``last`` one of a run that failed.
+    Stored are the ``start``, the states before the steps of the output times, and the ``last`` one of a run that failed
+    or was stopped.
     """
 
     bind: Callable[[], Stepper]
     grid: TimeGrid
     output: Output
+    start: StepState
     last: Reached | None = None
 
     def states(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
         """Compute x between two steps by (1.48)."""
         stepper, steps = self.bind(), self.grid.before(times)
         values = np.empty((len(times), *stepper.problem.x0.shape))
-        k, state = 0, stepper.start()
+        k, state = 0, self.start
         for index, (step, weight) in enumerate(zip(steps, self.grid.weights(times, steps), strict=True)):
             stored = self._stored_before(int(step))
             if stored.k > k:
                 k, state = stored.k, stored.state
-            if times[index] > 0 and self.grid.steps:
+            if times[index] > self.grid.origin and self.grid.steps:
                 state, after = self._step(stepper, int(step), k, state)
                 k, values[index] = int(step), state.towards(after, float(weight))
             else:
@@ -110,13 +231,13 @@ class StraightLines(Between):
     def reactions(self, times: NDArray[np.float64]) -> list[Reaction | None]:
         """Compute the reactions of the steps that end at or after each time; None at the start."""
         stepper, found = self.bind(), list[Reaction | None]()
-        k, state = 0, stepper.start()
+        k, state = 0, self.start
         for step, t in zip(self.grid.before(times).tolist(), times, strict=True):
             stored = self._stored_before(step)
             if stored.k > k:
                 k, state = stored.k, stored.state
             try:
-                if not (t > 0 and self.grid.steps):
+                if not (t > self.grid.origin and self.grid.steps):
                     found.append(None)
                     continue
                 state, after = self._step(stepper, step, k, state)
@@ -126,19 +247,12 @@ class StraightLines(Between):
                 found.append(None)
         return found
 
-    def _stored(self, q: int) -> Reached:
-        """Return the step and state of output time q."""
-        if self.last is not None and q == self.output.filled[0]:
-            return self.last
-        v = self.output.velocity[q] if len(self.output.velocity) else None
-        return Reached(int(self.output.step[q]), StepState(self.output.before[q], v, self.output.memory[q]))
-
     def _stored_before(self, step: int) -> Reached:
         """Return the last stored state at or before a step; without any, step -1."""
         if self.last is not None and self.last.k <= step:
             return self.last
         q = int(np.searchsorted(self.output.step[: int(self.output.filled[0])], step, side="right")) - 1
-        return self._stored(q) if q >= 0 else Reached(-1, StepState(np.zeros(0)))
+        return Reached(int(self.output.step[q]), self.output.stored(q)) if q >= 0 else Reached(-1, self.start)
 
     def _step(self, stepper: Stepper, step: int, k: int, state: StepState) -> tuple[StepState, StepState]:
         """Compute the states before and after a step, from the state at step k; StepFailure if there is none."""

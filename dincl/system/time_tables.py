@@ -149,10 +149,10 @@ def _panels(
     """
     waiting = list(reversed(pieces))
     found: list[tuple[float, float, NDArray[np.float64]]] = []
-    end, scale = pieces[-1][1], np.zeros(1)
+    length, scale = pieces[-1][1] - pieces[0][0], np.zeros(1)
     while waiting:
         a, b = waiting.pop()
-        if b - a <= SHORT * end:  # the end of a run, behind a jump
+        if b - a <= SHORT * length:  # the end of a run, behind a jump
             values = np.tile(function(b), (TERMS, 1))
             scale = np.maximum(scale, scale_of(values))
             found.append((a, b, values))
@@ -165,7 +165,7 @@ def _panels(
         defect = np.abs(COEFFICIENTS[-2:] @ values).max(axis=0)
         if (defect <= ROUNDING * (scale + b * steepest)).all():
             found.append((a, b, values))
-        elif b - a > SHORTEST * end:
+        elif b - a > SHORTEST * length:
             cut = a + CUT * (b - a)
             waiting += [(cut, b), (a, cut)]
         else:

@@ -186,3 +186,131 @@ def test_a_scheme_that_cannot_be_pickled_is_named():
     path = dincl.solve(scenes.two_disks(), Weighted(0.1, lambda: 1), t=[0.2])
     with pytest.raises(pickle.PicklingError, match=r"^scheme.weight = <function"):
         pickle.dumps(path)
+
+
+# Schemes that take t0, until and breaks.
+SCHEMES = {
+    "EventDriven": dincl.EventDriven(1e-8),
+    "Auto": dincl.Auto(1e-4),
+    "AdaptiveCatchUp": dincl.AdaptiveCatchUp(1e-6),
+    "CatchUp": dincl.CatchUp(0.01, dincl.ActiveSet(1e-12)),
+    "CatchUp in Python": dincl.CatchUp(0.01, dincl.Daqp(1e-12)),
+    "LinearisedCatchUp": dincl.LinearisedCatchUp(0.01, dincl.ActiveSet(1e-12)),
+    "MidpointCatchUp": dincl.MidpointCatchUp(0.01, dincl.ActiveSet(1e-12)),
+    "PBD": dincl.PBD(0.01, sweeps=3),
+    "XPBD": dincl.XPBD(0.01),
+    "Penalty": dincl.Penalty(0.01, 10.0),
+    "SecondOrderPBD": dincl.SecondOrderPBD(0.01),
+    "own": Weighted(0.01),
+}
+# How far a run in two parts may be from one run: steps of a length of their own begin anew at each part.
+PARTS = {"EventDriven": 1e-8, "Auto": 1e-4, "AdaptiveCatchUp": 1e-6}
+every_scheme = pytest.mark.parametrize("name", SCHEMES)
+
+
+def of_time(since=0.0):
+    """Two discs above a floor that heaves, beside a wall that turns and a set that grows until t = 1."""
+
+    def drift(t, x):
+        return np.column_stack((np.cos(3 * (t + since)) + 0 * x[:, 0], 0 * x[:, 1] - 1.0))
+
+    sets = [
+        DISCS,
+        dincl.Moving(dincl.HalfSpace((0, 1), radius=0.5), lambda t: (0.0, 0.2 * np.sin(t + since))),
+        dincl.HalfSpace(lambda t: (np.sin(0.3 + 0.1 * (t + since)), np.cos(0.3 + 0.1 * (t + since))), -3.0, radius=0.5),
+        dincl.OutsideBall((0.5, -2.0), lambda t: 1.0 + min(t + since, 1.0)),
+    ]
+    return dincl.Problem([(0.0, 1.0), (1.1, 1.0)], drift, sets)
+
+
+@every_scheme
+def test_functions_are_given_the_time_since_t0(name):
+    scheme = SCHEMES[name]
+    shifted = dincl.solve(of_time(since=2.0), scheme, t=[0.5, 1.0, 2.5])
+    later = dincl.solve(of_time(), scheme, t=[2.5, 3.0, 4.5], t0=2.0)
+    assert (later.t.tolist(), later.t0, later.stats.steps) == ([2.5, 3.0, 4.5], 2.0, shifted.stats.steps)
+    np.testing.assert_allclose(later.x, shifted.x, atol=1e-13)
+    np.testing.assert_allclose(later([2.0, 2.3, 3.7]), shifted([0.0, 0.3, 1.7]), atol=1e-13)
+    np.testing.assert_allclose(later.normal_cone_residual(), shifted.normal_cone_residual(), atol=1e-9)
+    if name != "own":  # it sees no set
+        np.testing.assert_allclose(later.forces(3.2).force, shifted.forces(1.2).force, atol=1e-9)
+    for ours, theirs in zip(later.events, shifted.events, strict=True):
+        assert ours._replace(t=0.0) == theirs._replace(t=0.0)
+        assert ours.t == pytest.approx(2.0 + theirs.t, abs=1e-9)
+    with pytest.raises(dincl.InvalidProblem, match=r"t = 1.9: must lie in \[2, 4.5\]"):
+        later(1.9)
+
+
+@every_scheme
+def test_a_run_in_parts_is_one_run(name):
+    scheme = SCHEMES[name]
+    whole = dincl.solve(of_time(), scheme, t=[2.5, 3.0, 3.5], t0=2.0)
+    half = dincl.solve(of_time(), scheme, t=2.5, t0=2.0)
+    rest = dincl.solve(half, scheme, t=[3.0, 3.5])
+    assert (rest.t0, rest.problem.x0.tolist()) == (2.5, half.final.tolist())
+    np.testing.assert_allclose(rest.x, whole.x[1:], atol=PARTS.get(name, 1e-14))
+    np.testing.assert_allclose(rest(2.8), whole(2.8), atol=PARTS.get(name, 1e-14))
+    assert dincl.solve(rest, scheme, t=3.5).final.tolist() == rest.final.tolist()
+
+
+@every_scheme
+@pytest.mark.parametrize("t0", [0.0, 1.0])
+def test_a_run_ends_where_until_changes_its_sign(name, t0):
+    problem = dincl.Problem([(0.0, 2.0), (1.0, 2.0)], lambda t, x: np.full_like(x, (0.0, -1.0)), [DISCS])
+    seen = []
+
+    def until(t, x):
+        seen.append(x)
+        return x[0, 1] - 1.234
+
+    path = dincl.solve(problem, SCHEMES[name], t=t0 + np.array([0.25, 0.5, 3.0, 4.0]), t0=t0, until=until)
+    assert (path.status, bool(path.status), path.detail) == (dincl.Status.STOPPED, True, "")
+    exact = 1.25 if name == "SecondOrderPBD" else 0.766
+    assert path.t[-1] - t0 == pytest.approx(exact, abs=1e-12 if name != "SecondOrderPBD" else 0.02)
+    assert (path.t[:-1] - t0).tolist() == [0.25, 0.5]
+    assert path.final[:, 1] == pytest.approx(1.234, abs=1e-13)
+    assert path(path.t[-1]) == pytest.approx(path.final, abs=1e-13)
+    assert path.normal_cone_residual()[-1] == pytest.approx(0.0, abs=1e-9) or name == "SecondOrderPBD"
+    assert not seen[0].flags.writeable
+    path = dincl.solve(dincl.Problem([[1.0]], pull), SCHEMES[name], t=4.0, until=lambda t, x: x[0, 0] - 0.5)
+    assert pickle.loads(pickle.dumps(path))(path.t[-1]) == pytest.approx(path.final, abs=1e-15)
+
+
+@every_scheme
+def test_until_ends_a_run_before_it_fails(name):
+    scheme = SCHEMES[name]
+    path = dincl.solve(dincl.Problem([[1.0]], lambda t, x: x**3), scheme, t=[9.0], until=lambda t, x: x[0, 0] - 3.0)
+    assert path.status is dincl.Status.STOPPED
+    assert path.final == pytest.approx(3.0)
+    if path.error is not None:
+        assert abs(path.t[-1] - 4 / 9) <= path.error[-1]
+        assert abs(path.final - (1 - 2 * path.t[-1]) ** -0.5) <= path.error[-1]
+
+
+@every_scheme
+def test_what_until_never_meets_changes_nothing(name):
+    """Nor does a sign that it has only at the start, or a value that is zero there."""
+    plain = dincl.solve(of_time(), SCHEMES[name], t=[0.3, 1.0])
+    for until in (lambda t, x: 1.0, lambda t, x: t, lambda t, x: float(x[0, 0] > 1e9) - 1):
+        watched = dincl.solve(of_time(), SCHEMES[name], t=[0.3, 1.0], until=until)
+        assert watched.status is dincl.Status.SUCCESS
+        np.testing.assert_array_equal(watched.x, plain.x)
+        np.testing.assert_array_equal(watched(0.77), plain(0.77))
+        assert watched.events == plain.events
+
+
+@every_scheme
+def test_until_that_fails_ends_the_run_with_its_name(name):
+    with pytest.raises(dincl.StepFailed, match=r"until\(t = .*\) raised KeyError") as caught:
+        dincl.solve(decay(), SCHEMES[name], t=[0.5, 1.0], until=lambda t, x: 1.0 if t < 0.3 else {}["k"])
+    assert caught.value.trajectory.status is dincl.Status.FUNCTION_FAILED
+
+
+def test_a_jump_of_a_set_can_meet_until():
+    lift = dincl.HalfSpace((0, 1), offset=lambda t: 0.0 if t < 0.6 else 1.0)
+    for scheme in (dincl.EventDriven(1e-9), dincl.AdaptiveCatchUp(1e-6), dincl.Auto(1e-4)):
+        path = dincl.solve(
+            dincl.Problem([(0.0, 0.5)], lambda t, x: 0 * x, [lift]), scheme, t=1.0, until=lambda t, x: x[0, 1] - 0.8
+        )
+        assert path.t[-1] == pytest.approx(0.6, abs=1e-12)
+        assert path.final[0, 1] == pytest.approx(1.0)
