@@ -6,15 +6,16 @@ import inspect
 from dataclasses import fields
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from dincl import checks
-from dincl.checks import describe, flag, function, instance, number
+from dincl.checks import array, describe, flag, function, instance, number
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.problem import Problem, at_end, check_start
 from dincl.schemes.base import Scheme, Span, Watch
 from dincl.trajectory import RunOutcome, StepFailed, Trajectory
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
     from dincl.schemes.base import Until
@@ -26,6 +27,7 @@ def solve(
     t: ArrayLike,
     *,
     t0: float | None = None,
+    breaks: ArrayLike | None = None,
     until: Until | None = None,
     throw: bool = True,
 ) -> Trajectory:
@@ -42,6 +44,10 @@ def solve(
         ones of at most ``scheme.dt`` that end there; an output time between two steps is interpolated (1.48).
     t0
         Time of the start, >= 0, at which x0 is feasible, too; None: 0, or the end of a Trajectory [time].
+    breaks
+        Times from t0 to the last of ``t``, increasing, shape (B,), at which the drift or a set jumps or has a kink
+        [time]. Steps end there, and none reaches across: between two breaks there are the fewest equal steps of at most
+        ``scheme.dt``. Breaks that are not named are looked for by ``EventDriven``, ``AdaptiveCatchUp`` and ``Auto``.
     until
         (t, x) -> a number. The run ends where it first changes its sign, or is zero; its sign at the start counts, or
         the first one that is not zero. It is evaluated once after each step; a sign that changes twice in a step is not
@@ -69,12 +75,13 @@ def solve(
     if t0 is not None and (start := number("t0", t0, non_negative=True)) > 0.0:
         check_start(problem, start)
     times = checks.times("t", t, start)
+    named = () if breaks is None else _breaks(breaks, start, float(times[-1]))
     if until is not None:
         try:
             Watch(function("until", until, "a callable (t, x) -> number"), start, problem.x0)
         except StepFailure as failure:
             raise InvalidProblem(f"until: {failure.detail}") from failure
-    outcome = _run(problem, scheme, times, Span(start, (), until, velocity))
+    outcome = _run(problem, scheme, times, Span(start, named, until, velocity))
     if not isinstance(outcome, RunOutcome):
         raise InvalidProblem(f"scheme: {type(scheme).__name__}.run returned {describe(outcome)}: must be a RunOutcome")
     names = {part.name for part in fields(outcome)} - {"failure", "scheme"}
@@ -85,6 +92,15 @@ def solve(
     return trajectory
 
 
+def _breaks(value: ArrayLike, start: float, end: float) -> tuple[float, ...]:
+    """Return times of breaks between start and end; those at either of them need no step to end there."""
+    found = np.atleast_1d(array("breaks", value))
+    outside = found.size and (found.min() < start or found.max() > end)
+    if found.ndim > 1 or outside or (np.diff(found) <= 0).any():
+        raise InvalidProblem(f"breaks = {describe(value)}: must be increasing times from {start:.10g} to {end:.10g}")
+    return tuple(t for t in found.tolist() if start < t < end)
+
+
 def _run(problem: Problem, scheme: Scheme, times: NDArray[np.float64], span: Span) -> RunOutcome:
     """Run a scheme, also one whose ``run`` takes no ``span``."""
     if span.t0 == 0.0 and not span.breaks and span.until is None:
@@ -93,5 +109,7 @@ def _run(problem: Problem, scheme: Scheme, times: NDArray[np.float64], span: Spa
         inspect.signature(scheme.run).bind(problem, times, span)
     except TypeError as error:
         name = type(scheme).__name__
-        raise InvalidProblem(f"t0, until: {name}.run takes no span: must be run(problem, times, span)") from error
+        raise InvalidProblem(
+            f"t0, breaks, until: {name}.run takes no span: must be run(problem, times, span)"
+        ) from error
     return scheme.run(problem, times, span)

@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from dincl.problem import Problem
-    from dincl.schemes.base import Until
+    from dincl.schemes.base import Span, Until
     from dincl.work import Work
 
 # Spacing of the differences that give the velocities of moving sets, as a part of the run.
@@ -97,7 +97,7 @@ def size_of(problem: Problem, start: float, end: float) -> float:
 
 
 class EventSystem:
-    """A problem for runs from ``t0`` to ``times[-1]``: in units in which its size and the time are about 1.
+    """A problem for runs of a ``span`` to ``times[-1]``: in units in which its size and the time are about 1.
 
     Attributes
     ----------
@@ -111,11 +111,11 @@ class EventSystem:
         The sparse factor.
     """
 
-    def __init__(self, problem: Problem, times: NDArray[np.float64], tol: float, t0: float) -> None:
-        end = float(times[-1])
+    def __init__(self, problem: Problem, times: NDArray[np.float64], tol: float, span: Span) -> None:
+        t0, end = span.t0, float(times[-1])
         self.size = size_of(problem, t0, end)
         self.compiled = CompiledProblem.for_events(problem, units_of(self.size, end - t0))
-        self.scales = time_scales(problem, times, tol, t0)
+        self.scales = time_scales(problem, times, tol, t0, span.breaks)
         self.compiled.sets.tabulate(self.scales.smooth)
         # No difference looks before the start, or behind the end.
         self.compiled.sets.breaks = np.concatenate(([[-np.inf, t0]], self.scales.breaks, [[end, np.inf]]))

@@ -70,7 +70,7 @@ class AdaptiveCatchUp(Scheme):
 
     def run(self, problem: Problem, times: Floats, span: Span = WHOLE) -> RunOutcome:
         """Make steps to each of the output times, or until one fails."""
-        scales = time_scales(problem, times, self.tol, span.t0)
+        scales = time_scales(problem, times, self.tol, span.t0, span.breaks)
         runs = AdaptiveRuns(problem, PROJECTION * self.tol, scales)
         return runs.run(times, self.tol, stretches(scales, times, PART), span.until)
 
@@ -147,7 +147,7 @@ class AdaptiveRuns:
             for part in parts:
                 state = self.advance(state, part, part.until, tau)
                 if not self._stopped and part.until in kept:
-                    found[state.t] = state
+                    found[part.until] = state
                 if not self._stopped:
                     state = self.pass_break(state, part)
                 if self._stopped:

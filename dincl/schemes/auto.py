@@ -101,7 +101,7 @@ class _Passes:
 
     def __init__(self, problem: Problem, times: Floats, error: float, span: Span) -> None:
         self._problem, self._times, self._error, self._span = problem, times, error, span
-        self._scales = time_scales(problem, times, error, span.t0)
+        self._scales = time_scales(problem, times, error, span.t0, span.breaks)
         self._work = Work(degrees_of_freedom=problem.x0.size, drift_evaluations=self._scales.evaluations)
         self._runs = AdaptiveRuns(problem, PROJECTION * error, self._scales)
         self._made: list[_Pass] = []

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
 from functools import partial
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -113,33 +114,63 @@ def run_steps(bind: Callable[[], Stepper], dt: float, times: NDArray[np.float64]
 
     ``bind()`` makes a Stepper; it is stored, and must pickle for the outcome to pickle.
     """
-    grid = divide_time(float(times[-1]), dt, span.t0)
-    prepared = partial(_prepared, bind, (grid,), times)
-    stepper = prepared()
-    start = stepper.start()
-    if start.v is not None and span.velocity is not None:
-        start = start._replace(v=span.velocity)
-    output = Output.at(grid, times, start)
+    edges = [span.t0, *span.breaks, float(times[-1])]
+    # A drift that still has its old value at the time of a break has its new one behind it.
+    behind = [t if t == span.t0 else t + 2.0 * EPS * edges[-1] for t in edges[:-1]]
+    grids = tuple(divide_time(end, dt, begin) for begin, end in zip(behind, edges[1:], strict=True))
+    prepared = partial(_prepared, bind, grids, times)
+    stepper, made = prepared(), list[RunOutcome]()
+    start = state = stepper.start()
+    if state.v is not None and span.velocity is not None:
+        state = state._replace(v=span.velocity)
+    watch = None if span.until is None else Watch(span.until, span.t0, state.x)
     # Numbers that overflow end the run with a Status of their own.
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        if span.until is None:
-            reached, stop = stepper.advance(grid, 0, grid.steps, start, output), None
-        else:
-            reached, stop = _advance_until(span.until, stepper, grid, start, output, times)
+        for grid, (begin, end) in zip(grids, pairwise(edges), strict=True):
+            here = times[(times <= end) & ((times > begin) | (times == span.t0))] if span.breaks else times
+            latest = max((one.t[-1] for one in made if len(one.t)), default=-1.0)
+            part, reached = _run_grid(prepared, stepper, grid, state, here, watch, latest)
+            made.append(part)
+            if part.status is not Status.SUCCESS:
+                break
+            # Steps of another length begin, which have no use for earlier ones.
+            state = start._replace(x=reached.x, v=reached.v)
+    if len(made) == 1:
+        return part
+    t, x = (np.concatenate(list(parts)) for parts in zip(*((one.t, one.x) for one in made), strict=True))
+    between = Joined(np.array(edges[1 : len(made)]), tuple(one.between for one in made))
+    return replace(part, t=t, x=x, between=between)
+
+
+def _run_grid(
+    bind: Callable[[], Stepper],
+    stepper: Stepper,
+    grid: TimeGrid,
+    start: StepState,
+    times: NDArray[np.float64],
+    watch: Watch | None,
+    latest: float,
+) -> tuple[RunOutcome, StepState]:
+    """Make the steps of a grid, with output at ``times``, of which ``latest`` came before; return the end, too."""
+    output, stop = Output.at(grid, times, start), None
+    if watch is None:
+        reached = stepper.advance(grid, 0, grid.steps, start, output)
+    else:
+        reached, stop = _advance_until(watch, stepper, grid, start, output, times)
     count = int(output.filled[0])
     t, x, last = times[:count].copy(), output.x[:count], None
     status, detail, failure, v = Status.SUCCESS, "", reached.failure, reached.state.v
     if failure is not None:
         status, time = failure.status, grid.time(reached.k)
         detail = f"{failure.detail} This was in the step from t = {time:.6g} with dt = {grid.h:.6g}."
-        if not count or t[-1] < time:
+        if max((latest, *t[-1:])) < time:
             t, x = np.append(t, time), np.concatenate((x, reached.state.x[None]))
             last = reached
     elif stop is not None:
         status, last = Status.STOPPED, reached
         t, x, v = np.append(t, stop.t), np.concatenate((x, stop.x[None])), stop.v
-    lines = StraightLines(prepared, grid, output, start, last)
-    return RunOutcome(t, x, status, detail, stepper.work, lines, failure=failure, velocity=v)
+    lines = StraightLines(bind, grid, output, start, last)
+    return RunOutcome(t, x, status, detail, stepper.work, lines, failure=failure, velocity=v), reached.state
 
 
 def _prepared(bind: Callable[[], Stepper], grids: tuple[TimeGrid, ...], times: NDArray[np.float64]) -> Stepper:
@@ -157,7 +188,7 @@ class Stop(NamedTuple):
 
 
 def _advance_until(
-    until: Until,
+    watch: Watch,
     stepper: Stepper,
     on: TimeGrid,
     state: StepState,
@@ -167,7 +198,6 @@ def _advance_until(
     """Make steps, some in one call, and look at the state after each; return the step in which the run ends."""
     most, k = max(WATCHED // len(state.x), 1), 0
     try:
-        watch = Watch(until, on.origin, state.x)
         while k < on.steps:
             end = min(k + most, on.steps)
             ends = Output(np.arange(k, end), np.ones(end - k), state)
@@ -195,6 +225,27 @@ def _on_line(
     """Compute x(t) within a step from ``start`` by (1.48)."""
     weight = (t - start) / h
     return after if weight >= 1.0 else before + weight * (after - before)
+
+
+@dataclass(frozen=True, eq=False)
+class Joined(Between):
+    """Parts of a run, one after another, which end at ``ends`` but for the last one."""
+
+    ends: NDArray[np.float64]
+    parts: tuple[Between, ...]
+
+    def states(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Compute x in each of the parts."""
+        return np.concatenate([part.states(here) for part, here in self._split(times)])
+
+    def reactions(self, times: NDArray[np.float64]) -> list[Reaction | None]:
+        """Compute the reactions in each of the parts."""
+        return [one for part, here in self._split(times) for one in part.reactions(here)]
+
+    def _split(self, times: NDArray[np.float64]) -> Iterator[tuple[Between, NDArray[np.float64]]]:
+        which = np.searchsorted(self.ends, times)
+        for k in np.unique(which).tolist():
+            yield self.parts[k], times[which == k]
 
 
 @dataclass(frozen=True, eq=False)

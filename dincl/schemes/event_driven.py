@@ -97,7 +97,7 @@ class EventDriven(Scheme):
             raise InvalidProblem(f"EventDriven: {len(problem.x0)} particles: serves at most {MOST_PARTICLES}")
         work, end, before = Work(degrees_of_freedom=problem.x0.size), float(times[-1]), None
         try:
-            system = EventSystem(problem, times, self.tol, span.t0)
+            system = EventSystem(problem, times, self.tol, span)
             start = system.start(work)
         except StepFailure as failure:
             return not_begun(problem, work, failure, span.t0)

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 # Numbers at the nodes of all panels of one set at most: 16 MB.
 MOST_VALUES = 2_000_000
+# Panels at most besides two for each smooth piece, so that a function is not asked for more values than are looked at.
+MOST_PANELS = 500
 # A panel is not cut to less than this part of the run.
 SHORTEST = 1e-9
 # Coefficients of a series are rounding up to this, relative to the scale of the numbers.
@@ -170,7 +172,8 @@ def _panels(
             waiting += [(cut, b), (a, cut)]
         else:
             return None
-        if (len(found) + len(waiting)) * values.size > MOST_VALUES:
+        number = len(found) + len(waiting)
+        if number * values.size > MOST_VALUES or number > MOST_PANELS + 2 * len(pieces):
             return None
     start, stop, values = (np.array(part) for part in zip(*found, strict=True))
     return start, stop, values, scale

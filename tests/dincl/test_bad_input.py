@@ -212,6 +212,21 @@ BAD_PROBLEMS = {
         lambda: dincl.solve(dincl.solve(problem(), dincl.PBD(0.1), [1.0]), dincl.PBD(0.1), [0.5]),
         "t = .*0.5.*: must be .* >= 1",
     ),
+    "breaks outside": (
+        lambda: dincl.solve(problem(), dincl.PBD(0.1), [1.0, 2.0], breaks=[0.5, 2.1]),
+        r"breaks = \[0.5, 2.1\]: must be increasing times from 0 to 2",
+    ),
+    "breaks before the start": (
+        lambda: dincl.solve(problem(), dincl.EventDriven(1e-6), [2.0], t0=1.0, breaks=[0.5]),
+        r"breaks = \[0.5\]: must be increasing times from 1 to 2",
+    ),
+    "breaks decreasing": (lambda: dincl.solve(problem(), dincl.PBD(0.1), [2.0], breaks=[1.0, 0.5]), "breaks = .*incr"),
+    "breaks flat": (
+        lambda: dincl.solve(problem(), dincl.PBD(0.1), [2.0], breaks=[[0.5]]),
+        "breaks = .*0.5.*must",
+    ),
+    "breaks nan": (lambda: dincl.solve(problem(), dincl.PBD(0.1), [2.0], breaks=[math.nan]), "breaks = nan at index"),
+    "breaks of a scheme without": (lambda: dincl.solve(problem(), Bare(), [1.0], breaks=[0.5]), "takes no span"),
     "until no function": (
         lambda: dincl.solve(problem(), dincl.PBD(0.1), [1.0], until=2.0),
         "until = 2.0: must",
@@ -230,7 +245,7 @@ BAD_PROBLEMS = {
     ),
     "t0 of a scheme without": (
         lambda: dincl.solve(problem(), Bare(), [1.0], t0=0.5),
-        r"t0, until: Bare.run takes no span: must be run\(problem, times, span\)",
+        r"t0, breaks, until: Bare.run takes no span: must be run\(problem, times, span\)",
     ),
     "until of a scheme without": (
         lambda: dincl.solve(problem(), Bare(), [1.0], until=lambda t, x: 1.0),

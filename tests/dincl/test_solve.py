@@ -10,8 +10,10 @@ import pytest
 
 import dincl
 from dincl import scenes
+from dincl.steps.grid import TimeGrid
 
 DISCS = dincl.NonOverlap(0.5)
+WALL_ABOVE = dincl.HalfSpace((0, 1), -1.0)
 
 
 def decay(x0=((1.0, -2.0),), constraints=()):
@@ -314,3 +316,112 @@ def test_a_jump_of_a_set_can_meet_until():
         )
         assert path.t[-1] == pytest.approx(0.6, abs=1e-12)
         assert path.final[0, 1] == pytest.approx(1.0)
+
+
+# Jumps of the drift below, none at a multiple of a step.
+BREAKS = (1 / 3, 0.7123, 1.1)
+
+
+def jumpy(t, x):
+    return np.full_like(x, np.select([t < BREAKS[0], t < BREAKS[1], t < BREAKS[2]], [1.0, -2.0, 3.0]))
+
+
+def late(t, x):
+    """The same, with its old values at the breaks."""
+    return np.full_like(x, np.select([t <= BREAKS[0], t <= BREAKS[1], t <= BREAKS[2]], [1.0, -2.0, 3.0]))
+
+
+def after_jumps(t):
+    spent = np.diff(np.minimum([0.0, *BREAKS], t))
+    return spent @ (1.0, -2.0, 3.0)
+
+
+@every_scheme
+@pytest.mark.parametrize("drift", [jumpy, late])
+def test_steps_end_at_named_breaks(name, drift):
+    """Of a drift that is constant between them nothing is left but rounding; equal steps are the fewest in between."""
+    scheme, t = SCHEMES[name], [0.2, BREAKS[0], 1.0, 1.5]
+    path = dincl.solve(dincl.Problem([[0.0]], drift), scheme, t=t, breaks=[0.0, *BREAKS, 1.5])
+    assert path.t.tolist() == t
+    if name != "SecondOrderPBD":
+        assert path.x[:, 0, 0] == pytest.approx([after_jumps(s) for s in t], abs=1e-12)
+        assert path(0.9)[0, 0] == pytest.approx(after_jumps(0.9), abs=1e-12)
+        assert np.delete(path.normal_cone_residual(), 1).max() <= 1e-10
+    if isinstance(scheme, dincl.FixedStep):
+        assert path.stats.steps == 34 + 38 + 39 + 40
+        back = pickle.loads(pickle.dumps(path))
+        np.testing.assert_array_equal(back([0.1, 0.5, 1.4]), path([0.1, 0.5, 1.4]))
+    up = dincl.solve(dincl.Problem([[0.0]], drift), scheme, t=t, breaks=BREAKS, until=lambda t, x: x[0, 0] + 0.3)
+    assert up.status is dincl.Status.STOPPED or name == "SecondOrderPBD"
+    if name != "SecondOrderPBD":
+        assert up.t.tolist() == pytest.approx([0.2, 1 / 3, 1 / 3 + (1 / 3 + 0.3) / 2], abs=1e-12)
+
+
+@every_scheme
+def test_parts_between_breaks_are_runs_of_their_own(name):
+    whole = dincl.solve(of_time(), SCHEMES[name], t=[0.5, 1.0, 1.7], breaks=[0.777])
+    half = dincl.solve(of_time(), SCHEMES[name], t=[0.5, 0.777])
+    rest = dincl.solve(half, SCHEMES[name], t=[1.0, 1.7])
+    np.testing.assert_allclose(whole.x[1:], rest.x, atol=PARTS.get(name, 1e-14))
+    np.testing.assert_allclose(whole([0.3, 0.7]), half([0.3, 0.7]), atol=PARTS.get(name, 1e-14))
+    assert (whole(0.777), whole.stats.steps > 0) == (pytest.approx(half.final, abs=PARTS.get(name, 1e-14)), True)
+
+
+@pytest.mark.parametrize("scheme", [dincl.EventDriven(1e-8), dincl.Auto(1e-4), dincl.AdaptiveCatchUp(1e-6)], ids=repr)
+def test_named_breaks_show_what_no_look_before_the_run_finds(scheme):
+    """A stroke of a wall in a ten-thousandth of the run, and a force that acts only where the particle will be."""
+    begins, ends = 0.777, 0.7771
+
+    def stroke(t):
+        return (0.3 * np.sin(np.pi * (t - begins) / (ends - begins)) if begins < t < ends else 0.0, 0.0)
+
+    wall = dincl.Moving(dincl.HalfSpace((1, 0)), stroke)
+    struck = dincl.solve(dincl.Problem([[0.0, 0.0]], lambda t, x: 0 * x, [wall]), scheme, 1.0, breaks=[begins, ends])
+    assert struck.final[0, 0] == pytest.approx(0.3, abs=1e-4 if struck.error is not None else 1e-5)
+
+    def kick(t, x):
+        return np.where((x > 0.05) & (begins <= t < ends), 5.0, 0.1)
+
+    kicked = dincl.solve(dincl.Problem([[0.0]], kick), scheme, t=1.0, breaks=[begins, ends])
+    assert kicked.final[0, 0] == pytest.approx(0.1 + 4.9 * (ends - begins), abs=1e-12)
+
+
+@pytest.mark.parametrize("late", [False, True])
+def test_a_set_that_jumps_at_a_named_output_time_is_on_the_side_that_it_says(late):
+    def centre(t):
+        return (5.0 if t > 0.6 or (t == 0.6 and not late) else 0.0, 0.0)
+
+    sets = [dincl.InsideBall(centre, 1.0), dincl.Moving(WALL_ABOVE, lambda t: (0.0, 0.1 * np.sin(t)))]
+    problem = dincl.Problem([[0.0, 0.0]], dincl.drifts.constant((0.0, -0.1)), sets)
+    for scheme in (dincl.EventDriven(1e-9), dincl.AdaptiveCatchUp(1e-6), dincl.CatchUp(0.01, dincl.ActiveSet(1e-12))):
+        for breaks in (None, [0.6]):
+            path = dincl.solve(problem, scheme, t=[0.6, 1.0], breaks=breaks)
+            assert path.violation().max() <= 1e-6
+            assert path.x[:, 0, 0] == pytest.approx([0.0 if late else 4.0, 4.0], abs=0.01)
+
+
+def test_many_named_breaks_are_all_resolved():
+    """A wall that goes up and down between breaks, faster than the particle falls; with the breaks it is tabulated."""
+    count = 100
+    wall = dincl.Moving(dincl.HalfSpace((0, 1)), lambda t: (0.0, abs((t * count) % 2.0 - 1.0)))
+    problem = dincl.Problem([[0.0, 1.0]], dincl.drifts.constant((0.0, -1.0)), [wall])
+    for scheme in (dincl.PBD(1e-4), dincl.EventDriven(1e-9)):
+        path = dincl.solve(problem, scheme, t=[0.505, 1.0], breaks=np.arange(1, count) / count)
+        assert path.stats.callbacks == 0
+        assert path.x[:, 0, 1] == pytest.approx([0.995, 1.0], abs=1e-9)
+    found = dincl.solve(problem, dincl.EventDriven(1e-6), t=[1.0], breaks=np.arange(1, 50) / 50, throw=False)
+    assert found.status is not dincl.Status.SUCCESS or found.final[0, 1] == pytest.approx(1.0, abs=1e-6)
+
+
+def test_a_run_of_many_steps_calls_a_function_of_time_no_more_often_than_is_said():
+    noise, calls = np.random.default_rng(0).normal(size=1009), []
+
+    def path(t):
+        calls.append(t)
+        if len(calls) > 60_000:
+            raise KeyboardInterrupt
+        return 0.0, -1e-3 * abs(noise[int(1e7 * t) % 1009])
+
+    problem = dincl.Problem([[0.0, 1.0]], dincl.drifts.constant((0.0, 0.0)), [dincl.Moving(WALL_ABOVE, path)])
+    dincl.PBD(1e-6).stepper(problem).prepare((TimeGrid(1.0, 10**6),), np.ones(1))
+    assert 50_000 <= len(calls) <= 50_000 + 5_000 + 100
