@@ -18,33 +18,33 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
     from dincl.problem import Problem
-    from dincl.rows.base import Rows
 
 # Rows whose gap is at most this part of the largest coordinate touch, also without a force.
 TOUCHING = 1e-9
 
 
 class Reaction(NamedTuple):
-    """x' - F, shape (N d,), at the state x (N, d) of time t.
+    """x' - F, shape (N d,), at the state x (N, d) of time t, in the coordinates of a problem.
 
     Rows matter that can be violated after each particle moved by ``search_radius``. Of second-order schemes it is
     x'' - F.
     """
 
+    problem: Problem
     t: float
     x: NDArray[np.float64]
     value: NDArray[np.float64]
     search_radius: float
     second_order: bool = False
 
-    def rows(self, problem: Problem) -> Rows:
-        """Select the rows near x."""
-        return problem.rows_within(self.t, self.x, self.search_radius)
+    def gradients(self) -> csr_array:
+        """Compute the gradients of the rows near x; StepFailure where one is not defined."""
+        return self.problem.rows_within(self.t, self.x, self.search_radius).jacobian(self.x)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Forces:
-    """Contact forces at one time: x' = F + sum_k multiplier_k grad g_k(x), with m rows in contact.
+    """Contact forces at one time: x' = B (F + sum_k multiplier_k grad g_k(x)), with m rows in contact.
 
     Attributes
     ----------
@@ -59,7 +59,8 @@ class Forces:
     gap
         g_k, shape (m,).
     multiplier
-        Shape (m,), >= 0: the force between two discs, or of a wall on a disc, in units of F.
+        Shape (m,), >= 0, of either sign for an equality: the force between two discs, or of a wall on a disc, in units
+        of F.
     gradients
         grad g_k, m rows and N*d columns.
     shape
@@ -106,27 +107,31 @@ def contact_forces(problem: Problem, reaction: Reaction) -> Forces:
     """Compute the forces whose sum is nearest to a reaction; StepFailure where a gradient is not defined."""
     from dincl.projection.cone import shortest_multipliers
 
-    t, x = reaction.t, reaction.x
+    t, x, scaling = reaction.t, reaction.x, reaction.problem.scaling
+    multiplier = shortest_multipliers(reaction.value, reaction.gradients())
+    if scaling is not None:
+        x, multiplier = scaling.positions(x), multiplier / scaling.most
     selection = select(problem.constraints, t, x, reaction.search_radius)
-    rows = selection.at(t)
+    rows, names, d = selection.at(t), selection.names, x.shape[1]
     gradients, gaps = rows.jacobian(x), rows.values(x)
-    multiplier = shortest_multipliers(reaction.value, gradients)
     touching = gaps <= TOUCHING * float(np.abs(x).max()) * np.sqrt(row_squares(gradients))
-    keep = np.flatnonzero((multiplier > 0) | touching)
-    names, d = selection.names, x.shape[1]
-    gradients = gradients[keep]
-    columns = [gradients.indices[a:b][gradients.data[a:b] != 0] for a, b in zip(*_ends(gradients), strict=True)]
+    keep, first = (multiplier > 0) | touching, 0
+    for block in rows.blocks:
+        if block.equal:  # two rows that are opposite
+            one, other = (slice(first + k * len(block) // 2, first + (k + 1) * len(block) // 2) for k in (0, 1))
+            multiplier[one] -= multiplier[other]
+            keep[one], keep[other] = True, False
+        first += len(block)
+    chosen = np.flatnonzero(keep)
+    gradients = gradients[chosen]
+    parts = np.split(np.where(gradients.data != 0, gradients.indices // d, -1), gradients.indptr[1:-1])
     return Forces(
         t=t,
-        constraint=np.array([names[k][0] for k in keep], dtype=np.int64),
-        row=tuple(names[k][1] for k in keep),
-        particles=tuple(tuple(np.unique(one // d).tolist()) for one in columns),
-        gap=gaps[keep],
-        multiplier=multiplier[keep],
+        constraint=np.array([names[k][0] for k in chosen], dtype=np.int64),
+        row=tuple(names[k][1] for k in chosen),
+        particles=tuple(tuple(sorted(set(one.tolist()) - {-1})) for one in parts[: len(chosen)]),
+        gap=gaps[chosen],
+        multiplier=multiplier[chosen],
         gradients=gradients,
         shape=(len(x), d),
     )
-
-
-def _ends(matrix: csr_array) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    return matrix.indptr[:-1], matrix.indptr[1:]

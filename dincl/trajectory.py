@@ -149,7 +149,8 @@ class Trajectory:
         For time steps dist((x_{k+1} - x_k)/h - F(t_k, x_k), -N^g(x_{k+1})) for the step that ends at or after the
         output time, with the rows of N^g (Definition 1.24) that the step could have closed: g <= h max |F_i|; zero up
         to tol/h for catch-up. For ``EventDriven`` the same with x' itself. Infinite where it is not defined (before any
-        step, at the start, for second-order schemes, at coincident centres).
+        step, at the start, for second-order schemes, at coincident centres). With mobilities all of this is in the
+        scaled coordinates of ``dincl.mobility``.
         """
         return np.array([self._residual(one) for one in self.between.reactions(self.t)])
 
@@ -159,7 +160,7 @@ class Trajectory:
         if reaction is None or reaction.second_order:
             return np.inf
         try:
-            return distance_to_cone(reaction.value, reaction.rows(self.problem).jacobian(reaction.x))
+            return distance_to_cone(reaction.value, reaction.gradients())
         except StepFailure:
             return np.inf
 

@@ -129,4 +129,4 @@ class DenseOutput(Between):
             value = rate * self._units.speed - self._problem.velocity(t, at).ravel()
         except StepFailure:
             return None
-        return Reaction(t, at, value, TOUCHING * self._size * self._units.length)
+        return Reaction(self._problem, t, at, value, TOUCHING * self._size * self._units.length)

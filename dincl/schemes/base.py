@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import pairwise
@@ -119,7 +120,7 @@ def run_steps(bind: Callable[[], Stepper], dt: float, times: NDArray[np.float64]
     behind = [t if t == span.t0 else t + 2.0 * EPS * edges[-1] for t in edges[:-1]]
     grids = tuple(divide_time(end, dt, begin) for begin, end in zip(behind, edges[1:], strict=True))
     prepared = partial(_prepared, bind, grids, times)
-    stepper, made = prepared(), list[RunOutcome]()
+    stepper, made, latest = prepared(), list[RunOutcome](), -1.0
     start = state = stepper.start()
     if state.v is not None and span.velocity is not None:
         state = state._replace(v=span.velocity)
@@ -127,10 +128,11 @@ def run_steps(bind: Callable[[], Stepper], dt: float, times: NDArray[np.float64]
     # Numbers that overflow end the run with a Status of their own.
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         for grid, (begin, end) in zip(grids, pairwise(edges), strict=True):
-            here = times[(times <= end) & ((times > begin) | (times == span.t0))] if span.breaks else times
-            latest = max((one.t[-1] for one in made if len(one.t)), default=-1.0)
+            after = times >= begin if begin == span.t0 else times > begin
+            here, latest = times[after & (times <= end)], grid.origin if latest == begin else latest
             part, reached = _run_grid(prepared, stepper, grid, state, here, watch, latest)
             made.append(part)
+            latest = max((latest, *part.t[-1:]))
             if part.status is not Status.SUCCESS:
                 break
             # Steps of another length begin, which have no use for earlier ones.
@@ -167,8 +169,8 @@ def _run_grid(
             t, x = np.append(t, time), np.concatenate((x, reached.state.x[None]))
             last = reached
     elif stop is not None:
-        status, last = Status.STOPPED, reached
-        t, x, v = np.append(t, stop.t), np.concatenate((x, stop.x[None])), stop.v
+        status, last, v = Status.STOPPED, reached, stop[1].v
+        t, x = np.append(t, stop[0]), np.concatenate((x, stop[1].x[None]))
     lines = StraightLines(bind, grid, output, start, last)
     return RunOutcome(t, x, status, detail, stepper.work, lines, failure=failure, velocity=v), reached.state
 
@@ -179,12 +181,16 @@ def _prepared(bind: Callable[[], Stepper], grids: tuple[TimeGrid, ...], times: N
     return stepper
 
 
-class Stop(NamedTuple):
-    """Where ``until`` ended a run, within a step."""
+class _Line(NamedTuple):
+    """The straight line of a step of length h from ``start`` on."""
 
-    t: float
-    x: NDArray[np.float64]
-    v: NDArray[np.float64] | None
+    start: float
+    h: float
+    before: StepState
+    after: StepState
+
+    def at(self, t: float) -> NDArray[np.float64]:
+        return self.before.towards(self.after, (t - self.start) / self.h)
 
 
 def _advance_until(
@@ -194,8 +200,8 @@ def _advance_until(
     state: StepState,
     output: Output,
     times: NDArray[np.float64],
-) -> tuple[Reached, Stop | None]:
-    """Make steps, some in one call, and look at the state after each; return the step in which the run ends."""
+) -> tuple[Reached, tuple[float, StepState] | None]:
+    """Make steps, some in one call, and look at the state after each; return the last one, and where it stopped."""
     most, k = max(WATCHED // len(state.x), 1), 0
     try:
         while k < on.steps:
@@ -205,11 +211,11 @@ def _advance_until(
             for q in range(reached.k - k):
                 state, after = ends.stored(q), StepState(ends.x[q])
                 if watch.crossed(on.time(k + q + 1), after.x):
-                    place = partial(_on_line, state.x, after.x, on.time(k + q), on.h)
-                    t = watch.locate(on.time(k + q), on.time(k + q + 1), place)
+                    line = _Line(on.time(k + q), on.h, state, after)
+                    t = watch.locate(line.start, on.time(k + q + 1), line.at)
                     output.fill(k + q, state, after, most=int(np.searchsorted(times, t)))
                     v = None if state.v is None else (after.x - state.x) / on.h
-                    return Reached(k + q, state), Stop(t, place(t), v)
+                    return Reached(k + q, state), (t, StepState(line.at(t), v))
                 output.fill(k + q, state, after)
             k, state = reached.k, reached.state
             if reached.failure is not None:
@@ -217,14 +223,6 @@ def _advance_until(
     except StepFailure as failure:
         return Reached(k, state, failure), None
     return Reached(k, state), None
-
-
-def _on_line(
-    before: NDArray[np.float64], after: NDArray[np.float64], start: float, h: float, t: float
-) -> NDArray[np.float64]:
-    """Compute x(t) within a step from ``start`` by (1.48)."""
-    weight = (t - start) / h
-    return after if weight >= 1.0 else before + weight * (after - before)
 
 
 @dataclass(frozen=True, eq=False)
@@ -265,38 +263,41 @@ class StraightLines(Between):
 
     def states(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
         """Compute x between two steps by (1.48)."""
-        stepper, steps = self.bind(), self.grid.before(times)
-        values = np.empty((len(times), *stepper.problem.x0.shape))
-        k, state = 0, self.start
-        for index, (step, weight) in enumerate(zip(steps, self.grid.weights(times, steps), strict=True)):
-            stored = self._stored_before(int(step))
-            if stored.k > k:
-                k, state = stored.k, stored.state
-            if times[index] > self.grid.origin and self.grid.steps:
-                state, after = self._step(stepper, int(step), k, state)
-                k, values[index] = int(step), state.towards(after, float(weight))
-            else:
-                values[index] = state.x
+        values = np.empty((len(times), *self.start.x.shape))
+        weights = self.grid.weights(times, self.grid.before(times)).tolist()
+        for q, (weight, (_, state, after)) in enumerate(zip(weights, self._steps(self.bind(), times), strict=True)):
+            if isinstance(after, StepFailure):
+                raise after
+            values[q] = state.x if after is None else state.towards(after, weight)
         return values
 
     def reactions(self, times: NDArray[np.float64]) -> list[Reaction | None]:
         """Compute the reactions of the steps that end at or after each time; None at the start."""
         stepper, found = self.bind(), list[Reaction | None]()
+        for k, state, after in self._steps(stepper, times):
+            found.append(None)
+            if isinstance(after, StepState):
+                with suppress(StepFailure):
+                    found[-1] = step_reaction(stepper.problem, self.grid.time(k), self.grid.h, state, after.x)
+        return found
+
+    def _steps(
+        self, stepper: Stepper, times: NDArray[np.float64]
+    ) -> Iterator[tuple[int, StepState, StepState | StepFailure | None]]:
+        """Repeat the step of each time; give its number, the state before it, and that after it, None at the start."""
         k, state = 0, self.start
-        for step, t in zip(self.grid.before(times).tolist(), times, strict=True):
+        for t, step in zip(times.tolist(), self.grid.before(times).tolist(), strict=True):
             stored = self._stored_before(step)
             if stored.k > k:
                 k, state = stored.k, stored.state
-            try:
-                if not (t > self.grid.origin and self.grid.steps):
-                    found.append(None)
-                    continue
-                state, after = self._step(stepper, step, k, state)
-                k = step
-                found.append(step_reaction(stepper.problem, self.grid.time(k), self.grid.h, state, after.x))
-            except StepFailure:
-                found.append(None)
-        return found
+            if t == self.grid.origin or not self.grid.steps:
+                yield k, state, None
+                continue
+            before = stepper.advance(self.grid, k, step, state)
+            after = before if before.failure else stepper.advance(self.grid, step, step + 1, before.state)
+            if not before.failure:
+                k, state = step, before.state
+            yield k, state, after.failure or after.state
 
     def _stored_before(self, step: int) -> Reached:
         """Return the last stored state at or before a step; without any, step -1."""
@@ -304,14 +305,6 @@ class StraightLines(Between):
             return self.last
         q = int(np.searchsorted(self.output.step[: int(self.output.filled[0])], step, side="right")) - 1
         return Reached(int(self.output.step[q]), self.output.stored(q)) if q >= 0 else Reached(-1, self.start)
-
-    def _step(self, stepper: Stepper, step: int, k: int, state: StepState) -> tuple[StepState, StepState]:
-        """Compute the states before and after a step, from the state at step k; StepFailure if there is none."""
-        before = stepper.advance(self.grid, k, step, state)
-        after = before if before.failure else stepper.advance(self.grid, step, step + 1, before.state)
-        if after.failure:
-            raise after.failure
-        return before.state, after.state
 
 
 def step_reaction(problem: Problem, t: float, h: float, before: StepState, after: NDArray[np.float64]) -> Reaction:
@@ -321,4 +314,4 @@ def step_reaction(problem: Problem, t: float, h: float, before: StepState, after
     if before.v is not None:
         rate, velocity = (rate - before.v) / h, before.v + h * drift
     value = (rate - drift).ravel()
-    return Reaction(t + h, after, value, h * longest(velocity) / 2, second_order=before.v is not None)
+    return Reaction(problem, t + h, after, value, h * longest(velocity) / 2, second_order=before.v is not None)

@@ -89,3 +89,37 @@ def test_times_without_forces_are_refused():
             path.forces(t)
     with pytest.raises(dincl.InvalidProblem, match="constraint = -1"):
         path.forces(1.0).load(-1)
+
+
+@pytest.mark.parametrize("scheme", [dincl.EventDriven(1e-9), dincl.CatchUp(0.01, dincl.Daqp(1e-12))])
+def test_forces_with_mobilities_are_forces_and_a_fixed_particle_bears_them(scheme):
+    sets = [dincl.NonOverlap(0.5), FLOOR]
+    column = dincl.Problem([(0.0, 0.5), (0.0, 1.5), (0.0, 2.5)], DOWN, sets, mobility=[0.0, 0.5, 2.0])
+    forces = dincl.solve(column, scheme, t=1.0).forces(0.7)
+    assert forces.multiplier == pytest.approx([2.0, 1.0, 0.0], abs=1e-9)
+    assert forces.force[:, 1] == pytest.approx([-2.0, 1.0, 1.0], abs=1e-9)
+
+
+@pytest.mark.parametrize("scheme", [dincl.EventDriven(1e-9), dincl.CatchUp(0.01, dincl.ActiveSet(1e-12))])
+def test_a_rod_has_one_row_of_either_sign(scheme):
+    for pull in (1.0, -1.0):
+        drift = dincl.drifts.constant([(0.0, 0.0), (pull, 0.0)])
+        rod = dincl.Problem([(0.0, 0.0), (1.0, 0.0)], drift, [dincl.Distance([(0, 1)], 1.0)])
+        forces = dincl.solve(rod, scheme, t=1.0).forces(0.5)
+        assert forces.multiplier == pytest.approx([-pull / 2], abs=1e-9)
+        assert forces.particles == ((0, 1),)
+
+
+@pytest.mark.parametrize("scheme", [dincl.EventDriven(1e-9), dincl.PBD(0.01), dincl.SecondOrderPBD(0.01)])
+def test_until_sees_positions_and_paths_go_on_with_mobilities(scheme):
+    falling = dincl.Problem([(0.0, 0.5), (0.0, 3.5)], DOWN, [dincl.NonOverlap(0.5)], mobility=[0.0, 0.5])
+    end = 3.0 if not isinstance(scheme, dincl.SecondOrderPBD) else 12**0.5 / 2**0.5
+    path = dincl.solve(falling, scheme, t=9.0, until=lambda t, x: x[1, 1] - 2.0)
+    assert path.t[-1] == pytest.approx(end, abs=0.02)
+    assert path.final == pytest.approx(np.array([(0.0, 0.5), (0.0, 2.0)]), abs=1e-12)
+    rest = dincl.solve(path, scheme, t=path.t[-1] + [0.1])
+    if path.velocity is not None:
+        assert path.velocity[1, 1] == pytest.approx(-end / 2, abs=0.02)
+        assert rest.final[1, 1] == pytest.approx(2.0 - 0.1 * end / 2, abs=0.01)
+    else:
+        assert rest.final[1, 1] == pytest.approx(1.95)
