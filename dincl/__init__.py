@@ -16,6 +16,7 @@ from dincl.constraints import (
     Smooth,
 )
 from dincl.errors import FunctionFailed, InvalidProblem, ProjectionFailed, StepFailure
+from dincl.forces import Forces
 from dincl.minimise import (
     ArrowHurwicz,
     DampedArrowHurwicz,
@@ -80,6 +81,7 @@ __all__ = [
     "Event",
     "EventDriven",
     "FixedStep",
+    "Forces",
     "FunctionFailed",
     "HalfSpace",
     "InsideBall",

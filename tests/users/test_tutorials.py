@@ -64,6 +64,12 @@ def moving_sets(found):
     assert slope(found, "midpoint catch-up") == pytest.approx(2.0, abs=0.3)
 
 
+def as_you_have_it(found):
+    assert found["forces"].load(1).tolist() == pytest.approx([0.0, 3.0])
+    assert found["path"].final[0, 0] == pytest.approx(2 * (1.1 - 1 / 3))
+    assert abs(found["rest"].x - found["whole"].x).max() < 1e-9
+
+
 def own_event(found):
     table = found["run"].table().query("emt >= 0 and time_h == 12")
     squeezed = table["events"] == "BSqueeze"
@@ -100,7 +106,7 @@ def proofs(found):
     assert found["proof"].bound <= 1e-25
 
 
-FOUND = (first_steps, own_problem, own_scheme, moving_sets, own_event, own_force, cell_types, space)
+FOUND = (first_steps, own_problem, own_scheme, as_you_have_it, moving_sets, own_event, own_force, cell_types, space)
 CHECKS = {check.__name__: check for check in (*FOUND, simplify, claims, proofs)}
 
 
