@@ -302,6 +302,7 @@ class Combination(NamedTuple):
     remainder: float  # |A^T mu|
     missing: float  # mu . missing
     opening: float  # of two nearly opposite rows: |A^T mu| times the number of rows with a multiplier [rad]
+    rows: NDArray[np.int64]  # those with a multiplier
 
 
 def why_unsolved(
@@ -403,4 +404,5 @@ def least_combination(
     if (corrected > 0).all() and length(of_used @ corrected) / corrected.sum() < length(of_used @ weights):
         weights = corrected / corrected.sum()
     remainder = length(of_used @ weights)
-    return Combination(remainder, float(missing[chosen][used] @ weights), remainder * len(weights))
+    opening = remainder * len(weights)
+    return Combination(remainder, float(missing[chosen][used] @ weights), opening, chosen[used])
