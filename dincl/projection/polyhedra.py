@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,7 +13,8 @@ from dincl.checks import array, describe, shaped
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.matrices import divided, from_equal_rows, from_rows
 from dincl.matrices.definite import Factor, factorised, pivoted_cholesky, shifted
-from dincl.projection.certificate import check_projection, least_combination, row_lengths, why_unsolved
+from dincl.norms import length
+from dincl.projection.certificate import REGION, check_projection, least_combination, row_lengths, why_unsolved
 from dincl.projection.compiled import ActiveSet, ProjectedCG
 from dincl.projection.quadratic import Daqp, InteriorPoints
 from dincl.rows.affine import AffineRows
@@ -38,7 +39,7 @@ ROUNDING = 1e-10
 # A skew part of W up to this is moved into q with the last multipliers, at most this often: each time it shortens the
 # error by about its own size.
 SKEW, MOST_REPETITIONS = 1e-3, 20
-# A dense W of so many rows and fewer entries than this part is treated as a sparse one.
+# A sparse W of so many rows and fewer entries than this part is treated as one.
 SPARSE_FROM, FILLED = 64, 0.1
 # Rows of dense matrices that are made at once, and rows that a message names.
 BLOCK, NAMED = 256, 10
@@ -90,15 +91,13 @@ class Certified:
 
 
 class _Program(ABC):
-    """A program that is solved in the coordinates in which the metric is the identity and all rows have length 1."""
+    """A program that is solved in coordinates in which the metric is the identity, with rows of length 1."""
 
     equal: Flags
-    _lengths: Floats  # d_k
 
-    @property
     @abstractmethod
-    def _missing(self) -> Floats:
-        """Return b - A c."""
+    def _start(self) -> tuple[Floats, Floats]:
+        """Return d (m,), and (b - A c) / d."""
 
     @abstractmethod
     def _search(self, how: Projection, least: Floats) -> tuple[Floats, int]:
@@ -113,7 +112,7 @@ class _Program(ABC):
 
         None is ActiveSet(1e-9), from 300 rows on ProjectedCG(1e-9). From 1,000 rows on Piqp is some ten times faster.
         """
-        least = self._missing / self._lengths
+        lengths, least = self._start()
         if projection is None:
             projection = ActiveSet(TOLERANCE) if len(least) < MANY else ProjectedCG(TOLERANCE)
         check_projection(projection)
@@ -124,9 +123,9 @@ class _Program(ABC):
                 weights, work = self._search(replace(projection, tol=SHARE * projection.tol), least / scale)
             except StepFailure as failure:
                 status, detail = failure.status, failure.detail
-        multipliers = weights * unit / self._lengths
+        multipliers = weights * unit / lengths
         point, gaps, misfit = self._state(multipliers)
-        gaps, fixed = gaps / self._lengths / unit, self.equal
+        gaps, fixed = gaps / lengths / unit, self.equal
         found = Certified(
             point,
             multipliers,
@@ -222,14 +221,9 @@ class NearestPoint(_Program):
         blocks = [half(rows[k : k + BLOCK].T.toarray()).T for k in range(0, rows.shape[0], BLOCK)]
         return csr_array(vstack([csr_array(block) for block in blocks], format="csr"))
 
-    @cached_property
-    def _lengths(self) -> Floats:
-        return row_lengths(self._rows)
-
-    @property
-    def _missing(self) -> Floats:
-        missing: Floats = self.b - self.A @ self.c
-        return missing
+    def _start(self) -> tuple[Floats, Floats]:
+        lengths = row_lengths(self._rows)
+        return lengths, (self.b - self.A @ self.c) / lengths
 
     def _state(self, multipliers: Floats) -> tuple[Floats, Floats, Floats]:
         force = self.A.T @ multipliers
@@ -245,7 +239,7 @@ class NearestPoint(_Program):
         from scipy.linalg import qr
         from scipy.sparse import csr_array
 
-        weights, rows, fixed = np.zeros(len(least)), divided(self._rows, self._lengths), self.equal
+        weights, rows, fixed = np.zeros(len(least)), divided(self._rows, row_lengths(self._rows)), self.equal
         free = np.flatnonzero(~fixed)
         if fixed.any():
             rows, least, forces, coupling = _without_equalities(rows, least, fixed)
@@ -294,43 +288,30 @@ class Lcp(_Program):
     def __init__(self, W: ArrayLike | sparray, q: ArrayLike) -> None:
         right = shaped("q", q, (None,))
         weights = _matrix("W", W, (len(right), len(right)))
-        lengths = np.sqrt(np.maximum(weights.diagonal(), 0.0))
-        lengths[lengths == 0] = 1.0
-        none = np.zeros(len(right), dtype=np.bool_)
-        self.__dict__.update(W=weights, q=right, equal=none, _lengths=lengths)
+        self.__dict__.update(W=weights, q=right, equal=np.zeros(len(right), dtype=np.bool_))
         even, skew = self._scaled
-        worst = abs(skew).max()
-        if worst > SKEW:
-            i, j = np.unravel_index(int(abs(skew).argmax()), skew.shape)
-            raise InvalidProblem(
-                f"W is not symmetric, W[{i}, {j}] = {weights[i, j]:g} and W[{j}, {i}] = {weights[j, i]:g}: must be "
-                "symmetric and positive semidefinite, else the problem is no projection"
-            )
+        refused = ": must be symmetric and positive semidefinite, else the problem is no projection"
+        i, j = np.unravel_index(int(abs(skew).argmax()), skew.shape)
+        if skew[i, j] > SKEW or skew[j, i] > SKEW:
+            raise InvalidProblem(f"W[{i}, {j}] = {weights[i, j]:g}, W[{j}, {i}] = {weights[j, i]:g}{refused}")
         try:
             factorised(shifted(even, ROUNDING))
         except np.linalg.LinAlgError:
-            raise InvalidProblem(
-                "W is not positive semidefinite: must be symmetric and positive semidefinite, else the problem is no "
-                "projection"
-            ) from None
+            raise InvalidProblem(f"W is not positive semidefinite{refused}") from None
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.W, self.q)
 
     @cached_property
     def _scaled(self) -> tuple[Any, Any]:
-        """The symmetric and the skew part of W for rows of length 1."""
-        from scipy.sparse import csr_array, diags_array
+        """The symmetric and the skew part of W for rows of length 1, as arrays unless W is sparse and large."""
+        from scipy.sparse import csr_array
 
-        m, inverse = len(self.q), 1 / self._lengths
-        if (
-            m > SPARSE_FROM
-            and np.count_nonzero(self.W if isinstance(self.W, np.ndarray) else self.W.data) < FILLED * m**2
-        ):
-            whole = diags_array(inverse) @ csr_array(self.W) @ diags_array(inverse)
+        inverse, whole = 1 / self._start()[0], self.W
+        if isinstance(whole, np.ndarray) or whole.nnz >= FILLED * whole.shape[0] ** 2 or whole.shape[0] < SPARSE_FROM:
+            whole = (whole if isinstance(whole, np.ndarray) else whole.toarray()) * inverse * inverse[:, None]
         else:
-            dense = self.W if isinstance(self.W, np.ndarray) else self.W.toarray()
-            whole = dense * inverse * inverse[:, None]
+            whole = csr_array(whole * inverse * inverse[:, None])
         return (whole + whole.T) / 2, (whole - whole.T) / 2
 
     @cached_property
@@ -342,9 +323,10 @@ class Lcp(_Program):
         rows[order] = low
         return from_equal_rows(np.tile(np.arange(rows.shape[1]), (len(rows), 1)), rows, rows.shape[1])
 
-    @property
-    def _missing(self) -> Floats:
-        return -self.q
+    def _start(self) -> tuple[Floats, Floats]:
+        lengths = np.sqrt(np.maximum(self.W.diagonal(), 0.0))
+        lengths[lengths == 0] = 1.0
+        return lengths, -self.q / lengths
 
     def _state(self, multipliers: Floats) -> tuple[Floats, Floats, Floats]:
         gaps: Floats = self.W @ multipliers + self.q
@@ -397,39 +379,34 @@ def _named(
     return StepFailure(failure.status, f"{failure.detail} They are of the rows {', '.join(map(str, named[:NAMED]))}.")
 
 
-class _Reduced(NamedTuple):
-    """Rows with the equalities eliminated; these have the multipliers forces - coupling @ the others' multipliers."""
+def _without_equalities(rows: csr_array, least: Floats, equal: Flags) -> tuple[csr_array, Floats, Floats, Floats]:
+    """Project the inequalities, of length 1, onto the kernel of the equalities E u = e, as seen from its least u.
 
-    rows: csr_array
-    least: Floats
-    forces: Floats
-    coupling: Floats
-
-
-def _without_equalities(rows: csr_array, least: Floats, equal: Flags) -> _Reduced:
-    """Project the inequalities onto the kernel of the equalities E, for rows of length 1; E u = e at its least u.
-
-    Of dependent equalities those are left out that follow from the others: they get no multipliers.
+    Returns their rows and right-hand sides, and forces and coupling: the multipliers of E are forces - coupling @ those
+    of the inequalities. Equalities that follow from others get none.
     """
     from scipy.linalg import cho_solve
     from scipy.sparse import csr_array
 
-    fixed, others, right, count = rows[equal], rows[~equal], least[equal], int(equal.sum())
-    low, order = pivoted_cholesky((fixed @ fixed.T).toarray())
-    rank = low.shape[1]
-    kept = order[:rank]
+    fixed, others, right = rows[equal], rows[~equal], least[equal]
+    gram = (fixed @ fixed.T).toarray()
+    low, order = pivoted_cholesky(gram)
+    kept = order[: low.shape[1]]
 
     def solved(b: Floats) -> Floats:
-        full = np.zeros((count, *b.shape[1:]))
-        full[kept] = cho_solve((low[:rank], True), b[kept], check_finite=False)
+        full = np.zeros_like(b)
+        full[kept] = cho_solve((low[: len(kept)], True), b[kept], check_finite=False)
         return full
 
     forces, coupling = solved(right), solved((fixed @ others.T).toarray())
     start = fixed.T @ forces
     off = np.abs(fixed @ start - right)
-    if off.max() > ROUNDING:
-        number = np.flatnonzero(equal)[int(off.argmax())]
-        raise StepFailure(Status.INFEASIBLE, f"The equality in row {number} contradicts other equalities.")
+    k = int(off.argmax())
+    if off[k] > ROUNDING:
+        # Row k less its combination of the others vanishes, its right-hand side does not.
+        proved = off[k] > REGION * length(fixed[[k]].toarray()[0] - fixed.T @ solved(gram[:, k]))
+        detail = f"The equality in row {np.flatnonzero(equal)[k]} contradicts others, or depends on them."
+        raise StepFailure(Status.INFEASIBLE if proved else Status.NOT_CONVERGED, detail)
     left = csr_array(others - csr_array(coupling.T) @ fixed)
     left.data[np.repeat(row_lengths(left) < ROUNDING, np.diff(left.indptr))] = 0.0
-    return _Reduced(left, least[~equal] - others @ start, forces, coupling)
+    return left, least[~equal] - others @ start, forces, coupling

@@ -106,7 +106,7 @@ def read_qp(path: str | os.PathLike[str]) -> NearestPoint:
             data = _arrays(path)
             P, q = data["P"], data["q"]
             n, blocks = np.size(q), []
-            for name, least, most in (("G", None, "h"), ("A", "b", "b"), ("I", "lb", "ub")):
+            for name, least, most in (("G", "", "h"), ("A", "b", "b"), ("I", "lb", "ub")):
                 block = (
                     eye_array(n) if name == "I" else csr_array(np.reshape(data.get(name, np.zeros((0, n))), (-1, n)))
                 )

@@ -215,7 +215,7 @@ EYE = np.eye(2)
         (lambda: dincl.NearestPoint([0.0, 0.0], EYE, [0, 0], metric=[[1, 2], [2, 1]]), "metric = .* positive definite"),
         (lambda: dincl.NearestPoint([0.0, 0.0], EYE, [0, 0], metric=sparse.csr_array([[1, 2], [2, 1.0]])), "positive"),
         (lambda: dincl.NearestPoint([0.0, 0.0], EYE, [0, 0], metric=sparse.csr_array([[1, 0], [0, 0.0]])), "positive"),
-        (lambda: dincl.Lcp([[1.0, 0.5], [0.4, 1.0]], [0, 0]), r"not symmetric, W\[0, 1\] = 0.5"),
+        (lambda: dincl.Lcp([[1.0, 0.5], [0.4, 1.0]], [0, 0]), r"W\[0, 1\] = 0.5, W\[1, 0\] = 0.4: must be symm"),
         (lambda: dincl.Lcp([[1.0, 2.0], [2.0, 1.0]], [0, 0]), "not positive semidefinite"),
         (lambda: dincl.Lcp([[0.0, 1.0], [1.0, 0.0]], [0, 0]), "not positive semidefinite"),
         (lambda: dincl.Lcp(sparse.csr_array([[-1.0]]), [0]), "not positive semidefinite"),

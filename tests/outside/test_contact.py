@@ -59,7 +59,7 @@ def test_complementarity_problems(name, projection):
 
 @pytest.mark.parametrize("name", [name for name, reason in LCP.items() if reason])
 def test_what_is_no_projection_is_refused(name):
-    with pytest.raises(dincl.InvalidProblem, match=f"not {LCP[name]}.* no projection"):
+    with pytest.raises(dincl.InvalidProblem, match=f"must be {LCP[name]}.* no projection"):
         dincl.Lcp(*lcp(name))
 
 
