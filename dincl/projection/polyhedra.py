@@ -110,7 +110,8 @@ class _Program(ABC):
     def solve(self, projection: Projection | None = None) -> Certified:
         """Find the point with a projection, whose tolerance is that of ``Certified.residual``.
 
-        None is ActiveSet(1e-9), from 300 rows on ProjectedCG(1e-9). From 1,000 rows on Piqp is some ten times faster.
+        None is ActiveSet(1e-9), from 300 rows on ProjectedCG(1e-9). With thousands of rows Piqp is two to ten
+        times as fast.
         """
         lengths, least = self._start()
         if projection is None:
