@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dincl.checks import array, describe, shaped
+from dincl.conversions import as_array, attempt
 from dincl.errors import InvalidProblem, StepFailure
-from dincl.matrices import divided, from_equal_rows, from_rows
+from dincl.matrices import divided, from_equal_rows, from_rows, row_squares
 from dincl.matrices.definite import Factor, factorised, pivoted_cholesky, shifted
 from dincl.norms import length
 from dincl.projection.certificate import REGION, check_projection, least_combination, row_lengths, why_unsolved
@@ -188,13 +189,13 @@ class NearestPoint(_Program):
         point, bound = shaped("c", c, (None,)), shaped("b", b, (None,))
         m, n = len(bound), len(point)
         rows = _matrix("A", A, (m, n))
-        which = np.zeros(m, dtype=np.bool_) if equal is None else np.array(equal)
-        if which.dtype != np.bool_ or which.shape != (m,):
+        which = np.zeros(m, dtype=np.bool_) if equal is None else attempt(as_array, equal)
+        if which is None or which.dtype != np.bool_ or which.shape != (m,):
             raise InvalidProblem(f"equal = {describe(equal)}: must be {m} truth values, one for each row")
         weights = None if metric is None else _matrix("metric", metric, (n, n))
         if weights is not None and abs(weights - weights.T).max() > ROUNDING * abs(weights).max():
             raise InvalidProblem(f"metric = {describe(metric)}: must be symmetric")
-        self.__dict__.update(c=point, A=rows, b=bound, equal=which, metric=weights)
+        self.__dict__.update(c=point, A=rows, b=bound, equal=which.copy(), metric=weights)
         try:
             _ = self._factor
         except np.linalg.LinAlgError:
@@ -244,8 +245,11 @@ class NearestPoint(_Program):
         free = np.flatnonzero(~fixed)
         if fixed.any():
             rows, least, forces, coupling = _without_equalities(rows, least, fixed)
-        work = 0
-        if (least > 0).any():
+        empty, work = row_squares(rows) == 0, 0
+        if (wrong := free[empty & (least > how.tol)]).size:
+            what = f"rows {', '.join(map(str, wrong[:NAMED]))}: they vanish, on the equalities if there are any,"
+            raise StepFailure(Status.INFEASIBLE, f"No point meets the {what} and their right-hand sides do not.")
+        if (least[~empty] > 0).any():
             used, place = np.unique(rows.indices, return_inverse=True)
             rows = from_rows(rows.indptr, place, rows.data, len(used))
             m, n = rows.shape

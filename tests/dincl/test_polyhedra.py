@@ -176,7 +176,7 @@ def test_a_feasible_point_stays_and_programs_can_be_sent():
     ("program", "named"),
     [
         (lambda: dincl.NearestPoint([0.0, 5.0], [[0, 1.0], [1.0, 0], [-1.0, 0]], [0.0, 1.0, 1.0]), "rows 1, 2"),
-        (lambda: dincl.NearestPoint([0.0], [[0.0], [1.0]], [1.0, 0.5]), "rows 0."),
+        (lambda: dincl.NearestPoint([0.0], [[0.0], [1.0]], [1.0, 0.5]), "rows 0"),
         (lambda: dincl.NearestPoint([0.0, 0.0], [[1.0, 1.0], [2.0, 2.0]], [1.0, 3.0], [True, True]), "in row"),
         (
             lambda: dincl.NearestPoint([0.0, 0], [[1, 1.0], [0, 1.0], [-1, -1.0]], [1, 0, 1.0], [True, False, False]),
