@@ -200,9 +200,9 @@ def indices(name: str, value: ArrayLike, columns: int | None = None, *, distinct
     return checked
 
 
-def lengths(name: str, value: ArrayLike, *, positive: bool) -> NDArray[np.float64]:
+def lengths(name: str, value: ArrayLike, *, positive: bool, of: str = "length") -> NDArray[np.float64]:
     """Return one length or a list of them, shape () or (m,), all > 0 or all >= 0; none but 0 is below SMALLEST."""
-    allowed = "one length or a list of lengths, " + ("> 0" if positive else ">= 0")
+    allowed = f"one {of} or a list of {of}s, " + ("> 0" if positive else ">= 0")
     checked = array(name, value, allowed)
     vanishing = (checked > 0) & (checked < SMALLEST)
     if checked.ndim > 1 or (checked < 0).any() or (positive and (checked == 0).any()) or vanishing.any():

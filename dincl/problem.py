@@ -6,13 +6,13 @@ import math
 import pickle
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dincl.callables import UserFunction
-from dincl.checks import array, describe, function, items
+from dincl.checks import array, describe, function, items, lengths, number, spread
 from dincl.constraints.base import Constraint
 from dincl.constraints.derivatives import check_jacobian
 from dincl.constraints.selection import select
@@ -25,6 +25,7 @@ from dincl.rows.functions import SmoothRows
 from dincl.status import Status
 
 if TYPE_CHECKING:
+    from dincl.mobility import Scaling
     from dincl.plotting import Axes
 
 # A start may miss a constraint by this much, times the largest coordinate, radius or offset: contacts in decimal
@@ -38,7 +39,7 @@ Drift = Callable[[float, NDArray[np.float64]], Any]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Problem:
-    """The differential inclusion x' in F(t, x) - N(S, x), x(0) = x0  (1.24), (1.25).
+    """The differential inclusion x' in F(t, x) - N(S, x), x(0) = x0  (1.24), (1.25); with mobilities x' in B (F - N).
 
     Parameters
     ----------
@@ -51,6 +52,12 @@ class Problem:
         ``dincl.drifts`` has the usual ones.
     constraints
         The sets whose intersection is S, in the order in which PBD projects onto them.
+    mobility
+        b_i >= 0, one for all particles or one each, shape (N,): velocity per unit of force, B = diag(b). A particle
+        with b_i = 0 does not move. None: 1 for all.
+    box
+        The periods of the axes, d numbers > 0, None for an axis that does not repeat [length]: distances are those to
+        the nearest image. Coordinates are not wrapped, and drifts and functions of the user see them so.
 
     Raises
     ------
@@ -61,8 +68,20 @@ class Problem:
     x0: NDArray[np.float64]
     drift: Drift
     constraints: Sequence[Constraint] = ()
+    mobility: NDArray[np.float64] | None = None
+    box: NDArray[np.float64] | None = None
+    # Of a problem in scaled coordinates, see ``dincl.mobility``.
+    scaling: ClassVar[Scaling | None] = None
 
-    def __init__(self, x0: ArrayLike, drift: Drift, constraints: Sequence[Constraint] = ()) -> None:
+    def __init__(
+        self,
+        x0: ArrayLike,
+        drift: Drift,
+        constraints: Sequence[Constraint] = (),
+        *,
+        mobility: ArrayLike | None = None,
+        box: Sequence[float | None] | None = None,
+    ) -> None:
         start = array("x0", x0)
         if start.ndim != 2 or 0 in start.shape:
             raise InvalidProblem(f"x0 of shape {start.shape}: must have shape (N, d) with N, d >= 1")
@@ -70,7 +89,11 @@ class Problem:
         sets = items("constraints", constraints, Constraint, "a list of dincl constraints")
         object.__setattr__(self, "x0", start)
         object.__setattr__(self, "drift", function("drift", drift, allowed))
-        object.__setattr__(self, "constraints", sets)
+        object.__setattr__(self, "mobility", None if mobility is None else _mobilities(mobility, len(start)))
+        object.__setattr__(self, "box", None if box is None else _periods(box, start.shape[1]))
+        object.__setattr__(
+            self, "constraints", sets if self.box is None else tuple([one.in_box(self.box) for one in sets])
+        )
         # Results of functions of the user are checked: an overflow needs no warning.
         with np.errstate(all="ignore"):
             self._check()
@@ -158,6 +181,23 @@ class Problem:
             self.velocity(0.0, self.x0)
         except StepFailure as failure:
             raise InvalidProblem(f"{place}: {failure.detail}") from failure
+
+
+def _mobilities(value: ArrayLike, count: int) -> NDArray[np.float64]:
+    """Return mobilities (count,), of which at least one is not 0."""
+    found = spread("mobility", lengths("mobility", value, positive=False, of="number"), count, "particles")
+    if not found.any():
+        raise InvalidProblem(f"mobility = {describe(value)}: must be > 0 for at least one particle")
+    return found
+
+
+def _periods(box: Sequence[float | None], d: int) -> NDArray[np.float64]:
+    """Return periods (d,), 0 for axes that do not repeat."""
+    allowed = f"must be {d} numbers > 0, or None for an axis that does not repeat"
+    if not hasattr(box, "__len__") or len(box) != d:
+        raise InvalidProblem(f"box = {describe(box)}: {allowed}")
+    found = [0.0 if one is None else number(f"box[{k}]", one, positive=True) for k, one in enumerate(box)]
+    return array("box", found)
 
 
 def constraints_around(x: NDArray[np.float64], constraints: Sequence[Constraint]) -> Problem:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from dincl.checks import describe, number, spread
+from dincl.checks import describe, number
 from dincl.constraints import (
     Constraint,
     HalfSpace,
@@ -22,6 +22,7 @@ from dincl.constraints import (
     Ordered,
     OutsideBall,
 )
+from dincl.constraints.timed import members
 from dincl.errors import InvalidProblem
 
 if TYPE_CHECKING:
@@ -127,11 +128,7 @@ def _radii_of(constraint: Constraint, t: float, count: int) -> NDArray[np.float6
     if isinstance(constraint, Moving):
         return _radii_of(constraint.constraint, t, count)
     now = constraint.at(t)
-    if isinstance(now, NonOverlap):
-        return now.radii(count)
-    if isinstance(now, HalfSpace):
-        return spread("radius", np.asarray(now.radius), count, "particles")
-    return np.zeros(count)
+    return now.radii(count) if isinstance(now, NonOverlap | HalfSpace) else np.zeros(count)
 
 
 @singledispatch
@@ -175,8 +172,8 @@ def _(constraint: HalfSpace, x: NDArray[np.float64], radius: NDArray[np.float64]
 @shapes_of.register(OutsideBall)
 def _(constraint: InsideBall | OutsideBall, x: NDArray[np.float64], radius: NDArray[np.float64]) -> list[Shape]:
     """The distance is to the centre of a particle: less its radius for an obstacle, more for a container."""
-    inside = isinstance(constraint, InsideBall)
-    reach = np.asarray(constraint.distance) + (radius if inside else -radius)
+    inside, held = isinstance(constraint, InsideBall), members(constraint.particles, len(x))
+    reach = constraint.distances(len(x))[held] + (radius if inside else -radius)[held]
     sizes = np.unique(np.round(np.maximum(reach, 0.0), 12))
     return [Ball(np.asarray(constraint.centre), float(size), inside) for size in sizes]
 

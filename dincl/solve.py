@@ -13,7 +13,8 @@ from dincl.schemes.base import Scheme
 from dincl.trajectory import RunOutcome, StepFailed, Trajectory
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
 
 
 def solve(problem: Problem, scheme: Scheme, t: ArrayLike, *, throw: bool = True) -> Trajectory:
@@ -41,7 +42,7 @@ def solve(problem: Problem, scheme: Scheme, t: ArrayLike, *, throw: bool = True)
     instance("scheme", scheme, Scheme, "a scheme such as PBD(dt=1e-3)")
     raises = flag("throw", throw)
     times = checks.times("t", t)
-    outcome = scheme.run(problem, times)
+    outcome = _run(problem, scheme, times)
     if not isinstance(outcome, RunOutcome):
         raise InvalidProblem(f"scheme: {type(scheme).__name__}.run returned {describe(outcome)}: must be a RunOutcome")
     names = {part.name for part in fields(outcome)} - {"failure", "scheme"}
@@ -50,3 +51,13 @@ def solve(problem: Problem, scheme: Scheme, t: ArrayLike, *, throw: bool = True)
     if raises and not trajectory.status:
         raise StepFailed(trajectory) from outcome.failure
     return trajectory
+
+
+def _run(problem: Problem, scheme: Scheme, times: NDArray[np.float64]) -> RunOutcome:
+    """Run a scheme, in scaled coordinates if there are mobilities."""
+    if problem.mobility is None:
+        return scheme.run(problem, times)
+    from dincl.mobility import in_scaled_coordinates, unscaled
+
+    scaled, scaling = in_scaled_coordinates(problem)
+    return unscaled(scheme.run(scaled, times), scaling)

@@ -141,7 +141,8 @@ class Trajectory:
         For time steps dist((x_{k+1} - x_k)/h - F(t_k, x_k), -N^g(x_{k+1})) for the step that ends at or after the
         output time, with the rows of N^g (Definition 1.24) that the step could have closed: g <= h max |F_i|; zero up
         to tol/h for catch-up. For ``EventDriven`` the same with x' itself. Infinite where it is not defined (at t = 0
-        before any step, for second-order schemes, at coincident centres).
+        before any step, for second-order schemes, at coincident centres). With mobilities all of this is in the scaled
+        coordinates of ``dincl.mobility``.
         """
         return self.between.residuals(self.t)
 

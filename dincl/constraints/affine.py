@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dincl.checks import array, indices, integer, lengths, number, spread, vector, within
+from dincl.checks import array, describe, indices, integer, lengths, number, vector, within
 from dincl.constants import LARGEST
 from dincl.constraints.base import Constraint
-from dincl.constraints.timed import Timed
+from dincl.constraints.timed import Timed, for_members, members
 from dincl.errors import InvalidProblem
 from dincl.matrices import from_equal_rows
 from dincl.rows.affine import AffineRows, HeightRows
@@ -30,19 +30,24 @@ class HalfSpace(Timed):
     offset
         Distance of the wall from the origin along the unit normal [length].
     radius
-        Least distance of each particle from the wall, >= 0, one for all or shape (N,) [length].
+        Least distance of each particle from the wall, >= 0, one for all or one each, shape (n,) [length].
+    particles
+        The particles that the wall holds back, shape (n,), each at most once; None: all.
 
-    Each may be a function of time: t -> value.
+    The first three may be functions of time: t -> value.
     """
 
     normal: Any
     offset: Any = 0.0
     radius: Any = 0.0
+    particles: ArrayLike | None = None
     # The normal as it was given, of any length: the unit normal is rounded, and proofs need the exact one.
     given_normal: Any = field(init=False, repr=False, default=None)
     functions_of_time = ("normal", "offset", "radius")
 
     def __post_init__(self) -> None:
+        if self.particles is not None:
+            object.__setattr__(self, "particles", indices("particles", self.particles, distinct=True))
         if self.timed:
             return
         normal = array("normal", self.normal)
@@ -60,12 +65,18 @@ class HalfSpace(Timed):
     def check(self, count: int, d: int) -> None:
         now = self.at(0.0)
         vector("normal", np.asarray(now.normal), d)
-        now.bounds(count)
+        within("particles", members(self.particles, count), count)
+        now.radii(count)
 
-    def bounds(self, count: int) -> NDArray[np.float64]:
-        """Return the least allowed n . X_i, shape (count,)."""
-        bounds: NDArray[np.float64] = self.offset + spread("radius", np.asarray(self.radius), count, "particles")
-        return bounds
+    def radii(self, count: int) -> NDArray[np.float64]:
+        """Return the least distance of each of ``count`` particles from the wall, 0 of those that it does not hold."""
+        return for_members("radius", self.radius, self.particles, count)
+
+    def in_box(self, box: NDArray[np.float64]) -> HalfSpace:
+        normal = np.asarray(self.at(0.0).normal)
+        if normal.shape == box.shape and normal[box > 0].any():
+            raise InvalidProblem(f"normal = {describe(self.normal)}: a wall must not cross an axis that repeats")
+        return self
 
     def longest_length(self, d: int) -> float:
         now = self.at(0.0)
@@ -73,17 +84,20 @@ class HalfSpace(Timed):
 
     def select(self, x: NDArray[np.float64], search_radius: float) -> HeightRows:
         """Return the particles closer to the wall than ``search_radius``, or beyond it."""
-        normal, bound = np.asarray(self.normal), self.bounds(len(x))
-        close = np.flatnonzero(x @ normal - bound <= search_radius)
+        normal, bound, held = np.asarray(self.normal), self.offset + self.radii(len(x)), members(self.particles, len(x))
+        close = held[(x @ normal - bound <= search_radius)[held]]
         return HeightRows(normal, close, bound[close], len(x))
 
     def updated(self, rows: HeightRows, count: int) -> HeightRows:
-        return HeightRows(np.asarray(self.normal), rows.particle, self.bounds(count)[rows.particle], count)
+        bound = self.offset + self.radii(count)
+        return HeightRows(np.asarray(self.normal), rows.particle, bound[rows.particle], count)
 
     def change_from(self, other: HalfSpace, x: NDArray[np.float64], search_radius: float) -> float:
         turned = np.asarray(self.normal) - np.asarray(other.normal)
-        heights = x @ turned - self.bounds(len(x)) + other.bounds(len(x))
-        return float(np.abs(heights).max() + np.sqrt(turned @ turned) * search_radius)
+        heights = x @ turned - (self.offset - other.offset) - (self.radii(len(x)) - other.radii(len(x)))
+        return float(
+            np.abs(heights[members(self.particles, len(x))]).max(initial=0.0) + np.sqrt(turned @ turned) * search_radius
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,6 +118,11 @@ class Ordered(Constraint):
     def __post_init__(self) -> None:
         object.__setattr__(self, "chain", indices("chain", self.chain, distinct=True))
         object.__setattr__(self, "axis", integer("axis", self.axis, least=0))
+
+    def in_box(self, box: NDArray[np.float64]) -> Ordered:
+        if self.axis < len(box) and box[self.axis] > 0:
+            raise InvalidProblem(f"axis = {self.axis}: particles have no order along an axis that repeats")
+        return self
 
     def check(self, count: int, d: int) -> None:
         within("chain", np.asarray(self.chain), count)

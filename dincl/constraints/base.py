@@ -30,6 +30,13 @@ class Constraint(ABC):
     def check(self, count: int, d: int) -> None:  # noqa: B027 - many sets fit every problem
         """Raise InvalidProblem unless the constraint fits ``count`` particles in dimension d."""
 
+    def in_box(self, box: NDArray[np.float64]) -> Constraint:
+        """Return the set in a periodic box, (d,), with 0 for axes that do not repeat; InvalidProblem if there is none.
+
+        A set of your own is left as it is: its g must be periodic.
+        """
+        return self
+
     @abstractmethod
     def select(self, x: NDArray[np.float64], search_radius: float) -> RowsOfOneKind:
         """Return the rows that can be violated after each particle moved at most ``search_radius`` from x, or more."""

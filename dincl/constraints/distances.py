@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+import math
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 
-from dincl.checks import array, indices, lengths, spread, vector, within
-from dincl.constraints.timed import Timed
+from dincl.checks import array, describe, indices, lengths, spread, vector, within
+from dincl.constraints.timed import Timed, for_members, members
 from dincl.errors import InvalidProblem
 from dincl.rows.base import DiscPairs
 from dincl.rows.distance import DistanceRows
@@ -18,7 +19,23 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class NonOverlap(Timed):
+class Distances(Timed):
+    """Sets of distances, which are those to the nearest image in a periodic ``box`` that the problem sets."""
+
+    box: Any = field(default=None, kw_only=True, repr=False)
+
+    def in_box(self, box: NDArray[np.float64]) -> Self:
+        return replace(self, box=box)
+
+    def check_period(self, name: str, length: float) -> None:
+        """Refuse a length that two images of one particle can be at together."""
+        shortest = math.inf if self.box is None else float(self.box[self.box > 0].min(initial=math.inf))
+        if 2.0 * length >= shortest:
+            raise InvalidProblem(f"{name}: {length:g} must be less than half of the period of the box, {shortest:g}")
+
+
+@dataclass(frozen=True, eq=False)
+class NonOverlap(Distances):
     """g_ij(x) = |X_i - X_j| - (r_i + r_j) >= 0 for all pairs j < i  (1.2).
 
     Parameters
@@ -46,29 +63,27 @@ class NonOverlap(Timed):
 
     def check(self, count: int, d: int) -> None:
         within("among", self.discs(count), count)
-        self.at(0.0).radii(count)
+        self.check_period("radius: the largest sum of two", 2.0 * float(self.at(0.0).radii(count).max()))
 
     def discs(self, count: int) -> NDArray[np.int64]:
         """Return which of ``count`` particles are discs, shape (n,)."""
-        return np.arange(count) if self.among is None else np.asarray(self.among)
+        return members(self.among, count)
 
     def radii(self, count: int) -> NDArray[np.float64]:
         """Return the radius of each of ``count`` particles, shape (count,); 0 for particles that are no discs."""
-        discs = self.discs(count)
-        radii = np.zeros(count)
-        radii[discs] = spread("radius", np.asarray(self.radius), len(discs), "particles")
-        return radii
+        return for_members("radius", self.radius, self.among, count)
 
     def select(self, x: NDArray[np.float64], search_radius: float) -> DistanceRows:
         """Return the pairs with a gap of at most 2 search_radius."""
         discs, radii = self.discs(len(x)), self.radii(len(x))
         if not np.isfinite(search_radius):
-            return _all_pairs(discs, radii)
+            i, j = (discs[place] for place in np.tril_indices(len(discs), -1))
+            return DistanceRows(i, j, radii[i] + radii[j], 1.0, box=self.box)
         from dincl.neighbours.search import neighbour_pairs
 
-        start, partner = neighbour_pairs(x[discs], radii[discs] + search_radius)
+        start, partner = neighbour_pairs(x[discs], radii[discs] + search_radius, self.box)
         i, j = np.repeat(discs, np.diff(start)), discs[partner]
-        return DistanceRows(i, j, radii[i] + radii[j], 1.0)
+        return DistanceRows(i, j, radii[i] + radii[j], 1.0, box=self.box)
 
     def updated(self, rows: DistanceRows | DiscPairs, count: int) -> DistanceRows | DiscPairs:
         radii = self.radii(count)
@@ -81,16 +96,11 @@ class NonOverlap(Timed):
 
     def sweep_rows(self, x: NDArray[np.float64]) -> DiscPairs:
         discs = self.discs(len(x))
-        return DiscPairs(self.radii(len(x))[discs], None if self.among is None else discs)
-
-
-def _all_pairs(discs: NDArray[np.int64], radii: NDArray[np.float64]) -> DistanceRows:
-    i, j = (discs[place] for place in np.tril_indices(len(discs), -1))
-    return DistanceRows(i, j, radii[i] + radii[j], 1.0)
+        return DiscPairs(self.radii(len(x))[discs], None if self.among is None else discs, self.box)
 
 
 @dataclass(frozen=True, eq=False)
-class MaxDistance(Timed):
+class MaxDistance(Distances):
     """g_k(x) = length_k - |X_i - X_j| >= 0 for the pairs (i, j) in their order.
 
     Parameters
@@ -117,11 +127,12 @@ class MaxDistance(Timed):
 
     def check(self, count: int, d: int) -> None:
         within("pairs", np.asarray(self.pairs), count)
+        self.check_period("length", float(np.max(self.at(0.0).length, initial=0.0)))
 
     def select(self, x: NDArray[np.float64], search_radius: float) -> DistanceRows:
         """Return the pairs with a slack of at most 2 search_radius."""
         pairs = np.asarray(self.pairs)
-        rows = DistanceRows(pairs[:, 0].copy(), pairs[:, 1].copy(), np.asarray(self.length), -1.0)
+        rows = DistanceRows(pairs[:, 0].copy(), pairs[:, 1].copy(), np.asarray(self.length), -1.0, box=self.box)
         return rows.take(rows.values(x) <= 2 * search_radius)
 
     def updated(self, rows: DistanceRows, count: int) -> DistanceRows:
@@ -137,13 +148,44 @@ class MaxDistance(Timed):
 
 
 @dataclass(frozen=True, eq=False)
-class _Ball(Timed):
+class Distance(MaxDistance):
+    """|X_i - X_j| = length_k for the pairs (i, j), each at most once: rigid rods. An equality is two rows, g and -g.
+
+    Parameters
+    ----------
+    pairs
+        Particle indices, shape (m, 2), two different ones in each pair.
+    length
+        The distance, > 0, one for all pairs or shape (m,) [length]; or a function of time: t -> length.
+    """
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        ends = np.sort(np.asarray(self.pairs), axis=1)
+        if len(np.unique(ends, axis=0)) < len(ends):
+            raise InvalidProblem(f"pairs = {describe(self.pairs)}: must name each pair at most once")
+
+    def select(self, x: NDArray[np.float64], search_radius: float) -> DistanceRows:
+        """Return all rows: the ones that keep apart, then the ones that hold together."""
+        i, j = np.tile(np.asarray(self.pairs), (2, 1)).T.copy()
+        sign = np.repeat((1.0, -1.0), len(i) // 2)
+        return DistanceRows(i, j, np.tile(np.asarray(self.length), 2), sign, box=self.box)
+
+    def updated(self, rows: DistanceRows, count: int) -> DistanceRows:
+        return replace(rows, length=np.tile(np.asarray(self.length), 2))
+
+
+@dataclass(frozen=True, eq=False)
+class _Ball(Distances):
     centre: Any
     distance: Any
+    particles: ArrayLike | None = None
     functions_of_time = ("centre", "distance")
     sign: ClassVar[float]
 
     def __post_init__(self) -> None:
+        if self.particles is not None:
+            object.__setattr__(self, "particles", indices("particles", self.particles, distinct=True))
         if self.timed:
             return
         centre = array("centre", self.centre)
@@ -154,18 +196,24 @@ class _Ball(Timed):
     def check(self, count: int, d: int) -> None:
         now = self.at(0.0)
         vector("centre", np.asarray(now.centre), d)
-        spread("distance", np.asarray(now.distance), count, "particles")
+        within("particles", members(self.particles, count), count)
+        self.check_period("distance", float(now.distances(count).max()))
+
+    def distances(self, count: int) -> NDArray[np.float64]:
+        """Return ``distance`` of each of ``count`` particles, 0 of those that the set is not for."""
+        return for_members("distance", self.distance, self.particles, count)
 
     def select(self, x: NDArray[np.float64], search_radius: float) -> DistanceRows:
         """Return the particles closer to the sphere than ``search_radius``, or beyond it."""
-        count = len(x)
-        length = spread("distance", np.asarray(self.distance), count, "particles")
-        rows = DistanceRows(np.arange(count), None, length, self.sign, np.tile(np.asarray(self.centre), (count, 1)))
+        held = members(self.particles, len(x))
+        centres = np.tile(np.asarray(self.centre), (len(held), 1))
+        rows = DistanceRows(held, None, self.distances(len(x))[held], self.sign, centres, box=self.box)
         return rows.take(rows.values(x) <= search_radius)
 
     def updated(self, rows: DistanceRows, count: int) -> DistanceRows:
-        length = spread("distance", np.asarray(self.distance), count, "particles")[rows.i]
-        return replace(rows, length=length, anchor=np.tile(np.asarray(self.centre), (len(rows), 1)))
+        return replace(
+            rows, length=self.distances(count)[rows.i], anchor=np.tile(np.asarray(self.centre), (len(rows), 1))
+        )
 
     def change_from(self, other: _Ball, x: NDArray[np.float64], search_radius: float) -> float:
         way, grown = (
@@ -175,20 +223,22 @@ class _Ball(Timed):
 
 
 class OutsideBall(_Ball):
-    """g_i(x) = |X_i - centre| - distance_i >= 0 for every particle i: an obstacle.
+    """g_i(x) = |X_i - centre| - distance_i >= 0 for each particle i: an obstacle.
 
-    ``centre`` has shape (d,); ``distance`` > 0 is one for all or has shape (N,): the radius of the obstacle plus that
-    of the particle [length]. Each may be a function of time: t -> value.
+    ``centre`` has shape (d,); ``distance`` > 0 is one for all or has shape (n,): the radius of the obstacle plus that
+    of the particle [length]. Each may be a function of time: t -> value. ``particles`` (n,) are those that the obstacle
+    holds back, each at most once; None: all.
     """
 
     sign = 1.0
 
 
 class InsideBall(_Ball):
-    """g_i(x) = distance_i - |X_i - centre| >= 0 for every particle i: a container.
+    """g_i(x) = distance_i - |X_i - centre| >= 0 for each particle i: a container.
 
-    ``centre`` has shape (d,); ``distance`` > 0 is one for all or has shape (N,): the radius of the container less that
-    of the particle [length]. Each may be a function of time: t -> value.
+    ``centre`` has shape (d,); ``distance`` > 0 is one for all or has shape (n,): the radius of the container less that
+    of the particle [length]. Each may be a function of time: t -> value. ``particles`` (n,) are those that it contains,
+    each at most once; None: all.
     """
 
     sign = -1.0

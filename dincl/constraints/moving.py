@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -146,6 +146,11 @@ class Moving(Constraint):
             raise InvalidProblem(
                 f"path(0.0) of shape {shape}: must have shape ({d},); to turn a set: dincl.RigidMotion"
             )
+
+    def in_box(self, box: NDArray[np.float64]) -> Moving:
+        if isinstance(self.path, RigidMotion):
+            raise InvalidProblem(f"path = {describe(self.path)}: a set cannot turn in a periodic box")
+        return replace(self, constraint=self.constraint.in_box(box))
 
     def placement(self, t: float, d: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return R (d, d) and b (d,) of the map X -> R X + b that carries the set from its place to that at time t."""

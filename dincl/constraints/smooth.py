@@ -7,8 +7,10 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from dincl.callables import arguments_of
-from dincl.checks import describe, function
+from dincl.checks import describe, flag, function
 from dincl.constraints.base import Constraint
 from dincl.constraints.derivatives import NumericalJacobian
 from dincl.errors import InvalidProblem
@@ -17,7 +19,6 @@ from dincl.rows.functions import all_rows
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    import numpy as np
     from numpy.typing import NDArray
 
     from dincl.rows.base import RowsOfOneKind
@@ -63,7 +64,7 @@ class DifferentiableConstraint(Constraint):
 
 @dataclass(frozen=True, eq=False)
 class Smooth(Constraint):
-    """g(x) >= 0 for a continuously differentiable g.
+    """g(x) >= 0, or g(x) = 0, for a continuously differentiable g.
 
     Parameters
     ----------
@@ -73,14 +74,18 @@ class Smooth(Constraint):
         dg/dx, of the same arguments, of shape (m, N*d) or (m, N, d), dense, or scipy.sparse of shape (m, N*d). A
         Problem compares it with differences at its start and refuses a wrong one. None: it is computed, by complex
         steps if g accepts complex x, else by central differences; see ``NumericalJacobian``. The repr says which.
+    equality
+        Whether g(x) = 0 is meant: an equality is two rows, g and -g.
 
     All rows are candidates at all times, since no Lipschitz constant of g is known.
     """
 
     g: Callable[..., Any]
     jacobian: Callable[..., Any] | None = None
+    equality: bool = False
 
     def __post_init__(self) -> None:
+        flag("equality", self.equality)
         function("g", self.g, "a callable of x (N, d), or of t and x")
         if self.jacobian is None:
             object.__setattr__(self, "jacobian", NumericalJacobian(self.g))
@@ -96,13 +101,15 @@ class Smooth(Constraint):
     def at(self, t: float) -> Smooth:
         """Return the set {g(t, x) >= 0} of this t."""
         derivative: Any = self.jacobian
-        return Smooth(partial(self.g, t), partial(derivative, t)) if self.timed else self
+        return Smooth(partial(self.g, t), partial(derivative, t), self.equality) if self.timed else self
 
     def parameters(self, t: float, x: NDArray[np.float64]) -> NDArray[np.float64] | None:
         return self.at(t).select(x, 0.0).values(x) if self.timed else None
 
     def select(self, x: NDArray[np.float64], search_radius: float) -> SmoothRows:
         derivative: Any = self.jacobian
+        if self.equality:
+            return all_rows(partial(both_signs, self.g), partial(both_signs, derivative), x, negated=True)
         return all_rows(self.g, derivative, x)
 
     def select_at(self, t: float, x: NDArray[np.float64], search_radius: float) -> SmoothRows:
@@ -110,8 +117,23 @@ class Smooth(Constraint):
 
     def rows_at(self, t: float, rows: Any, shape: tuple[int, ...]) -> Any:
         now: Any = self.at(t)
-        return replace(rows, g=now.g, derivative=now.jacobian) if self.timed else rows
+        if not self.timed:
+            return rows
+        if self.equality:
+            return replace(rows, g=partial(both_signs, now.g), derivative=partial(both_signs, now.jacobian))
+        return replace(rows, g=now.g, derivative=now.jacobian)
 
     def __repr__(self) -> str:
         how = self.jacobian.method if isinstance(self.jacobian, NumericalJacobian) else "given"
         return f"Smooth(jacobian: {how})"
+
+
+def both_signs(function: Callable[..., Any], x: NDArray[np.float64]) -> Any:
+    """Return what a function returns, rows of numbers or of a sparse matrix, and below it the same with the sign -."""
+    found = function(x)
+    if hasattr(found, "tocsr"):
+        from scipy.sparse import vstack
+
+        return vstack((found, -found), format="csr")
+    numbers = np.asarray(found)
+    return np.concatenate((numbers, -numbers)) if numbers.ndim else found

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self, cast
 import numpy as np
 
 from dincl.callables import UserFunction
+from dincl.checks import spread
 from dincl.constraints.base import Constraint
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.status import Status
@@ -109,6 +110,18 @@ class Timed(Constraint):
             except InvalidProblem as error:
                 raise StepFailure(Status.CONSTRAINT_FAILED, f"{type(self).__name__} at t = {t:g}: {error}.") from error
         return found
+
+
+def members(particles: Any, count: int) -> NDArray[np.int64]:
+    """Return the particles that a set is for: all of ``count`` if none are named."""
+    return np.arange(count) if particles is None else np.asarray(particles)
+
+
+def for_members(name: str, value: Any, particles: Any, count: int) -> NDArray[np.float64]:
+    """Return a number of each of ``count`` particles from one, or one for each of those named; 0 for all others."""
+    found, named = np.zeros(count), members(particles, count)
+    found[named] = spread(name, np.asarray(value), len(named), "particles")
+    return found
 
 
 def _evaluated(name: str, function: Callable[[float], Any], t: float) -> NDArray[np.float64]:

@@ -24,11 +24,14 @@ def gap_and_slope_at(run: EventWorkspace, r: int, theta: float) -> tuple[float, 
     """Compute a number with the sign of the gap of row r less ``state.level``, and its derivative after theta."""
     state, system, dense, x, terms = run.state[0], system_at(run.system), run.dense, run.x, run.pair.terms
     row, rows, sets, d, h = system.rows.row[r], system.rows, system.sets, system.sets.shift.shape[1], state.step
-    if is_timed(sets, row) or row.kind == FORMULA:
+    curved = (
+        row.kind in (CALLBACK, FORMULA) or sets.general[row.family] != 0 or (row.kind == DISTANCE and row.plain == 0)
+    )
+    if is_timed(sets, row) or curved:
         dense_state(run, theta)
         call_python(sets, state.t + theta * h, run.point, VELOCITIES)
     value, slope = 0.0, 0.0
-    if row.kind in (CALLBACK, FORMULA) or sets.general[row.family] != 0:
+    if curved:
         value = linearise(rows, sets, r, run.point, system.program.gradient) - state.level
         slope = row_dot(rows, r, system.program.gradient, run.rate[SPARE]) - h * set_speed(system, r)
         if np.isnan(value):  # at a centre there is no gradient, but there is a gap

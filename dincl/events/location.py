@@ -248,7 +248,7 @@ def stays_open(run: EventWorkspace, r: int) -> bool:
     """Return whether a row of a set that does not move is met neither on the lines of the step nor within ``bend``."""
     rows, sets = system_at(run.system).rows, system_at(run.system).sets
     row, d = rows.row[r], sets.shift.shape[1]
-    if row.kind != DISTANCE or is_timed(sets, row):
+    if row.kind != DISTANCE or row.plain == 0 or is_timed(sets, row):
         return False
     start, along, way, end = 0.0, 0.0, 0.0, 0.0
     for k in range(d):

@@ -43,6 +43,9 @@ class PairList(NamedTuple):
     point: Floats  # (m d,): positions of the discs, or (0,) for all particles
     reference: Floats  # (m d,): positions for which the list was made
     backup: Floats  # (m d,): positions before a sweep
+    scale: Floats  # (m,): of scaled coordinates, see ``dincl.mobility``, and their origins; (0,) for plain ones
+    origin: Floats  # (m d,)
+    box: Floats  # (d,): periods of the axes, 0 for one that does not repeat
     skin: Floats  # (2,): of this list, and the widest [length]
     grown: Floats  # (1,): by how much a disc has grown since the list was made, at most [length]
     number: Offsets  # (NUMBERS,)
@@ -140,23 +143,46 @@ def rebuild(x: Floats, pairs: PairList, axes: Any) -> int:
 def compare_few(x: Floats, pairs: PairList, axes: Any) -> None:
     """List the pairs of few discs by comparing all of them."""
     first, second, radius, skin, d, count = pairs.first, pairs.second, pairs.radius, pairs.skin[0], len(axes), 0
+    plain = pairs.scale.size == 0
     for i in range(radius.size):
         for j in range(i):
             # Every pair is written and only a close one is counted: this spares a branch that nobody can predict.
             first[count], second[count] = i, j
             limit = radius[i] + radius[j] + 2.0 * skin
-            count += square_distance(x, i * d, x, j * d, axes) <= limit * limit
+            square = square_distance(x, i * d, x, j * d, axes) if plain else square_of_arrow(x, pairs, i, j, axes)
+            count += square <= limit * limit
     pairs.number[COUNT] = count
 
 
 @inner
+def arrow_between(x: Floats, pairs: PairList, i: int, j: int, k: int, d: int) -> float:
+    """Compute component k of the arrow from disc j to disc i in scaled coordinates, the shortest to an image."""
+    one, other = i * d + k, j * d + k
+    arrow = (pairs.origin[one] - pairs.origin[other]) + (pairs.scale[i] * x[one] - pairs.scale[j] * x[other])
+    if pairs.box[k] > 0.0:
+        arrow -= pairs.box[k] * np.rint(arrow / pairs.box[k])
+    return float(arrow)
+
+
+@inner
+def square_of_arrow(x: Floats, pairs: PairList, i: int, j: int, axes: Any) -> float:
+    """Compute the square of the length of the arrow between two discs."""
+    square = 0.0
+    for k in range(len(axes)):
+        arrow = arrow_between(x, pairs, i, j, k, len(axes))
+        square += arrow * arrow
+    return square
+
+
+@inner
 def project_pair(
-    x: Floats, i: int, j: int, length: float, multiplier: Floats, p: int, begin: bool, compliance: float, axes: Any
+    x: Floats, pairs: PairList, i: int, j: int, length: float, p: int, begin: bool, compliance: float, axes: Any
 ) -> int:
     """Move a pair apart: 1 if it moved, 0 if it does not overlap, -1 if its centres coincide.
 
     With e = (X_i - X_j) / |X_i - X_j| and the overlap v > 0:  X_i += v/2 e,  X_j -= v/2 e.
     """
+    i, j = i * len(axes), j * len(axes)
     square = square_distance(x, i, x, j, axes)
     if square >= length * length:
         return 0
@@ -174,12 +200,13 @@ def project_pair(
 
 @inner
 def correct_pair(
-    x: Floats, i: int, j: int, length: float, multiplier: Floats, p: int, begin: bool, compliance: float, axes: Any
+    x: Floats, pairs: PairList, i: int, j: int, length: float, p: int, begin: bool, compliance: float, axes: Any
 ) -> int:
     """Move pair p along its gradient by the change of its multiplier: 1, 0 or -1 as ``project_pair``.
 
     For g + compliance mu = 0 with mu >= 0 the change is -(g + compliance mu) / (|grad g|^2 + compliance), at least -mu.
     """
+    multiplier, i, j = pairs.multiplier, i * len(axes), j * len(axes)
     before = 0.0 if begin else multiplier[p]
     square, total = square_distance(x, i, x, j, axes), compliance
     if before == 0.0 and square >= length * length:
@@ -202,8 +229,33 @@ def correct_pair(
     return int(after != before)
 
 
+@inner
+def correct_any_pair(
+    x: Floats, pairs: PairList, i: int, j: int, length: float, p: int, begin: bool, compliance: float, axes: Any
+) -> int:
+    """Do ``correct_pair`` in scaled coordinates and periodic boxes; without multipliers it is a projection."""
+    multiplier, d, kept = pairs.multiplier, len(axes), pairs.multiplier.size > 0
+    one, other, before = pairs.scale[i], pairs.scale[j], 0.0
+    if kept and not begin:
+        before = multiplier[p]
+    square, total = square_of_arrow(x, pairs, i, j, axes), one * one + other * other + compliance
+    after = 0.0
+    if before != 0.0 or square < length * length:
+        distance = np.sqrt(square)
+        if distance == 0.0:
+            return -1
+        after = max(before - (distance - length + compliance * before) / total, 0.0) if total > 0.0 else 0.0
+        for k in range(d):
+            step = (after - before) * (arrow_between(x, pairs, i, j, k, d) / distance)
+            x[i * d + k] += one * step
+            x[j * d + k] -= other * step
+    if kept:
+        multiplier[p] = after
+    return int(after != before)
+
+
 def disc_sweep(visit: Callable[..., int]) -> Callable[..., int]:
-    """Make the sweep over discs in which pairs are visited by ``project_pair`` or ``correct_pair``."""
+    """Make the sweep over discs in which pairs are visited by a function such as ``project_pair``."""
 
     @inner
     def sweep_pairs(x: Floats, pairs: PairList, begin: bool, compliance: float, axes: Any) -> int:
@@ -212,11 +264,11 @@ def disc_sweep(visit: Callable[..., int]) -> Callable[..., int]:
         Source: Example 2.5; Algorithm 1 of chapter 2 misprints the sign.
         """
         # Arrays are read out of the struct once: the compiler cannot know that x is no part of it.
-        first, second, radius, multiplier = pairs.first, pairs.second, pairs.radius, pairs.multiplier
+        first, second, radius = pairs.first, pairs.second, pairs.radius
         reference, allowed, corrections, d = pairs.reference, allowed_square(pairs), 0, len(axes)
         for p in range(pairs.number[COUNT]):
             i, j = int(np.int64(first[p])), int(np.int64(second[p]))
-            moved = visit(x, i * d, j * d, radius[i] + radius[j], multiplier, p, begin, compliance, axes)
+            moved = visit(x, pairs, i, j, radius[i] + radius[j], p, begin, compliance, axes)
             if moved == 0:
                 continue
             if moved < 0:
@@ -271,10 +323,11 @@ def add_disc_forces(x: Floats, pairs: PairList, spring: bool, force: Floats, axe
         code = rebuild(x, pairs, axes)
         if code != DONE:
             return int(code)
-    first, second, radius = pairs.first, pairs.second, pairs.radius
+    first, second, radius, plain = pairs.first, pairs.second, pairs.radius, pairs.scale.size == 0
     for p in range(pairs.number[COUNT]):
         i, j = int(np.int64(first[p])), int(np.int64(second[p]))
-        distance = np.sqrt(square_distance(x, i * d, x, j * d, axes))
+        square = square_distance(x, i * d, x, j * d, axes) if plain else square_of_arrow(x, pairs, i, j, axes)
+        distance = np.sqrt(square)
         overlap = radius[i] + radius[j] - distance
         if not overlap > 0.0:
             continue
@@ -283,9 +336,10 @@ def add_disc_forces(x: Floats, pairs: PairList, spring: bool, force: Floats, axe
             return SAME_POINT
         scale, one, other = 1.0 / distance, i if whole else disc[i], j if whole else disc[j]
         for k in range(d):
-            entry = (x[i * d + k] - x[j * d + k]) * scale * (overlap if spring else 1.0)
-            force[one * d + k] += entry
-            force[other * d + k] -= entry
+            arrow = x[i * d + k] - x[j * d + k] if plain else arrow_between(x, pairs, i, j, k, d)
+            entry = arrow * scale * (overlap if spring else 1.0)
+            force[one * d + k] += entry if plain else pairs.scale[i] * entry
+            force[other * d + k] -= entry if plain else pairs.scale[j] * entry
     pairs.number[SWEEPS] += 1
     return DONE
 

@@ -13,6 +13,7 @@ from dincl.compiled import allocating, inner, kernel
 from dincl.compiled.arrays import Axes, Floats, Indices, Offsets, axes_of
 from dincl.errors import StepFailure
 from dincl.neighbours import ALL_PAIRS
+from dincl.rows.base import nearest_image
 from dincl.status import Status
 
 # The grid spans at most so many axes; distances always use all of them.
@@ -33,7 +34,7 @@ class TooManyPairs(Exception):
     """More than MOST_PAIRS candidates."""
 
 
-def neighbour_pairs(x: Floats, radius: Floats) -> tuple[Offsets, Indices]:
+def neighbour_pairs(x: Floats, radius: Floats, box: Floats | None = None) -> tuple[Offsets, Indices]:
     """List, for each disc i, all j < i with |X_i - X_j| <= r_i + r_j.
 
     The cost is linear in n plus the number of pairs for discs of similar radii, however far apart they are.
@@ -61,6 +62,8 @@ def neighbour_pairs(x: Floats, radius: Floats) -> tuple[Offsets, Indices]:
     -----
     Collision detection in linear time: thesis, Remark 2.6.
     """
+    if box is not None:
+        return periodic_pairs(x, radius, box)
     if x.shape[0] <= ALL_PAIRS:
         return compared_pairs(x, radius, axes_of(x))
     try:
@@ -68,6 +71,22 @@ def neighbour_pairs(x: Floats, radius: Floats) -> tuple[Offsets, Indices]:
     except TooManyPairs:
         detail = f"More than {MOST_PAIRS:,} pairs of particles are close to each other."
         raise StepFailure(Status.CROWDED, detail) from None
+
+
+def periodic_pairs(x: Floats, radius: Floats, box: Floats) -> tuple[Offsets, Indices]:
+    """List the same pairs as ``neighbour_pairs``, of the nearest images, by SciPy's tree of boxes."""
+    from scipy.spatial import KDTree
+
+    lengths = np.where(box > 0, box, np.inf)
+    wrapped = np.where(box > 0, x - box * np.floor(x / lengths), x)
+    wrapped = np.where((box > 0) & (wrapped >= lengths), 0.0, wrapped)  # -1e-20 rounds to a whole period
+    largest = 2.0 * float(radius.max(initial=0.0))
+    finite = np.asarray(np.isfinite(wrapped).all(axis=1))
+    wrapped[~finite] = 0.0
+    pairs = KDTree(wrapped, boxsize=box).query_pairs(largest * CELL_MARGIN, output_type="ndarray")
+    arrows = nearest_image(x[pairs[:, 0]] - x[pairs[:, 1]], box)
+    close = ((arrows**2).sum(axis=1) <= radius[pairs].sum(axis=1) ** 2) & finite[pairs].all(axis=1)
+    return rows_of_pairs(pairs[close].astype(np.int32), len(x))
 
 
 @inner

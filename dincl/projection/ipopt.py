@@ -51,7 +51,7 @@ LIMITED_MEMORY = {"ipopt.hessian_approximation": "limited-memory"}
 # Compiled programs kept for the next time that the same rows are near.
 MOST_PROGRAMS = 64
 # Words after which the certificate decides whether the point is good enough.
-FOUND = ("Solve_Succeeded", "Search_Direction_Becomes_Too_Small")
+FOUND = ("Solve_Succeeded", "Solved_To_Acceptable_Level", "Search_Direction_Becomes_Too_Small")
 
 
 @dataclass(frozen=True)
@@ -141,14 +141,20 @@ class _Program:
                 # The numbers that _expression has symbols for, in the same order.
                 parameters += [polynomial.constant, polynomial.linear.data, polynomial.weight]
         start = ((guess - y) / scale).ravel()
-        found = self._solver(x0=start, p=np.concatenate(parameters), lbg=0.0, ubg=np.inf)
+        # The second half of an equality is left out, and has what is negative of the multipliers of the first.
+        first = np.concatenate([_half(block, 0) for block in blocks])
+        second = np.concatenate([_half(block, 1) for block in blocks])
+        bounds = {"lbg": np.where(second, -np.inf, 0.0), "ubg": np.where(first, 0.0, np.inf)}
+        found = self._solver(x0=start, p=np.concatenate(parameters), **bounds)
         for function in self._functions.values():
             if function.failure is not None:
                 raise function.failure
         x = y + scale * np.array(found["x"]).reshape(y.shape)
         steep = np.concatenate([_steepness(block, x) for block in blocks])
         # CasADi gives multipliers <= 0 to lower bounds.
-        multipliers = np.maximum(-scale * np.array(found["lam_g"]).ravel() * steep, 0.0)
+        signed = -scale * np.array(found["lam_g"]).ravel() * steep
+        signed[second] = -signed[first]
+        multipliers = np.maximum(signed, 0.0)
         stats = self._solver.stats()
         return x, multipliers, int(stats["iter_count"]), str(stats["return_status"])
 
@@ -169,7 +175,7 @@ class _Polynomial(NamedTuple):
 
 def _polynomial(rows: RowsOfOneKind, y: NDArray[np.float64], scale: float) -> _Polynomial | None:
     """Return g / s of affine rows, and sign (|X_i - X_j|^2 - L^2) / (2 L s); None if g itself is to be called."""
-    if isinstance(rows, DistanceRows):
+    if isinstance(rows, DistanceRows) and rows.scale is None and rows.box is None:
         twice, values = 2.0 * rows.length, rows.squared_values(rows.values(y), rows.squared_steepness(y))
         linear = divided(rows.squared_jacobian(y), twice)
         return _Polynomial(values / (twice * scale), linear, rows.sign * scale / twice, rows.i, rows.j)
@@ -180,13 +186,21 @@ def _polynomial(rows: RowsOfOneKind, y: NDArray[np.float64], scale: float) -> _P
 
 def _steepness(rows: RowsOfOneKind, x: NDArray[np.float64]) -> NDArray[np.float64]:
     """Compute the length of the gradient of the polynomial over that of g / s at x, shape (m,)."""
-    return rows.squared_steepness(x) / (2.0 * rows.length) if isinstance(rows, DistanceRows) else np.ones(len(rows))
+    if isinstance(rows, DistanceRows) and rows.scale is None and rows.box is None:
+        return rows.squared_steepness(x) / (2.0 * rows.length)
+    return np.ones(len(rows))
+
+
+def _half(rows: RowsOfOneKind, which: int) -> NDArray[np.bool_]:
+    """Return which rows are in the first or second half of an equality, shape (m,)."""
+    in_half: NDArray[np.bool_] = np.arange(len(rows)) // max(len(rows) // 2, 1) == which
+    return in_half & rows.equal
 
 
 def _structure(rows: RowsOfOneKind) -> tuple[Any, ...]:
     """Return a key that is equal for rows whose programs differ in numbers only."""
     if isinstance(rows, DistanceRows):
-        return rows.sign, rows.i.tobytes(), None if rows.j is None else rows.j.tobytes()
+        return np.asarray(rows.sign).tobytes(), rows.i.tobytes(), None if rows.j is None else rows.j.tobytes()
     if isinstance(rows, AffineRows):
         return rows.matrix.indptr.tobytes(), rows.matrix.indices.tobytes()
     return type(rows), len(rows)

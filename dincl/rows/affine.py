@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.sparse import csr_array
 
+    from dincl.mobility import Scaling
     from dincl.rows.base import Rows
 
 
@@ -41,6 +42,11 @@ class AffineRows(RowsOfOneKind):
     def shifted(self, displacement: NDArray[np.float64]) -> AffineRows:
         everywhere = np.tile(displacement, self.matrix.shape[1] // len(displacement))
         return replace(self, bound=self.bound + self.matrix @ everywhere)
+
+    def scaled(self, scaling: Scaling) -> AffineRows:
+        matrix = self.matrix.copy()
+        matrix.data *= np.repeat(scaling.root, scaling.origin.shape[1])[matrix.indices]
+        return AffineRows(matrix, self.bound - applied(self.matrix, scaling.origin.ravel()))
 
     def keys(self) -> NDArray[np.int64]:
         starts = self.matrix.indptr

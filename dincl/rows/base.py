@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
     from dincl.errors import StepFailure
+    from dincl.mobility import Scaling
 
 
 class TableRows(NamedTuple):
@@ -57,6 +58,11 @@ class RowsOfOneKind(Rows):
     affine = False
 
     @property
+    def equal(self) -> bool:
+        """Whether this is an equality: the second half of the rows are the negatives of the first half."""
+        return False
+
+    @property
     def concave(self) -> bool:
         """Whether g is known to be concave, so that its linearisations hold wherever g >= 0."""
         return self.affine
@@ -75,6 +81,10 @@ class RowsOfOneKind(Rows):
     def placed(self, turn: NDArray[np.float64], shift: NDArray[np.float64]) -> RowsOfOneKind:
         """Return the rows g(R^T (x - b)) of the set carried by X -> R X + b, R (d, d) a rotation, b (d,)."""
         return PlacedRows(self, turn, shift)
+
+    def scaled(self, scaling: Scaling) -> RowsOfOneKind:
+        """Return the rows g(origin + root z) for scaled coordinates z, see ``dincl.mobility``."""
+        return ScaledRows(self, scaling)
 
     @abstractmethod
     def keys(self) -> NDArray[np.int64]:
@@ -122,36 +132,24 @@ class StackedRows(Rows):
 
 
 @dataclass(frozen=True, eq=False)
-class PlacedRows(RowsOfOneKind):
-    """g(R^T (x - b)) >= 0 for rows g(x) >= 0, with a rotation ``turn`` R (d, d) and ``shift`` b (d,)."""
+class WrappedRows(RowsOfOneKind):
+    """Rows of a function of other coordinates; what does not depend on coordinates is that of ``rows``."""
 
     rows: RowsOfOneKind
-    turn: NDArray[np.float64]
-    shift: NDArray[np.float64]
 
     def __len__(self) -> int:
         return len(self.rows)
 
-    def values(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        return self.rows.values((x - self.shift) @ self.turn)
-
-    def jacobian(self, x: NDArray[np.float64]) -> csr_array:
-        from scipy.sparse import csr_array, eye_array, kron
-
-        of_set = self.rows.jacobian((x - self.shift) @ self.turn)
-        turned: csr_array = csr_array(of_set @ kron(eye_array(len(x)), self.turn.T, format="csr"))
-        turned.sort_indices()
-        return turned
+    @property
+    def equal(self) -> bool:
+        return self.rows.equal
 
     @property
     def concave(self) -> bool:
         return self.rows.concave
 
-    def take(self, keep: NDArray[np.bool_]) -> PlacedRows:
+    def take(self, keep: NDArray[np.bool_]) -> Self:
         return replace(self, rows=self.rows.take(keep))
-
-    def shifted(self, displacement: NDArray[np.float64]) -> PlacedRows:
-        return replace(self, shift=self.shift + displacement)
 
     def keys(self) -> NDArray[np.int64]:
         return self.rows.keys()
@@ -166,14 +164,67 @@ class PlacedRows(RowsOfOneKind):
         return failure
 
 
+@dataclass(frozen=True, eq=False)
+class ScaledRows(WrappedRows):
+    """g(origin + root z) >= 0 for rows g(x) >= 0, see ``dincl.mobility``."""
+
+    scaling: Scaling
+
+    def values(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        return self.rows.values(self.scaling.positions(x))
+
+    def jacobian(self, x: NDArray[np.float64]) -> csr_array:
+        found = self.rows.jacobian(self.scaling.positions(x)).copy()
+        found.data *= np.repeat(self.scaling.root, x.shape[1])[found.indices]
+        return found
+
+    def shifted(self, displacement: NDArray[np.float64]) -> ScaledRows:
+        return replace(self, rows=self.rows.shifted(displacement))
+
+
+@dataclass(frozen=True, eq=False)
+class PlacedRows(WrappedRows):
+    """g(R^T (x - b)) >= 0 for rows g(x) >= 0, with a rotation ``turn`` R (d, d) and ``shift`` b (d,)."""
+
+    turn: NDArray[np.float64]
+    shift: NDArray[np.float64]
+
+    def values(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        return self.rows.values((x - self.shift) @ self.turn)
+
+    def jacobian(self, x: NDArray[np.float64]) -> csr_array:
+        from scipy.sparse import csr_array, eye_array, kron
+
+        of_set = self.rows.jacobian((x - self.shift) @ self.turn)
+        turned: csr_array = csr_array(of_set @ kron(eye_array(len(x)), self.turn.T, format="csr"))
+        turned.sort_indices()
+        return turned
+
+    def shifted(self, displacement: NDArray[np.float64]) -> PlacedRows:
+        return replace(self, shift=self.shift + displacement)
+
+
 class DiscPairs(NamedTuple):
     """All pairs of discs, i ascending, then j < i ascending, to be separated one after another.
 
-    ``radius`` has shape (m,); ``among`` (m,) are the particles that are discs, None if all particles are.
+    ``radius`` has shape (m,); ``among`` (m,) are the particles that are discs, None if all particles are. ``scaling``
+    and ``box`` are as for ``dincl.rows.distance.DistanceRows``.
     """
 
     radius: NDArray[np.float64]
     among: NDArray[np.int64] | None
+    box: NDArray[np.float64] | None = None
+    scaling: Scaling | None = None
+
+    def scaled(self, scaling: Scaling) -> DiscPairs:
+        """Return the discs of scaled coordinates."""
+        return self._replace(scaling=scaling)
+
+
+def nearest_image(arrows: NDArray[np.float64], box: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the shortest of the arrows (m, d) that a periodic box (d,) makes equal; 0: the axis does not repeat."""
+    lengths = np.where(box > 0, box, np.inf)
+    return arrows - np.where(box > 0, box * np.rint(arrows / lengths), 0.0)
 
 
 def coordinates(particles: NDArray[np.int64], d: int) -> NDArray[np.int64]:

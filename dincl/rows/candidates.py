@@ -6,7 +6,7 @@ import numpy as np
 
 from dincl.compiled import inner
 from dincl.compiled.arrays import Floats, Offsets, Table
-from dincl.rows.table import CALLBACK, DISTANCE, FORMULA, RowTable, Sets, compare_sets, value_of
+from dincl.rows.table import CALLBACK, DISTANCE, FORMULA, RowTable, Sets, arrow_of, compare_sets, value_of
 
 
 class CandidateRows(NamedTuple):
@@ -46,7 +46,7 @@ def find_candidates(rows: RowTable, sets: Sets, t: float, x: Floats, radius: flo
         if row.kind == DISTANCE and row.sign > 0.0 and row.j >= 0:
             square, least = 0.0, row.length + margin
             for k in range(d):
-                arrow = x[row.i * d + k] - x[row.j * d + k]
+                arrow = arrow_of(rows, sets, r, x, k)
                 square += arrow * arrow
             close = square <= least * least
         else:

@@ -29,7 +29,7 @@ class SmoothRows(RowsOfOneKind):
     """g(x - shift) >= 0 for callables g: (N, d) -> (m,) and derivative: (N, d) -> (m, N*d), dense or sparse.
 
     ``index`` lists the rows taken of the ``total`` rows that g has; ``names`` are the names of the two callables in
-    messages.
+    messages; ``negated`` says that the second half of the rows are the negatives of the first.
     """
 
     g: Callable[[NDArray[np.float64]], Any]
@@ -38,9 +38,14 @@ class SmoothRows(RowsOfOneKind):
     index: NDArray[np.int64]
     shift: NDArray[np.float64] | float = 0.0
     names: tuple[str, str] = ("g", "jacobian")
+    negated: bool = False
 
     def __len__(self) -> int:
         return len(self.index)
+
+    @property
+    def equal(self) -> bool:
+        return self.negated
 
     def values(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         return _function_of_x(self.names[0]).evaluated(self.g, x - self.shift, shape=(self.total,))[self.index]
@@ -62,7 +67,7 @@ class SmoothRows(RowsOfOneKind):
         return from_rows(np.searchsorted(row, np.arange(len(full) + 1)), column, full[row, column], x.size)
 
     def take(self, keep: NDArray[np.bool_]) -> SmoothRows:
-        return replace(self, index=self.index[keep])
+        return replace(self, index=self.index[keep], negated=self.negated and bool(keep.all()))
 
     def shifted(self, displacement: NDArray[np.float64]) -> SmoothRows:
         return replace(self, shift=self.shift + displacement)
@@ -79,10 +84,12 @@ def all_rows(
     derivative: Callable[[NDArray[np.float64]], Any],
     x: NDArray[np.float64],
     names: tuple[str, str] = ("g", "jacobian"),
+    *,
+    negated: bool = False,
 ) -> SmoothRows:
     """Return all rows of g, as many as g has at x (N, d)."""
     total = len(_function_of_x(names[0]).evaluated(g, x, shape=(None,)))
-    return SmoothRows(g, derivative, total, np.arange(total), names=names)
+    return SmoothRows(g, derivative, total, np.arange(total), names=names, negated=negated)
 
 
 @cache

@@ -28,7 +28,10 @@ ROW = np.dtype(
         ("j", np.int64),
         ("length", np.float64),  # L of sign (|X_i - X_j| - L), b of a.x - b
         ("sign", np.float64),
-        ("square", np.float64),  # |a|^2
+        ("square", np.float64),  # |a|^2, or |grad g|^2 of a distance
+        ("one", np.float64),  # of a distance: the scales of X_i and X_j
+        ("other", np.float64),
+        ("plain", np.int64),  # whether both scales are 1 and nothing is periodic
         ("lipschitz", np.float64),  # how fast g changes at most while no particle moves faster than 1
     ]
 )
@@ -102,6 +105,7 @@ class Sets(NamedTuple):
     first: Offsets  # (rows of Python + 1,): the Jacobian dg/dx, row by row
     column: Offsets
     entry: Floats
+    box: Floats  # (d,): the periods of the axes, 0 for one that does not repeat; or (0,) if none does
     tables: Offsets  # (2,): the address of ``TimedSets``, or 0, and whether Python writes anything, too
 
 
@@ -143,15 +147,25 @@ def is_timed(sets: Sets, row: Any) -> bool:
 
 
 @inner
+def arrow_of(rows: RowTable, sets: Sets, r: int, x: Floats, k: int) -> float:
+    """Compute component k of the arrow of a row of distances, s_i X_i - s_j X_j - anchor, the shortest to an image."""
+    row, d = rows.row[r], sets.shift.shape[1]
+    other = rows.coefficient[rows.start[r] + k]
+    other += row.other * x[row.j * d + k] if row.j >= 0 else sets.shift[row.family, k]
+    arrow = row.one * x[row.i * d + k] - other
+    if sets.box.size > 0 and sets.box[k] > 0.0:
+        arrow -= sets.box[k] * np.rint(arrow / sets.box[k])
+    return float(arrow)
+
+
+@inner
 def distance(rows: RowTable, sets: Sets, r: int, x: Floats) -> float:
-    """Compute |X_i - X_j| of a row of distances."""
-    row = rows.row[r]
-    d = sets.shift.shape[1]
-    if row.j >= 0:
+    """Compute the length of the arrow of a row of distances."""
+    row, d, square = rows.row[r], sets.shift.shape[1], 0.0
+    if row.plain != 0 and row.j >= 0:
         return float(np.sqrt(square_distance(x, row.i * d, x, row.j * d, sets.shift[row.family])))
-    square = 0.0
     for k in range(d):
-        arrow = x[row.i * d + k] - (rows.coefficient[rows.start[r] + k] + sets.shift[row.family, k])
+        arrow = arrow_of(rows, sets, r, x, k)
         square += arrow * arrow
     return float(np.sqrt(square))
 
@@ -187,11 +201,11 @@ def value_of(rows: RowTable, sets: Sets, r: int, x: Floats) -> float:
 
 @inner
 def gap(rows: RowTable, sets: Sets, r: int, x: Floats) -> float:
-    """Compute g_r(x) of a distance, and g_r(x) / |grad g_r(x)| of other rows."""
+    """Compute g_r(x) of a distance in the coordinates of the user, and g_r(x) / |grad g_r(x)| of other rows."""
     row, value = rows.row[r], value_of(rows, sets, r, x)
-    if row.kind == DISTANCE:
+    if row.kind == DISTANCE and row.plain != 0:
         return value
-    square = row.square if row.kind == AFFINE else square_of_gradient(rows, sets, r)
+    square = row.square if row.kind == AFFINE or row.kind == DISTANCE else square_of_gradient(rows, sets, r)
     return float(value / np.sqrt(square) if square > 0.0 else value)
 
 
@@ -212,9 +226,9 @@ def square_of_gradient(rows: RowTable, sets: Sets, r: int) -> float:
 def scaled_length(rows: RowTable, sets: Sets, r: int) -> float:
     """Return the factor by which ``linearise`` divided the gradient and the gap of row r just now."""
     row = rows.row[r]
-    if row.kind == DISTANCE:
+    if row.kind == DISTANCE and row.plain != 0:
         return 1.0
-    square = row.square if row.kind == AFFINE else square_of_gradient(rows, sets, r)
+    square = row.square if row.kind == AFFINE or row.kind == DISTANCE else square_of_gradient(rows, sets, r)
     return float(np.sqrt(square)) if square > 0.0 else 1.0
 
 
@@ -238,16 +252,15 @@ def evaluate_distance(rows: RowTable, sets: Sets, r: int, x: Floats, gradient: F
     Where two that are held together coincide, zero is a subgradient.
     """
     row, first, d = rows.row[r], rows.start[r], sets.shift.shape[1]
-    i, j, length = row.i * d, row.j * d, distance(rows, sets, r, x)
+    length = distance(rows, sets, r, x)
     if length == 0.0 and row.sign > 0.0:
         return np.nan
     scale = row.sign / length if length > 0.0 else 0.0
     for k in range(d):
+        slope = scale * arrow_of(rows, sets, r, x, k)
+        gradient[first + k] = row.one * slope
         if row.j >= 0:
-            gradient[first + k] = scale * (x[i + k] - x[j + k])
-            gradient[first + d + k] = -gradient[first + k]
-        else:
-            gradient[first + k] = scale * (x[i + k] - rows.coefficient[first + k] - sets.shift[row.family, k])
+            gradient[first + d + k] = -row.other * slope
     return float(row.sign * (length - row.length))
 
 
@@ -277,13 +290,13 @@ def evaluate_other(rows: RowTable, sets: Sets, r: int, x: Floats, gradient: Floa
 def linearise(rows: RowTable, sets: Sets, r: int, x: Floats, gradient: Floats) -> float:
     """Write the gradient of row r at x, scaled to length 1, into ``gradient``; return the gap, NaN without a gradient.
 
-    The gradient for the distance of a pair keeps its length, root 2. A gradient that vanishes stays as it is.
+    The gradient for the plain distance of a pair keeps its length, root 2. A gradient that vanishes stays as it is.
     """
     row = rows.row[r]
-    if row.kind == DISTANCE:
+    if row.kind == DISTANCE and row.plain != 0:
         return evaluate_distance(rows, sets, r, x, gradient)
     value, square = evaluate_row(rows, sets, r, x, gradient), row.square
-    if row.kind != AFFINE:
+    if row.kind != AFFINE and row.kind != DISTANCE:
         square = 0.0
         for p in range(rows.start[r], rows.stop[r]):
             square += gradient[p] * gradient[p]

@@ -77,6 +77,8 @@ class SecondOrderPBD(FixedStep):
         v0 = np.zeros_like(problem.x0) if self.v0 is None else np.asarray(self.v0)
         if v0.shape != problem.x0.shape:
             raise InvalidProblem(f"v0 of shape {v0.shape}: must have the shape of x0, {problem.x0.shape}")
+        if problem.scaling is not None:
+            v0 = problem.scaling.velocities(v0)
         return _sweeping(problem, "run_pbd", self.sweeps, v0=v0)
 
 
@@ -128,5 +130,6 @@ def _sweeping(
     from dincl.steps.stepper import CompiledStepper
 
     settings = Settings(sweeps=sweeps, compliance=compliance)
-    kernel, multipliers = getattr(sweeping, run), run == "run_xpbd"
-    return CompiledStepper.sweeping(problem, kernel, settings, multipliers=multipliers, v0=v0)
+    kernels, multipliers = (getattr(sweeping, run + of) for of in ("", "_of_any")), run == "run_xpbd"
+    plain, of_any = kernels
+    return CompiledStepper.sweeping(problem, plain, settings, of_any=of_any, multipliers=multipliers, v0=v0)

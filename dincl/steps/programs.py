@@ -228,7 +228,7 @@ def carry_bounds(system: SystemArrays, t: float, around: Floats, later: float) -
         if sets.general[row.family] == 0:
             continue
         before = row_dot(rows, r, program.gradient, around)
-        if row.kind == DISTANCE and row.j < 0:
+        if row.kind == DISTANCE and row.j < 0 and row.plain != 0:
             from_point = before  # how far the particle is from the point, along the arrow that led there from it
             for p in range(rows.start[r], rows.stop[r]):
                 from_point -= program.gradient[p] * rows.coefficient[p]

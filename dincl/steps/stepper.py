@@ -88,11 +88,16 @@ class CompiledStepper(Stepper):
         run: Any,
         settings: Settings,
         *,
+        of_any: Any = None,
         multipliers: bool = False,
         v0: NDArray[np.float64] | None = None,
     ) -> CompiledStepper:
-        """Bind a scheme that takes one row after another; with ``multipliers`` each row has one."""
+        """Bind a scheme that takes one row after another; with ``multipliers`` each row has one.
+
+        The kernel ``of_any`` is taken for discs in scaled coordinates or a periodic box, where that is another one.
+        """
         swept = SweptSets(problem, multipliers=multipliers)
+        run = run if swept.plain or of_any is None else of_any
         system = CompiledProblem.for_sweeps(problem, swept.selection)
         system.functions += swept.searches
         system.sets.updates += swept.updates

@@ -13,6 +13,7 @@ from dincl.neighbours.lists import (
     UNKNOWN,
     Move,
     add_disc_forces,
+    correct_any_pair,
     correct_pair,
     gather,
     move_all,
@@ -142,42 +143,51 @@ def sweeps_of(sweep: Callable[..., int]) -> Callable[..., int]:
     return sweep_often
 
 
-project_often = sweeps_of(sweep_of(project_pair, way_onto_wall, project_onto_rows))
-correct_often = sweeps_of(sweep_of(correct_pair, way_at_wall, correct_rows))
+def pbd_of(visit_pair: Callable[..., int]) -> Callable[..., int]:
+    """Make the step of position based dynamics in which pairs are visited like this."""
+    project_often = sweeps_of(sweep_of(visit_pair, way_onto_wall, project_onto_rows))
+
+    @inner
+    def pbd(run: Stepping, t: float, h: float, x: Floats, v: Floats, after: Floats) -> int:
+        """P_{S_M} ... P_{S_1} (x + h F(t, x)), or of x + h (v + h F), as often as set, with the sets at t + h."""
+        system = system_at(run.system)
+        code = drift_at_start(run, system, t, x)
+        if code == OK:
+            code = project_often(run, t + h, Move(h, x, v, run.rate), after, 0.0)
+        return int(code)
+
+    return pbd
 
 
-@inner
-def pbd(run: Stepping, t: float, h: float, x: Floats, v: Floats, after: Floats) -> int:
-    """P_{S_M} ... P_{S_1} (x + h F(t, x)), or of x + h (v + h F), as often as set, with the sets at t + h."""
-    system = system_at(run.system)
-    code = drift_at_start(run, system, t, x)
-    if code == OK:
-        code = project_often(run, t + h, Move(h, x, v, run.rate), after, 0.0)
-    return code
+def xpbd_of(visit_pair: Callable[..., int]) -> Callable[..., int]:
+    """Make the step of extended position based dynamics."""
+    correct_often = sweeps_of(sweep_of(visit_pair, way_at_wall, correct_rows))
 
+    @inner
+    def xpbd(run: Stepping, t: float, h: float, x: Floats, v: Floats, after: Floats) -> int:
+        """Sweep over x + h F(t, x) with the sets at t + h, with a multiplier for each row that is 0 at the start.
 
-@inner
-def xpbd(run: Stepping, t: float, h: float, x: Floats, v: Floats, after: Floats) -> int:
-    """Sweep over x + h F(t, x) with the sets at t + h, with a multiplier for each row that is 0 at the start.
+        Multipliers belong to pairs of a list. If a list no longer holds all pairs, the step is repeated with a wider
+        one.
+        """
+        system, families = system_at(run.system), run.families
+        code = drift_at_start(run, system, t, x)
+        for _ in range(MOST_LISTS):
+            if code != OK:
+                return code
+            for r in range(system.program.multiplier.size):
+                system.program.multiplier[r] = 0.0
+            code = correct_often(run, t + h, Move(h, x, v, run.rate), after, run.settings.compliance / h)
+            if code != STALE:
+                return code
+            for f in range(families.form.size):
+                if families.form[f] == DISCS:
+                    pairs = pair_list_at(families.pairs[f])
+                    pairs.number[SWEEPS], pairs.number[OUTDATED] = 0, 1
+            code = OK
+        return TOO_FAR
 
-    Multipliers belong to pairs of a list. If a list no longer holds all pairs, the step is repeated with a wider one.
-    """
-    system, families = system_at(run.system), run.families
-    code = drift_at_start(run, system, t, x)
-    for _ in range(MOST_LISTS):
-        if code != OK:
-            return code
-        for r in range(system.program.multiplier.size):
-            system.program.multiplier[r] = 0.0
-        code = correct_often(run, t + h, Move(h, x, v, run.rate), after, run.settings.compliance / h)
-        if code != STALE:
-            return code
-        for f in range(families.form.size):
-            if families.form[f] == DISCS:
-                pairs = pair_list_at(families.pairs[f])
-                pairs.number[SWEEPS], pairs.number[OUTDATED] = 0, 1
-        code = OK
-    return TOO_FAR
+    return xpbd
 
 
 @inner
@@ -196,7 +206,8 @@ def penalty(run: Stepping, t: float, h: float, x: Floats, v: Floats, after: Floa
     return code
 
 
-_pbd, _xpbd, _penalty = loop_of(pbd), loop_of(xpbd), loop_of(penalty)
+_pbd, _xpbd, _penalty = loop_of(pbd_of(project_pair)), loop_of(xpbd_of(correct_pair)), loop_of(penalty)
+_pbd_of_any, _xpbd_of_any = loop_of(pbd_of(correct_any_pair)), loop_of(xpbd_of(correct_any_pair))
 
 
 @partial(kernel, references=False)
@@ -215,3 +226,15 @@ def run_xpbd(place: int, grid: TimeGrid, output: int) -> tuple[int, int]:
 def run_penalty(place: int, grid: TimeGrid, output: int) -> tuple[int, int]:
     """Make steps of the penalty method."""
     return _penalty(place, grid, output)
+
+
+@partial(kernel, references=False)
+def run_pbd_of_any(place: int, grid: TimeGrid, output: int) -> tuple[int, int]:
+    """Make steps of position based dynamics in scaled coordinates or a periodic box."""
+    return _pbd_of_any(place, grid, output)
+
+
+@partial(kernel, references=False)
+def run_xpbd_of_any(place: int, grid: TimeGrid, output: int) -> tuple[int, int]:
+    """Make steps of extended position based dynamics in scaled coordinates or a periodic box."""
+    return _xpbd_of_any(place, grid, output)

@@ -42,7 +42,11 @@ class SweptSets:
         The searches for near pairs, one for each large family of discs.
     updates
         Functions of time that write the radii of growing discs.
+    plain
+        Whether no discs have scaled coordinates or a periodic box.
     """
+
+    plain = True
 
     def __init__(self, problem: Problem, *, multipliers: bool) -> None:
         """Bind; with ``multipliers``, pairs and walls have one each."""
@@ -118,10 +122,17 @@ class SweptSets:
     def _pair_list(self, f: int, discs: DiscPairs, d: int) -> StructPointer:
         """Make arrays for the near pairs of a family; none is listed yet."""
         m, smallest, some = len(discs.radius), float(discs.radius.min(initial=np.inf)), discs.among is not None
-        few = m <= ALL_PAIRS
+        few, scale, origin, box = m <= ALL_PAIRS, np.zeros(0), np.zeros(0), discs.box
+        if discs.scaling is not None or box is not None:
+            self.plain, scale, origin = False, np.ones(m), np.zeros((m, d))
+        if discs.scaling is not None:
+            named = np.arange(m) if discs.among is None else discs.among
+            scale, origin = discs.scaling.root[named], discs.scaling.origin[named]
 
         def list_pairs(t: float, x: int, *_: int) -> int:
-            start, partner = neighbour_pairs(numbers_at(x, (m, d)), pointer.value.radius + pointer.value.skin[0])
+            places = numbers_at(x, (m, d))
+            places = places if not scale.size else origin + scale[:, None] * places
+            start, partner = neighbour_pairs(places, pointer.value.radius + pointer.value.skin[0], box)
             pairs: PairList = pointer.value
             if len(partner) > len(pairs.second):
                 self._needed[f] = len(partner)
@@ -142,6 +153,9 @@ class SweptSets:
                 point=np.zeros(m * d if some else 0),
                 reference=np.zeros(m * d),
                 backup=np.zeros(m * d),
+                scale=scale,
+                origin=origin.ravel(),
+                box=np.zeros(d) if box is None else box.copy(),
                 skin=smallest * np.array([FIRST_SKIN, WIDEST_SKIN]) if m else np.zeros(2),
                 grown=np.zeros(1),
                 number=np.zeros(NUMBERS, dtype=np.int64),

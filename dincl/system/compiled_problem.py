@@ -102,7 +102,7 @@ class CompiledProblem:
         n, families, d = problem.x0.size, len(problem.constraints), problem.x0.shape[1]
         rows, called = self._tabulated(0.0)
         self.drift = DriftPointer(problem)
-        self.sets = SetsPointer(problem.x0, selection, called, units, self.drift)
+        self.sets = SetsPointer(problem.x0, selection, called, units, self.drift, problem.box)
         search = PythonFunction(self._list_rows, SETS) if searches else None
         functions = (self.drift, self.sets, search)
         self.functions = [one for one in functions if isinstance(one, PythonFunction)]

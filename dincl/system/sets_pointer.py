@@ -68,6 +68,7 @@ class SetsPointer(PythonFunction):
         called: tuple[int, ...],
         units: Units,
         drift: DriftPointer,
+        box: NDArray[np.float64] | None = None,
     ) -> None:
         self._drift = drift
         self._start, self._shape = start, selection.shape
@@ -98,6 +99,7 @@ class SetsPointer(PythonFunction):
             first=np.zeros(m + 1, dtype=np.int64),
             column=np.zeros(entries, dtype=np.int64),
             entry=np.zeros(entries),
+            box=np.zeros(0) if box is None else box / units.length,
             tables=np.array([0, 1]),
         )
 

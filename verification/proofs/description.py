@@ -43,6 +43,9 @@ def plus(a: Dyadic, b: Dyadic) -> Dyadic:
 
 def described(problem: dincl.Problem) -> tuple[Certificate, dict[str, Any], Places]:
     """Return a problem as a certificate without pieces, its functions by their names, and where its rows are."""
+    for name in ("mobility", "box"):
+        if getattr(problem, name) is not None:
+            raise dincl.InvalidProblem(f"{name}: proofs are for problems without it")
     functions: dict[str, Any] = {}
     rows, places = _all_rows(problem, functions)
     start = tuple([dyadic(v) for v in problem.x0.ravel()])
@@ -86,15 +89,14 @@ def _rows(constraint: Constraint, block: Any, count: int, d: int) -> list[ExactR
             return [ExactRow("distance", tuple(pair), dyadic(length), -1) for pair, length in ends]
         case dincl.InsideBall() | dincl.OutsideBall():
             anchor = tuple([dyadic(c) for c in np.asarray(constraint.centre)])
-            lengths = np.broadcast_to(np.asarray(constraint.distance), (count,))
-            sign = int(constraint.sign)
-            return [ExactRow("distance", (i,), dyadic(length), sign, anchor) for i, length in enumerate(lengths)]
+            lengths, sign = [dyadic(r) for r in constraint.distances(count)], int(constraint.sign)
+            return [ExactRow("distance", (i,), lengths[i], sign, anchor) for i in block.i.tolist()]
         case dincl.HalfSpace():
             axes, weights = _weights(constraint)
-            offset, radii = dyadic(constraint.offset), np.broadcast_to(np.asarray(constraint.radius), (count,))
+            offset, radii = dyadic(constraint.offset), [dyadic(r) for r in constraint.radii(count)]
             return [
-                ExactRow("affine", tuple([d * i + k for k in axes]), plus(offset, dyadic(r)), weights=weights)
-                for i, r in enumerate(radii)
+                ExactRow("affine", tuple([d * i + k for k in axes]), plus(offset, radii[i]), weights=weights)
+                for i in block.particle.tolist()
             ]
         case dincl.Ordered():
             columns = (np.asarray(constraint.chain) * d + constraint.axis).tolist()

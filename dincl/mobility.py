@@ -1,0 +1,162 @@
+"""Mobilities: a problem in coordinates in which all particles are equally mobile.
+
+With a mobility b_i >= 0 of each particle and B = diag(b) the inclusion is x' = B F + B sum_k lambda_k grad g_k with
+lambda_k >= 0. Let b* = max b, root_i = (b_i / b*)^(1/2) and x = origin + root z, with the origin x0 of fixed particles
+and 0 for all others. Then z' = b* root F + sum_k (b* lambda_k) grad_z g_k: an inclusion without mobilities, for the
+sets of g(origin + root z). Distances in z are those of the metric of b* B^-1, so projections are the ones of that
+metric, PBD moves both ends of a pair in proportion to their mobilities, and as root <= 1 no error in x is larger than
+the one in z.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from dincl.constraints.base import Constraint
+from dincl.drifts.affine import AffineDrift
+from dincl.problem import Problem
+from dincl.rows.base import DiscPairs
+from dincl.trajectory import Between
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from dincl.constraints.base import Swept
+    from dincl.trajectory import RunOutcome
+
+
+@dataclass(frozen=True, eq=False)
+class Scaling:
+    """x = origin + root z for ``root`` (N,), in [0, 1], and ``origin`` (N, d); ``most`` is the largest mobility b*."""
+
+    root: NDArray[np.float64]
+    origin: NDArray[np.float64]
+    most: float
+
+    def positions(self, z: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Compute x from scaled coordinates (..., N, d)."""
+        found: NDArray[np.float64] = self.origin + self.root[:, None] * z
+        return found
+
+    def coordinates(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Compute z from positions (..., N, d); 0 for fixed particles."""
+        return self.velocities(x - self.origin)
+
+    def velocities(self, v: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Compute z' from velocities x' (..., N, d); 0 for fixed particles."""
+        fixed = self.root == 0.0
+        found: NDArray[np.float64] = np.where(fixed, 0.0, 1.0)[:, None] * v / np.where(fixed, 1.0, self.root)[:, None]
+        return found
+
+
+def scaling_of(x0: NDArray[np.float64], mobility: NDArray[np.float64]) -> Scaling:
+    """Make the coordinates for mobilities (N,) >= 0, of which one is > 0, and a start (N, d)."""
+    most = float(mobility.max())
+    return Scaling(np.sqrt(mobility / most), np.where((mobility > 0)[:, None], 0.0, x0), most)
+
+
+@dataclass(frozen=True, eq=False)
+class Scaled(Constraint):
+    """A set in scaled coordinates z. The rows of one that depends on time are ``raw``: ``rows_at`` scales them."""
+
+    constraint: Constraint
+    scaling: Scaling
+    raw: bool
+
+    @property
+    def timed(self) -> bool:
+        return self.constraint.timed
+
+    def at(self, t: float) -> Scaled:
+        return replace(self, constraint=self.constraint.at(t))
+
+    def parameters(self, t: float, x: NDArray[np.float64]) -> NDArray[np.float64] | None:
+        return self.constraint.parameters(t, self.scaling.positions(x))
+
+    def select(self, x: NDArray[np.float64], search_radius: float) -> Any:
+        rows: Any = self.constraint.select(self.scaling.positions(x), search_radius)
+        return rows if self.raw else rows.scaled(self.scaling)
+
+    def sweep_rows(self, x: NDArray[np.float64]) -> Swept:
+        rows: Any = self.constraint.sweep_rows(self.scaling.positions(x))
+        found: Swept = rows if self.raw and not isinstance(rows, DiscPairs) else rows.scaled(self.scaling)
+        return found
+
+    def select_at(self, t: float, x: NDArray[np.float64], search_radius: float) -> Any:
+        rows: Any = self.constraint.select_at(t, self.scaling.positions(x), search_radius)
+        return rows if self.raw else rows.scaled(self.scaling)
+
+    def rows_at(self, t: float, rows: Any, shape: tuple[int, ...]) -> Any:
+        return self.constraint.rows_at(t, rows, shape).scaled(self.scaling) if self.raw else rows
+
+    def change(self, t: float, later: float, x: NDArray[np.float64], search_radius: float) -> float:
+        return self.constraint.change(t, later, self.scaling.positions(x), search_radius)
+
+
+@dataclass(frozen=True, eq=False)
+class ScaledDrift:
+    """z' = b* root F(t, origin + root z), for a drift that is no affine one."""
+
+    drift: Any
+    scaling: Scaling
+
+    def __call__(self, t: float, z: NDArray[np.float64]) -> Any:
+        x = self.scaling.positions(z)
+        x.flags.writeable = False
+        found = self.drift(t, x)
+        scaled = np.asarray(found, dtype=np.float64) if np.shape(found) == z.shape else found
+        return scaled * (self.scaling.most * self.scaling.root)[:, None] if np.shape(found) == z.shape else found
+
+
+def scaled_drift(drift: Any, scaling: Scaling) -> Any:
+    """Return the drift of scaled coordinates."""
+    if not isinstance(drift, AffineDrift):
+        return ScaledDrift(drift, scaling)
+    factor = scaling.most * scaling.root
+    at_origin = drift(0.0, scaling.origin)
+    stretch, turn = (factor * scaling.root * rate for rate in (drift.stretch, drift.turn))
+    return AffineDrift(factor[:, None] * at_origin, stretch, turn)
+
+
+def in_scaled_coordinates(problem: Problem) -> tuple[Problem, Scaling]:
+    """Return a problem without mobilities for the scaled coordinates of one with mobilities, and these coordinates."""
+    scaling = scaling_of(problem.x0, np.asarray(problem.mobility))
+    sets = tuple([Scaled(one, scaling, one.timed) for one in problem.constraints])
+    same: Any = object.__new__(Problem)
+    # Checked already, as the problem of the user.
+    vars(same).update(
+        x0=scaling.coordinates(problem.x0),
+        drift=scaled_drift(problem.drift, scaling),
+        constraints=sets,
+        mobility=None,
+        box=problem.box,
+        scaling=scaling,
+    )
+    return same, scaling
+
+
+def _problem_type() -> Any:
+
+    return Problem
+
+
+@dataclass(frozen=True, eq=False)
+class Unscaled(Between):
+    """The states between output times in the coordinates of the user; residuals are those of scaled coordinates."""
+
+    between: Between
+    scaling: Scaling
+
+    def states(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        return self.scaling.positions(self.between.states(times))
+
+    def residuals(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        return self.between.residuals(times)
+
+
+def unscaled(outcome: RunOutcome, scaling: Scaling) -> RunOutcome:
+    """Return the outcome of a run in the coordinates of the user."""
+    return replace(outcome, x=scaling.positions(outcome.x), between=Unscaled(outcome.between, scaling))
