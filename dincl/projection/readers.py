@@ -7,11 +7,13 @@ from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from zipfile import BadZipFile
 
 import numpy as np
 
 from dincl.errors import InvalidProblem
 from dincl.extras import needs
+from dincl.files import open_file
 from dincl.matrices.definite import factorised
 from dincl.projection.polyhedra import Lcp, NearestPoint
 
@@ -52,31 +54,28 @@ def read_fclib(path: str | os.PathLike[str], *, frictionless: bool = False) -> N
     with needs("read_fclib", "contact"):
         import h5py
     with h5py.File(path, "r") as file:
-        most = COMPRESSED * Path(path).stat().st_size
+        kind = "fclib_local" if "fclib_local" in file else "fclib_global"
 
         def values(name: str) -> Any:
-            found = file.get(name)
-            if not isinstance(found, h5py.Dataset) or found.nbytes > most:
+            found = file.get(f"{kind}/{name}")
+            if not isinstance(found, h5py.Dataset) or not 0 < found.nbytes <= COMPRESSED * Path(path).stat().st_size:
                 raise InvalidProblem(f"{path}: must be a file of FCLIB, with {name} and no more data than fit into it")
             return np.ravel(found[()])
 
-        kind = "fclib_local" if "fclib_local" in file else "fclib_global"
         if any(f"{kind}/{name}" in file for name in ("V", "G")):
             raise InvalidProblem(f"{path}: has equalities, which are not read")
-        friction = float(np.max(values(f"{kind}/vectors/mu"), initial=0.0))
+        friction, each = float(np.max(values("vectors/mu"), initial=0.0)), max(int(values("spacedim")[0]), 1)
         if friction > 0 and not frictionless:
             raise InvalidProblem(
                 f"{path}: has friction, mu = {friction:g}: a problem with friction is no projection; "
                 "frictionless=True leaves it out"
             )
-        each = max(int(values(f"{kind}/spacedim")[0]), 1)
         if kind == "fclib_local":
-            q = values(f"{kind}/vectors/q")
-            W = _of_cs(lambda part: values(f"{kind}/W/{part}"), (len(q), len(q)))
-            return Lcp(W[::each][:, ::each], q[::each])
-        f, w = values(f"{kind}/vectors/f"), values(f"{kind}/vectors/w")
-        M = _of_cs(lambda part: values(f"{kind}/M/{part}"), (len(f), len(f)))
-        H = _of_cs(lambda part: values(f"{kind}/H/{part}"), (len(f), len(w)))
+            q = values("vectors/q")
+            return Lcp(_of_cs(lambda part: values(f"W/{part}"), (len(q), len(q)))[::each][:, ::each], q[::each])
+        f, w = values("vectors/f"), values("vectors/w")
+        M = _of_cs(lambda part: values(f"M/{part}"), (len(f), len(f)))
+        H = _of_cs(lambda part: values(f"H/{part}"), (len(f), len(w)))
         return _program(path, M, -f, H[:, ::each].T, -w[::each], None)
 
 
@@ -94,7 +93,8 @@ def read_qp(path: str | os.PathLike[str]) -> NearestPoint:
     OSError
         If there is no such file.
     """
-    from scipy.sparse import csr_array, eye_array, vstack
+    from scipy.io.matlab import MatReadError
+    from scipy.sparse import csr_array, vstack
 
     try:
         if Path(path).suffix == ".mat":
@@ -107,15 +107,13 @@ def read_qp(path: str | os.PathLike[str]) -> NearestPoint:
             P, q = data["P"], data["q"]
             n, blocks = np.size(q), []
             for name, least, most in (("G", "", "h"), ("A", "b", "b"), ("I", "lb", "ub")):
-                block = (
-                    eye_array(n) if name == "I" else csr_array(np.reshape(data.get(name, np.zeros((0, n))), (-1, n)))
-                )
-                free = np.full(block.shape[0], np.inf)
-                blocks.append((block, data.get(least, -free), data.get(most, free)))
+                block = np.eye(n) if name == "I" else np.reshape(data.get(name, np.zeros((0, n))), (-1, n))
+                free = np.full(len(block), np.inf)
+                blocks.append((csr_array(block), data.get(least, -free), data.get(most, free)))
             rows = vstack([block for block, _, _ in blocks], format="csr")
             low, high = (np.concatenate([np.ravel(block[k]) for block in blocks]) for k in (1, 2))
         rows, low, high = csr_array(rows, dtype=float), np.ravel(low).astype(float), np.ravel(high).astype(float)
-    except (KeyError, ValueError, TypeError) as error:
+    except (KeyError, ValueError, TypeError, EOFError, NotImplementedError, BadZipFile, MatReadError) as error:
         raise InvalidProblem(f"{path}: must be a quadratic program as qpbenchmark keeps it ({error})") from error
     equal = high - low < EQUAL
     below, above = (low > -INFINITE) | equal, (high < INFINITE) & ~equal
@@ -126,7 +124,7 @@ def read_qp(path: str | os.PathLike[str]) -> NearestPoint:
 def _arrays(path: str | os.PathLike[str]) -> dict[str, Any]:
     """Read the arrays of numbers of a file of NumPy; others, such as None, are not there."""
     found = {}
-    with np.load(path, allow_pickle=False) as stored:
+    with open_file(path) as file, np.load(file, allow_pickle=False) as stored:
         for name in stored.files:
             with suppress(ValueError):
                 found[name] = stored[name]

@@ -95,6 +95,21 @@ def test_nearest_points_are_certified(name, projection):
     certified(program, program.solve(projection(tolerance(projection))), tolerance(projection))
 
 
+@EVERY
+@pytest.mark.parametrize("over", [0.0, 0.1])
+def test_a_row_that_follows_from_equalities(over, projection):
+    """Met to rounding it does nothing; with a larger right-hand side it contradicts them."""
+    A, b = [[0.3, 0.1, 0.0], [0.1, 0.7, 0.0], [0.4, 0.8, 0.0], [0.0, 0.0, 1.0]], [0.1, 0.2, 0.1 + 0.2 + over, 0.5]
+    program = dincl.NearestPoint([0.0, 0.0, 0.0], A, b, [True, True, False, False])
+    found = program.solve(projection(TOL))
+    if over == 0:
+        certified(program, found)
+        assert found.multipliers[2] == 0
+    else:
+        assert found.status is dincl.Status.INFEASIBLE
+        assert "rows 2:" in found.detail
+
+
 def gram(m, rank, seed):
     rows = np.random.default_rng(seed).normal(size=(m, rank)) * 10.0 ** np.random.default_rng(seed).uniform(
         -2, 2, (m, 1)
@@ -245,7 +260,13 @@ def test_programs_of_qpsolvers_are_read(tmp_path):
     certified(program, program.solve())
     np.savez(tmp_path / "flat.npz", **(data | {"P": np.diag([1.0, 1.0, 0.0])}))
     np.savez(tmp_path / "other.npz", P=P)
-    for name, words in (("flat.npz", "P is not positive definite"), ("other.npz", "as qpbenchmark keeps it")):
+    whole = (tmp_path / "all.npz").read_bytes()
+    (tmp_path / "cut.npz").write_bytes(whole[: len(whole) // 2])
+    (tmp_path / "text.mat").write_text("words" * 100)
+    refused = {"flat.npz": "P is not positive definite"}
+    for name, words in (
+        refused | dict.fromkeys(("other.npz", "cut.npz", "text.mat"), "as qpbenchmark keeps it")
+    ).items():
         with pytest.raises(dincl.InvalidProblem, match=words):
             read_qp(tmp_path / name)
 
@@ -284,7 +305,7 @@ def test_files_of_fclib_that_are_none_are_refused(tmp_path):
         "not have the shape",
         "does not support dtype",
         "equalities",
-        "with fclib_local/vectors/q",
+        "with vectors/q",
     ]
     for (name, value), word in zip(changes.items(), words, strict=True):
         other = tmp_path / "other.hdf5"

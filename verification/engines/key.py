@@ -99,4 +99,8 @@ def _joined(enclosures: list[list[Any]]) -> list[Any]:
 if __name__ == "__main__":
     key = json.loads(KEY.read_text())
     key["scenes"] = {name: answered(scene) for name, scene in key["scenes"].items()}
-    KEY.write_text(json.dumps(key, indent=1) + "\n")
+    of_scenes = (
+        f'"{name}": {{\n' + ",\n".join(f'  "{field}": {json.dumps(value)}' for field, value in scene.items()) + "\n}"
+        for name, scene in key["scenes"].items()
+    )
+    KEY.write_text(f'{{"format": "{key["format"]}", "scenes": {{\n' + ",\n".join(of_scenes) + "\n}}\n")
