@@ -14,17 +14,7 @@ from dincl.errors import StepFailure
 from dincl.extras import needs
 from dincl.matrices import combined, divided, from_rows, row_squares
 from dincl.norms import length as norm
-from dincl.projection.certificate import (
-    DAMPING,
-    MOST_COMPLETIONS,
-    NEGLIGIBLE,
-    STEPS,
-    Projected,
-    Projection,
-    Solver,
-    missed,
-    row_lengths,
-)
+from dincl.projection.certificate import NEGLIGIBLE, Projected, Projection, Solver, missed, on_active_gram, row_lengths
 from dincl.rows.affine import AffineRows, linearised
 from dincl.status import Status
 
@@ -334,31 +324,13 @@ class InteriorPoints(_LibrarySolver):
     """A library that also solves the dual program, in which a Gram matrix stands for the rows."""
 
     def complementary(self, gram: Any, least: NDArray[np.float64]) -> QpAnswer:
-        """Multipliers >= 0 with gram multipliers >= least and equal where they are > 0, for ones in the diagonal.
+        """Multipliers >= 0 with gram multipliers >= least, = where they are > 0; ones in the diagonal, max least = 1.
 
-        ``gram`` (m, m) is an array or sparse, max ``least`` = 1. What is missing to the tolerance is completed on the
-        active rows, as in ``completed``.
+        ``gram`` (m, m) is an array or sparse.
         """
-        from dincl.matrices.definite import factorised, shifted
-
         found = self._library(None, least, None, gram)
-        best = lam = found.multipliers
-        smallest = np.inf
-        for _ in range(MOST_COMPLETIONS):
-            slope, kept = gram @ lam - least, np.maximum(lam, 0.0)
-            residual = float(np.abs(np.minimum(kept, gram @ kept - least)).max())
-            if residual < smallest:
-                best, smallest = kept, residual
-            active = lam > slope
-            if smallest <= self.tol or not active.any():
-                break
-            part, right, inner = gram[active][:, active], least[active], lam[active]
-            solve = factorised(shifted(part, DAMPING)).solve
-            for _ in range(STEPS):
-                inner = inner + solve(right - part @ inner)
-            lam = np.zeros_like(best)
-            lam[active] = inner
-        return QpAnswer(gram @ best, best, found.iterations)
+        lam = on_active_gram(gram, least, found.multipliers, self.tol)
+        return QpAnswer(gram @ lam, lam, found.iterations)
 
 
 @dataclass(frozen=True)
