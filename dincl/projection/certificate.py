@@ -295,12 +295,12 @@ def on_active_rows(
 
 def on_active_gram(
     gram: Any, least: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float
-) -> NDArray[np.float64]:
-    """Return the best multipliers >= 0 of steps that solve gram lambda = least in the active rows.
+) -> tuple[NDArray[np.float64], float]:
+    """Return the best multipliers >= 0 of steps that solve gram lambda = least in the active rows, and their residual.
 
     Those are active whose multiplier, of either sign, is larger than their gap gram lambda - least, so that a wrong
-    guess of an interior point is corrected; ends once max |min(lambda, gap)| is at most ``tol``. ``gram`` (m, m) is an
-    array or sparse, with ones in its diagonal.
+    guess of an interior point is corrected; ends once the residual max |min(lambda, gap)| is at most ``tol``. ``gram``
+    (m, m) is an array or sparse, with ones in its diagonal.
     """
     from dincl.matrices.definite import factorised, shifted
 
@@ -318,7 +318,7 @@ def on_active_gram(
             inner = inner + solve(right - part @ inner)
         multipliers = np.zeros_like(best)
         multipliers[active] = inner
-    return best
+    return best, smallest
 
 
 class Combination(NamedTuple):

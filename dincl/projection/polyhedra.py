@@ -15,7 +15,15 @@ from dincl.errors import InvalidProblem, StepFailure
 from dincl.matrices import divided, from_equal_rows, from_rows, row_squares
 from dincl.matrices.definite import Factor, factorised, pivoted_cholesky, shifted
 from dincl.norms import length
-from dincl.projection.certificate import REGION, check_projection, least_combination, row_lengths, why_unsolved
+from dincl.projection.certificate import (
+    REGION,
+    check_projection,
+    least_combination,
+    missed,
+    on_active_gram,
+    row_lengths,
+    why_unsolved,
+)
 from dincl.projection.compiled import ActiveSet, ProjectedCG
 from dincl.projection.quadratic import Daqp, InteriorPoints
 from dincl.rows.affine import AffineRows
@@ -342,15 +350,18 @@ class Lcp(_Program):
             try:
                 if isinstance(solver, InteriorPoints):
                     found: Any = solver.complementary(even, now)
-                else:
+                else:  # ``nearest`` would also look for wedges, in which u is inaccurate, but u is not the answer
                     origin = np.zeros((self._rows.shape[1], 1))
-                    found = solver.nearest(AffineRows(self._rows, now), origin, origin, weights)
+                    found = solver.compute(AffineRows(self._rows, now), origin, origin, weights)
+                weights, left = on_active_gram(even, now, found.multipliers, how.tol)
+                if not left <= how.tol:
+                    raise missed(solver.name, left, how.tol)
             except StepFailure as failure:
                 if tilted:  # that there is no point without the skew part proves nothing
                     detail = f"Without the skew part of W: {failure.detail}"
                     raise StepFailure(Status.NOT_CONVERGED, detail) from failure
                 raise _named(why_unsolved(failure, self._rows, now, 1.0), self._rows, now) from failure
-            weights, work = found.multipliers, work + found.iterations
+            work += found.iterations
             if np.abs(np.minimum(weights, even @ weights + skew @ weights - least)).max() <= how.tol:
                 break
         return weights, work

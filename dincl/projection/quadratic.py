@@ -14,7 +14,7 @@ from dincl.errors import StepFailure
 from dincl.extras import needs
 from dincl.matrices import combined, divided, from_rows, row_squares
 from dincl.norms import length as norm
-from dincl.projection.certificate import NEGLIGIBLE, Projected, Projection, Solver, missed, on_active_gram, row_lengths
+from dincl.projection.certificate import NEGLIGIBLE, Projected, Projection, Solver, missed, row_lengths
 from dincl.rows.affine import AffineRows, linearised
 from dincl.status import Status
 
@@ -326,11 +326,9 @@ class InteriorPoints(_LibrarySolver):
     def complementary(self, gram: Any, least: NDArray[np.float64]) -> QpAnswer:
         """Multipliers >= 0 with gram multipliers >= least, = where they are > 0; ones in the diagonal, max least = 1.
 
-        ``gram`` (m, m) is an array or sparse.
+        ``gram`` (m, m) is an array or sparse. ``dincl.projection.certificate.on_active_gram`` completes the answer.
         """
-        found = self._library(None, least, None, gram)
-        lam = on_active_gram(gram, least, found.multipliers, self.tol)
-        return QpAnswer(gram @ lam, lam, found.iterations)
+        return self._library(None, least, None, gram)
 
 
 @dataclass(frozen=True)
