@@ -20,7 +20,7 @@ EXTENSIONS = [page for page in sorted((DOCS / "extend").glob("*.md")) if "```pyt
 PRINTED = {
     "claims": ["2 passed"],
     "emt_study": ["6 comparisons, planned", "Least effect that is shown", "Answers: 6 comparisons", "not shown"],
-    "meanfield": ["g is affine in X", "Work("],
+    "meanfield": ["Phi is not affine in X"],
     "simplify": ["within 6;", "within 3;", "Left out", "no noise", "times less work"],
     "solve": ["SUCCESS", "LinearisedCatchUp", "contact, particle", "smaller dt"],
     "tissue": ["SUCCESS", "height_um", "damping"],
