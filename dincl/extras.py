@@ -11,7 +11,9 @@ from typing import Literal
 
 from dincl.errors import InvalidProblem
 
-Extra = Literal["explore", "meanfield", "proofs", "report", "thesis", "tissue", "transport", "views", "yardsticks"]
+Extra = Literal[
+    "contact", "explore", "meanfield", "proofs", "report", "thesis", "tissue", "transport", "views", "yardsticks"
+]
 # Module -> the package that brings it: all that pyproject.toml lists under these extras.
 PACKAGES = {
     "PIL": "pillow",
@@ -24,6 +26,7 @@ PACKAGES = {
     "filelock": "filelock",
     "flint": "python-flint",
     "furo": "furo",
+    "h5py": "h5py",
     "jinja2": "jinja2",
     "matplotlib": "matplotlib",
     "myst_parser": "myst-parser",
@@ -46,7 +49,7 @@ PACKAGES = {
     "z3": "z3-solver",
 }
 # Packages that neither claims of the thesis nor charts of the report need.
-NOT_IN_THESIS = ("nicegui", "pyvista")
+NOT_IN_THESIS = ("h5py", "nicegui", "pyvista")
 BAD_INPUT = 2  # the code with which a command ends
 
 
