@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 import dincl
-import tissue
 from docs.building.shown import is_notebook
 from tests.optional import need_rendering
 from tests.pages import ROOT, play, run
 from tissue.plugins import registry
+from tissue.runs.registration import KINDS
 from verification.claims import Verdict
 
 pytestmark = pytest.mark.slow
@@ -88,6 +88,16 @@ def space(found):
     assert {"nucleus_z_um", "apical_z_um", "basal_z_um"} <= set(found["run"].table().columns)
 
 
+def own_rules(found):
+    sensed = found["sensed"].query("time_h == 12")
+    assert (sensed["events"] == "BSense").all()
+    assert sensed.query("signal_nM < 6").shape[0] > 0  # daughters, which have half of what their mother had
+    for base in ("published", "sheet"):
+        assert found["mean"][base, "10 um/h"] > 20
+        assert found["mean"][base, "-10 um/h"] < -20
+    assert found["widths"][10] < 0.5 * found["widths"][1]
+
+
 def simplify(found):
     assert found["found"].saving > 2
 
@@ -100,7 +110,7 @@ def proofs(found):
     assert found["proof"].bound <= 1e-25
 
 
-FOUND = (first_steps, own_problem, own_scheme, moving_sets, own_event, own_force, cell_types, space)
+FOUND = (first_steps, own_problem, own_scheme, moving_sets, own_event, own_force, cell_types, space, own_rules)
 CHECKS = {check.__name__: check for check in (*FOUND, simplify, claims, proofs)}
 
 
@@ -114,7 +124,7 @@ def test_a_page_runs_and_gives_what_it_says(name, tmp_path, monkeypatch):
         assert [words for words in PRINTED.get(name, ()) if words not in found["printed"]] == []
         CHECKS.get(name, lambda _: None)(found)
     finally:
-        for kind in (tissue.EmtEvent, tissue.Force, tissue.Observable):
+        for kind in KINDS:
             registry(kind).clear()
 
 

@@ -66,7 +66,7 @@ def resumed(parameters: Parameters, start: Frame, seed: int) -> tuple[TissueStat
     capacity = 2 * len(cells.x)
     space = in_plane() if start.sheets is None else space_of(start.sheets, parameters.joining(), capacity)
     state = new_state(cells, start.layers, past.next_id, emt, capacity=capacity, curve=curve, space=space)
-    state.counts[:] = past.counts
+    state.counts[:], state.clock[:] = past.counts, start.t
     lost = find_lost(state)
     if lost >= 0:
         raise InvalidProblem(
@@ -130,7 +130,7 @@ def _stiffen(parameters: Parameters, cells: Cells) -> None:
 def _with_groups(parameters: Parameters, start: Frame, cells: Cells, random: Streams) -> Emt:
     """Give a tissue of control cells the groups of the parameters; return the EMT cells."""
     n = len(cells.x)
-    check_groups(parameters.types.named(), n, parameters.emt.cells)
+    check_groups(parameters.types.named(), n, parameters.emt)
     lattice = None
     if start.sheets is not None:
         lattice = Lattice(start.sheets.surface, np.stack((cells.bx, cells.by, cells.bz)), spacing=0.0)

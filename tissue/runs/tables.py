@@ -13,6 +13,7 @@ from tissue.events.known import EVENTS
 from tissue.frames.observables import PHASES, areas, measurable, phases, state_of
 from tissue.model.measures import Measures, measure
 from tissue.plugins import Observable, registered
+from tissue.state.cells import VARIABLES
 
 if TYPE_CHECKING:
     from tissue.files.parameters import Parameters
@@ -210,6 +211,7 @@ def _of_cells(frame: Frame, parameters: Parameters) -> Iterator[tuple[str, Any]]
     yield from (("migrates", cells.moves), ("divides", cells.divides))
     yield from (("emt", cells.emt), ("events", np.array([EVENTS[k] for k in begun])[of_cell]))
     yield "type", np.array(parameters.type_names)[cells.kind]
+    yield from ((one.column, row) for one, row in zip(VARIABLES.values(), cells.own, strict=True))
 
 
 # Where the layer bends these, too.

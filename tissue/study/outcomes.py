@@ -151,7 +151,7 @@ def measured(batch: Batch, k: int, t: float) -> tuple[Floats, Flags, float, Floa
         numbers = batch.state(k).cells.emt[: len(where.y_ab)]
         mine = np.flatnonzero((numbers >= 0) & (numbers < m))
         positions[numbers[mine]], beyond[numbers[mine]] = where.y_ab[mine], where.apically[mine]
-        lowest = where.y_ab[others].min(initial=np.inf)
+        lowest = where.y_ab[others].min(initial=np.inf) if others.any() else -math.inf
     return positions, beyond, lowest, np.concatenate((controls, extents, found.shape, own))
 
 

@@ -383,6 +383,10 @@ def _planned(asked: Compare, factors: Factors, scenarios: Mapping[str, Parameter
     if shares and bare:
         allowed = "must have EMT cells to count in each scenario that is compared; emt.cells, or an event of a type"
         raise InvalidProblem(f"compare.outcomes = {shares}: {allowed}, gives some to {bare}")
+    shares = [one for one in asked.outcomes if one == "below" or one in CONTROL_SIDES]
+    full = ", ".join(repr(name) for name in found.scenarios if emt_count(one := scenarios[name]) == one.tissue.cells)
+    if shares and full:
+        raise InvalidProblem(f"compare.outcomes = {shares}: must have control cells to compare with, unlike {full}")
     return found
 
 

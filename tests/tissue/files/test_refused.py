@@ -98,7 +98,10 @@ TOGETHER = {
         {"cell.alpha_aa": 50},
         r"numerics.substeps = 20: must be at least .* of junctions \(cell.alph.*",
     ),
-    "all EMT": ({"emt.cells": 59}, "emt.cells = 59: must be at most 58: EMT cells have control cells on both sides"),
+    "all EMT": (
+        {"emt.cells": 59, "emt.a": "1 h"},
+        "emt.cells = 59: must be at most 58: two of 60 cells at least stay in both layers",
+    ),
     "waits": ({"emt.p": "6 h"}, r'emt.p = "6 h": must be "never": \[P\] waits for \[B\], and b = "never"'),
     "waits for nothing": ({"emt.p": "6 h", "emt.b": "6 h, 0 %"}, 'emt.p = "6 h": must be "never": .*, and b = .*'),
     "bends too much": (
