@@ -11,10 +11,23 @@ from typing import Literal
 
 from dincl.errors import InvalidProblem
 
-Extra = Literal["explore", "meanfield", "proofs", "report", "thesis", "tissue", "transport", "views", "yardsticks"]
+Extra = Literal[
+    "anndata",
+    "data",
+    "explore",
+    "meanfield",
+    "proofs",
+    "report",
+    "thesis",
+    "tissue",
+    "transport",
+    "views",
+    "yardsticks",
+]
 # Module -> the package that brings it: all that pyproject.toml lists under these extras.
 PACKAGES = {
     "PIL": "pillow",
+    "anndata": "anndata",
     "bokeh": "bokeh",
     "casadi": "casadi",
     "clarabel": "clarabel",
@@ -39,14 +52,14 @@ PACKAGES = {
     "sklearn": "scikit-learn",
     "sphinx": "sphinx",
     "sphinx_design": "sphinx-design",
-    "statsmodels": "statsmodels",
     "sympy": "sympy",
     "typer": "typer",
     "uvicorn": "nicegui",
+    "xarray": "xarray",
     "z3": "z3-solver",
 }
 # Packages that neither claims of the thesis nor charts of the report need.
-NOT_IN_THESIS = ("nicegui", "pyvista")
+NOT_IN_THESIS = ("anndata", "nicegui", "pyvista", "xarray")
 BAD_INPUT = 2  # the code with which a command ends
 
 

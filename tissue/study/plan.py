@@ -29,8 +29,9 @@ from tissue.files.quantities import Allowed, count
 from tissue.files.sections import Section
 from tissue.kernels.lanes import WIDTH
 from tissue.plugins import Observable, registered
+from tissue.runs.columns import EXTENTS
 from tissue.study.categories import CONTROL_SIDES, What
-from tissue.study.outcomes import EXTENTS, emt_count
+from tissue.study.outcomes import emt_count
 from tissue.study.parts import Part
 
 FOLDER = Path(__file__).parent.parent / "studies"

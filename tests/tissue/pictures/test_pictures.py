@@ -258,7 +258,7 @@ def test_each_surface_is_drawn_and_handed_to_vtk(name, tmp_path):
     assert 0.05 < shown.mean() < 0.9
     edges = (shown[-5:], shown[:, :5], shown[:, -5:])  # the tissue is in the middle, with room around it
     assert not any(edge.any() for edge in edges)
-    blocks, um, cells = run.to_vtk(), parameters.cell.soft_radius.value, run.final.cells
+    blocks, um, cells = run.final.to_vtk(), parameters.cell.soft_radius.value, run.final.cells
     assert blocks["nuclei"].n_points == len(cells.x)
     assert blocks["nuclei"]["radius"] == pytest.approx(um * cells.radius)
     assert blocks["nuclei"].points[:, 1] == pytest.approx(um * cells.y, rel=1e-6, abs=1e-5)
