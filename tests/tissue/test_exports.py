@@ -11,7 +11,7 @@ import pytest
 
 import tissue
 from dincl.errors import InvalidProblem
-from docs.building import columns as building
+from docs.building.lists import PAGES
 from tests.borders.tissue_calls import shelves
 from tests.optional import need_module
 from tests.tissue.space.in_space import of_surface
@@ -40,9 +40,10 @@ def sheet_run():
     return tissue.simulate(of_surface("plane", numerics__t_end="0.2 h", numerics__keep="0.1 h"), 1)
 
 
-def test_the_page_is_up_to_date():
-    """Else make it again: python -m docs.building.columns."""
-    assert building.PAGE.read_text("utf-8") == building.page()
+@pytest.mark.parametrize("path", PAGES, ids=lambda path: path.stem)
+def test_lists_of_the_reference_are_up_to_date(path):
+    """Else make them again: python -m docs.building.lists."""
+    assert path.read_text("utf-8") == PAGES[path]()
 
 
 def test_each_column_has_a_meaning_and_its_unit(slice_run, sheet_run):

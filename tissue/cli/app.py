@@ -19,7 +19,7 @@ from tissue.cli.fits import fit, sensitivity
 from tissue.cli.messages import RUN_FAILED, messages
 from tissue.cli.parameters import list_parameters
 from tissue.cli.simplify import simplify
-from tissue.cli.studies import idle_events, page, study, summarise
+from tissue.cli.studies import page, study, summarise
 from tissue.files.parameter_files import BASES, PRESETS
 
 if TYPE_CHECKING:
@@ -88,7 +88,7 @@ def run(
         write_arrow(of_cells, folder / "table.parquet")
         write_csv(summary, folder / "summary.csv")
         write_csv(dictionary({"table": cells, "summary": summary}), folder / "columns.csv")
-        write(drawing(measurable(grown.frames)[-1:], parameters), folder / "picture.png")
+        write(drawing(measurable(grown.frames)[-1], parameters), folder / "picture.png")
         if grown.status:  # from the state that failed no run goes on
             grown.final.save(folder / "final.npz")
     print(f"{folder}: {', '.join(WRITTEN if grown.status else WRITTEN[:-1])}")
@@ -169,8 +169,6 @@ def _checked_parameters(parameters: Parameters, file: str, given: str, folder: P
 def _simulated(parameters: Parameters, seed: int, first: Frame | None = None) -> Run:
     from tissue.runs.simulate import simulate
 
-    for line in idle_events(parameters) if first is None else ():
-        warn(line, stacklevel=1)
     if first is not None and abs(parameters.t_end - first.t) < parameters.numerics.dt.value / 2:
         end = f"the start is at t = {first.t:g} h, and numerics.t_end = {parameters.t_end:g} h"
         warn(f"nothing to grow: {end}", stacklevel=1)

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 
     import pandas as pd
 
-    from tissue.files.parameters import Parameters
     from tissue.study.read import Results
 
 
@@ -43,13 +42,12 @@ def study(file: File, out: Out) -> None:
     full disk; 130 Ctrl-C.
     """
     from tissue.study.answers import folded_remarks
-    from tissue.study.plan import in_scenarios, load_study
+    from tissue.study.plan import load_study
     from tissue.study.run import run_study
 
     with messages(resumes=True):
         plan = load_study(file)
-        idle = in_scenarios({name: idle_events(one) for name, one in plan.scenarios.items()})
-        for remark in [*plan.remarks, *idle]:
+        for remark in plan.remarks:
             print(remark)
         start = time.monotonic()
         stored: list[int] = []
@@ -63,19 +61,6 @@ def study(file: File, out: Out) -> None:
         for remark in folded_remarks(results):
             print(f"Folded: {remark}.")
         print(_summary(results, stored[-1] - stored[0], time.monotonic() - start))
-
-
-def idle_events(parameters: Parameters) -> list[str]:
-    """Return a sentence for each event of a group without cells: a file that sets emt.a alone has no EMT cell."""
-    from tissue.events.known import events
-
-    empty = {one.section: one.times for one in parameters.groups() if not one.cells}
-    return [
-        f"[{event.mark}] has no cells: {section}.cells = 0"
-        for section, times in empty.items()
-        for event in events()
-        if event.name in times and times[event.name].ever
-    ]
 
 
 def _summary(results: Results, runs: int, seconds: float) -> str:

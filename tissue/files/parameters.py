@@ -194,14 +194,14 @@ class Parameters(BaseModel):
 
     def groups(self) -> tuple[CellGroup, ...]:
         """Return the groups that are no control cells: that of [emt], then each named type."""
-        emt, together, rest = self.emt, self.events.together, self._plain(self.cell)["initial_rest_length"]
+        emt, rest = self.emt, self._plain(self.cell)["initial_rest_length"]
         place, divides, may_leave = 0.5, False, True
-        of_emt = emt.cells, emt.inm, emt.times(), together, place, divides, may_leave, rest
+        of_emt = emt.cells, emt.inm, emt.times(), place, divides, may_leave, rest
         found = [CellGroup(sections.UNNAMED[-1], *of_emt)]
         for name, one in self.types.named().items():
             rest = self._plain(self.of_type(one)[1])["initial_rest_length"]
             own = one.place, one.divides, one.has_events, rest
-            found.append(CellGroup(name, one.cells, one.inm, one.times(), together, *own))
+            found.append(CellGroup(name, one.cells, one.inm, one.times(), *own))
         return tuple(found)
 
 

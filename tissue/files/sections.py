@@ -110,20 +110,12 @@ def _place(raw: Any) -> float | str:
     return sized(place)
 
 
-def _some_events() -> str:
-    return f'a list of names of events, {", ".join(event.name for event in events())}, such as ["a"]'
-
-
 def _some_rules() -> str:
     return " or ".join(map(show, division_rules()))
 
 
 EventName = Annotated[str, _known(lambda: [event.name for event in events()])]
 ForceName = Annotated[str, _known(lambda: [force.name for force in registered(Force)])]
-EventNames = Annotated[
-    tuple[EventName, ...],
-    Allowed(_some_events, "names of events", (AfterValidator(lambda x: tuple(dict.fromkeys(x))),)),
-]
 RuleName = Annotated[str, Allowed(_some_rules, "a name", (Strict(), _known(division_rules)))]
 Modules = Annotated[tuple[str, ...], Allowed(MODULES, "files", (PlainValidator(read_modules), PlainSerializer(list)))]
 PLACES = f'"{APART}" or "{SCATTERED}"'
@@ -458,11 +450,6 @@ class Events(Section):
     )
     contraction: q.DurationOrZero = key(
         "time constant of its rest length once the point is below the layer; 0: at once", "section 2.2.4 of chapter 4"
-    )
-    together: EventNames = key(
-        "events that begin in all cells of a type at the first of their times, whatever their probability",
-        TYPESCRIPT,
-        default=[],
     )
     at_depth: Literal["stays", "forces"] = key("what the basal point does at run_depth", "(4.1)")
 

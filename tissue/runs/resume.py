@@ -82,7 +82,7 @@ def _refuse_other(parameters: Parameters, start: Frame, past: TissueCheckpoint, 
     drawn = {*OF_GROUPS, *(event.name for event in events())}
     for key in dict.fromkeys((*mine, *theirs)):
         section, _, name = key.rpartition(".")
-        of_group = ((section in UNNAMED or section.startswith("types.")) and name in drawn) or key == "events.together"
+        of_group = (section in UNNAMED or section.startswith("types.")) and name in drawn
         fixed = key in ("cell.soft_radius", "tissue.dimension") or section == "layer"
         if (fixed or (of_group and not of_controls)) and mine.get(key) != theirs.get(key):
             was = "left out" if key not in theirs else f"{describe(theirs[key])}"

@@ -79,10 +79,6 @@ class Run:
 
         return summary_table(self.frames, self.parameters)
 
-    def to_frame(self) -> pd.DataFrame:
-        """Return ``table()``."""
-        return self.table()
-
     def plot(self, ax: Axes | None = None, *, t: float | None = None) -> Axes:
         """Draw one saved state to scale, in um.
 
@@ -103,7 +99,7 @@ class Run:
 
         frame = self._kept(t)
         if ax is None:
-            return drawing([frame], self.parameters).axes[0]
+            return drawing(frame, self.parameters).axes[0]
         instance("ax", ax, Axes, "axes of matplotlib, or None")
         draw_frame(ax, frame, self.parameters)
         return ax
@@ -192,7 +188,7 @@ class Run:
         from tissue.pictures.picture import drawing
         from tissue.pictures.sheet import webp
 
-        image = b64encode(webp(drawing([self._kept(None)], self.parameters))).decode()
+        image = b64encode(webp(drawing(self._kept(None), self.parameters))).decode()
         remark = f" Folded, so that heights and positions mean nothing: {self.folded}." if self.folded else ""
         return (
             f"<p>{escape(repr(self))} {escape(self.detail)}{escape(remark)}</p>"

@@ -100,7 +100,7 @@ def cell_table(frames: Iterable[Frame], parameters: Parameters) -> pd.DataFrame:
     A state that is not finite, the last one of a run that left the finite numbers, has no rows. ``y_ab`` is NaN where
     the apical layer is folded (``tissue.model.measures``), but for numerics.folded = "keep".
 
-    The arclength begins where pictures have a mark: at the lowest point of a circle or ellipse around the tissue, the
+    The arclength begins at the lowest point of a circle or ellipse around the tissue, the
     highest one of a tissue outside; in the middle of an open curve through points, at the first point of a closed one.
 
     The columns: docs/reference/columns.md, ``table``.

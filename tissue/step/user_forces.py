@@ -114,13 +114,11 @@ def follow_in_space(own: UserForces, work: SurfaceWorkspace) -> None:
     """Move the points of a sheet or a closed surface likewise, basal points that it holds along it."""
     scale, state = own.scale[0], state_at(own.states[0])
     on, cells = state.on, state.cells
+    apical = (work.ax, on.ax), (work.ay, on.ay), (work.az, on.az)
+    for points, pushes in ((work.x, on.x), (work.y, on.y), (work.z, on.z), *apical):
+        for i in range(state.sizes[CELLS]):
+            points[i] += scale * pushes[i]
     for i in range(state.sizes[CELLS]):
-        work.x[i] += scale * on.x[i]
-        work.y[i] += scale * on.y[i]
-        work.z[i] += scale * on.z[i]
-        work.ax[i] += scale * on.ax[i]
-        work.ay[i] += scale * on.ay[i]
-        work.az[i] += scale * on.az[i]
         force = scale * on.bx[i], scale * on.by[i], scale * on.bz[i]
         moved = tangential(work, work.held[i], (cells.bx[i], cells.by[i], cells.bz[i]), force)
         work.bx[i] += work.moves[i] * moved[0]

@@ -20,7 +20,7 @@ from pydantic import AfterValidator, AllowInfNan, BaseModel, Field, Strict, Vali
 from dincl.checks import describe
 from dincl.checks import path as checked_path
 from dincl.errors import InvalidProblem
-from tissue.files.groups import remarks
+from tissue.files.groups import too_late
 from tissue.files.keys import refuse, unknown
 from tissue.files.own_modules import placed
 from tissue.files.parameter_files import flat, merged, read
@@ -225,8 +225,8 @@ class TissueStudy:
 
     @property
     def remarks(self) -> list[str]:
-        """One sentence for each event of a scenario that waits for another one, or that the run may end before."""
-        return in_scenarios({name: remarks(one.groups(), one.t_end) for name, one in self.scenarios.items()})
+        """One sentence for each event of a scenario that no run begins, as it ends before."""
+        return in_scenarios({name: too_late(one.groups(), one.t_end) for name, one in self.scenarios.items()})
 
     def seeds(self, part: Part) -> list[int]:
         """Return the seed of each run of a part."""

@@ -44,8 +44,8 @@ def test_a_type_has_what_it_says_and_else_what_all_cells_have(given):
     emt, one, two = given.groups()
     never = dict.fromkeys(("a", "b", "s", "p", "ac"), Timing())
     assert (emt.name, emt.cells, emt.may_leave) == ("emt", 0, True)
-    assert one == ("soft", 10, 1.0, never, (), 0.2, True, False, 1.5)
-    assert two == ("leaving", 3, 1.0, never | {"a": Timing(6.0, 8.0, 50.0)}, (), "scattered", False, True, 1.5)
+    assert one == ("soft", 10, 1.0, never, 0.2, True, False, 1.5)
+    assert two == ("leaving", 3, 1.0, never | {"a": Timing(6.0, 8.0, 50.0)}, "scattered", False, True, 1.5)
     assert given.changed({"cell.alpha_bx": 7}).named_numbers()[0].alpha_bx == 7.0
 
 
