@@ -12,11 +12,23 @@ from typing import Literal
 from dincl.errors import InvalidProblem
 
 Extra = Literal[
-    "contact", "explore", "meanfield", "proofs", "report", "thesis", "tissue", "transport", "views", "yardsticks"
+    "anndata",
+    "contact",
+    "data",
+    "explore",
+    "meanfield",
+    "proofs",
+    "report",
+    "thesis",
+    "tissue",
+    "transport",
+    "views",
+    "yardsticks",
 ]
 # Module -> the package that brings it: all that pyproject.toml lists under these extras.
 PACKAGES = {
     "PIL": "pillow",
+    "anndata": "anndata",
     "bokeh": "bokeh",
     "casadi": "casadi",
     "clarabel": "clarabel",
@@ -42,14 +54,14 @@ PACKAGES = {
     "sklearn": "scikit-learn",
     "sphinx": "sphinx",
     "sphinx_design": "sphinx-design",
-    "statsmodels": "statsmodels",
     "sympy": "sympy",
     "typer": "typer",
     "uvicorn": "nicegui",
+    "xarray": "xarray",
     "z3": "z3-solver",
 }
 # Packages that neither claims of the thesis nor charts of the report need.
-NOT_IN_THESIS = ("h5py", "nicegui", "pyvista")
+NOT_IN_THESIS = ("anndata", "h5py", "nicegui", "pyvista", "xarray")
 BAD_INPUT = 2  # the code with which a command ends
 
 
