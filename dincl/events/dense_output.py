@@ -10,8 +10,7 @@ import numpy as np
 from dincl.compiled.structs import StructPointer
 from dincl.errors import StepFailure
 from dincl.events import integrate as kernels
-from dincl.events.contacts import TOUCHING
-from dincl.events.workspace import KIND, StepTable, event_workspace, sparse_gram, step_table
+from dincl.events.workspace import KIND, TOUCHING, StepTable, event_workspace, sparse_gram, step_table
 from dincl.forces import Reaction
 from dincl.system.arrays import OK
 from dincl.system.compiled_problem import CompiledProblem

@@ -12,7 +12,6 @@ from dincl.constants import LARGEST
 from dincl.constraints.selection import row_lengths
 from dincl.errors import StepFailure
 from dincl.events import integrate as kernels
-from dincl.events.contacts import TOUCHING
 from dincl.events.dense_output import DenseOutput
 from dincl.events.runge_kutta import EPS, pair_for
 from dincl.events.workspace import (
@@ -24,6 +23,7 @@ from dincl.events.workspace import (
     NO_STEP,
     SLOW,
     STUCK,
+    TOUCHING,
     StepTable,
     event_workspace,
     sparse_gram,

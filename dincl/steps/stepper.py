@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dincl.compiled.arrays import axes_of
 from dincl.compiled.structs import StructPointer
 from dincl.errors import StepFailure
 from dincl.steps import loop
@@ -68,7 +69,7 @@ class CompiledStepper(Stepper):
     ) -> None:
         super().__init__(problem)
         self._run, self._swept, self._v0, self.system = run, swept, v0, system
-        self._prepared = False
+        self._prepared, self._axes = False, axes_of(problem.x0) if swept else ()
         n = problem.x0.size
         self.pointer = StructPointer(
             Stepping(
@@ -145,7 +146,7 @@ class CompiledStepper(Stepper):
             while k < end and code == OK:
                 began = time.perf_counter()
                 grid = on._replace(first=k, last=min(end, k + most))
-                code, k = self._run(self.pointer.address, grid, table.address)
+                code, k = self._run(self.pointer.address, grid, table.address, self._axes)
                 if self._swept:
                     self._swept.count(self.work)
                 self.system.count(self.work)

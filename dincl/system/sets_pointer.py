@@ -15,7 +15,7 @@ from dincl.constraints.selection import rates as gap_rates
 from dincl.constraints.selection import row_lengths
 from dincl.errors import StepFailure
 from dincl.norms import longest
-from dincl.rows.table import DISTANCE, GRADIENTS, VELOCITIES, RowTable, Sets
+from dincl.rows.table import DISTANCE, GRADIENTS, VELOCITIES, RowTable, Sets, write_timed
 from dincl.system.callbacks import PythonFunction, numbers_at
 from dincl.system.time_scales import NO_BREAKS
 from dincl.system.time_tables import table_of_displacement, table_of_rows, timed_sets
@@ -100,7 +100,7 @@ class SetsPointer(PythonFunction):
             column=np.zeros(entries, dtype=np.int64),
             entry=np.zeros(entries),
             box=np.zeros(0) if box is None else box / units.length,
-            tables=np.array([0, 1]),
+            tables=np.array([0, 1, 0]),
         )
 
     def _select(self, selection: Selection, called: tuple[int, ...]) -> int:
@@ -153,7 +153,7 @@ class SetsPointer(PythonFunction):
             self._general.pop(one.family, None)
         self._tables = StructPointer(timed_sets(tables, system.rows, system.near.radius, compares=compares))
         asks = self._paths or self._general or self.updates or self._called
-        self.arrays.tables[:] = self._tables.address, bool(asks)
+        self.arrays.tables[:] = self._tables.address, bool(asks), write_timed.address
 
     def _displaced(self, f: int, t: float) -> NDArray[np.float64]:
         found: NDArray[np.float64] = self._paths[f](t * self._units.time) / self._units.length
