@@ -49,7 +49,7 @@ def decide_contacts(run: EventWorkspace) -> int:
     system.program.answer[1] = narrowest(system.rows, system.near, system.program.gradient, run.touching, count)
     if system.program.answer[1] < NARROWEST:
         return WEDGE
-    state.zero = min(max(state.tol / state.end, LEAST_ZERO * state.speed), ZERO * state.speed)
+    state.zero = min(max(state.tol / (state.end - state.start), LEAST_ZERO * state.speed), ZERO * state.speed)
     code = nearest_velocity(run, count)
     if code != OK:
         return code

@@ -67,7 +67,7 @@ def begin_phase(run: EventWorkspace) -> int:
     state, code = run.state[0], OK
     # What started small and went far rounds as what is large.
     state.size = max(state.size, longest(run.x, system_at(run.system).sets.shift.shape[1]))
-    if state.stop - state.t <= MEETS * state.end:
+    if state.stop - state.t <= MEETS * (state.end - state.start):
         if state.stop < state.end:
             code = pass_stop(run)
         elif state.steps > 0:

@@ -29,6 +29,7 @@ SPARE = 16
 STATE = np.dtype(
     [
         ("t", np.float64),
+        ("start", np.float64),
         ("end", np.float64),
         ("stop", np.float64),  # the next discontinuity in time, before it and behind it; both are the end without one
         ("resume", np.float64),
@@ -79,7 +80,7 @@ class StepTable(NamedTuple):
 
 
 class EventWorkspace(NamedTuple):
-    """A run of the event-driven method to ``state.end`` for n coordinates and m rows."""
+    """A run of the event-driven method from ``state.start`` to ``state.end`` for n coordinates and m rows."""
 
     system: int  # address of its SystemArrays
     gram: SparseFactor

@@ -139,6 +139,9 @@ class SetsPointer(PythonFunction):
                     table = table_of_displacement(f, partial(self._displaced, f), pieces, size)
                 elif pieces and len(self._blocks[f]) and not system.near.search:
                     table = table_of_rows(f, partial(self._tabulated, f), pieces, size, self._starts[f], system.rows)
+                    first = self._tabulated(f, pieces[0][0])
+                    if table is not None and first is not None:  # some numbers do not change from here on
+                        write_numbers(system.rows, slice(*self._starts[f : f + 2]), first)
                 else:
                     continue
                 if table is not None:

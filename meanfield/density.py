@@ -1,4 +1,7 @@
-"""Probability densities of the particles at the start of a run: f on a box of R^nx, nx = 1, 2, 3, and 0 outside."""
+"""Probability densities of the particles at the start of a run: f on a box of R^nx, nx = 1, 2, 3, and 0 outside.
+
+On a line a density is resolved to rounding by polynomials on panels, so that its integrals and quantiles are exact.
+"""
 
 from __future__ import annotations
 
@@ -7,13 +10,13 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 
 import numpy as np
+from numpy.polynomial import legendre
 from numpy.typing import ArrayLike, NDArray
 
 from dincl import checks
 from dincl.callables import UserFunction
 from dincl.errors import InvalidProblem
 from dincl.status import Status
-from meanfield.density.panels import Panels, resolve
 
 Floats = NDArray[np.float64]
 Pdf = Callable[[Floats], Floats]
@@ -33,6 +36,25 @@ BOUND_RATIO, MAX_TRIES, MAX_REJECTION_ROUNDS = 1.25, 1_000_000, 200
 MAX_POINTS, MAX_NODES_PER_AXIS = 10_000_000, 2_048
 PDF = UserFunction("pdf", ("x",), Status.FUNCTION_FAILED)
 SAMPLER = UserFunction("sampler", ("rng", "n"), Status.FUNCTION_FAILED)
+# Degree of the polynomial on each panel, and as many Gauss points as projection to this degree needs to be exact.
+DEGREE = 15
+GAUSS_NODES, GAUSS_WEIGHTS = legendre.leggauss(DEGREE + 1)
+# Maps values at the nodes to Legendre coefficients.
+PROJECTION = (legendre.legvander(GAUSS_NODES, DEGREE) * GAUSS_WEIGHTS[:, None]).T
+PROJECTION *= (np.arange(DEGREE + 1) + 0.5)[:, None]
+# A panel is resolved if its last TAIL coefficients are below rounding relative to the largest coefficient of all
+# panels, or if they change the mass by less than rounding: panels around an unlisted kink shrink until this holds.
+TAIL, RESOLVED = 3, 1e-15
+# Far from the origin, coordinates are rounded relative to the size of a panel, by up to eps/2 |x| / half in s, and the
+# values of the density with them: coefficients below this many eps |x| / half are rounding, too.
+COORDINATE_ROUNDING = 2 * float(np.finfo(np.float64).eps)
+MAX_HALVINGS = 60
+# Unresolved panels at one level of halving; each takes 16 values of the density.
+MAX_PANELS = 100_000
+# Newton's method falls back on bisection, so it ends after at most as many steps as a number has bits.
+MAX_NEWTON_STEPS, NEWTON_CONVERGED = 60, 2.0**-51
+# Points whose polynomials are evaluated together, for memory.
+POINTS_PER_BLOCK = 100_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,11 +89,11 @@ class Density:
     sampler: Sampler | None = None
 
     def __post_init__(self) -> None:
-        lower, upper = corners(self.lower, self.upper)
+        lower, upper = _corners(self.lower, self.upper)
         checks.function("pdf", self.pdf, "a function of points (n, nx)")
         if self.sampler is not None:
             checks.function("sampler", self.sampler, "a function of (rng, n)")
-        for name, value in (("lower", lower), ("upper", upper), ("breaks", breaks_within(self.breaks, lower, upper))):
+        for name, value in (("lower", lower), ("upper", upper), ("breaks", _breaks_within(self.breaks, lower, upper))):
             object.__setattr__(self, name, value)
         if self.nx == 1:
             edges, coefficients = self._resolved
@@ -87,25 +109,22 @@ class Density:
     @classmethod
     def uniform(cls, lower: ArrayLike, upper: ArrayLike) -> Density:
         """Build f = 1 / volume on the box."""
-        low, high = corners(lower, upper)
+        low, high = _corners(lower, upper)
         return cls(partial(_uniform, low, high), low, high, sampler=partial(_uniform_sample, low, high))
 
     @classmethod
     def normal(cls, mean: ArrayLike, deviation: ArrayLike) -> Density:
-        """Build f = exp(-|L^-1 (x - mean)|^2 / 2) / ((2 pi)^(nx/2) det L), cut at 8.3 deviations on each axis.
+        """Build f = prod_k exp(-(x_k - mean_k)^2 / (2 s_k^2)) / (sqrt(2 pi) s_k), cut at 8.3 deviations on each axis.
 
         Parameters
         ----------
         mean
             (nx,), or a number.
         deviation
-            standard deviations > 0 of independent components (nx,), or the covariance L L^T (nx, nx).
+            s > 0 of each axis (nx,), or one number for all axes.
         """
-        centre = row("mean", mean, None)
-        factor = _cholesky_factor(deviation, len(centre))
-        deviations = np.hypot.reduce(factor, axis=1)
-        low, high = centre - CUT * deviations, centre + CUT * deviations
-        return cls(partial(_normal, centre, factor), low, high, sampler=partial(_normal_sample, centre, factor))
+        centre, s = _with_widths("mean", mean, "deviation", deviation)
+        return cls(partial(_normal, centre, s), centre - CUT * s, centre + CUT * s, sampler=partial(_drawn, centre, s))
 
     @classmethod
     def bump(cls, centre: ArrayLike, radius: ArrayLike) -> Density:
@@ -118,10 +137,7 @@ class Density:
         radius
             r > 0 of each axis (nx,), or one number for all axes.
         """
-        middle, given = row("centre", centre, None), row("radius", radius, None)
-        if len(given) not in (1, len(middle)) or (given <= 0).any():
-            raise InvalidProblem(f"radius = {checks.describe(given)}: must be > 0, one number or {len(middle)}")
-        r = np.broadcast_to(given, middle.shape)
+        middle, r = _with_widths("centre", centre, "radius", radius)
         return cls(partial(_bump, middle, r), middle - r, middle + r)
 
     @property
@@ -138,7 +154,7 @@ class Density:
 
     @cached_property
     def _resolved(self) -> tuple[Floats, Floats]:
-        return resolve(lambda x: self._values(x[:, None]), self._pieces()[0])
+        return _resolve(lambda x: self._values(x[:, None]), self._pieces()[0])
 
     def density(self, x: ArrayLike) -> Floats:
         """Evaluate f at points (n, nx), 0 outside the box."""
@@ -265,16 +281,12 @@ def _uniform_sample(lower: Floats, upper: Floats, rng: np.random.Generator, n: i
     return rng.uniform(lower, upper, (n, len(lower)))
 
 
-def _normal(centre: Floats, factor: Floats, x: Floats) -> Floats:
-    inverse = np.linalg.inv(factor)
-    scale = float(np.prod(np.diag(inverse))) / (2 * np.pi) ** (len(centre) / 2)
-    return np.asarray(scale * np.exp(-(((x - centre) @ inverse.T) ** 2).sum(axis=1) / 2))
+def _normal(centre: Floats, s: Floats, x: Floats) -> Floats:
+    return np.asarray(np.exp(-(((x - centre) / s) ** 2).sum(axis=1) / 2) / np.prod(np.sqrt(2 * np.pi) * s))
 
 
-def _normal_sample(centre: Floats, factor: Floats, rng: np.random.Generator, n: int) -> Floats:
-    spread = CUT * np.hypot.reduce(factor, axis=1)
-    drawn = centre + rng.standard_normal((n, len(centre))) @ factor.T
-    return np.clip(drawn, centre - spread, centre + spread)
+def _drawn(centre: Floats, s: Floats, rng: np.random.Generator, n: int) -> Floats:
+    return np.clip(centre + rng.standard_normal((n, len(centre))) * s, centre - CUT * s, centre + CUT * s)
 
 
 def _bump(centre: Floats, radius: Floats, x: Floats) -> Floats:
@@ -282,32 +294,23 @@ def _bump(centre: Floats, radius: Floats, x: Floats) -> Floats:
     return np.asarray(np.prod(315 / (256 * radius) * np.maximum(1 - s * s, 0.0) ** 4, axis=1))
 
 
-def row(name: str, value: ArrayLike, length: int | None) -> Floats:
+def _row(name: str, value: ArrayLike, length: int | None) -> Floats:
     """Return numbers as an array of shape (length,), of any length for None; a single number becomes shape (1,)."""
     return checks.shaped(name, np.atleast_1d(checks.array(name, value)), (length,))
 
 
-def _cholesky_factor(deviation: ArrayLike, nx: int) -> Floats:
-    """Return the Cholesky factor (nx, nx) of a covariance (nx, nx), or of that of independent components (nx,)."""
-    numbers = checks.array("deviation", deviation)
-    if numbers.ndim < 2:
-        given = row("deviation", numbers, nx)
-        if (given <= 0).any():
-            raise InvalidProblem(f"deviation = {checks.describe(given)}: must be > 0")
-        return np.diag(given)
-    given = checks.shaped("deviation", numbers, (nx, nx))
-    try:
-        if np.array_equal(given, given.T):
-            return np.asarray(np.linalg.cholesky(given), dtype=np.float64)
-    except np.linalg.LinAlgError:
-        pass
-    raise InvalidProblem(f"deviation = {checks.describe(given)}: must be symmetric and positive definite")
+def _with_widths(name: str, middle: ArrayLike, word: str, widths: ArrayLike) -> tuple[Floats, Floats]:
+    """Return a point and the width of each axis, both (nx,); InvalidProblem unless the widths are > 0."""
+    centre, given = _row(name, middle, None), _row(word, widths, None)
+    if len(given) not in (1, len(centre)) or (given <= 0).any():
+        raise InvalidProblem(f"{word} = {checks.describe(given)}: must be > 0, one number or {len(centre)}")
+    return centre, np.array(np.broadcast_to(given, centre.shape))
 
 
-def corners(lower: ArrayLike, upper: ArrayLike) -> tuple[Floats, Floats]:
+def _corners(lower: ArrayLike, upper: ArrayLike) -> tuple[Floats, Floats]:
     """Return the lower and the upper corner (nx,) of a box; InvalidProblem unless lower < upper and nx <= 3."""
-    low = row("lower", lower, None)
-    high = row("upper", upper, len(low))
+    low = _row("lower", lower, None)
+    high = _row("upper", upper, len(low))
     if len(low) > MAX_AXES:
         raise InvalidProblem(f"lower = {checks.describe(low)}: must have 1, 2 or 3 components")
     if not (low < high).all():
@@ -315,7 +318,7 @@ def corners(lower: ArrayLike, upper: ArrayLike) -> tuple[Floats, Floats]:
     return low, high
 
 
-def breaks_within(breaks: tuple[float, ...], lower: Floats, upper: Floats) -> tuple[float, ...]:
+def _breaks_within(breaks: tuple[float, ...], lower: Floats, upper: Floats) -> tuple[float, ...]:
     """Return breaks in increasing order; InvalidProblem unless all of them lie inside the box, in one dimension."""
     listed = checks.items("breaks", breaks, object, "a list of numbers")
     found = tuple(sorted({checks.number("breaks", value) for value in listed}))
@@ -346,3 +349,129 @@ def gauss_product(pieces: list[Floats], n: int) -> tuple[Floats, Floats]:
     for h in half:
         weights = np.multiply.outer(weights, (h * weight).ravel())
     return product_points(axes), weights.ravel()
+
+
+@dataclass(frozen=True, eq=False)
+class Panels:
+    """Density f(x) = sum_k c_pk P_k(s) on panel p, Legendre polynomials P_k of s in [-1, 1]; f = 0 elsewhere.
+
+    ``Density.panels`` and ``GridMotion.density`` return it.
+
+    Parameters
+    ----------
+    edges
+        ends of the panels (P + 1,), increasing.
+    coefficients
+        c (P, degree + 1), with the mass 1.
+    """
+
+    edges: Floats
+    coefficients: Floats
+
+    @cached_property
+    def _cumulative(self) -> tuple[Floats, Floats]:
+        """F at the edges, and the Legendre coefficients of F on the panels, of shape (degree + 2, P)."""
+        half = np.diff(self.edges) / 2
+        inner = legendre.legint(self.coefficients.T, lbnd=-1, axis=0) * half
+        at_edges = np.append(0.0, np.cumsum(2 * half * self.coefficients[:, 0]))
+        at_edges /= at_edges[-1]
+        inner[0] += at_edges[:-1]
+        return at_edges, inner
+
+    def distribution(self, x: ArrayLike) -> Floats:
+        """Evaluate F(x) = int_{-inf}^x f at points (n,)."""
+        return self._blockwise(checks.shaped("x", x, (None,)), self._cumulative[1])
+
+    def quantile(self, p: ArrayLike) -> Floats:
+        """Solve F(x) = p for probabilities p (n,), by Newton's method with bisection where it leaves its bracket.
+
+        Raises
+        ------
+        InvalidProblem
+            if a number is not from 0 to 1.
+        """
+        p = checks.shaped("p", p, (None,))
+        if not ((p >= 0) & (p <= 1)).all():
+            raise InvalidProblem(f"p = {checks.describe(p)}: must be probabilities, 0 to 1")
+        at_edges = self._cumulative[0]
+        panel = np.clip(np.searchsorted(at_edges, p, side="left") - 1, 0, len(self.edges) - 2)
+        # The first guess s in [-1, 1] is exact if F is linear on the panel.
+        rise = at_edges[panel + 1] - at_edges[panel]
+        fraction = np.divide(p - at_edges[panel], rise, out=np.full(len(p), 0.5), where=rise > 0)
+        s = np.clip(2 * fraction - 1, -1.0, 1.0)
+        low, high, active = np.full(len(p), -1.0), np.full(len(p), 1.0), np.arange(len(p))
+        for _ in range(MAX_NEWTON_STEPS):
+            moved, excess = self._newton(s[active], panel[active], p[active])
+            low[active] = np.where(excess <= 0, s[active], low[active])
+            high[active] = np.where(excess >= 0, s[active], high[active])
+            outside = ~((low[active] <= moved) & (moved <= high[active]))
+            moved = np.where(outside, (low[active] + high[active]) / 2, moved)
+            converged = np.abs(moved - s[active]) <= NEWTON_CONVERGED
+            s[active] = moved
+            active = active[~converged]
+        x: Floats = (self.edges[panel] * (1 - s) + self.edges[panel + 1] * (1 + s)) / 2
+        return x
+
+    def _newton(self, s: Floats, panel: NDArray[np.intp], p: Floats) -> tuple[Floats, Floats]:
+        """Compute the next Newton iterate on the panel, infinite where the density is <= 0, and F - p."""
+        excess = _series(s, self._cumulative[1], panel) - p
+        slope = _series(s, self.coefficients.T, panel) * (self.edges[panel + 1] - self.edges[panel]) / 2
+        step = np.divide(excess, slope, out=np.full(len(s), np.inf), where=slope > np.abs(excess) / 4)
+        return s - step, excess
+
+    def _blockwise(self, x: Floats, coefficients: Floats) -> Floats:
+        panel = np.clip(np.searchsorted(self.edges, x, side="right") - 1, 0, len(self.edges) - 2)
+        low, high = self.edges[panel], self.edges[panel + 1]
+        return _series(np.clip((2 * x - low - high) / (high - low), -1.0, 1.0), coefficients, panel)
+
+
+def _series(s: Floats, coefficients: Floats, panel: NDArray[np.intp]) -> Floats:
+    """Evaluate sum_k c_kp P_k(s) for points s (n,) on panels p (n,)."""
+    found = np.empty(len(s))
+    for begin in range(0, len(s), POINTS_PER_BLOCK):
+        part = slice(begin, begin + POINTS_PER_BLOCK)
+        found[part] = legendre.legval(s[part], coefficients[:, panel[part]], tensor=False)
+    return found
+
+
+def _resolve(pdf: Pdf, pieces: Floats) -> tuple[Floats, Floats]:
+    """Approximate a function to rounding by polynomials on panels, halving panels until all are resolved.
+
+    Parameters
+    ----------
+    pdf
+        points (n,) -> values (n,), smooth between consecutive ``pieces`` (P + 1,).
+
+    Returns
+    -------
+    edges, coefficients
+        as for ``Panels``.
+
+    Raises
+    ------
+    InvalidProblem
+        if 60 halvings are not enough, or more than 100 000 panels are unresolved at a time.
+    """
+    waiting, done, largest = [(pieces[:-1], pieces[1:])], [], 0.0
+    for _ in range(MAX_HALVINGS):
+        low, high = waiting.pop()
+        middle, half = (low + high) / 2, (high - low) / 2
+        values = pdf((middle[:, None] + half[:, None] * GAUSS_NODES).ravel()).reshape(len(low), -1)
+        found = values @ PROJECTION.T
+        largest = max(largest, float(np.abs(found).max()))
+        tail = np.abs(found[:, -TAIL:]).max(axis=1)
+        rounding = RESOLVED + COORDINATE_ROUNDING * np.maximum(np.abs(low), np.abs(high)) / half
+        fine = (tail <= rounding * largest) | (tail * half <= RESOLVED / MAX_HALVINGS)
+        done.append((low[fine], high[fine], found[fine]))
+        if fine.all():
+            first, last, coefficients = (np.concatenate(parts) for parts in zip(*done, strict=True))
+            order = np.argsort(first)
+            return np.append(first[order], last[order[-1]]), coefficients[order]
+        low, middle, high = low[~fine], middle[~fine], high[~fine]
+        if 2 * len(low) > MAX_PANELS:
+            raise InvalidProblem(
+                f"pdf is not resolved by {MAX_PANELS} panels of {DEGREE + 1} values between {low.min():.9g} and "
+                f"{high.max():.9g}: must be smooth there, except at its breaks"
+            )
+        waiting.append((np.concatenate([low, middle]), np.concatenate([middle, high])))
+    raise InvalidProblem(f"pdf is not resolved after {MAX_HALVINGS} halvings near {low.min():.9g}: list its breaks")
