@@ -185,13 +185,24 @@ def test_a_state_has_the_variables_of_its_process(tmp_path):
         tissue.Frame.load(tmp_path / "kept.npz")
 
 
-def test_all_cells_may_have_events_that_keep_the_layers():
+def test_all_cells_may_have_events_that_keep_the_layers(tmp_path):
     """No cell is left to compare with: positions have no order below which they could be."""
     with pytest.raises(InvalidProblem, match="at most 28: two of 30 cells at least stay in both layers"):
         sensing(**{"types.sensing.cells": 30})
     run = tissue.simulate(sensing(**{"emt.cells": 30, "emt.s": "1 h", "types.sensing.cells": 0}), seed=1)
     assert run.status
     assert run.summary()["controls_outside"].tolist() == [0.0] * 5
+    head = 'title = "s"\nbase = "all.toml"\nreplicates = 2\nseed = 1\n'
+    (tmp_path / "all.toml").write_text(run.parameters.as_toml(), "utf-8")
+    (tmp_path / "study.toml").write_text(f"{head}[scenarios.S]\n", "utf-8")
+    results = tissue.run_study(tmp_path / "study.toml", tmp_path / "out")
+    assert results.values("S", "basal").tolist() == [0.0, 0.0]
+    with pytest.raises(InvalidProblem, match="no run of 'S' has control cells that a cell could be below"):
+        results.values("S", "below")
+    compare = '[scenarios.S]\n[scenarios.two]\n[compare]\noutcomes = ["below"]\n'
+    (tmp_path / "study.toml").write_text(head + compare, "utf-8")
+    with pytest.raises(InvalidProblem, match="must have control cells to compare with, unlike 'two', 'S'"):
+        load_study(tmp_path / "study.toml")
 
 
 @pytest.mark.parametrize(
