@@ -56,6 +56,11 @@ class Between(ABC):
     def states(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
         """Compute x at increasing times (K,) within the run, shape (K, N, d)."""
 
+    def at(self, t: float) -> NDArray[np.float64]:
+        """Compute x at one time, shape (N, d)."""
+        found: NDArray[np.float64] = self.states(np.array([t]))[0]
+        return found
+
     @abstractmethod
     def reactions(self, times: NDArray[np.float64]) -> list[Reaction | None]:
         """Compute x' - F at increasing times (K,) within the run; None where it is not defined."""

@@ -178,17 +178,8 @@ class EventRun:
         pair, arrays = pair_for(tol / system.size, len(start)), system.compiled.arrays
         stop, _, resume = breaks[0] if len(breaks) else (last, last, last)
         steps = step_table(PLACES, pair.terms, x.size, len(arrays.factor.row), len(arrays.rows.row))
-        t0 = begin / unit.time
-        numbers = {
-            "t": t0,
-            "start": t0,
-            "checked_t": t0,
-            "end": last,
-            "stop": stop,
-            "resume": resume,
-            "tol": tol / unit.length,
-            "size": size,
-        }
+        numbers = dict.fromkeys(("t", "start", "checked_t"), begin / unit.time)
+        numbers |= {"end": last, "stop": stop, "resume": resume, "tol": tol / unit.length, "size": size}
         numbers |= {"largest": LARGEST * min(1.0, 1.0 / unit.length), "parts": parts, "undecided": 1}
         place, pieces = system.compiled.place, system.scales.pieces / unit.time
         workspace = event_workspace(arrays, place, system.gram, pair, steps, x.copy(), breaks, pieces, **numbers)
@@ -304,9 +295,5 @@ class EventRun:
         """Look at ``until`` at the ends of new steps."""
         for start, end, x in zip(starts.tolist(), ends.tolist(), self.between.states(ends), strict=True):
             if watch.crossed(end, x):
-                self.stopped = watch.locate(start, end, self._at)
+                self.stopped = watch.locate(start, end, self.between.at)
                 return
-
-    def _at(self, t: float) -> NDArray[np.float64]:
-        found: NDArray[np.float64] = self.between.states(np.array([t]))[0]
-        return found

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
 
@@ -284,6 +284,5 @@ class _Between(Between):
 
 def speed_at_end(outcome: RunOutcome) -> float:
     """Return max_i |X_i'| in the last step of a run."""
-    between: Any = outcome.between
-    reached: Reached = between.found[float(outcome.t[-1])]
+    reached: Reached = cast(Any, outcome.between).found[float(outcome.t[-1])]
     return longest(reached.x - reached.before) / reached.last if reached.last else 0.0

@@ -120,7 +120,7 @@ def run_steps(bind: Callable[[], Stepper], dt: float, times: NDArray[np.float64]
     behind = [t if t == span.t0 else t + 2.0 * EPS * edges[-1] for t in edges[:-1]]
     grids = tuple(divide_time(end, dt, begin) for begin, end in zip(behind, edges[1:], strict=True))
     prepared = partial(_prepared, bind, grids, times)
-    stepper, made, latest = prepared(), list[RunOutcome](), -1.0
+    stepper, made = prepared(), list[RunOutcome]()
     start = state = stepper.start()
     if state.v is not None and span.velocity is not None:
         state = state._replace(v=span.velocity)
@@ -129,10 +129,8 @@ def run_steps(bind: Callable[[], Stepper], dt: float, times: NDArray[np.float64]
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         for grid, (begin, end) in zip(grids, pairwise(edges), strict=True):
             after = times >= begin if begin == span.t0 else times > begin
-            here, latest = times[after & (times <= end)], grid.origin if latest == begin else latest
-            part, reached = _run_grid(prepared, stepper, grid, state, here, watch, latest)
+            part, reached = _run_grid(prepared, stepper, grid, state, times[after & (times <= end)], watch)
             made.append(part)
-            latest = max((latest, *part.t[-1:]))
             if part.status is not Status.SUCCESS:
                 break
             # Steps of another length begin, which have no use for earlier ones.
@@ -140,8 +138,10 @@ def run_steps(bind: Callable[[], Stepper], dt: float, times: NDArray[np.float64]
     if len(made) == 1:
         return part
     t, x = (np.concatenate(list(parts)) for parts in zip(*((one.t, one.x) for one in made), strict=True))
+    # A step that fails behind a break ends the run at the time of the break.
+    keep = np.diff(t, prepend=-1.0) > 4.0 * EPS * edges[-1]
     between = Joined(np.array(edges[1 : len(made)]), tuple(one.between for one in made))
-    return replace(part, t=t, x=x, between=between)
+    return replace(part, t=t[keep], x=x[keep], between=between)
 
 
 def _run_grid(
@@ -151,9 +151,8 @@ def _run_grid(
     start: StepState,
     times: NDArray[np.float64],
     watch: Watch | None,
-    latest: float,
 ) -> tuple[RunOutcome, StepState]:
-    """Make the steps of a grid, with output at ``times``, of which ``latest`` came before; return the end, too."""
+    """Make the steps of a grid, with output at ``times`` in it; return their end, too."""
     output, stop = Output.at(grid, times, start), None
     if watch is None:
         reached = stepper.advance(grid, 0, grid.steps, start, output)
@@ -165,7 +164,7 @@ def _run_grid(
     if failure is not None:
         status, time = failure.status, grid.time(reached.k)
         detail = f"{failure.detail} This was in the step from t = {time:.6g} with dt = {grid.h:.6g}."
-        if max((latest, *t[-1:])) < time:
+        if not count or t[-1] < time:
             t, x = np.append(t, time), np.concatenate((x, reached.state.x[None]))
             last = reached
     elif stop is not None:

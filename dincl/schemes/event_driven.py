@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -113,7 +114,8 @@ class EventDriven(Scheme):
                 if before is not None and len(before) == len(x):
                     error = _error(before, x) + AGREEMENT * self.tol + run.neglected + overlap + system.scales.rest
                     if coarse is not None and coarse.stopped is not None and run.stopped is not None:
-                        error[-1] += SAFETY * _apart(coarse, run, min(coarse.stopped, run.stopped))
+                        t = min(coarse.stopped, run.stopped)
+                        error[-1] += SAFETY * longest(coarse.between.at(t) - run.between.at(t))
                     if error.max() <= self.tol and system.compiled.sets.address:
                         error += _hidden(system.compiled, run, span.t0, float(kept[-1]), self.tol)
             except StepFailure as failure:
@@ -156,12 +158,6 @@ def _hidden(system: CompiledProblem, run: EventRun, start: float, end: float, to
     return largest if largest > tol else 0.0
 
 
-def _apart(coarse: EventRun, fine: EventRun, t: float) -> float:
-    """Compute max_i |X_i - Y_i| of two runs at one time."""
-    x, y = (run.between.states(np.array([t]))[0] for run in (coarse, fine))
-    return longest(x - y)
-
-
 def _error(coarse: NDArray[np.float64], fine: NDArray[np.float64]) -> NDArray[np.float64]:
     """SAFETY times the largest distance of two runs (2 K, N, d) at each kept time and halfway to its neighbours.
 
@@ -183,12 +179,10 @@ def not_begun(problem: Problem, work: Work, failure: StepFailure, t0: float) -> 
 def _failed(run: EventRun, times: NDArray[np.float64], work: Work, failure: StepFailure) -> RunOutcome:
     """The states kept until a run failed, and the one that it reached; those that cannot be read are left out."""
     reached, x = [], []
-    for t in times[times <= run.now]:
-        try:
-            x.append(run.between.states(np.array([t]))[0])
-            reached.append(float(t))
-        except StepFailure:
-            continue
+    for t in times[times <= run.now].tolist():
+        with suppress(StepFailure):
+            x.append(run.between.at(t))
+            reached.append(t)
     if not reached or reached[-1] < run.now:
         reached.append(run.now)
         x.append(run.state())
@@ -205,13 +199,5 @@ def _outcome(
     detail: str,
     error: NDArray[np.float64] | None = None,
 ) -> RunOutcome:
-    return RunOutcome(
-        t=t.copy(),
-        x=x,
-        status=status,
-        detail=detail,
-        stats=work,
-        between=run.between,
-        events=run.events if run.stopped is None else tuple(one for one in run.events if one.t <= run.stopped),
-        error=error,
-    )
+    events = run.events if run.stopped is None else tuple(one for one in run.events if one.t <= run.stopped)
+    return RunOutcome(t.copy(), x, status, detail, work, run.between, events, error)

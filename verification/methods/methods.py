@@ -77,7 +77,7 @@ def _named(name: str, label: str, look: Look, scheme: SchemeOf, setting: str = "
 
 
 def _rimmed(method: NamedMethod) -> NamedMethod:
-    return replace(method, look=method.look | RIM)
+    return replace(method, look={**method.look, **RIM})
 
 
 FAMILIES = {

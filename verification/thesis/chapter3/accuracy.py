@@ -37,7 +37,7 @@ STEPS = (20, 40, 80, 160, 320, 640)
 SEEDS, TIMES, TOL = 20, (0.1, 1.0, 2.0, 5.0, 10.0), 1e-9
 # Of the descent to a minimum: the numbers of DAHA, and the curvature by junctions and repulsion, which is added to that
 # of cells alone for a bound of the largest one.
-DESCENT = {"beta": 0.05, "c": 0.5, "eps": 1e-12, "most_iterations": 1_000_000}
+DESCENT: dict[str, Any] = {"beta": 0.05, "c": 0.5, "eps": 1e-12, "most_iterations": 1_000_000}
 MORE = 20.0
 # A gap below this is looked at as a contact [R_soft]: DAHA leaves gaps of up to 0.01 either way.
 CONTACT = 0.02
