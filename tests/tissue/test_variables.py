@@ -10,6 +10,7 @@ from dincl import Status
 from dincl.errors import InvalidProblem
 from tests.borders.tissue_calls import shelves
 from tests.tissue.bits import same
+from tests.tissue.space.in_space import of_surface
 from tissue.study.plan import load_study
 
 B = 1
@@ -50,6 +51,14 @@ def late(state, on, strength, numbers):
         for i in range(state.sizes[0]):
             on.az[i] += strength
             on.ay[i] += strength
+
+
+def outwards(state, on, strength, numbers):
+    """Away from the middle, on basal points alone: where the surface holds them it does nothing."""
+    for i in range(state.sizes[0]):
+        on.bx[i] += strength * state.cells.bx[i]
+        on.by[i] += strength * state.cells.by[i]
+        on.bz[i] += strength * state.cells.bz[i]
 
 
 VARIABLES = (
@@ -133,6 +142,18 @@ def test_a_force_knows_the_time(layer):
     aside = pulled.final.cells.az.mean() - free.final.cells.az.mean()
     assert rise > 1
     assert (aside > 1) == (layer == "sheet")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("events", "moved"), [("never", False), ("0 h", True)])
+def test_a_surface_holds_basal_points_against_a_force(events, moved):
+    """On a sphere; not those that have left it."""
+    tissue.register(tissue.Force("outwards", outwards, "away from the middle"))
+    given = of_surface("sphere", numerics__t_end="0.1 h", emt__cells=3, emt__b=events)
+    free, pulled = (tissue.simulate(given.changed({"forces.outwards": f}), seed=1).final.cells for f in (0, 5))
+    off = np.abs(pulled.bx - free.bx)
+    assert (off[free.emt >= 0].max() > 0.1) == moved
+    assert (off.max() < 1e-6) != moved
 
 
 @pytest.mark.parametrize(
