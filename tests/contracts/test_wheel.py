@@ -110,6 +110,12 @@ import tissue
 sheet = tissue.preset("published").changed({"tissue.dimension": 3, "tissue.cells": 196, "numerics.t_end": "0.2 h"})
 tissue.simulate(sheet, seed=1).view("sheet.png")
 """
+LABELLED = """
+import tissue
+
+short = tissue.preset("published").changed({"numerics.t_end": "1 h"})
+assert tissue.simulate(short, seed=1).to_xarray().sizes["time_h"] == 2
+"""
 MODEL = """
 import meanfield
 
@@ -146,6 +152,7 @@ EXTRAS = {
     "yardsticks": PROGRAMS["dincl"].replace(".to_frame().shape", ".x.shape"),
     "explore": EXPLORE,
     "views": VIEW,
+    "data": LABELLED,
     "thesis": PROOF + PROGRAMS["verification"] + PROGRAMS["tissue"] + MODEL,
 }
 

@@ -10,6 +10,7 @@ from dincl import Status
 from dincl.errors import InvalidProblem
 from tests.borders.tissue_calls import shelves
 from tests.tissue.bits import same
+from tests.tissue.space.in_space import of_surface
 from tissue.study.plan import load_study
 
 B = 1
@@ -50,6 +51,14 @@ def late(state, on, strength, numbers):
         for i in range(state.sizes[0]):
             on.az[i] += strength
             on.ay[i] += strength
+
+
+def outwards(state, on, strength, numbers):
+    """Away from the middle, on basal points alone: where the surface holds them it does nothing."""
+    for i in range(state.sizes[0]):
+        on.bx[i] += strength * state.cells.bx[i]
+        on.by[i] += strength * state.cells.by[i]
+        on.bz[i] += strength * state.cells.bz[i]
 
 
 VARIABLES = (
@@ -135,6 +144,18 @@ def test_a_force_knows_the_time(layer):
     assert (aside > 1) == (layer == "sheet")
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(("events", "moved"), [("never", False), ("0 h", True)])
+def test_a_surface_holds_basal_points_against_a_force(events, moved):
+    """On a sphere; not those that have left it."""
+    tissue.register(tissue.Force("outwards", outwards, "away from the middle"))
+    given = of_surface("sphere", numerics__t_end="0.1 h", emt__cells=3, emt__b=events)
+    free, pulled = (tissue.simulate(given.changed({"forces.outwards": f}), seed=1).final.cells for f in (0, 5))
+    off = np.abs(pulled.bx - free.bx)
+    assert (off[free.emt >= 0].max() > 0.1) == moved
+    assert (off.max() < 1e-6) != moved
+
+
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
@@ -185,13 +206,24 @@ def test_a_state_has_the_variables_of_its_process(tmp_path):
         tissue.Frame.load(tmp_path / "kept.npz")
 
 
-def test_all_cells_may_have_events_that_keep_the_layers():
+def test_all_cells_may_have_events_that_keep_the_layers(tmp_path):
     """No cell is left to compare with: positions have no order below which they could be."""
     with pytest.raises(InvalidProblem, match="at most 28: two of 30 cells at least stay in both layers"):
         sensing(**{"types.sensing.cells": 30})
     run = tissue.simulate(sensing(**{"emt.cells": 30, "emt.s": "1 h", "types.sensing.cells": 0}), seed=1)
     assert run.status
     assert run.summary()["controls_outside"].tolist() == [0.0] * 5
+    head = 'title = "s"\nbase = "all.toml"\nreplicates = 2\nseed = 1\n'
+    (tmp_path / "all.toml").write_text(run.parameters.as_toml(), "utf-8")
+    (tmp_path / "study.toml").write_text(f"{head}[scenarios.S]\n", "utf-8")
+    results = tissue.run_study(tmp_path / "study.toml", tmp_path / "out")
+    assert results.values("S", "basal").tolist() == [0.0, 0.0]
+    with pytest.raises(InvalidProblem, match="no run of 'S' has control cells that a cell could be below"):
+        results.values("S", "below")
+    compare = '[scenarios.S]\n[scenarios.two]\n[compare]\noutcomes = ["below"]\n'
+    (tmp_path / "study.toml").write_text(head + compare, "utf-8")
+    with pytest.raises(InvalidProblem, match="must have control cells to compare with, unlike 'two', 'S'"):
+        load_study(tmp_path / "study.toml")
 
 
 @pytest.mark.parametrize(

@@ -37,7 +37,7 @@ def to_xarray(run: Run) -> Any:
         import xarray
     cells, summary = run.table(), run.summary()
     flags = dict.fromkeys(cells.select_dtypes("bool"), "float64")
-    cells = cells.astype(flags | dict.fromkeys(cells.select_dtypes(["category", "str"]), object))
+    cells = cells.astype(flags | dict.fromkeys(cells.select_dtypes(exclude=["number", "bool"]), object))
     of_cells, of_times = cells.set_index(["time_h", "id"]).to_xarray(), summary.set_index("time_h").to_xarray()
     found: Any = xarray.merge([of_cells, of_times]).assign_attrs(_about(run))
     for name, values in found.variables.items():
@@ -56,7 +56,7 @@ def to_anndata(run: Run, frame: Frame) -> Any:
     names = pd.Index(rows.pop("id").astype(str).to_numpy(object), dtype=object)
     numbers = rows.select_dtypes("float64")
     of_columns = [facts("table", str(name)) for name in numbers]
-    labels = {name: _labels(rows[name]) for name in rows.select_dtypes(["category", "str"])}
+    labels = {name: _labels(rows[name]) for name in rows.select_dtypes(exclude=["number", "bool"])}
     point = [f"nucleus_{axis}_um" for axis in ("xyz" if run.parameters.in_space else "xy")]
     return anndata.AnnData(
         numbers.to_numpy(),

@@ -19,6 +19,7 @@ from tissue.model.motion import tangential
 from tissue.state.cells import Floats, Integers, PointForces
 from tissue.state.numbers import NUMBERS, numbers_at
 from tissue.state.running import CELLS, STATE, TissueState, state_at
+from tissue.state.space import SPATIAL
 from tissue.step.advance import find_lost
 from tissue.step.copies import put_back, put_back_in_space
 
@@ -52,24 +53,44 @@ call_push, call_energy, call_part, call_part_in_space = map(call, (PUSH, ENERGY,
 @inner
 def clear(state: TissueState) -> None:
     """Set the forces on all points to 0."""
-    on = state.on
-    for forces in (on.x, on.y, on.ax, on.ay, on.bx, on.by, on.z, on.az, on.bz):
-        for i in range(state.sizes[CELLS]):
+    on, n = state.on, state.sizes[CELLS]
+    for forces in (on.x, on.y, on.ax, on.ay, on.bx, on.by):
+        for i in range(n):
+            forces[i] = 0.0
+    for forces in (on.z, on.az, on.bz):
+        for i in range(n if state.space.dimension == SPATIAL else 0):
             forces[i] = 0.0
 
 
 @inner
+def find_not_finite(state: TissueState) -> int:
+    """Return a cell on which the forces are not finite, -1 if there is none."""
+    on, n, found, total = state.on, state.sizes[CELLS], -1, 0.0
+    for i in range(n):
+        total += on.x[i] + on.y[i] + on.ax[i] + on.ay[i] + on.bx[i] + on.by[i]
+    for i in range(n if state.space.dimension == SPATIAL else 0):
+        total += on.z[i] + on.az[i] + on.bz[i]
+    if not math.isfinite(total):
+        for forces in (on.x, on.y, on.ax, on.ay, on.bx, on.by, on.z, on.az, on.bz):
+            for i in range(n):
+                if not math.isfinite(forces[i]) and (found < 0 or i < found):
+                    found = i
+    return found
+
+
+@inner
 def add_forces(own: UserForces, state: TissueState, k: int) -> None:
-    """Sum the forces on tissue k where its points are now, and note the first one that is not finite where they are."""
+    """Sum the forces on tissue k where its points are now; note the first one that is not finite where they are."""
     clear(state)
-    on = state.on
     for number in range(len(own.push)):
-        call_push(own.push[number], state, on, own.strength[number, k], numbers_at(own.numbers[k]))
-        for i in range(state.sizes[CELLS] if own.blame[0, k] == 0 else 0):
-            in_plane = on.x[i] + on.y[i] + on.ax[i] + on.ay[i] + on.bx[i] + on.by[i]
-            if not math.isfinite(in_plane + on.z[i] + on.az[i] + on.bz[i]) and find_lost(state) < 0:
+        call_push(own.push[number], state, state.on, own.strength[number, k], numbers_at(own.numbers[k]))
+    if own.blame[0, k] == 0 and find_not_finite(state) >= 0 and find_lost(state) < 0:
+        clear(state)  # once more, looking
+        for number in range(len(own.push)):
+            call_push(own.push[number], state, state.on, own.strength[number, k], numbers_at(own.numbers[k]))
+            i = find_not_finite(state)
+            if i >= 0 and own.blame[0, k] == 0:
                 own.blame[0, k], own.blame[1, k] = 1 + number, state.cells.id[i]
-                break
 
 
 def evaluate_forces(own: UserForces, work: Workspace) -> None:

@@ -146,13 +146,15 @@ class Results:
         end, columns = self.parameters(scenario).t_end, ["replicate", "status"]
         if outcome not in get_args(What):
             columns.append(f"{outcome}_{end:g}h")
-        if outcome in CONTROL_SIDES:
+        if outcome in (*CONTROL_SIDES, "below"):
             columns.append(f"controls_{end:g}h")
         runs = self.runs(scenario, columns)
         sound = runs[runs["status"] == "SUCCESS"]
         if sound.empty:
             ends = ", ".join(map(str, runs["status"].unique()))
             raise NoValues(f"all {len(runs)} runs of {describe(scenario)} failed: {ends}")
+        if outcome == "below" and not sound[f"controls_{end:g}h"].any():
+            raise NoValues(f"no run of {describe(scenario)} has control cells that a cell could be below")
         cells = runs.iloc[:0]
         if outcome in get_args(What):
             cells = self.cells(scenario, ["replicate", *self.end_columns(scenario)])
