@@ -9,6 +9,7 @@ from verification.methods import large_steps, orders, proved, references, streng
 from verification.methods.chart import events, work_precision
 from verification.methods.chart import references as charted
 from verification.methods.decisions import study as decisions
+from verification.methods.hard import study as hard
 from verification.methods.stability import catalogue as stability
 
 # Name -> the function ``study(smallest=False)``; the smallest form has some of the runs of the complete one.
@@ -26,4 +27,5 @@ STUDIES: dict[str, Callable[..., Study]] = {
     "events": events.study,
     "events_local": events.local_study,
     "decisions": decisions.study,
+    "hard_scenes": hard.study,
 }
