@@ -6,7 +6,7 @@
 #   make numba-range      run the tests of kernels with the oldest and the newest numba that pyproject.toml allows
 #   make lint             check style, format, imports and types
 #   make docs             run the tutorials, draw the gallery, write the site with both; a warning is an error
-#   make bench            measure steps of PBD, projections and substeps of a tissue on this machine
+#   make bench            measure steps of PBD and substeps of a tissue on this machine
 #   make everything       install what all targets need, and what tests are skipped without
 #   make dist             build the wheels and source archives of the last commit into dist/, and check them
 #   make lock             fix the newest versions of all dependencies in requirements.lock

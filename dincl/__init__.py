@@ -16,6 +16,7 @@ from dincl.constraints import (
     Smooth,
 )
 from dincl.errors import FunctionFailed, InvalidProblem, ProjectionFailed, StepFailure
+from dincl.forces import Forces
 from dincl.minimise import (
     ArrowHurwicz,
     DampedArrowHurwicz,
@@ -31,10 +32,13 @@ from dincl.minimise import (
 from dincl.problem import Problem
 from dincl.projection import (
     ActiveSet,
+    Certified,
     Clarabel,
     CvxpyQP,
     Daqp,
     Ipopt,
+    Lcp,
+    NearestPoint,
     Piqp,
     Projected,
     ProjectedCG,
@@ -70,6 +74,7 @@ __all__ = [
     "Auto",
     "Between",
     "CatchUp",
+    "Certified",
     "Clarabel",
     "Constraint",
     "CvxpyQP",
@@ -80,11 +85,13 @@ __all__ = [
     "Event",
     "EventDriven",
     "FixedStep",
+    "Forces",
     "FunctionFailed",
     "HalfSpace",
     "InsideBall",
     "InvalidProblem",
     "Ipopt",
+    "Lcp",
     "LinearisedCatchUp",
     "MaxDistance",
     "MidpointCatchUp",
@@ -92,6 +99,7 @@ __all__ = [
     "Minimiser",
     "Minimum",
     "Moving",
+    "NearestPoint",
     "NonOverlap",
     "Ordered",
     "OutsideBall",

@@ -81,11 +81,11 @@ def shaped(name: str, value: ArrayLike, shape: tuple[int | str | None, ...]) -> 
     return checked
 
 
-def times(name: str, value: ArrayLike) -> NDArray[np.float64]:
-    """Return output times (K,), K >= 1, from one number or a list: >= 0 and increasing."""
+def times(name: str, value: ArrayLike, start: float = 0.0) -> NDArray[np.float64]:
+    """Return output times (K,), K >= 1, from one number or a list: >= ``start`` and increasing."""
     checked = np.atleast_1d(array(name, value))
-    if checked.ndim != 1 or checked.size == 0 or checked[0] < 0 or (np.diff(checked) <= 0).any():
-        raise InvalidProblem(f"{name} = {describe(value)}: must be one or more increasing times >= 0")
+    if checked.ndim != 1 or checked.size == 0 or checked[0] < start or (np.diff(checked) <= 0).any():
+        raise InvalidProblem(f"{name} = {describe(value)}: must be one or more increasing times >= {start:.10g}")
     return checked
 
 

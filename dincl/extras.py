@@ -11,10 +11,24 @@ from typing import Literal
 
 from dincl.errors import InvalidProblem
 
-Extra = Literal["explore", "meanfield", "proofs", "report", "thesis", "tissue", "transport", "views", "yardsticks"]
+Extra = Literal[
+    "anndata",
+    "contact",
+    "data",
+    "explore",
+    "meanfield",
+    "proofs",
+    "report",
+    "thesis",
+    "tissue",
+    "transport",
+    "views",
+    "yardsticks",
+]
 # Module -> the package that brings it: all that pyproject.toml lists under these extras.
 PACKAGES = {
     "PIL": "pillow",
+    "anndata": "anndata",
     "bokeh": "bokeh",
     "casadi": "casadi",
     "clarabel": "clarabel",
@@ -24,6 +38,7 @@ PACKAGES = {
     "filelock": "filelock",
     "flint": "python-flint",
     "furo": "furo",
+    "h5py": "h5py",
     "jinja2": "jinja2",
     "matplotlib": "matplotlib",
     "myst_parser": "myst-parser",
@@ -39,14 +54,14 @@ PACKAGES = {
     "sklearn": "scikit-learn",
     "sphinx": "sphinx",
     "sphinx_design": "sphinx-design",
-    "statsmodels": "statsmodels",
     "sympy": "sympy",
     "typer": "typer",
     "uvicorn": "nicegui",
+    "xarray": "xarray",
     "z3": "z3-solver",
 }
 # Packages that neither claims of the thesis nor charts of the report need.
-NOT_IN_THESIS = ("nicegui", "pyvista")
+NOT_IN_THESIS = ("anndata", "h5py", "nicegui", "pyvista", "xarray")
 BAD_INPUT = 2  # the code with which a command ends
 
 

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from dincl.constraints.base import Swept
+    from dincl.forces import Reaction
+    from dincl.schemes.base import Span
     from dincl.trajectory import RunOutcome
 
 
@@ -145,7 +147,7 @@ def _problem_type() -> Any:
 
 @dataclass(frozen=True, eq=False)
 class Unscaled(Between):
-    """The states between output times in the coordinates of the user; residuals are those of scaled coordinates."""
+    """The states between output times in the coordinates of the user; reactions are those of scaled coordinates."""
 
     between: Between
     scaling: Scaling
@@ -153,10 +155,21 @@ class Unscaled(Between):
     def states(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
         return self.scaling.positions(self.between.states(times))
 
-    def residuals(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
-        return self.between.residuals(times)
+    def reactions(self, times: NDArray[np.float64]) -> list[Reaction | None]:
+        return self.between.reactions(times)
 
 
 def unscaled(outcome: RunOutcome, scaling: Scaling) -> RunOutcome:
     """Return the outcome of a run in the coordinates of the user."""
-    return replace(outcome, x=scaling.positions(outcome.x), between=Unscaled(outcome.between, scaling))
+    v = None if outcome.velocity is None else scaling.root[:, None] * outcome.velocity
+    between = Unscaled(outcome.between, scaling)
+    return replace(outcome, x=scaling.positions(outcome.x), between=between, velocity=v)
+
+
+def scaled_span(span: Span, scaling: Scaling) -> Span:
+    """Return the times of a run for scaled coordinates, whose ``until`` is given x."""
+    until, v = span.until, span.velocity
+    return span._replace(
+        until=until and (lambda t, z: until(t, scaling.positions(z))),
+        velocity=None if v is None else scaling.velocities(v),
+    )

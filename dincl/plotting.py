@@ -59,6 +59,7 @@ class Film(NamedTuple):
     x: Floats
     title: str
     words: str
+    start: float = 0.0
 
 
 class View(NamedTuple):
@@ -136,13 +137,13 @@ def _view(film: Film) -> View:
     if d > 2:
         raise InvalidProblem(f"d = {d}: must be 1 or 2 to be drawn; to_frame() has the numbers")
     places = np.concatenate((film.problem.x0[None], film.x))
-    return View(film.problem, *region(film.problem, places, (0.0, float(film.t[-1]))))
+    return View(film.problem, *region(film.problem, places, (film.start, float(film.t[-1]))))
 
 
 def _draw(ax: Axes, view: View, film: Film) -> None:
     """Draw the start, the paths through the states, and the last state."""
-    first = 0 if film.t[0] > 0 else 1
-    times = np.concatenate(([0.0], film.t[first:]))
+    first = 0 if film.t[0] > film.start else 1
+    times = np.concatenate(([film.start], film.t[first:]))
     _draw_until(ax, view, times, np.concatenate((film.problem.x0[None], film.x[first:])))
     ax.set_title(film.title)
 

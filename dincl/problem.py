@@ -161,7 +161,7 @@ class Problem:
 
         return problem_to_html(self)
 
-    def _check(self, *, feasible: bool = True) -> None:
+    def _check(self, *, feasible: bool = True, t: float = 0.0) -> None:
         """Raise InvalidProblem unless drift and constraints can be evaluated at the start, and it is ``feasible``."""
         count, d = self.x0.shape
         if isinstance(self.drift, CompiledDrift):
@@ -176,9 +176,9 @@ class Problem:
                 tolerance = START_TOLERANCE * max(float(np.abs(self.x0).max()), *lengths, 0.0)
             for index, constraint in enumerate(self.constraints):
                 place = f"constraints[{index}]"
-                _check_rows(constraint, self.x0, place, tolerance)
+                _check_rows(constraint, self.x0, place, tolerance, t)
             place = "drift"
-            self.velocity(0.0, self.x0)
+            self.velocity(t, self.x0)
         except StepFailure as failure:
             raise InvalidProblem(f"{place}: {failure.detail}") from failure
 
@@ -215,23 +215,37 @@ def constraints_around(x: NDArray[np.float64], constraints: Sequence[Constraint]
     return problem
 
 
-def _check_rows(constraint: Constraint, x: NDArray[np.float64], place: str, tolerance: float) -> None:
+def _check_rows(constraint: Constraint, x: NDArray[np.float64], place: str, tolerance: float, t: float) -> None:
     """Raise InvalidProblem unless x violates no row by more than the tolerance, and rows are of a known kind."""
-    name, selection = type(constraint).__name__, select((constraint,), 0.0, x, 0.0)
+    name, selection = type(constraint).__name__, select((constraint,), t, x, 0.0)
     found: Any = selection.blocks[0]
     if not isinstance(found, RowsOfOneKind):
         allowed = "must be AffineRows, DistanceRows or rows of another kind of dincl.rows"
         raise InvalidProblem(f"constraints: {name}.select returned {describe(found)}: {allowed}")
-    (rows,) = selection.at(0.0).blocks
+    (rows,) = selection.at(t).blocks
     values = rows.values(x)
     if values.min(initial=0.0) < -tolerance:
+        when = f" at t = {t:g}" if t else ""
         worst = rows.label(int(values.argmin()), x.shape[1])
         raise InvalidProblem(
-            f"x0 violates {name} by {-values.min():.3g} at {worst} ({place}): allowed is {tolerance:.1g}; "
+            f"x0 violates {name} by {-values.min():.3g} at {worst}{when} ({place}): allowed is {tolerance:.1g}; "
             "dincl.project(constraints, x0, projection) gives the nearest point that is feasible"
         )
     if isinstance(rows, SmoothRows):
         check_jacobian(rows, x, "jacobian" if rows.names[0] == "g" else rows.names[1])
+
+
+def at_end(problem: Problem, x: NDArray[np.float64]) -> Problem:
+    """Return the problem with the end x (N, d) of a run as its start, which need not be feasible."""
+    start = x.copy()
+    start.flags.writeable = False
+    return _changed(problem, x0=start)
+
+
+def check_start(problem: Problem, t: float) -> None:
+    """Raise InvalidProblem unless drift and constraints can be evaluated at time t, and the start is feasible then."""
+    with np.errstate(all="ignore"):
+        problem._check(t=t)
 
 
 def with_counted_drift(problem: Problem, is_spent: Callable[[int], bool] | None = None) -> tuple[Problem, CountedDrift]:
@@ -242,10 +256,14 @@ def with_counted_drift(problem: Problem, is_spent: Callable[[int], bool] | None 
         if compiled_drift is None
         else CountedCompiledDrift(compiled_drift, is_spent)
     )
+    return _changed(problem, drift=drift), drift
+
+
+def _changed(problem: Problem, **parts: Any) -> Problem:
+    """Return a problem, which was checked, with another part."""
     same = object.__new__(type(problem))
-    # Checked already, with the drift inside.
-    vars(same).update(vars(problem) | {"drift": drift})
-    return same, drift
+    vars(same).update(vars(problem) | parts)
+    return same
 
 
 def check_pickles(name: str, part: Any) -> None:

@@ -2,31 +2,57 @@
 
 from __future__ import annotations
 
+import inspect
 from dataclasses import fields
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from dincl import checks
-from dincl.checks import describe, flag, instance
-from dincl.errors import InvalidProblem
-from dincl.problem import Problem
-from dincl.schemes.base import Scheme
+from dincl.checks import array, describe, flag, function, instance, number
+from dincl.errors import InvalidProblem, StepFailure
+from dincl.problem import Problem, at_end, check_start
+from dincl.schemes.base import Scheme, Span, Watch
 from dincl.trajectory import RunOutcome, StepFailed, Trajectory
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
+    from dincl.schemes.base import Until
 
-def solve(problem: Problem, scheme: Scheme, t: ArrayLike, *, throw: bool = True) -> Trajectory:
-    """Approximate x' in F(t, x) - N(S, x), x(0) = x0, by ``scheme``.
+
+def solve(
+    problem: Problem | Trajectory,
+    scheme: Scheme,
+    t: ArrayLike,
+    *,
+    t0: float | None = None,
+    breaks: ArrayLike | None = None,
+    until: Until | None = None,
+    throw: bool = True,
+) -> Trajectory:
+    """Approximate x' in F(t, x) - N(S, x), x(t0) = x0, by ``scheme``.
 
     Parameters
     ----------
     problem, scheme
-        The inclusion and the numerical method.
+        The inclusion and the numerical method. A Trajectory in place of a problem is continued from its last state,
+        with the velocity of second-order schemes; multi-step schemes begin anew. Equal steps of a run in two parts are
+        those of one run, to rounding, if dt divides both parts.
     t
-        Output times, shape (K,), K >= 1, >= 0, increasing; the last one ends the run. Time steps are the fewest equal
+        Output times, shape (K,), K >= 1, >= t0, increasing; the last one ends the run. Time steps are the fewest equal
         ones of at most ``scheme.dt`` that end there; an output time between two steps is interpolated (1.48).
+    t0
+        Time of the start, >= 0, at which x0 is feasible, too; None: 0, or the end of a Trajectory [time].
+    breaks
+        Times from t0 to the last of ``t``, increasing, shape (B,), at which the drift or a set jumps or has a kink
+        [time]. Steps end there, and none reaches across: between two breaks there are the fewest equal steps of at most
+        ``scheme.dt``. Breaks that are not named are looked for by ``EventDriven``, ``AdaptiveCatchUp`` and ``Auto``.
+    until
+        (t, x) -> a number. The run ends where it first changes its sign, or is zero; its sign at the start counts, or
+        the first one that is not zero. It is evaluated once after each step; a sign that changes twice in a step is not
+        seen. The time is located to rounding, on the straight line of the step or on the dense output, and is the last
+        one of the Trajectory, whose status is then STOPPED.
     throw
         Whether a run that fails raises; otherwise its Trajectory is returned with the Status.
 
@@ -38,26 +64,60 @@ def solve(problem: Problem, scheme: Scheme, t: ArrayLike, *, throw: bool = True)
         When a step fails and ``throw`` is true; ``trajectory`` has everything until then. Its cause is the failure of
         the step: a FunctionFailed if a function of the user failed, whose cause is the error that the function raised.
     """
-    instance("problem", problem, Problem, "a dincl.Problem")
+    velocity, start = None, 0.0
+    if isinstance(problem, Trajectory):
+        velocity, start, problem = problem.velocity, float(problem.t[-1]), at_end(problem.problem, problem.final)
+        if t0 is not None:
+            raise InvalidProblem(f"t0 = {describe(t0)}: must be None where a Trajectory is continued, from its end")
+    instance("problem", problem, Problem, "a dincl.Problem, or a Trajectory to continue")
     instance("scheme", scheme, Scheme, "a scheme such as PBD(dt=1e-3)")
     raises = flag("throw", throw)
-    times = checks.times("t", t)
-    outcome = _run(problem, scheme, times)
+    if t0 is not None and (start := number("t0", t0, non_negative=True)) > 0.0:
+        check_start(problem, start)
+    times = checks.times("t", t, start)
+    named = () if breaks is None else _breaks(breaks, start, float(times[-1]))
+    if until is not None:
+        try:
+            Watch(function("until", until, "a callable (t, x) -> number"), start, problem.x0)
+        except StepFailure as failure:
+            raise InvalidProblem(f"until: {failure.detail}") from failure
+    outcome = _run(problem, scheme, times, Span(start, named, until, velocity))
     if not isinstance(outcome, RunOutcome):
         raise InvalidProblem(f"scheme: {type(scheme).__name__}.run returned {describe(outcome)}: must be a RunOutcome")
     names = {part.name for part in fields(outcome)} - {"failure", "scheme"}
     parts = {name: getattr(outcome, name) for name in names}
-    trajectory = Trajectory(problem=problem, scheme=outcome.scheme or scheme, **parts)
+    trajectory = Trajectory(problem=problem, scheme=outcome.scheme or scheme, t0=start, **parts)
     if raises and not trajectory.status:
         raise StepFailed(trajectory) from outcome.failure
     return trajectory
 
 
-def _run(problem: Problem, scheme: Scheme, times: NDArray[np.float64]) -> RunOutcome:
+def _breaks(value: ArrayLike, start: float, end: float) -> tuple[float, ...]:
+    """Return times of breaks between start and end; those at either of them need no step to end there."""
+    found = np.atleast_1d(array("breaks", value))
+    outside = found.size and (found.min() < start or found.max() > end)
+    if found.ndim > 1 or outside or (np.diff(found) <= 0).any():
+        raise InvalidProblem(f"breaks = {describe(value)}: must be increasing times from {start:.10g} to {end:.10g}")
+    return tuple(t for t in found.tolist() if start < t < end)
+
+
+def _run(problem: Problem, scheme: Scheme, times: NDArray[np.float64], span: Span) -> RunOutcome:
     """Run a scheme, in scaled coordinates if there are mobilities."""
     if problem.mobility is None:
-        return scheme.run(problem, times)
-    from dincl.mobility import in_scaled_coordinates, unscaled
+        return _run_scheme(problem, scheme, times, span)
+    from dincl.mobility import in_scaled_coordinates, scaled_span, unscaled
 
     scaled, scaling = in_scaled_coordinates(problem)
-    return unscaled(scheme.run(scaled, times), scaling)
+    return unscaled(_run_scheme(scaled, scheme, times, scaled_span(span, scaling)), scaling)
+
+
+def _run_scheme(problem: Problem, scheme: Scheme, times: NDArray[np.float64], span: Span) -> RunOutcome:
+    """Run a scheme, also one whose ``run`` takes no ``span``."""
+    if span.t0 == 0.0 and not span.breaks and span.until is None:
+        return scheme.run(problem, times)
+    try:
+        inspect.signature(scheme.run).bind(problem, times, span)
+    except TypeError as error:
+        name, allowed = type(scheme).__name__, "must be run(problem, times, span)"
+        raise InvalidProblem(f"t0, breaks, until: {name}.run takes no span: {allowed}") from error
+    return scheme.run(problem, times, span)

@@ -9,6 +9,7 @@ class Status(Enum):
     """The outcome; ``value`` is the sentence for a reader, with the remedy."""
 
     SUCCESS = "The run reached its last time."
+    STOPPED = "The function until changed its sign, and the run ended there."
     NOT_CONVERGED = (
         "The projection, an iteration or the estimated error did not reach its tolerance: use a smaller dt, a looser "
         "tol, fewer points or another projection."
@@ -62,4 +63,4 @@ class Status(Enum):
     LEFT_GRID = "The density reached the boundary of the grid: give wider bounds."
 
     def __bool__(self) -> bool:
-        return self is Status.SUCCESS
+        return self in (Status.SUCCESS, Status.STOPPED)

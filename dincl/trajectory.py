@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from dincl.checks import array, integer
-from dincl.errors import InvalidProblem
+from dincl.checks import array, describe, integer
+from dincl.errors import InvalidProblem, ProjectionFailed, StepFailure
 from dincl.extras import needs
+from dincl.forces import Forces, Reaction, contact_forces
 from dincl.problem import check_pickles
 from dincl.shapes import radii
 
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
     from pandas import DataFrame
 
-    from dincl.errors import StepFailure
     from dincl.plotting import Axes, Film
     from dincl.problem import Problem
     from dincl.schemes.base import Scheme
@@ -50,15 +50,20 @@ class Event(NamedTuple):
 
 
 class Between(ABC):
-    """The solution between the output times of a run, and its residuals."""
+    """The solution between the output times of a run, and its reactions."""
 
     @abstractmethod
     def states(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
         """Compute x at increasing times (K,) within the run, shape (K, N, d)."""
 
+    def at(self, t: float) -> NDArray[np.float64]:
+        """Compute x at one time, shape (N, d)."""
+        found: NDArray[np.float64] = self.states(np.array([t]))[0]
+        return found
+
     @abstractmethod
-    def residuals(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Compute dist(x' - F, -N^g) at the output times, shape (K,); infinite where it is not defined."""
+    def reactions(self, times: NDArray[np.float64]) -> list[Reaction | None]:
+        """Compute x' - F at increasing times (K,) within the run; None where it is not defined."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +72,7 @@ class RunOutcome:
 
     Attributes
     ----------
-    t, x, status, detail, stats, events, error
+    t, x, status, detail, stats, events, error, velocity
         As in ``Trajectory``.
     between
         The states between the output times, and the residuals.
@@ -87,6 +92,7 @@ class RunOutcome:
     error: NDArray[np.float64] | None = None
     failure: StepFailure | None = None
     scheme: Scheme | None = None
+    velocity: NDArray[np.float64] | None = None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -96,7 +102,8 @@ class Trajectory:
     Attributes
     ----------
     t
-        Output times, shape (K,); after a failure those that were reached, and last the time of the last state.
+        Output times, shape (K,); after a failure, or a stop by ``until``, those that were reached, and last the time of
+        the last state.
     x
         States, shape (K, N, d).
     status, detail
@@ -107,6 +114,10 @@ class Trajectory:
         Contacts and releases in the order of time; empty for time steps, which do not look for them.
     error
         Estimated error max_i |X_i - exact| at the output times, shape (K,); None from schemes that make no estimate.
+    velocity
+        At the last time, of second-order schemes, shape (N, d).
+    t0
+        Time of the start.
     """
 
     t: NDArray[np.float64]
@@ -119,6 +130,8 @@ class Trajectory:
     between: Between
     events: tuple[Event, ...] = ()
     error: NDArray[np.float64] | None = None
+    velocity: NDArray[np.float64] | None = None
+    t0: float = 0.0
 
     def __getstate__(self) -> dict[str, Any]:
         """Return the state to pickle; PicklingError names a part that cannot be pickled."""
@@ -140,25 +153,70 @@ class Trajectory:
 
         For time steps dist((x_{k+1} - x_k)/h - F(t_k, x_k), -N^g(x_{k+1})) for the step that ends at or after the
         output time, with the rows of N^g (Definition 1.24) that the step could have closed: g <= h max |F_i|; zero up
-        to tol/h for catch-up. For ``EventDriven`` the same with x' itself. Infinite where it is not defined (at t = 0
-        before any step, for second-order schemes, at coincident centres). With mobilities all of this is in the scaled
-        coordinates of ``dincl.mobility``.
+        to tol/h for catch-up. For ``EventDriven`` the same with x' itself. Infinite where it is not defined (before any
+        step, at the start, for second-order schemes, at coincident centres). With mobilities all of this is in the
+        scaled coordinates of ``dincl.mobility``.
         """
-        return self.between.residuals(self.t)
+        return np.array([self._residual(one) for one in self.between.reactions(self.t)])
+
+    def _residual(self, reaction: Reaction | None) -> float:
+        from dincl.projection.cone import distance_to_cone
+
+        if reaction is None or reaction.second_order:
+            return np.inf
+        try:
+            return distance_to_cone(reaction.value, reaction.gradients())
+        except StepFailure:
+            return np.inf
+
+    def forces(self, t: ArrayLike) -> Forces | tuple[Forces, ...]:
+        """Compute the contact forces at one time, or at several increasing ones, (K,): see ``Forces``.
+
+        x' = F + sum_k multiplier_k grad g_k, multiplier >= 0. For ``EventDriven`` x' is the velocity before t (after
+        it at the start). Time steps have forces of the step that ends at or after t: those nearest to
+        (x_{k+1} - x_k)/h - F(t_k, x_k) with the gradients at x_{k+1}. For ``SecondOrderPBD`` they are those of x'' = F
+        + sum_k multiplier_k grad g_k; an impact is a force of h times its length. Multipliers of dependent contacts, as
+        in a packing, are not unique, though their sum is: the ones with the least sum of squares are returned.
+
+        Raises
+        ------
+        InvalidProblem
+            For times outside of the run, not increasing, or at which no step gives forces, as the start of time steps.
+        ProjectionFailed
+            Where the gradients are not defined, or the forces are not found.
+        """
+        times = self._inside(t)
+        if times.ndim > 1 or (np.diff(np.atleast_1d(times)) <= 0).any():
+            raise InvalidProblem(f"t = {describe(t)}: must be a time, or several, increasing")
+        reactions, found = self.between.reactions(np.atleast_1d(times)), []
+        for time, reaction in zip(np.atleast_1d(times), reactions, strict=True):
+            if reaction is None:
+                raise InvalidProblem(f"t = {time}: no step of this run gives forces there")
+            try:
+                found.append(contact_forces(self.problem, reaction))
+            except StepFailure as failure:
+                raise ProjectionFailed(failure.status, failure.detail) from failure
+        return tuple(found) if times.ndim else found[0]
 
     def __call__(self, t: ArrayLike) -> NDArray[np.float64]:
         """Return x(t) for one time, (N, d), or several, (..., N, d): (1.48), or the dense output of the scheme.
 
         Raises InvalidProblem for times outside of the run.
         """
-        times = array("t", t)
-        outside = (times < 0) | (times > self.t[-1])
-        if outside.any():
-            raise InvalidProblem(f"t = {times[outside].flat[0]}: must lie in [0, {self.t[-1]}], the time of this run")
+        times = self._inside(t)
         order = np.argsort(times, axis=None, kind="stable")
         values = np.empty((times.size, *self.problem.x0.shape))
         values[order] = self.between.states(times.ravel()[order])
         return values.reshape(*times.shape, *self.problem.x0.shape)
+
+    def _inside(self, t: ArrayLike) -> NDArray[np.float64]:
+        """Return times; InvalidProblem for those outside of the run."""
+        times = array("t", t)
+        outside = (times < self.t0) | (times > self.t[-1])
+        if outside.any():
+            time = f"[{self.t0:g}, {self.t[-1]}], the time of this run"
+            raise InvalidProblem(f"t = {times[outside].flat[0]}: must lie in {time}")
+        return times
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the last state to scale, the start in outline, the paths through the states, walls and obstacles.
@@ -178,7 +236,7 @@ class Trajectory:
         """
         from dincl.plotting import animate
 
-        times = np.linspace(0.0, float(self.t[-1]), integer("frames", frames, least=2))
+        times = np.linspace(self.t0, float(self.t[-1]), integer("frames", frames, least=2))
         return animate(self._film(times, self(times)), file, fps)
 
     def to_frame(self) -> DataFrame:
@@ -210,7 +268,7 @@ class Trajectory:
         name = getattr(self.problem, "title", type(self.scheme).__name__)
         ending = "" if self.status else f", {self.status.name}"
         words = f"{self!r}. {self.status.value} {self.detail}".strip()
-        return Film(self.problem, times, states, f"{name}, t = {times[-1]:.3g}{ending}", words)
+        return Film(self.problem, times, states, f"{name}, t = {times[-1]:.3g}{ending}", words, self.t0)
 
     def __repr__(self) -> str:
         n, d = self.problem.x0.shape

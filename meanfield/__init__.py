@@ -5,19 +5,16 @@
 
 from dincl.errors import InvalidProblem as InvalidModel
 from dincl.status import Status
-from meanfield.density.density import Density
-from meanfield.density.panels import Panels
-from meanfield.errors import NotClosed, SolveFailed
+from meanfield.density import Density, Panels
 from meanfield.model.examples import LinearFibre, StraightFibre, TissueElement, WavyFibre
 from meanfield.model.model import Model
-from meanfield.model.reduction import Moments, Positions, Reduction, reduce, sample_moments
 from meanfield.model.state import State
 from meanfield.solvers.characteristics import Flow, push_forward, solve_characteristics
 from meanfield.solvers.dae import solve_dae
-from meanfield.solvers.ode import MomentMotion, solve_moments, solve_ode
+from meanfield.solvers.moments import MomentMotion, Moments, NotClosed, solve_moments
+from meanfield.solvers.ode import solve_ode
 from meanfield.solvers.pde import GridMotion, solve_pde
-from meanfield.solvers.rattle import solve_rattle
-from meanfield.solvers.result import Motion, SolverWork
+from meanfield.solvers.result import Motion, SolveFailed, SolverWork
 from meanfield.transport import Weighted, w1
 
 __all__ = [
@@ -32,8 +29,6 @@ __all__ = [
     "Motion",
     "NotClosed",
     "Panels",
-    "Positions",
-    "Reduction",
     "SolveFailed",
     "SolverWork",
     "State",
@@ -43,13 +38,10 @@ __all__ = [
     "WavyFibre",
     "Weighted",
     "push_forward",
-    "reduce",
-    "sample_moments",
     "solve_characteristics",
     "solve_dae",
     "solve_moments",
     "solve_ode",
     "solve_pde",
-    "solve_rattle",
     "w1",
 ]

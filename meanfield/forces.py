@@ -20,17 +20,15 @@ from meanfield.kernels.field import (
     NONE,
     Measure,
     Pairs,
+    rates_of,
     sums_over_pairs,
 )
 from meanfield.model.symbolic import is_affine, library, program
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from dincl.compiled.arrays import Floats
     from meanfield.kernels.program import Program
     from meanfield.model.model import Model
-
-    Floats = NDArray[np.float64]
 
 
 def measure(model: Model, weights: Floats, orientation: float, blocks: int = 1) -> Measure:
@@ -87,7 +85,14 @@ def _nodes() -> Floats:
     return found
 
 
-def forces(model: Model, X: Floats, weights: Floats | None) -> Floats:
+def acceleration(model: Model, X: Floats, weights: Floats, y: Floats, v: Floats, orientation: float) -> Floats:
+    """Compute y'' by (5.11a) of particles X (Q, nx) and (y, v); NaN if the effective mass is ill-conditioned."""
+    m, found = measure(model, weights, orientation), np.empty(model.ny)
+    rates_of(m, np.array(X, order="C"), np.concatenate([y, v]), np.empty(X.shape), found)
+    return found
+
+
+def forces(model: Model, X: Floats, weights: Floats) -> Floats:
     """Compute sum_k w_k K(X_k, X_i), K(X_k, X_i) = grad V(X_k - X_i), for each particle i, exact to rounding: (Q, nx).
 
     Raises
@@ -97,29 +102,23 @@ def forces(model: Model, X: Floats, weights: Floats | None) -> Floats:
 
     Source: (5.4), (5.6a).
     """
-    w = full_weights(weights, len(X))
     if interaction_of(model) == BY_MEAN:
-        return model.K(w @ X - X)
-    return _sums(model, "K", X, w)
-
-
-def pair_energy(model: Model, X: Floats, weights: Floats | None) -> float:
-    """Compute sum_ik w_i w_k V(X_k - X_i): twice the energy of the pairs in (5.37)."""
-    w = full_weights(weights, len(X))
-    if interaction_of(model) == BY_MEAN:
-        # The mean of a quadratic form over pairs is twice its mean over the deviations from the mean.
-        return 2 * float(w @ model.pair_energy(X - w @ X))
-    return float(w @ _sums(model, "V", X, w)[:, 0])
-
-
-def _sums(model: Model, name: str, X: Floats, w: Floats) -> Floats:
-    found = np.empty((len(X), model.nx if name == "K" else 1))
-    sums_over_pairs(_pairs(model, name), np.array(X, order="C"), np.array(w), found)
+        return model.K(weights @ X - X)
+    found = _sums(model, "K", X, weights)
     if not np.isfinite(found).all():
         raise StepFailure(Status.NON_FINITE, "The force of a pair of particles is not finite.")
     return found
 
 
-def full_weights(weights: Floats | None, particles: int) -> Floats:
-    """Return the weights of Q particles, shape (Q,): the given ones, or 1/Q each for None."""
-    return np.full(particles, 1 / particles) if weights is None else weights
+def pair_energy(model: Model, X: Floats, weights: Floats) -> float:
+    """Compute sum_ik w_i w_k V(X_k - X_i): twice the energy of the pairs in (5.37)."""
+    if interaction_of(model) == BY_MEAN:
+        # The mean of a quadratic form over pairs is twice its mean over the deviations from the mean.
+        return 2 * float(weights @ model.pair_energy(X - weights @ X))
+    return float(weights @ _sums(model, "V", X, weights)[:, 0])
+
+
+def _sums(model: Model, name: str, X: Floats, w: Floats) -> Floats:
+    found = np.empty((len(X), model.nx if name == "K" else 1))
+    sums_over_pairs(_pairs(model, name), np.array(X, order="C"), np.array(w), found)
+    return found

@@ -13,15 +13,15 @@ from dincl import checks
 from dincl.errors import InvalidProblem
 from dincl.extras import needs
 from dincl.status import Status
-from meanfield.density.density import Density
-from meanfield.density.panels import DEGREE, Panels
-from meanfield.errors import SolveFailed
-from meanfield.model.reduction import checked_weights
+from meanfield.density import DEGREE, Density, Panels
+from meanfield.solvers.result import SolveFailed
 
 Floats = NDArray[np.float64]
 
 # Arguments of W1, for messages.
 MEASURES = "finite points (n,) or (n, nx), Weighted points, a Density or Panels"
+# Weights that come from a sum of many terms may miss 1 by this much.
+SUM_TOLERANCE = 1e-10
 # Gauss points on a panel, where distribution functions have degree DEGREE + 1; the series needs as many coefficients.
 SERIES_NODES, SERIES_WEIGHTS = np.polynomial.legendre.leggauss(DEGREE + 2)
 # Maps values at the nodes to Legendre coefficients.
@@ -110,7 +110,10 @@ def _measure(name: str, value: Measure) -> _Points | Panels:
     points = checks.shaped(label, raw[:, None] if raw.ndim == 1 else raw, (None, None))
     if not isinstance(value, Weighted):
         return _Points(points, np.full(len(points), 1.0 / len(points)))
-    weights = checked_weights(f"{name}.weights", value.weights, len(points))
+    weights = checks.shaped(f"{name}.weights", value.weights, (len(points),))
+    if (weights < 0).any() or abs(weights.sum() - 1.0) > SUM_TOLERANCE:
+        found = f"least {weights.min():.3g}, sum {weights.sum():.12g}"
+        raise InvalidProblem(f"{name}.weights ({found}): must be >= 0 and sum to 1")
     return _Points(points, weights / weights.sum())
 
 

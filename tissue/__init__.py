@@ -6,10 +6,11 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from dincl.compiled import inner
     from tissue.files.parameters import Parameters, load, preset
     from tissue.fitting.results import fit, sensitivity
     from tissue.frames.frame import Frame
-    from tissue.plugins import DivisionRule, EmtEvent, Force, Observable
+    from tissue.plugins import DivisionRule, EmtEvent, Force, Observable, Parameter, Variable
     from tissue.runs.force_error import force_error
     from tissue.runs.registration import register
     from tissue.runs.run import Run, RunFailed
@@ -23,11 +24,14 @@ __all__ = [
     "Force",
     "Frame",
     "Observable",
+    "Parameter",
     "Parameters",
     "Run",
     "RunFailed",
+    "Variable",
     "fit",
     "force_error",
+    "inner",
     "load",
     "preset",
     "register",
@@ -44,11 +48,14 @@ _HOMES = {
     "Force": "plugins",
     "Frame": "frames.frame",
     "Observable": "plugins",
+    "Parameter": "plugins",
     "Parameters": "files.parameters",
     "Run": "runs.run",
     "RunFailed": "runs.run",
+    "Variable": "plugins",
     "fit": "fitting.results",
     "force_error": "runs.force_error",
+    "inner": "plugins",
     "load": "files.parameters",
     "preset": "files.parameters",
     "register": "runs.registration",

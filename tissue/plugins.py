@@ -1,7 +1,8 @@
-"""Registry of events, forces and observables that users add to a tissue."""
+"""Registry of what users add to a tissue: events, forces, rules, observables, variables of cells and parameters."""
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,22 +11,30 @@ from types import FunctionType
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from dincl.callables import UserFunction
-from dincl.checks import function, instance, string
+from dincl.checks import describe, function, instance, items, number, string, text
+from dincl.compiled import inner
 from dincl.errors import InvalidProblem
 from dincl.status import Status
+from tissue.files.quantities import EXAMPLES, KINDS, POWERS, Quantity, read_quantity, sized
+from tissue.files.quantities import number as plain_number
+from tissue.state.cells import PARAMETERS, VARIABLES
 
 if TYPE_CHECKING:
     from tissue.files.parameters import Parameters
     from tissue.frames.frame import Frame
 
+__all__ = ["DivisionRule", "EmtEvent", "Force", "Observable", "Parameter", "Variable", "inner"]
+
 # Names of events, of forces and observables, of rules of divisions; units of observables.
 _LETTERS, _NAME = re.compile("[a-z][a-z0-9]*"), re.compile("[a-z][a-z0-9_]*")
-_WORD, _UNIT = re.compile(r"[^\W\d]\w*"), re.compile("[a-z0-9_]*")
+_WORD, _UNIT = re.compile(r"[^\W\d]\w*"), re.compile("[A-Za-z0-9_]*")
 
 # The points of a cell that an event may free.
 POINTS = ("apical", "basal")
+_SIMPLE = 'lower-case letters, digits and "_"'
 Thing = TypeVar("Thing")
-_REGISTERED: dict[type, dict[str, Any]] = {}
+# What daughters get of a variable: a x + b, as (a, whether b is the value of the start).
+DAUGHTERS = {"copy": (1.0, False), "halves": (0.5, False), "start": (0.0, True)}
 
 
 def _check(thing: Any, form: re.Pattern[str], words: str, **functions: bool) -> None:
@@ -44,6 +53,11 @@ def registry(kind: type) -> dict[str, Any]:
     return _REGISTERED.setdefault(kind, {})
 
 
+def _column(thing: Any) -> str:
+    """Return the name of a column of a name and a unit."""
+    return f"{thing.name}_{thing.unit}" if thing.unit else thing.name
+
+
 def registered(kind: type[Thing]) -> tuple[Thing, ...]:
     """Return what was registered of a kind in the order of the names: the order of imports may differ in another
     process.
@@ -57,7 +71,7 @@ class EmtEvent:
 
     It fires in the step dt that ends at its time, or in which its time lies, and acts from the beginning of that step.
     Its functions are plain Python at top level of a file; numba compiles them, alone, when a run first needs them, and
-    any function that they call must be one of ``dincl.compiled.inner``. They change the state in place.
+    any function that they call must be marked with ``tissue.inner``. They change the state in place.
 
     Attributes
     ----------
@@ -76,6 +90,9 @@ class EmtEvent:
         then others by name.
     after
         The name of an event that this one waits for, so that it begins at the later time of both.
+    starts
+        The names of events whose times the functions set, ``state.emt.at[k, state.cells.emt[i]] = state.t``: they
+        begin in the next dt, also where the parameters say that they never do.
     frees
         "apical" or "basal": the spring to this point holds nothing from then on, and so does not count where the rest
         lengths of a cell have a cap. None: neither.
@@ -95,6 +112,7 @@ class EmtEvent:
     begin: Callable[..., None] | None = None
     last: Callable[..., None] | None = None
     after: str | None = None
+    starts: tuple[str, ...] = ()
     frees: str | None = None
     mark: str = ""
 
@@ -103,6 +121,7 @@ class EmtEvent:
         object.__setattr__(self, "mark", self.mark or self.name.capitalize())
         if self.after is not None:
             string(f"EmtEvent {self.name}: after", self.after)
+        items(f"EmtEvent {self.name}: starts", self.starts, str, "names of events")
         if self.frees not in (None, *POINTS):
             raise InvalidProblem(f'EmtEvent {self.name}: frees = {self.frees!r}: must be "apical", "basal" or None')
         if self.begin is None and self.last is None:
@@ -115,7 +134,7 @@ class Force:
 
     It acts in each substep, at the same positions as the other forces. Its functions are plain Python at top level of a
     file; numba compiles them, alone, when a run first needs them, and any function that they call must be one of
-    ``dincl.compiled.inner``. They make no arrays. Lengths are in R_soft, W has no unit.
+    ``tissue.inner``. They make no arrays. Lengths are in R_soft, W has no unit.
 
     Attributes
     ----------
@@ -124,9 +143,10 @@ class Force:
         default: it is not called. Lower-case letters, digits and "_".
     push
         ``push(state, on, strength, numbers)`` adds to ``on``: ``on.x[i]``, ``on.y[i]`` on the nucleus of cell i,
-        ``on.ax[i]``, ``on.ay[i]`` on its apical and ``on.bx[i]``, ``on.by[i]`` on its basal point. These points are
-        now at ``state.cells.x[i]``, ..., ``state.cells.by[i]``, i < ``state.sizes[0]``; all else in the state is as the
-        rules have left it, and stays so. A basal point that the basal layer holds follows the part along the layer.
+        ``on.ax[i]``, ``on.ay[i]`` on its apical and ``on.bx[i]``, ``on.by[i]`` on its basal point, in space also to
+        ``on.z[i]``, ``on.az[i]``, ``on.bz[i]``. These points are now at ``state.cells.x[i]``, ...,
+        ``state.cells.by[i]``, i < ``state.sizes[0]``; all else in the state is as the rules have left it, and stays so.
+        A basal point that the basal layer holds follows the part along the layer. ``state.t`` is the end of this dt.
     meaning, source
         One line each.
     energy
@@ -145,7 +165,7 @@ class Force:
     energy: Callable[..., float] | None = None
 
     def __post_init__(self) -> None:
-        _check(self, _NAME, 'lower-case letters, digits and "_"', push=False, energy=True)
+        _check(self, _NAME, _SIMPLE, push=False, energy=True)
 
 
 @dataclass(frozen=True)
@@ -174,14 +194,14 @@ class Observable:
 
     def __post_init__(self) -> None:
         for key, value, form in (("name", self.name, _NAME), ("unit", self.unit, _UNIT)):
-            string(key, value, form, 'lower-case letters, digits and "_"')
+            string(key, value, form, _SIMPLE)
         string("meaning", self.meaning)
         function(f"Observable {self.name}: measure", self.measure, "a function of frame and parameters")
 
     @property
     def column(self) -> str:
         """Its name in tables."""
-        return f"{self.name}_{self.unit}" if self.unit else self.name
+        return _column(self)
 
     def of(self, frame: Frame, parameters: Parameters) -> float:
         """Return the number; raises FunctionFailed, an InvalidProblem, if it is none, or not finite."""
@@ -226,3 +246,124 @@ class DivisionRule:
 
     def __post_init__(self) -> None:
         _check(self, _WORD, "letters, digits and _", splits=False, place=False)
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A number of each cell, which functions of users read and write: ``state.cells.NAME[i]``.
+
+    Nothing else changes it but divisions. It is in saved states, and a column of ``Run.table``.
+
+    Attributes
+    ----------
+    name, unit
+        The column is NAME_UNIT, or NAME where there is no unit. Letters, digits and "_"; those of the name lower-case.
+    meaning
+        One line.
+    start
+        Its value in all cells at the start.
+    daughters
+        What a cell has of it when its cycle ends in a division, with a daughter in the tissue or not: a "copy" of its
+        mother's, or what "halves" it, or the "start" value.
+
+    Raises
+    ------
+    InvalidProblem
+        If name or unit is none, ``start`` no finite number, or ``daughters`` none of these.
+    """
+
+    name: str
+    meaning: str
+    unit: str = ""
+    start: float = 0.0
+    daughters: str = "copy"
+
+    def __post_init__(self) -> None:
+        string("name", self.name, _NAME, _SIMPLE)
+        string("unit", self.unit, _UNIT, 'letters, digits and "_"')
+        string("meaning", self.meaning)
+        object.__setattr__(self, "start", number(f"Variable {self.name}: start", self.start))
+        text(f"Variable {self.name}: daughters", self.daughters, tuple(DAUGHTERS))
+
+    @property
+    def column(self) -> str:
+        """Its name in tables."""
+        return _column(self)
+
+    @property
+    def heirs(self) -> tuple[float, float]:
+        """The numbers a and b of a x + b, what a daughter has of x."""
+        part, fresh = DAUGHTERS[self.daughters]
+        return part, fresh * self.start
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A key ``own.NAME`` of parameter files, and a number ``numbers.NAME`` for functions of users.
+
+    Attributes
+    ----------
+    name
+        Lower-case letters, digits and "_".
+    meaning, source
+        One line each.
+    default
+        As in a file, where it is not given: "0.5 1/h", or 3 for a number without unit.
+    unit
+        "um", "h", "1/h", "um/h" or "um^2/h": values may have any unit of this kind, and ``numbers`` has lengths over
+        R_soft and times in h. Any other unit is written behind each value; "" for numbers without unit.
+    least, most
+        The range, in this unit.
+
+    Raises
+    ------
+    InvalidProblem
+        If the name is none, or the default no such value.
+    """
+
+    name: str
+    meaning: str
+    default: Any
+    unit: str = ""
+    least: float = 0.0
+    most: float = math.inf
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        _check(self, _NAME, _SIMPLE)
+        string("unit", self.unit)
+        for name in ("least", "most"):
+            if not isinstance(getattr(self, name), Real) or math.isnan(getattr(self, name)):
+                raise InvalidProblem(f"{name} = {describe(getattr(self, name))}: must be a number, or inf")
+        try:
+            self.read(self.default)
+        except ValueError as error:
+            must = f"must be {self.allowed}; {error}"
+            raise InvalidProblem(f"Parameter {self.name}: default = {describe(self.default)}: {must}") from None
+
+    @property
+    def allowed(self) -> str:
+        """The values of a file, in words."""
+        kind = KINDS.get(self.unit, "")
+        what = f"a {kind}" if kind else "a number" + ("" if self.unit else " without unit")
+        such = EXAMPLES.get(kind, f'"1 {self.unit}"' if self.unit else '0.2 or "1/5"')
+        return f"{what} from {self.least:g} to {self.most:g}{f' {self.unit}' if self.unit else ''}, such as {such}"
+
+    def read(self, raw: Any) -> Quantity | float:
+        """Return the value that a file gives; raises ValueError for none, whatever the range is."""
+        if self.unit:
+            return read_quantity(raw, KINDS.get(self.unit, self.unit), "")
+        value = plain_number(raw)
+        if not isinstance(value, float):
+            raise ValueError("it must have no unit")  # noqa: TRY004 - input errors are of one class
+        return sized(value)
+
+    def fits(self, value: Quantity | float, soft_radius: float) -> bool:
+        """Return whether a value is in the range; ``soft_radius`` [um]."""
+        if isinstance(value, Quantity):
+            is_over = value.unit.startswith("R_soft")
+            value = value.value * (soft_radius ** POWERS.get(self.unit, 0) if is_over else 1.0)
+        return self.least <= value <= self.most
+
+
+_REGISTERED: dict[type, dict[str, Any]] = {Variable: VARIABLES, Parameter: PARAMETERS}

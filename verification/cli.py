@@ -1,4 +1,4 @@
-"""The commands: ``verification report``, ``claims``, ``check``, ``compare``, ``stability``."""
+"""The commands: ``verification report``, ``claims``, ``check``, ``compare``, ``stability``, ``engines``."""
 
 from __future__ import annotations
 
@@ -204,3 +204,23 @@ def compare(
     except InvalidProblem as wrong:
         raise typer.BadParameter(str(wrong)) from None
     print(*map(repr, results), page, sep="\n")
+
+
+@app.command()
+def engines(
+    out: Out = Path("engines"),
+    rows: Annotated[int, typer.Option(min=1, help="Only quadratic programs of about so many rows.")] = 10_000,
+) -> None:
+    """Write what authors of engines can test with: proved answers and their checker, and quadratic programs of contact.
+
+    docs/howto/engines.md says what is in them.
+    """
+    from shutil import copyfile
+
+    from verification.engines import check_answers, qp_set
+
+    files = qp_set.make(out / "data", rows)
+    checker = Path(check_answers.__file__)
+    for file in (checker, checker.with_name("key.json")):
+        copyfile(file, out / file.name)
+    print(f"{out}: key.json, {checker.name}, {len(files)} quadratic programs in data")

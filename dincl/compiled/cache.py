@@ -31,6 +31,8 @@ from llvmlite.binding import get_host_cpu_features
 from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
 
+from dincl.compiled.structs import names_in
+
 # The packages of this program, wherever they are installed.
 PACKAGES = ("dincl", "meanfield", "tissue", "verification")
 _INSTALLED, _STANDARD = {"site-packages", "dist-packages"}, Path(os.__file__).parent
@@ -125,6 +127,8 @@ class CodeCache:
     def _file(self, sig: Any, processor: tuple[str, str, str]) -> str:
         types = getattr(sig, "args", sig)
         text = repr(([str(kind) for kind in types], processor))
+        if not is_ours(self._function):  # which alone may read names that are added
+            text += repr([name for kind in types for name in names_in(kind)])
         key = sha256(text.encode() + reach(self._function)[0]).hexdigest()[:24]
         return f"{self._name}-{key}.code"
 
@@ -151,6 +155,11 @@ def _load(path: Path, sig: Any, target_context: Any) -> Any:
         return None
     # Types of one name may differ.
     return found if found.signature.args == tuple(getattr(sig, "args", sig)) else None
+
+
+def is_ours(function: Callable[..., Any]) -> bool:
+    """Return whether a function is in one of these packages, not one of a user."""
+    return (function.__module__ or "").partition(".")[0] in PACKAGES
 
 
 def say(function: Callable[..., Any], doing: str) -> None:

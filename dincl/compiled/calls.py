@@ -13,6 +13,7 @@ from llvmlite.binding import get_host_cpu_name
 from numba import types
 from numba.core.errors import NumbaError
 from numba.extending import intrinsic, is_jitted
+from numba.np.arrayobj import populate_array
 
 # The type of an argument that is the address of doubles: kernels pass a C-contiguous array of them, of any shape.
 DOUBLES: Any = types.CPointer(types.float64)
@@ -123,6 +124,19 @@ def compile_drift(function: Any) -> Any:
         return None
     function = None  # which the machine code does not need; the user may forget it
     return compiled
+
+
+@instruction
+def floats_at(typing: Any, place: Any, size: Any) -> Any:
+    """Return the numbers at an address as an array of this length; numba's own needs references to be counted."""
+    kind = types.Array(types.float64, 1, "C")
+
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        array, step = context.make_array(kind)(context, builder), ir.Constant(ir.IntType(64), 8)
+        populate_array(array, values[0], [values[1]], [step], step, None)
+        return array._getvalue()
+
+    return kind(DOUBLES, types.int64), generate
 
 
 @instruction

@@ -26,7 +26,7 @@ from numba.core.event import Listener, install_recorder, register
 from numba.core.sigutils import normalize_signature
 from numba.core.types import unliteral
 
-from dincl.compiled.cache import PACKAGES, code_cache, say
+from dincl.compiled.cache import code_cache, is_ours, say
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -72,7 +72,7 @@ def c_function(described: Any, function: Callable[..., Any]) -> Any:
     It must not allocate arrays. Where it raises, it returns an arbitrary number: see ``collect_errors``. A function of
     a user, outside of these packages, raises IndexError where it reads or writes beyond an array.
     """
-    options: dict[str, Any] = {"error_model": "numpy", "_nrt": False, "boundscheck": _of_user(function)}
+    options: dict[str, Any] = {"error_model": "numpy", "_nrt": False, "boundscheck": not is_ours(function)}
     # numba.cfunc would compile before the cache is set.
     compiled: Any = _CFunction(
         function, normalize_signature(described), locals={}, options=options, pipeline_class=_Compiler
@@ -113,16 +113,11 @@ def _compile_once(compiled: Any, function: Callable[..., Any]) -> None:
     compiled.compile = compile_once
 
 
-def _of_user(function: Callable[..., Any]) -> bool:
-    """Return whether a function is in none of these packages: it is always compiled with checks, or always without."""
-    return (function.__module__ or "").partition(".")[0] not in PACKAGES
-
-
 def _inlined(function: Function, *, allocates: bool) -> Function:
     # Wrappers for Python and for C, which nobody calls, make first runs 1.17 times as long, that of eight tissues 1.27.
     # Counting references makes steps 1.3 to 1.7 times as long.
     options: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "_nrt": allocates}
-    options["boundscheck"] = _of_user(function)  # numba keeps this by function: callers do not pass it on
+    options["boundscheck"] = not is_ours(function)  # numba keeps this by function: callers do not pass it on
     compiled: Any = numba.njit(pipeline_class=_InlinedCompiler, error_model="numpy", **options)(function)
     # There is no machine code that Python could call: it runs the text, and finds nothing that numba has compiled.
     compiled._compile_for_args, compiled._insert = lambda *_: function, lambda *_: None
@@ -191,7 +186,7 @@ class _InlinedCompiler(_Compiler):
         function, library = self.state.func_id, cast("Any", _InlinedCode)
         self.state.library = library(self.state.targetctx.codegen(), function.func_qualname)
         pipelines: Any = super().define_pipelines()  # type: ignore[no-untyped-call]
-        if not _of_user(function.func) and not any(isinstance(part, CodeType) for part in function.code.co_consts):
+        if is_ours(function.func) and not any(isinstance(part, CodeType) for part in function.code.co_consts):
             for one in pipelines:
                 one.passes = [step for step in one.passes if step[0] not in _RARE]
         return pipelines

@@ -26,6 +26,7 @@ from numba.extending import (
     typeof_impl,
     unbox,
 )
+from numba.np.arrayobj import populate_array
 from numpy.typing import NDArray
 
 from dincl.compiled.calls import instruction
@@ -56,20 +57,60 @@ class _Fields(AttributeTemplate):
     key = StructType
 
     def generic_resolve(self, struct: Any, name: str) -> Any:  # type: ignore[override]
-        if name not in struct.kind.fields:
+        if name in struct.kind.fields:
+            field = struct.kind[struct.kind.fields.index(name)]
+            return StructType(field) if isinstance(field, types.BaseNamedTuple) else field
+        if name not in (known := entries_of(struct.kind)):
             return None
-        field = struct.kind[struct.kind.fields.index(name)]
-        return StructType(field) if isinstance(field, types.BaseNamedTuple) else field
+        part, k = known[name]
+        inside: Any = struct.kind[struct.kind.fields.index(part)]
+        if not isinstance(inside, types.Array):
+            return inside[k]
+        return inside.dtype if inside.ndim == 1 else _row_of(inside)
+
+
+def entries_of(kind: Any) -> dict[str, tuple[str, int]]:
+    """Return the names for parts of fields, field and place, that the class of a named tuple gives by ``entries``.
+
+    They stand for a number of a named tuple or of an array (n,), or for a row of an array (m, n), and may grow: kernels
+    that do not read them stay as they are.
+    """
+    find = getattr(kind.instance_class, "entries", None)
+    return find() if find else {}
+
+
+def names_in(struct: Any) -> list[Any]:
+    """Return all such names in a struct, on which the machine code of what reads them depends."""
+    if not isinstance(struct, StructType):
+        return []
+    inside = [StructType(field) for field in struct.kind if isinstance(field, types.BaseNamedTuple)]
+    return [*entries_of(struct.kind).items(), *(name for part in inside for name in names_in(part))]
+
+
+def _row_of(array: Any) -> Any:
+    return types.Array(array.dtype, 1, "C")
 
 
 @_lowering(StructType)
 def _read(context: Any, builder: Any, struct: Any, value: Any, name: str) -> Any:
-    place = builder.inttoptr(value, context.get_value_type(struct.kind).as_pointer())
-    index = struct.kind.fields.index(name)
+    place, kind = builder.inttoptr(value, context.get_value_type(struct.kind).as_pointer()), struct.kind
+    part = None if name in kind.fields else entries_of(kind)[name]
+    index = kind.fields.index(part[0] if part else name)
     field = cgutils.gep_inbounds(builder, place, 0, index)
-    if isinstance(struct.kind[index], types.BaseNamedTuple):
+    if part and isinstance(kind[index], types.BaseNamedTuple):
+        return builder.load(cgutils.gep_inbounds(builder, field, 0, part[1]))
+    if isinstance(kind[index], types.BaseNamedTuple):
         return builder.ptrtoint(field, ir.IntType(64))
-    return builder.load(field)
+    if part is None:
+        return builder.load(field)
+    array, k = context.make_array(kind[index])(context, builder, builder.load(field)), ir.IntType(64)(part[1])
+    if kind[index].ndim == 1:
+        return builder.load(builder.gep(array.data, [k]))
+    (_, n), (_, stride) = (cgutils.unpack_tuple(builder, sizes, 2) for sizes in (array.shape, array.strides))
+    row = context.make_array(_row_of(kind[index]))(context, builder)
+    start = builder.gep(array.data, [builder.mul(k, n)])
+    populate_array(row, data=start, shape=[n], strides=[stride], itemsize=array.itemsize, meminfo=None)
+    return row._getvalue()
 
 
 def struct_type(example: Any) -> StructType:

@@ -4,26 +4,23 @@ x' = argmin |v - F| subject to n_r . v >= b_r for all rows r that touch; rows wi
 """
 
 from dincl.compiled import inner
+from dincl.events.many_contacts import VELOCITY, call_many
 from dincl.events.motion import set_speed
-from dincl.events.workspace import ACTIVE, CLOSED, OPEN, EventWorkspace
+from dincl.events.workspace import ACTIVE, CLOSED, OPEN, TOUCHING, EventWorkspace
 from dincl.neighbours import ROW_MARGIN
 from dincl.rows.table import VELOCITIES, call_python, gap, linearise
-from dincl.solvers.active_set import CYCLES, nearest, nearest_sparse
+from dincl.solvers.active_set import CYCLES, nearest
 from dincl.solvers.envelope_factor import row_dot
-from dincl.solvers.sparse_factor import FEW, SPARSE_FROM, analyse, covers
+from dincl.solvers.sparse_factor import SPARSE_FROM
 from dincl.solvers.wedges import narrowest
 from dincl.steps.programs import list_sorted
 from dincl.system.arrays import COINCIDENT, OK, SETS, WEDGE, evaluate, longest, system_at
 
-# Gaps up to this are contacts, relative to the size of the problem; rounding leaves 1e-15.
-TOUCHING = 1e-13
 # Multipliers and opening speeds are zero below the tolerance over the time of the run, but for these parts of the
 # largest speed at least, for rounding, and at most.
 LEAST_ZERO, ZERO = 1e-13, 1e-10
 # In narrower wedges, see ``narrowest``, opening speeds are lost in the rounding of the program.
 NARROWEST = 1e-8
-# Mean phases to look ahead for rows that are analysed with the touching ones.
-AHEAD = 10.0
 
 
 @inner
@@ -52,7 +49,7 @@ def decide_contacts(run: EventWorkspace) -> int:
     system.program.answer[1] = narrowest(system.rows, system.near, system.program.gradient, run.touching, count)
     if system.program.answer[1] < NARROWEST:
         return WEDGE
-    state.zero = min(max(state.tol / state.end, LEAST_ZERO * state.speed), ZERO * state.speed)
+    state.zero = min(max(state.tol / (state.end - state.start), LEAST_ZERO * state.speed), ZERO * state.speed)
     code = nearest_velocity(run, count)
     if code != OK:
         return code
@@ -90,32 +87,10 @@ def list_touching(run: EventWorkspace) -> int:
 @inner
 def nearest_velocity(run: EventWorkspace, count: int) -> int:
     """Solve for the velocity and the multipliers: with a sparse factor if many rows touch."""
-    system, gram, speed = system_at(run.system), run.gram, run.state[0].speed
-    rows, program, code = system.rows, system.program, CYCLES
-    if count >= SPARSE_FROM and (
-        covers(run.touching, count, gram) or analyse(rows, run.touching, list_upcoming(run, count), gram)
-    ):
-        code = nearest_sparse(rows, run.touching, count, program, gram, speed)
-    return code if code != CYCLES else nearest(rows, run.touching, count, program, system.factor, speed)
-
-
-@inner
-def list_upcoming(run: EventWorkspace, count: int) -> int:
-    """List after the touching rows those that touch soon if velocities do not change; the number of all.
-
-    They are analysed with the others, switched off, so that the analysis serves for more than one event.
-    """
-    state, system, x, point, rate = run.state[0], system_at(run.system), run.x, run.point, run.rate[0]
-    rows, sets, near, found = system.rows, system.sets, system.near, count
-    for k in range(x.size):
-        point[k] = x[k] + AHEAD * state.mean_phase * rate[k]
-    for q in range(near.number[0]):
-        r = near.row[q]
-        touches = gap(rows, sets, r, x) <= TOUCHING * state.size
-        if not touches and found < count + FEW and gap(rows, sets, r, point) <= 0.0:
-            run.touching[found] = r
-            found += 1
-    return found
+    system, speed, code = system_at(run.system), run.state[0].speed, CYCLES
+    if run.many != 0 and count >= SPARSE_FROM:
+        code = call_many(run.many, run, VELOCITY, count, speed)
+    return code if code != CYCLES else nearest(system.rows, run.touching, count, system.program, system.factor, speed)
 
 
 @inner

@@ -1,4 +1,4 @@
-"""Dense output of a run of the event-driven method: its states and residuals at any time."""
+"""Dense output of a run of the event-driven method: its states and reactions at any time."""
 
 from __future__ import annotations
 
@@ -10,9 +10,8 @@ import numpy as np
 from dincl.compiled.structs import StructPointer
 from dincl.errors import StepFailure
 from dincl.events import integrate as kernels
-from dincl.events.contacts import TOUCHING
-from dincl.events.workspace import KIND, StepTable, event_workspace, sparse_gram, step_table
-from dincl.projection.cone import distance_to_cone
+from dincl.events.workspace import KIND, TOUCHING, StepTable, event_workspace, sparse_gram, step_table
+from dincl.forces import Reaction
 from dincl.system.arrays import OK
 from dincl.system.compiled_problem import CompiledProblem
 from dincl.trajectory import Between
@@ -27,13 +26,18 @@ if TYPE_CHECKING:
 class DenseOutput(Between):
     """A polynomial for each step of a run, in the units of its system; states are moved onto the active rows.
 
-    ``size`` is that of the problem, ``start`` is x(0), shape (N d,).
+    ``size`` is that of the problem, ``start`` is x(t0), shape (N d,). States that are
+    asked for ``during`` the run need a factor of their own.
     """
 
-    def __init__(self, system: EventSystem, pair: RungeKutta, size: float, start: NDArray[np.float64]) -> None:
-        self._system, self._gram = system.compiled, system.gram
+    def __init__(
+        self, system: EventSystem, pair: RungeKutta, size: float, start: NDArray[np.float64], *, during: bool = False
+    ) -> None:
+        self._system = system.compiled
+        self._gram = sparse_gram(system.compiled.arrays) if during else system.gram
         self._problem, self._units, self._smooth = self._system.problem, self._system.units, system.scales.smooth
         self._start, self._pair, self._size = start, pair, size
+        self._begin = system.scales.start / self._units.time
         self._differences = {name: getattr(self._system.sets, name) for name in ("spacing", "spacings", "breaks")}
         self._tables: list[StepTable] = []
 
@@ -41,6 +45,7 @@ class DenseOutput(Between):
         """Append steps, and set the size of the problem after them."""
         if len(table.end):
             self._tables.append(table)
+            self.__dict__.pop("_workspaces", None)
         self._size = size
 
     def states(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -48,11 +53,11 @@ class DenseOutput(Between):
         x = self._states(np.asarray(times) / self._units.time)
         return x.reshape(-1, *self._problem.x0.shape) * self._units.length
 
-    def residuals(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Evaluate residuals with the velocity from before each time, or from after t = 0."""
+    def reactions(self, times: NDArray[np.float64]) -> list[Reaction | None]:
+        """Evaluate reactions with the velocity from before each time, or from after the start."""
         scaled = np.asarray(times) / self._units.time
         points = zip(times, scaled, *self._steps(scaled), self._states(scaled), strict=True)
-        return np.array([self._residual(float(t), float(s), int(k), int(p), x) for t, s, k, p, x in points])
+        return [self._reaction(float(t), float(s), int(k), int(p), x) for t, s, k, p, x in points]
 
     def __getstate__(self) -> dict[str, Any]:
         """Leave out what is bound to this process."""
@@ -92,7 +97,7 @@ class DenseOutput(Between):
         table, step = self._steps(times)
         with self._system.callbacks():
             for k in range(table.min(), table.max() + 1):
-                chosen = (table == k) & (times > 0)
+                chosen = (table == k) & (times > self._begin)
                 found = x[chosen]
                 code = kernels.states_at(self._workspaces[k], times[chosen], step[chosen], found)
                 if code != OK:
@@ -110,18 +115,17 @@ class DenseOutput(Between):
             step[later] = np.minimum(np.searchsorted(table.end, times[later]), len(table.end) - 1)
         return which, step
 
-    def _residual(self, t: float, scaled: float, table: int, step: int, x: NDArray[np.float64]) -> float:
-        """Compute the residual at time t, which is ``scaled`` in the units of the run, as x (n,) is."""
+    def _reaction(self, t: float, scaled: float, table: int, step: int, x: NDArray[np.float64]) -> Reaction | None:
+        """Compute the reaction at time t, which is ``scaled`` in the units of the run, as x (n,) is."""
         if not self._tables:
-            return np.inf
+            return None
         rate, at = np.empty(x.size), x.reshape(self._problem.x0.shape) * self._units.length
         try:
             with self._system.callbacks():
                 code = kernels.rate_at(self._workspaces[table], scaled, step, x, rate)
             if code != OK:
                 self._system.failure(code)
-            reaction = rate * self._units.speed - self._problem.velocity(t, at).ravel()
-            touching = TOUCHING * self._size * self._units.length
-            return distance_to_cone(reaction, self._problem.rows_within(t, at, touching).jacobian(at))
+            value = rate * self._units.speed - self._problem.velocity(t, at).ravel()
         except StepFailure:
-            return np.inf
+            return None
+        return Reaction(self._problem, t, at, value, TOUCHING * self._size * self._units.length)

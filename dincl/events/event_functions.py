@@ -1,8 +1,8 @@
 """Functions of time that must not become negative during a step, on its dense output.
 
 They are the gap of an open row; the smallest multiplier of the active rows; for a closed row that is not active how far
-its speed is below the one that changes its state. Each is a function (run, r, theta) of a row r and of the part theta
-of the step; ``dincl.events.location`` finds the first zeros.
+its speed is below the one that changes its state. Each is a function of the part theta of the step;
+``dincl.events.location`` finds the first zeros.
 """
 
 import numpy as np
@@ -15,6 +15,9 @@ from dincl.rows.table import CALLBACK, DISTANCE, FORMULA, VELOCITIES, call_pytho
 from dincl.solvers.envelope_factor import row_dot
 from dincl.system.arrays import OK, system_at
 
+# The gap of row r; how fast it falls, which becomes negative at a minimum of the gap; the smallest multiplier of the
+# active rows; by how much the speed of the closed row r is below the threshold.
+GAP, CLOSING, RELEASE, MOTION = range(4)
 # Speeds and multipliers count as negative below this many times the threshold of the decision of contacts.
 NEGATIVE = 10.0
 
@@ -59,20 +62,19 @@ def gap_and_slope_at(run: EventWorkspace, r: int, theta: float) -> tuple[float, 
 
 
 @inner
-def gap_at(run: EventWorkspace, r: int, theta: float) -> float:
-    """Compute a number with the sign of the gap of row r less ``state.level``."""
-    return gap_and_slope_at(run, r, theta)[0]
+def event_function_at(run: EventWorkspace, which: int, r: int, theta: float) -> float:
+    """Compute one of the functions at theta."""
+    if which == RELEASE:
+        return least_multiplier_at(run, theta)
+    if which == MOTION:
+        return speed_margin_at(run, r, theta)
+    value, slope = gap_and_slope_at(run, r, theta)
+    return -slope if which == CLOSING else value
 
 
 @inner
-def closing_speed_at(run: EventWorkspace, r: int, theta: float) -> float:
-    """Compute how fast ``gap_at`` falls; at a minimum of the gap this becomes negative."""
-    return -gap_and_slope_at(run, r, theta)[1]
-
-
-@inner
-def least_multiplier_at(run: EventWorkspace, r: int, theta: float) -> float:
-    """Compute the smallest multiplier of the active rows, of whichever row; negative where there is no velocity."""
+def least_multiplier_at(run: EventWorkspace, theta: float) -> float:
+    """Compute the smallest multiplier of the active rows; negative where there is no velocity."""
     state, found = run.state[0], np.inf
     multiplier = run.multiplier[SPARE]
     if theta == 0.0:

@@ -6,12 +6,12 @@ import numpy as np
 
 from dincl.compiled import inner, kernel
 from dincl.compiled.arrays import Floats, Offsets
-from dincl.events.contacts import TOUCHING, decide_contacts
+from dincl.events.contacts import decide_contacts
 from dincl.events.location import NEVER, first_event
 from dincl.events.motion import restore, set_speed, velocity_at
 from dincl.events.runge_kutta import EPS, dense_value
 from dincl.events.steps import accept_step, check_jump, make_step, pass_stop, truncate_step
-from dincl.events.workspace import AGAIN, DONE, FULL, JUMPS, NO_STEP, SLOW, SPARE, STUCK, EventWorkspace
+from dincl.events.workspace import AGAIN, DONE, FULL, JUMPS, NO_STEP, SLOW, SPARE, STUCK, TOUCHING, EventWorkspace
 from dincl.rows.table import VELOCITIES, call_python, gap, is_timed, linearise
 from dincl.solvers.envelope_factor import add_row, row_dot
 from dincl.system.arrays import OK, SETS, bounded, longest, system_at
@@ -67,7 +67,7 @@ def begin_phase(run: EventWorkspace) -> int:
     state, code = run.state[0], OK
     # What started small and went far rounds as what is large.
     state.size = max(state.size, longest(run.x, system_at(run.system).sets.shift.shape[1]))
-    if state.stop - state.t <= MEETS * state.end:
+    if state.stop - state.t <= MEETS * (state.end - state.start):
         if state.stop < state.end:
             code = pass_stop(run)
         elif state.steps > 0:

@@ -1,21 +1,11 @@
 """Event location: the first gap that closes, multiplier that vanishes or closed row that moves during a step."""
 
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
 
 from dincl.compiled import inner
-from dincl.events.contacts import TOUCHING
-from dincl.events.event_functions import (
-    closing_speed_at,
-    gap_and_slope_at,
-    gap_at,
-    least_multiplier_at,
-    speed_margin_at,
-)
+from dincl.events.event_functions import CLOSING, GAP, MOTION, RELEASE, event_function_at, gap_and_slope_at
 from dincl.events.runge_kutta import EPS
-from dincl.events.workspace import ACTIVE, CLOSED, EventWorkspace
+from dincl.events.workspace import ACTIVE, CLOSED, TOUCHING, EventWorkspace
 from dincl.neighbours import EVENT_MARGIN, TOO_WIDE
 from dincl.rows.table import DISTANCE, VELOCITIES, call_python, gap, is_timed, linearise
 from dincl.solvers.envelope_factor import row_dot
@@ -31,7 +21,7 @@ SUSPICIOUS = 0.5
 # A multiplier, or a speed, vanishes linearly in time, and the displacement by a late release is of second order: the
 # accuracy of its time, as a part of the step, for a tolerance of 1. A gap is followed to rounding, and so is a
 # multiplier that jumps: within that accuracy it still falls by more than this share of its whole fall.
-RELEASE, STEEP = 3e-3, 0.1
+RELEASED, STEEP = 3e-3, 0.1
 MOST_ITERATIONS = 100
 # The minimum of a function is located to this part of the step.
 MINIMUM = 1e-4
@@ -39,48 +29,41 @@ MINIMUM = 1e-4
 NEVER = np.inf
 
 
-def root_of(function: Any, *, to_rounding: bool) -> Callable[..., float]:
-    """Make the search for a root of an event function, located to rounding or as precisely as a release needs."""
+@inner
+def root_of(run: EventWorkspace, which: int, r: int, a: float, first: float, b: float, last: float) -> float:
+    """Find where the function becomes negative that is ``first`` >= 0 at a and ``last`` < 0 at b > a.
 
-    @inner
-    def root(run: EventWorkspace, r: int, a: float, first: float, b: float, last: float) -> float:
-        """Find where the function becomes negative that is ``first`` >= 0 at a and ``last`` < 0 at b > a.
-
-        Source: Chandrupatla (1997).
-        """
-        if first <= 0.0:
-            return a
-        c, third, share, state, steep = a, first, 0.5, run.state[0], 0.0
-        rounding = 2.0 * EPS * max(abs(state.t) / max(state.step, 1e-300), 1.0)
-        allowed = rounding
-        if not to_rounding:
-            allowed, steep = max(rounding, RELEASE * np.sqrt(state.tol / state.size)), STEEP * (first - last)
-        for _ in range(MOST_ITERATIONS):
-            middle = a + share * (b - a)
-            value = function(run, r, middle)
-            if (value > 0.0) == (first > 0.0):
-                c, third = a, first
-            else:
-                c, third, b, last = b, last, a, first
-            a, first = middle, value
+    It is located to rounding, or, of a multiplier or a speed, as precisely as a release needs.
+    Source: Chandrupatla (1997).
+    """
+    if first <= 0.0:
+        return a
+    c, third, share, state, steep = a, first, 0.5, run.state[0], 0.0
+    rounding = 2.0 * EPS * max(abs(state.t) / max(state.step, 1e-300), 1.0)
+    allowed = rounding
+    if which in (RELEASE, MOTION):
+        allowed, steep = max(rounding, RELEASED * np.sqrt(state.tol / state.size)), STEEP * (first - last)
+    for _ in range(MOST_ITERATIONS):
+        middle = a + share * (b - a)
+        value = event_function_at(run, which, r, middle)
+        if (value > 0.0) == (first > 0.0):
+            c, third = a, first
+        else:
+            c, third, b, last = b, last, a, first
+        a, first = middle, value
+        limit = allowed / abs(b - a)
+        if limit > 0.5 and allowed > rounding and abs(first - last) > steep:
+            allowed = rounding
             limit = allowed / abs(b - a)
-            if limit > 0.5 and allowed > rounding and abs(first - last) > steep:
-                allowed = rounding
-                limit = allowed / abs(b - a)
-            if limit > 0.5 or first == 0.0 or state.code != OK:
-                break
-            xi, phi = (a - b) / (c - b), (first - last) / (third - last)
-            share = 0.5
-            if phi * phi < xi and (1.0 - phi) * (1.0 - phi) < 1.0 - xi:
-                share = first / (last - first) * third / (last - third)
-                share += (c - a) / (b - a) * first / (third - first) * last / (third - last)
-            share = min(1.0 - limit, max(limit, share))
-        return a if first <= 0.0 else b
-
-    return root
-
-
-root_of_gap, root_of_closing_speed = root_of(gap_at, to_rounding=True), root_of(closing_speed_at, to_rounding=True)
+        if limit > 0.5 or first == 0.0 or state.code != OK:
+            break
+        xi, phi = (a - b) / (c - b), (first - last) / (third - last)
+        share = 0.5
+        if phi * phi < xi and (1.0 - phi) * (1.0 - phi) < 1.0 - xi:
+            share = first / (last - first) * third / (last - third)
+            share += (c - a) / (b - a) * first / (third - first) * last / (third - last)
+        share = min(1.0 - limit, max(limit, share))
+    return a if first <= 0.0 else b
 
 
 @inner
@@ -92,60 +75,51 @@ def first_closing(run: EventWorkspace, r: int, latest: float) -> float:
         value, slope = gap_and_slope_at(run, r, end)
         low = value
         if not value < 0.0 and falling < 0.0 < slope and dips(before, falling / PARTS, value, slope / PARTS):
-            end = root_of_closing_speed(run, r, left, -falling, end, -slope)
-            low = gap_at(run, r, end)
+            end = root_of(run, CLOSING, r, left, -falling, end, -slope)
+            low = event_function_at(run, GAP, r, end)
         if low < 0.0:
-            return root_of_gap(run, r, left, before, end, low) if j > 0 else 0.0
+            return root_of(run, GAP, r, left, before, end, low) if j > 0 else 0.0
         if j / PARTS > latest:
             break
         before, falling = value, slope
     return NEVER
 
 
-def first_negative_of(function: Any) -> Callable[..., float]:
-    """Make the search for the first time at which an event function without a derivative becomes negative."""
-    root = root_of(function, to_rounding=False)
-
-    @inner
-    def lowest_between(run: EventWorkspace, r: int, left: float, right: float) -> tuple[float, float]:
-        """Find the minimum by golden section, and its time; the first negative value ends the search."""
-        golden = 0.6180339887498949
-        a, b = right - golden * (right - left), left + golden * (right - left)
-        at_a, at_b = function(run, r, a), function(run, r, b)
-        while right - left > MINIMUM and at_a >= 0.0 and at_b >= 0.0:
-            if at_a < at_b:
-                right, b, at_b = b, a, at_a
-                a = right - golden * (right - left)
-                at_a = function(run, r, a)
-            else:
-                left, a, at_a = a, b, at_b
-                b = left + golden * (right - left)
-                at_b = function(run, r, b)
-        return (a, at_a) if at_a < at_b else (b, at_b)
-
-    @inner
-    def first_negative(run: EventWorkspace, r: int, latest: float) -> float:
-        """Find when the function of row r is negative, at a node or between nodes; NEVER if not until ``latest``."""
-        two, one = np.inf, np.inf
-        for j in range(PARTS + 1):
-            left, before, end = (j - 1) / PARTS, one, j / PARTS
-            value = function(run, r, end)
-            low = value
-            if not value < 0.0 and j > 1 and sinks(two, one, value):
-                left, before = (j - 2) / PARTS, two
-                end, low = lowest_between(run, r, left, j / PARTS)
-            if low < 0.0:
-                return root(run, r, left, before, end, low) if j > 0 else 0.0
-            if j / PARTS > latest:
-                break
-            two, one = one, value
-        return NEVER
-
-    return first_negative
+@inner
+def lowest_between(run: EventWorkspace, which: int, r: int, left: float, right: float) -> tuple[float, float]:
+    """Find the minimum by golden section, and its time; the first negative value ends the search."""
+    golden = 0.6180339887498949
+    a, b = right - golden * (right - left), left + golden * (right - left)
+    at_a, at_b = event_function_at(run, which, r, a), event_function_at(run, which, r, b)
+    while right - left > MINIMUM and at_a >= 0.0 and at_b >= 0.0:
+        if at_a < at_b:
+            right, b, at_b = b, a, at_a
+            a = right - golden * (right - left)
+            at_a = event_function_at(run, which, r, a)
+        else:
+            left, a, at_a = a, b, at_b
+            b = left + golden * (right - left)
+            at_b = event_function_at(run, which, r, b)
+    return (a, at_a) if at_a < at_b else (b, at_b)
 
 
-# (run, r, latest): when a multiplier of the active rows, whichever r, vanishes; when the closed row r moves.
-first_release, first_motion = first_negative_of(least_multiplier_at), first_negative_of(speed_margin_at)
+@inner
+def first_negative(run: EventWorkspace, which: int, r: int, latest: float) -> float:
+    """Find when the function of row r is negative, at a node or between nodes; NEVER if not until ``latest``."""
+    two, one = np.inf, np.inf
+    for j in range(PARTS + 1):
+        left, before, end = (j - 1) / PARTS, one, j / PARTS
+        value = event_function_at(run, which, r, end)
+        low = value
+        if not value < 0.0 and j > 1 and sinks(two, one, value):
+            left, before = (j - 2) / PARTS, two
+            end, low = lowest_between(run, which, r, left, j / PARTS)
+        if low < 0.0:
+            return root_of(run, which, r, left, before, end, low) if j > 0 else 0.0
+        if j / PARTS > latest:
+            break
+        two, one = one, value
+    return NEVER
 
 
 @inner
@@ -177,7 +151,7 @@ def first_event(run: EventWorkspace) -> tuple[float, int]:
     found, closing = NEVER, -1
     state.code = OK
     if run.active.number[0] > 0 and may_release(run):
-        found = first_release(run, -1, found)
+        found = first_negative(run, RELEASE, -1, found)
     radius = bound_displacement(run) + touching
     if sets.address != 0:
         call_python(sets, state.t, x, VELOCITIES)
@@ -187,7 +161,7 @@ def first_event(run: EventWorkspace) -> tuple[float, int]:
     for q in range(near.number[0]):
         r = near.row[q]
         if run.contact[r] == CLOSED and may_move(run, r):
-            moves = first_motion(run, r, found)
+            moves = first_negative(run, MOTION, r, found)
             if moves < found:
                 found, closing = moves, -1
         if run.contact[r] == ACTIVE or stays_open(run, r):

@@ -8,11 +8,12 @@ import numpy as np
 
 from dincl.compiled import inner
 from dincl.compiled.arrays import Floats
+from dincl.events.many_contacts import FACTOR, NO_FACTOR, SOLVE, call_many
 from dincl.events.runge_kutta import EPS, dense_value
 from dincl.events.workspace import SPARE, EventWorkspace
 from dincl.rows.table import VELOCITIES, call_python, linearise
 from dincl.solvers.envelope_factor import add_row, append, border, clear, orthogonal_square, row_dot, solve_envelope
-from dincl.solvers.sparse_factor import SPARSE_FROM, analyse, covers, refactor, solve_sparse
+from dincl.solvers.sparse_factor import SPARSE_FROM
 from dincl.system.arrays import COINCIDENT, OK, SETS, SINGULAR, SystemArrays, evaluate, system_at
 
 # Newton steps back onto the active contacts; from a state that is off by an integration error one or two are enough.
@@ -42,15 +43,13 @@ def linearise_active(run: EventWorkspace, t: float, x: Floats) -> int:
 @inner
 def factorise(run: EventWorkspace) -> int:
     """Factorise the Gram matrix of the active rows: by a sparse factor if they are many, else by its envelope."""
-    system, active, gram = system_at(run.system), run.active, run.gram
+    system, active = system_at(run.system), run.active
     rows, gradient, count = system.rows, system.program.gradient, active.number[0]
-    if count >= SPARSE_FROM and (covers(active.row, count, gram) or analyse(rows, active.row, count, gram)):
-        for k in range(gram.number[0]):
-            gram.used[k] = 0
-        for k in range(count):
-            gram.used[gram.place[active.row[k]]] = 1
-        return OK if refactor(rows, gradient, gram, 4.0 * EPS) == 0 else SINGULAR
-    gram.number[1] = 0
+    if run.many != 0 and count >= SPARSE_FROM:
+        code = call_many(run.many, run, FACTOR, count, 0.0)
+        if code != NO_FACTOR:
+            return int(code)
+    run.gram.number[1] = 0
     clear(active)
     for k in range(count):
         r = active.row[k]
@@ -79,17 +78,10 @@ def is_factorised(run: EventWorkspace) -> bool:
 @inner
 def solve_active(run: EventWorkspace) -> None:
     """Solve with the factor for ``right`` of the active rows, in place."""
-    active, gram = run.active, run.gram
-    if gram.number[1] == 0:
-        solve_envelope(active)
-        return
-    for k in range(gram.number[0]):
-        gram.right[k] = 0.0
-    for k in range(active.number[0]):
-        gram.right[gram.place[active.row[k]]] = active.right[k]
-    solve_sparse(gram)
-    for k in range(active.number[0]):
-        active.right[k] = gram.right[gram.place[active.row[k]]]
+    if run.gram.number[1] == 0:
+        solve_envelope(run.active)
+    else:
+        call_many(run.many, run, SOLVE, run.active.number[0], 0.0)
 
 
 @inner

@@ -12,7 +12,6 @@ from dincl.constants import LARGEST
 from dincl.constraints.selection import row_lengths
 from dincl.errors import StepFailure
 from dincl.events import integrate as kernels
-from dincl.events.contacts import TOUCHING
 from dincl.events.dense_output import DenseOutput
 from dincl.events.runge_kutta import EPS, pair_for
 from dincl.events.workspace import (
@@ -24,6 +23,7 @@ from dincl.events.workspace import (
     NO_STEP,
     SLOW,
     STUCK,
+    TOUCHING,
     StepTable,
     event_workspace,
     sparse_gram,
@@ -33,6 +33,7 @@ from dincl.matrices import row_squares
 from dincl.norms import longest
 from dincl.projection.compiled import ActiveSet
 from dincl.projection.feasible import FeasibleSet
+from dincl.schemes.base import Watch
 from dincl.status import Status
 from dincl.system.compiled_problem import CompiledProblem, units_of
 from dincl.system.time_scales import time_scales
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from dincl.problem import Problem
+    from dincl.schemes.base import Span, Until
     from dincl.work import Work
 
 # Spacing of the differences that give the velocities of moving sets, as a part of the run.
@@ -77,25 +79,25 @@ ENDS = {
 }
 
 
-def size_of(problem: Problem, end: float) -> float:
+def size_of(problem: Problem, start: float, end: float) -> float:
     """Compute the largest distance of a particle from the origin [length].
 
-    With all particles at the origin: their distance to the nearest set or their displacement until ``end``, whichever
-    is less; 1 if both are 0.
+    With all particles at the origin: their distance to the nearest set or their displacement from ``start`` to ``end``,
+    whichever is less; 1 if both are 0.
     """
     x0 = problem.x0
     found = longest(x0)
     if found > 0:
         return found
-    rows = problem.rows_within(0.0, x0, np.inf)
+    rows = problem.rows_within(start, x0, np.inf)
     slopes = np.sqrt(row_squares(rows.jacobian(x0)))
     gaps = rows.values(x0) / np.where(slopes > 0, slopes, 1.0)
-    ways = [end * longest(problem.velocity(0.0, x0)), *gaps]
+    ways = [(end - start) * longest(problem.velocity(start, x0)), *gaps]
     return min((float(way) for way in ways if way > 0), default=1.0)
 
 
 class EventSystem:
-    """A problem for runs until ``times[-1]``: in units in which its size and the time are about 1.
+    """A problem for runs of a ``span`` to ``times[-1]``: in units in which its size and the time are about 1.
 
     Attributes
     ----------
@@ -109,20 +111,20 @@ class EventSystem:
         The sparse factor.
     """
 
-    def __init__(self, problem: Problem, times: NDArray[np.float64], tol: float) -> None:
-        end = float(times[-1])
-        self.size = size_of(problem, end)
-        self.compiled = CompiledProblem.for_events(problem, units_of(self.size, end))
-        self.scales = time_scales(problem, times, tol)
+    def __init__(self, problem: Problem, times: NDArray[np.float64], tol: float, span: Span) -> None:
+        t0, end = span.t0, float(times[-1])
+        self.size = size_of(problem, t0, end)
+        self.compiled = CompiledProblem.for_events(problem, units_of(self.size, end - t0))
+        self.scales = time_scales(problem, times, tol, t0, span.breaks)
         self.compiled.sets.tabulate(self.scales.smooth)
-        # No difference looks behind the end.
-        self.compiled.sets.breaks = np.append(self.scales.breaks, [[end, np.inf]], axis=0)
+        # No difference looks before the start, or behind the end.
+        self.compiled.sets.breaks = np.concatenate(([[-np.inf, t0]], self.scales.breaks, [[end, np.inf]]))
         self.gram = sparse_gram(self.compiled.arrays)
 
     def start(self, work: Work) -> NDArray[np.float64]:
         """Return x0 (N, d), moved onto S if it lies outside by more than rounding."""
         work.drift_evaluations += self.scales.evaluations
-        return self.nearest(0.0, self.compiled.problem.x0, work)
+        return self.nearest(self.scales.start, self.compiled.problem.x0, work)
 
     def nearest(self, t: float, x: NDArray[np.float64], work: Work) -> NDArray[np.float64]:
         """Return x (N, d), moved onto S(t) if it lies outside by more than rounding."""
@@ -138,7 +140,7 @@ class EventSystem:
 
 
 class EventRun:
-    """A run of the event-driven method from ``start`` (N, d) to ``end``; what it reached stays when it fails.
+    """A run of the event-driven method from x(t0) = ``start`` (N, d) to ``end``; what it reached stays when it fails.
 
     ``tol`` is the local tolerance of the integrator. The way to the end, or to the next event, is divided into at least
     ``parts`` parts, and the differences that give velocities of moving sets are so much shorter: runs that differ in
@@ -149,15 +151,25 @@ class EventRun:
     ----------
     between
         The dense output so far.
+    stopped
+        When ``until`` ended the run; None if it did not.
     """
 
     def __init__(
-        self, system: EventSystem, start: NDArray[np.float64], end: float, tol: float, parts: int, work: Work
+        self,
+        system: EventSystem,
+        start: NDArray[np.float64],
+        end: float,
+        tol: float,
+        parts: int,
+        work: Work,
+        until: Until | None = None,
     ) -> None:
         self._system, self._whole, self._work, self._made = system.compiled, system, work, 0
         self._unit = unit = system.compiled.units
         sets, x = system.compiled.sets, start.ravel() / unit.length
-        sets.spacing = SPACING * end / parts or SPACING
+        begin = system.scales.start
+        sets.spacing = SPACING * (end - begin) / parts or SPACING
         sets.spacings = system.scales.set_pieces * (1.0, PART / parts)
         size, last = system.size / unit.length, end / unit.time
         before, behind = system.scales.stops.T / unit.time
@@ -166,12 +178,15 @@ class EventRun:
         pair, arrays = pair_for(tol / system.size, len(start)), system.compiled.arrays
         stop, _, resume = breaks[0] if len(breaks) else (last, last, last)
         steps = step_table(PLACES, pair.terms, x.size, len(arrays.factor.row), len(arrays.rows.row))
-        numbers = {"end": last, "stop": stop, "resume": resume, "tol": tol / unit.length, "size": size}
+        numbers = dict.fromkeys(("t", "start", "checked_t"), begin / unit.time)
+        numbers |= {"end": last, "stop": stop, "resume": resume, "tol": tol / unit.length, "size": size}
         numbers |= {"largest": LARGEST * min(1.0, 1.0 / unit.length), "parts": parts, "undecided": 1}
         place, pieces = system.compiled.place, system.scales.pieces / unit.time
         workspace = event_workspace(arrays, place, system.gram, pair, steps, x.copy(), breaks, pieces, **numbers)
         self._pointer, self._state = StructPointer(workspace, KIND), workspace.state
-        self.between = DenseOutput(system, pair, size, x)
+        self.between = DenseOutput(system, pair, size, x, during=until is not None)
+        self.stopped: float | None = None
+        self._watch = None if until is None else Watch(until, begin, start)
         self._events: list[NDArray[np.float64]] = []
 
     @property
@@ -196,6 +211,8 @@ class EventRun:
             most = min(2 * most, kernels.MOST_STEPS) if time.perf_counter() - began < SHORT else most
             self._drain()
             self._system.count(self._work)
+            if self.stopped is not None:
+                code = DONE
             if sum(map(len, self._events)) > MOST_EVENTS:
                 raise StepFailure(Status.TOO_MANY_STEPS, f"More than {MOST_EVENTS} changes of the contacts.")
         if code in ENDS:
@@ -271,3 +288,12 @@ class EventRun:
         self.between.add(StepTable._make(part[:count].copy() for part in table), float(state["size"]))
         self._events.append(table.event[: int(state["events"])].copy())
         state["steps"], state["events"] = 0, 0
+        if self._watch is not None and count:
+            self._look(self._watch, *(part[:count] * self._unit.time for part in (table.start, table.end)))
+
+    def _look(self, watch: Watch, starts: NDArray[np.float64], ends: NDArray[np.float64]) -> None:
+        """Look at ``until`` at the ends of new steps."""
+        for start, end, x in zip(starts.tolist(), ends.tolist(), self.between.states(ends), strict=True):
+            if watch.crossed(end, x):
+                self.stopped = watch.locate(start, end, self.between.at)
+                return

@@ -8,10 +8,9 @@ locates one, and the run stops there.
 import numpy as np
 
 from dincl.compiled import inner
-from dincl.events.contacts import TOUCHING
 from dincl.events.motion import dense_state, dense_velocity, restore, velocity_at
 from dincl.events.runge_kutta import EPS, allowed_error, dense_value, error_ratio, interpolate, stage_point
-from dincl.events.workspace import AGAIN, MOVED, NO_STEP, SPARE, EventWorkspace
+from dincl.events.workspace import AGAIN, MOVED, NO_STEP, SPARE, TOUCHING, EventWorkspace
 from dincl.neighbours import ROW_MARGIN
 from dincl.rows.table import VELOCITIES, call_python, gap
 from dincl.steps.programs import list_sorted

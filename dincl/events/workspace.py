@@ -19,12 +19,17 @@ OPEN, CLOSED, ACTIVE = 0, 1, 2
 # drift jumps too often; sets jumped away from contacts, or onto particles. Or the step has to be repeated: with a
 # shorter one, or one that ends at a jump.
 DONE, FULL, STUCK, NO_STEP, SLOW, JUMPS, MOVED, AGAIN = range(20, 28)
+# Gaps up to this are contacts, relative to the size of the problem; rounding leaves 1e-15.
+TOUCHING = 1e-13
+# Runs of fewer coordinates than this, 24 discs in the plane, never take the sparse factor.
+FEWEST_COORDINATES = 48
 # The rate in which velocities between the stages are written.
 SPARE = 16
 
 STATE = np.dtype(
     [
         ("t", np.float64),
+        ("start", np.float64),
         ("end", np.float64),
         ("stop", np.float64),  # the next discontinuity in time, before it and behind it; both are the end without one
         ("resume", np.float64),
@@ -75,10 +80,11 @@ class StepTable(NamedTuple):
 
 
 class EventWorkspace(NamedTuple):
-    """A run of the event-driven method to ``state.end`` for n coordinates and m rows."""
+    """A run of the event-driven method from ``state.start`` to ``state.end`` for n coordinates and m rows."""
 
     system: int  # address of its SystemArrays
     gram: SparseFactor
+    many: int  # the address of ``many_contacts``, 0 for runs that never have many
     active: EnvelopeFactor  # the active rows, and their factor if they are few
     breaks: Floats  # (K, 3), known ones: where a step ends, the last time before and the first time behind a break
     pieces: Floats  # (P, 2): until when, and by how long steps, all functions of time are resolved
@@ -108,7 +114,7 @@ def step_table(steps: int, terms: int, n: int, most: int, m: int) -> StepTable:
 def sparse_gram(system: SystemArrays) -> SparseFactor:
     """Allocate the sparse factor for as many rows as can touch: two for each coordinate, as in a packing of spheres."""
     rows, n, m = system.rows, system.velocity.size, len(system.rows.row)
-    if m < SPARSE_FROM:
+    if not _may_have_many(system):
         return sparse_factor(0, 0, 0, 0)
     most = min(m, 2 * n)
     return sparse_factor(most, n, m, min(len(rows.column), most * int((rows.stop - rows.start).max())))
@@ -134,6 +140,7 @@ def event_workspace(
     return EventWorkspace(
         system=address,
         gram=gram,
+        many=_address_of_many() if _may_have_many(system) else 0,
         active=envelope_factor(most, n),
         breaks=breaks,
         pieces=pieces,
@@ -149,6 +156,17 @@ def event_workspace(
         bend=np.zeros(n // d if d else 0),
         **{name: np.zeros(m, dtype=np.int64) for name in ("contact", "touching", "decided", "closed")},
     )
+
+
+def _may_have_many(system: SystemArrays) -> bool:
+    """Return whether a run may have so many contacts that a sparse factor serves."""
+    return len(system.rows.row) >= SPARSE_FROM and system.velocity.size >= FEWEST_COORDINATES
+
+
+def _address_of_many() -> int:
+    from dincl.events.many_contacts import many_contacts
+
+    return int(many_contacts.address)
 
 
 # The type by which kernels are compiled.

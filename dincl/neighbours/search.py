@@ -65,7 +65,7 @@ def neighbour_pairs(x: Floats, radius: Floats, box: Floats | None = None) -> tup
     if box is not None:
         return periodic_pairs(x, radius, box)
     if x.shape[0] <= ALL_PAIRS:
-        return compared_pairs(x, radius, axes_of(x))
+        return compared_pairs(x, radius)
     try:
         return grid_pairs(x, radius, axes_of(x))
     except TooManyPairs:
@@ -100,18 +100,14 @@ def is_close(x: Floats, radius: Floats, i: int, j: int, axes: Axes) -> bool:
     return bool(square <= limit * limit)
 
 
-@kernel
-def compared_pairs(x: Floats, radius: Floats, axes: Axes) -> tuple[Offsets, Indices]:
-    """List the same pairs as ``neighbour_pairs`` by comparing all n (n - 1) / 2 of them."""
-    n, count = x.shape[0], 0
-    start, partner = np.zeros(n + 1, np.int64), np.empty(n * (n - 1) // 2, np.int32)
-    for i in range(n):
-        for j in range(i):
-            # Every pair is written and only a close one is counted: this spares a branch that nobody can predict.
-            partner[count] = j
-            count += is_close(x, radius, i, j, axes)
-        start[i + 1] = count
-    return start, partner[:count]
+def compared_pairs(x: Floats, radius: Floats) -> tuple[Offsets, Indices]:
+    """List the same pairs as ``neighbour_pairs`` by comparing all n (n - 1) / 2 of them, in NumPy: nothing compiles."""
+    square, limit = np.zeros((len(x), len(x))), radius[:, None] + radius
+    for column in x.T:
+        square += (column[:, None] - column) ** 2
+    close = np.tril(square <= limit * limit, -1)
+    start = np.concatenate((np.zeros(1, np.int64), np.cumsum(close.sum(axis=1))))
+    return start, close.nonzero()[1].astype(np.int32)
 
 
 class Grid(NamedTuple):

@@ -9,17 +9,22 @@ from dincl.projection.certificate import Projected, Projection, Solver, check_pr
 from dincl.projection.compiled import ActiveSet, ProjectedCG
 from dincl.projection.feasible import FeasibleSet
 from dincl.projection.ipopt import Ipopt
+from dincl.projection.polyhedra import Certified, Lcp, NearestPoint
 from dincl.projection.quadratic import Clarabel, CvxpyQP, Daqp, Piqp, QpAnswer, QpSolver
+from dincl.projection.readers import read_fclib, read_qp
 from dincl.rows import AffineRows, Rows
 
 __all__ = [
     "ActiveSet",
     "AffineRows",
+    "Certified",
     "Clarabel",
     "CvxpyQP",
     "Daqp",
     "FeasibleSet",
     "Ipopt",
+    "Lcp",
+    "NearestPoint",
     "Piqp",
     "Projected",
     "ProjectedCG",
@@ -29,4 +34,6 @@ __all__ = [
     "Rows",
     "Solver",
     "check_projection",
+    "read_fclib",
+    "read_qp",
 ]

@@ -156,6 +156,8 @@ def stop_if_suspected(matrix: csr_array, least: NDArray[np.float64], weights: ND
 TOLERANCE = 1e-12
 # The same relative to the numbers in the sums: a few of their roundings, which no answer can beat.
 RELATIVE = 1e-13
+# Of Clarabel for the dual, whose active rows are completed: at TOLERANCE it may end with "InsufficientProgress".
+OF_DUAL = 1e-10
 # What Clarabel may call almost solved: the certificate, not this word, decides whether the point is good enough.
 REDUCED_TOLERANCE = 1e-9
 # Clarabel's own 1e-8 stops it short of TOLERANCE in degenerate piles ("InsufficientProgress"); the identity in the cost
@@ -201,18 +203,23 @@ def _piqp() -> Callable[..., QpAnswer]:
         import piqp
     from scipy.sparse import csc_matrix, eye_array
 
-    def solve(matrix: csr_array, least: NDArray[np.float64], multipliers: NDArray[np.float64]) -> QpAnswer:
-        n, solver = matrix.shape[1], piqp.SparseSolver()
+    def solve(matrix: csr_array, least: NDArray[np.float64], multipliers: Any, gram: Any = None) -> QpAnswer:
+        solver: Any = piqp.DenseSolver() if isinstance(gram, np.ndarray) else piqp.SparseSolver()
         settings = solver.settings
         settings.max_iter = PIQP_ITERATIONS
         settings.eps_abs = settings.eps_duality_gap_abs = TOLERANCE
         settings.eps_rel = settings.eps_duality_gap_rel = RELATIVE
-        solver.setup(csc_matrix(eye_array(n)), np.zeros(n), G=csc_matrix(matrix), h_l=least)
+        if gram is None:
+            n = matrix.shape[1]
+            solver.setup(csc_matrix(eye_array(n)), np.zeros(n), G=csc_matrix(matrix), h_l=least)
+        else:
+            cost = gram if isinstance(gram, np.ndarray) else csc_matrix(gram)
+            solver.setup(cost, -least, x_l=np.zeros(len(least)))
         flag = solver.solve()
         if flag != piqp.PIQP_SOLVED:
             raise _stopped("piqp", flag.name)
-        result: Any = solver.result
-        return QpAnswer(np.array(result.x), np.maximum(result.z_l, 0.0), int(result.info.iter))
+        found, multipliers = np.array(solver.result.x), np.array(solver.result.z_l)
+        return QpAnswer(found, np.maximum(multipliers if gram is None else found, 0.0), int(solver.result.info.iter))
 
     return solve
 
@@ -220,24 +227,28 @@ def _piqp() -> Callable[..., QpAnswer]:
 def _clarabel() -> Callable[..., QpAnswer]:
     with needs("Clarabel", "yardsticks"):
         import clarabel
-    from scipy.sparse import eye_array
+    from scipy.sparse import csc_array, eye_array, triu
 
     settings: Any = clarabel.DefaultSettings()
     settings.verbose, settings.max_threads = False, 1
-    settings.tol_feas = settings.tol_gap_abs = settings.tol_gap_rel = TOLERANCE
     settings.static_regularization_constant = REGULARISATION
     settings.reduced_tol_feas = settings.reduced_tol_gap_abs = settings.reduced_tol_gap_rel = REDUCED_TOLERANCE
 
-    def solve(matrix: csr_array, least: NDArray[np.float64], multipliers: NDArray[np.float64]) -> QpAnswer:
-        """Solve with -A u + s = -least, s >= 0."""
-        m, n = matrix.shape
+    def solve(matrix: csr_array, least: NDArray[np.float64], multipliers: Any, gram: Any = None) -> QpAnswer:
+        """Solve with -A u + s = -least, s >= 0; the dual with -lambda + s = 0, s >= 0."""
+        settings.tol_feas = settings.tol_gap_abs = settings.tol_gap_rel = TOLERANCE if gram is None else OF_DUAL
+        m = len(least)
         cone: Any = [clarabel.NonnegativeConeT(m)]
-        identity = eye_array(n, format="csc")
-        solver: Any = clarabel.DefaultSolver(identity, np.zeros(n), (-matrix).tocsc(), -least, cone, settings)
-        found = solver.solve()
+        if gram is None:
+            n = matrix.shape[1]
+            program = eye_array(n, format="csc"), np.zeros(n), (-matrix).tocsc(), -least
+        else:
+            program = triu(csc_array(gram), format="csc"), -least, -eye_array(m, format="csc"), np.zeros(m)
+        found: Any = clarabel.DefaultSolver(*program, cone, settings).solve()
         if str(found.status) not in ("Solved", "AlmostSolved"):
             raise _stopped("clarabel", found.status)
-        return QpAnswer(np.array(found.x), np.maximum(np.array(found.z), 0.0), found.iterations)
+        multipliers = np.array(found.z if gram is None else found.x)
+        return QpAnswer(np.array(found.x), np.maximum(multipliers, 0.0), found.iterations)
 
     return solve
 
@@ -246,8 +257,7 @@ def _cvxpy() -> Callable[..., QpAnswer]:
     with needs("CvxpyQP", "yardsticks"):
         import cvxpy
     library: Any = cvxpy
-    options = {"tol_feas": TOLERANCE, "tol_gap_abs": TOLERANCE, "tol_gap_rel": TOLERANCE, "max_threads": 1}
-    options["static_regularization_constant"] = REGULARISATION
+    tolerances = "tol_feas", "tol_gap_abs", "tol_gap_rel"
     programs: dict[Hashable, Any] = {}
 
     def canonicalised(matrix: csr_array) -> tuple[Any, ...]:
@@ -262,20 +272,29 @@ def _cvxpy() -> Callable[..., QpAnswer]:
         rows = summing @ library.multiply(data, u[matrix.indices]) >= least
         return library.Problem(library.Minimize(library.sum_squares(u) / 2), [rows]), u, data, least, rows
 
-    def solve(matrix: csr_array, least: NDArray[np.float64], multipliers: NDArray[np.float64]) -> QpAnswer:
-        key = (matrix.indptr.tobytes(), matrix.indices.tobytes())
-        problem, u, data, right, rows = remembered(programs, key, lambda: canonicalised(matrix), MOST_PROGRAMS)
-        data.value, right.value = matrix.data, least
+    def solve(matrix: csr_array, least: NDArray[np.float64], multipliers: Any, gram: Any = None) -> QpAnswer:
+        if gram is None:
+            key = (matrix.indptr.tobytes(), matrix.indices.tobytes())
+            problem, u, data, right, rows = remembered(programs, key, lambda: canonicalised(matrix), MOST_PROGRAMS)
+            data.value, right.value = matrix.data, least
+        else:
+            u = library.Variable(len(least))
+            rows = u >= 0
+            cost = library.quad_form(u, library.psd_wrap(gram)) / 2 - least @ u
+            problem = library.Problem(library.Minimize(cost), [rows])
         try:
             with warnings.catch_warnings():
                 # CVXPY warns of an answer that Clarabel calls almost solved; here the certificate decides.
                 warnings.simplefilter("ignore", UserWarning)
+                options = dict.fromkeys(tolerances, TOLERANCE if gram is None else OF_DUAL)
+                options |= {"static_regularization_constant": REGULARISATION, "max_threads": 1}
                 problem.solve(solver=library.CLARABEL, **options)
         except library.error.SolverError as error:
             raise _stopped("cvxpy", error) from error
         if problem.status not in ("optimal", "optimal_inaccurate"):
             raise _stopped("cvxpy", problem.status)
-        return QpAnswer(u.value, np.maximum(rows.dual_value, 0.0), int(problem.solver_stats.num_iters))
+        multipliers = rows.dual_value if gram is None else u.value
+        return QpAnswer(u.value, np.maximum(multipliers, 0.0), int(problem.solver_stats.num_iters))
 
     return solve
 
@@ -301,15 +320,27 @@ class _LibrarySolver(QpSolver):
         return self._library(matrix, least, multipliers)
 
 
+class InteriorPoints(_LibrarySolver):
+    """A library that also solves the dual program, in which a Gram matrix stands for the rows."""
+
+    def complementary(self, gram: Any, least: NDArray[np.float64]) -> QpAnswer:
+        """Multipliers >= 0 with gram multipliers >= least, = where they are > 0; ones in the diagonal, max least = 1.
+
+        ``gram`` (m, m) is an array or sparse. ``dincl.projection.certificate.on_active_gram`` completes the answer.
+        """
+        return self._library(None, least, None, gram)
+
+
 @dataclass(frozen=True)
 class _Library(Projection):
     """Nearest points by a library that solves quadratic programs."""
 
     name: ClassVar[str]
     _load: ClassVar[Callable[[], Callable[..., QpAnswer]]]
+    _solver: ClassVar[type[_LibrarySolver]] = InteriorPoints
 
     def solver(self) -> Solver:
-        return _LibrarySolver(self.tol, self.name, type(self)._load)
+        return self._solver(self.tol, self.name, type(self)._load)
 
 
 @dataclass(frozen=True)
@@ -324,7 +355,7 @@ class Daqp(_Library):
         Greatest certified residual of a projection [length].
     """
 
-    name, _load = "daqp", staticmethod(_daqp)
+    name, _load, _solver = "daqp", staticmethod(_daqp), _LibrarySolver
 
 
 @dataclass(frozen=True)

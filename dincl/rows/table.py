@@ -1,14 +1,15 @@
 """Rows in one table for compiled code: values and gradients at a point."""
 
+from functools import partial
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dincl.compiled import call, inner
+from dincl.compiled import c_function, call, inner
 from dincl.compiled.arrays import Floats, Offsets, Table, empty
-from dincl.compiled.calls import SETS
-from dincl.compiled.structs import reader
+from dincl.compiled.calls import DOUBLES, SETS, signature
+from dincl.compiled.structs import reader, struct_type
 from dincl.drifts.functions import call_drift
 from dincl.rows.formulas import square_distance
 from dincl.rows.timed_sets import TimedSets, place_sets, write_changes, write_rates
@@ -35,7 +36,8 @@ ROW = np.dtype(
         ("lipschitz", np.float64),  # how fast g changes at most while no particle moves faster than 1
     ]
 )
-timed_sets_at = reader(empty(TimedSets)._replace(row=np.zeros(0, dtype=ROW)))
+TIMED_SETS: TimedSets = empty(TimedSets)._replace(row=np.zeros(0, dtype=ROW))
+timed_sets_at = reader(TIMED_SETS)
 
 
 class RowTable(NamedTuple):
@@ -106,7 +108,28 @@ class Sets(NamedTuple):
     column: Offsets
     entry: Floats
     box: Floats  # (d,): the periods of the axes, 0 for one that does not repeat; or (0,) if none does
-    tables: Offsets  # (2,): the address of ``TimedSets``, or 0, and whether Python writes anything, too
+    tables: Offsets  # (3,): the address of ``TimedSets``, or 0; whether Python writes, too; that of ``write_timed``
+
+
+# int64 f(timed sets, sets, t, x, coordinates, request): compiled code writes what is requested, see ``write_timed``.
+TIMED: Any = signature(int, struct_type(TIMED_SETS), struct_type(empty(Sets)), float, DOUBLES, int, int)
+call_timed = call(TIMED)
+
+
+@partial(c_function, TIMED)
+def write_timed(timed: TimedSets, sets: Sets, t: float, x: Floats, n: int, request: int) -> int:
+    """Write what is requested of the sets that compiled code evaluates; request 0: how much they have changed near x.
+
+    By its address, so that kernels of runs without such sets are compiled without it.
+    """
+    d = sets.shift.shape[1]
+    if request > 0:
+        place_sets(timed, sets.shift, sets.speed, t)
+    if request == VELOCITIES:
+        write_rates(timed, sets.rate, x, d)
+    if request <= DISPLACEMENTS and timed.compares != 0:
+        write_changes(timed, sets.change, sets.since[0], x, n, d)
+    return 0
 
 
 @inner
@@ -118,12 +141,7 @@ def call_python(sets: Sets, t: float, x: Floats, request: int) -> int:
     if sets.address == 0:
         return 0
     if sets.tables[0] != 0:
-        timed = timed_sets_at(sets.tables[0])
-        place_sets(timed, sets.shift, sets.speed, t)
-        if request == VELOCITIES:
-            write_rates(timed, sets.rate, x, sets.shift.shape[1])
-        if request == DISPLACEMENTS:
-            compare_sets(sets, x)
+        call_timed(sets.tables[2], timed_sets_at(sets.tables[0]), sets, t, x, x.size, request)
         if sets.tables[1] == 0:
             return int(sets.failed[0])
     if sets.failed[0] == 0:
@@ -135,9 +153,7 @@ def call_python(sets: Sets, t: float, x: Floats, request: int) -> int:
 def compare_sets(sets: Sets, x: Floats) -> None:
     """Write how much the sets that compiled code evaluates have changed, near x."""
     if sets.tables[0] != 0:
-        timed = timed_sets_at(sets.tables[0])
-        if timed.compares != 0:
-            write_changes(timed, sets.change, sets.since[0], x, sets.shift.shape[1])
+        call_timed(sets.tables[2], timed_sets_at(sets.tables[0]), sets, 0.0, x, x.size, 0)
 
 
 @inner

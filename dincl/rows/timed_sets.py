@@ -154,13 +154,13 @@ def write_rates(timed: TimedSets, rate: Floats, x: Floats, d: int) -> None:
 
 
 @inner
-def write_changes(timed: TimedSets, change: Floats, since: float, x: Floats, d: int) -> None:
+def write_changes(timed: TimedSets, change: Floats, since: float, x: Floats, n: int, d: int) -> None:
     """Write how much each set that is not translated has changed since the time ``since``.
 
     That is a bound of the change of each gap near x, over the Lipschitz constant of its row.
     """
     radius = timed.radius[0]
-    for i in range(0, x.size, d):
+    for i in range(0, n, d):
         square = 0.0
         for k in range(d):
             square += x[i + k] * x[i + k]

@@ -3,25 +3,28 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
 
 from dincl.checks import number
 from dincl.errors import StepFailure
-from dincl.schemes.base import Scheme, step_residual
+from dincl.norms import longest
+from dincl.schemes.base import WHOLE, Scheme, Span, Watch, step_reaction
 from dincl.status import Status
+from dincl.steps.grid import StepState
 from dincl.system.time_scales import RESOLVED, TimeScales, time_scales
 from dincl.trajectory import Between, RunOutcome
 from dincl.work import Work
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterator, Sequence
 
     from numpy.typing import NDArray
 
+    from dincl.forces import Reaction
     from dincl.problem import Problem
-    from dincl.system.time_scales import Interval
+    from dincl.schemes.base import Until
 
     Floats = NDArray[np.float64]
 
@@ -65,11 +68,11 @@ class AdaptiveCatchUp(Scheme):
     def __post_init__(self) -> None:
         object.__setattr__(self, "tol", number("tol", self.tol, positive=True))
 
-    def run(self, problem: Problem, times: Floats) -> RunOutcome:
+    def run(self, problem: Problem, times: Floats, span: Span = WHOLE) -> RunOutcome:
         """Make steps to each of the output times, or until one fails."""
-        scales = time_scales(problem, times, self.tol)
-        runs = AdaptiveRuns(problem, PROJECTION * self.tol, scales.smooth)
-        return runs.run(times, self.tol, stretches(scales, times, PART))
+        scales = time_scales(problem, times, self.tol, span.t0, span.breaks)
+        runs = AdaptiveRuns(problem, PROJECTION * self.tol, scales)
+        return runs.run(times, self.tol, stretches(scales, times, PART), span.until)
 
 
 class Stretch(NamedTuple):
@@ -85,15 +88,15 @@ def stretches(scales: TimeScales, times: Floats, part: float) -> list[Stretch]:
 
     Steps are at most this part of the run, and of what one polynomial resolves of all functions of time.
     """
-    end, pieces, stops = float(times[-1]), scales.pieces, scales.stops
-    stops = stops[(stops[:, 0] > 0) & (stops[:, 0] < end)]
+    start, end, pieces, stops = scales.start, float(times[-1]), scales.pieces, scales.stops
+    stops = stops[(stops[:, 0] > start) & (stops[:, 0] < end)]
     behind = dict(stops.tolist())
-    ends = np.unique(np.concatenate((times[times > 0], stops[:, 0], pieces[:, 0][pieces[:, 0] < end])))
+    ends = np.unique(np.concatenate((times[times > start], stops[:, 0], pieces[:, 0][pieces[:, 0] < end])))
     found = []
     for until in ends.tolist():
         k = int(np.searchsorted(pieces[:, 0], until)) if len(pieces) else 0
         resolving = RESOLVED * float(pieces[min(k, len(pieces) - 1), 1]) if len(pieces) else end
-        found.append(Stretch(until, part * min(end, resolving), behind.get(until, until)))
+        found.append(Stretch(until, part * min(end - start, resolving), behind.get(until, until)))
     return found
 
 
@@ -106,70 +109,83 @@ class Reached(NamedTuple):
     last: float
     h: float
 
+    def at(self, t: float) -> Floats:
+        """Compute x(t) within the last step by (1.48)."""
+        weight = 1.0 - (self.t - t) / self.last if self.last and t != self.t else 1.0
+        return self.x if weight == 1.0 else self.before + weight * (self.x - self.before)
+
 
 class AdaptiveRuns:
     """Runs of adaptive steps on one problem, which is bound once; each is the same as with a new object.
 
-    ``smooth`` are the intervals of time in which sets are smooth, see ``TimeScales``.
+    ``scales`` are those of its functions of time.
     """
 
-    def __init__(self, problem: Problem, tol: float, smooth: Mapping[int, Sequence[Interval]]) -> None:
+    def __init__(self, problem: Problem, tol: float, scales: TimeScales) -> None:
         from dincl.compiled.structs import StructPointer
         from dincl.projection import ActiveSet
         from dincl.steps.adaptive import adapting
         from dincl.steps.loop import Settings
         from dincl.steps.stepper import CompiledStepper
 
-        self.problem, self.tol, self._smooth = problem, tol, smooth
+        self.problem, self.tol, self._scales = problem, tol, scales
+        self._watch: Watch | None = None
         self._stepper = CompiledStepper.projecting(problem, None, ActiveSet(tol), Settings())
-        self._stepper.system.sets.tabulate(smooth)
+        self._stepper.system.sets.tabulate(scales.smooth)
         self._memory = StructPointer(adapting(problem.x0.size))
         self._timed = any(one.timed for one in problem.constraints)
 
-    def run(self, times: Floats, tau: float, parts: Sequence[Stretch]) -> RunOutcome:
+    def run(self, times: Floats, tau: float, parts: Sequence[Stretch], until: Until | None = None) -> RunOutcome:
         """Make one run with steps whose estimates are at most ``tau``."""
-        state, found, kept = self.start(parts), list[Reached](), set(times.tolist())
-        work, between = self._stepper.work, _Between(self.problem, self.tol, self._smooth, tau, parts, found)
-        if 0.0 in kept:
-            found.append(state)
+        state, found, kept = self.start(parts), dict[float, Reached](), set(times.tolist())
+        work, between = self._stepper.work, _Between(self.problem, self.tol, self._scales, tau, parts, found)
+        if state.t in kept:
+            found[state.t] = state
+        status, detail, cause = Status.SUCCESS, "", None
         try:
+            self._watch = None if until is None else Watch(until, state.t, state.x)
             for part in parts:
                 state = self.advance(state, part, part.until, tau)
-                if part.until in kept:
-                    found.append(state)
-                state = self.pass_break(state, part)
+                if not self._stopped and part.until in kept:
+                    found[part.until] = state
+                if not self._stopped:
+                    state = self.pass_break(state, part)
+                if self._stopped:
+                    status, found[self._stopped] = Status.STOPPED, state
+                    break
         except StepFailure as failure:
-            t, reached = times[: len(found)], self.reached
-            if not found or reached.t > found[-1].t:
-                found.append(reached)
-                t = np.append(t, reached.t)
-            detail = f"{failure.detail} This was in a step after t = {reached.t:.6g}."
-            states = np.array([one.x for one in found])
-            return RunOutcome(t.copy(), states, failure.status, detail, work, between, failure=failure)
-        return RunOutcome(times.copy(), np.array([one.x for one in found]), Status.SUCCESS, "", work, between)
+            status, cause, state = failure.status, failure, self.reached
+            if not found or state.t > max(found):
+                found[state.t] = state
+            detail = f"{failure.detail} This was in a step after t = {state.t:.6g}."
+        self._watch = None
+        x = np.array([one.at(t) for t, one in found.items()])
+        return RunOutcome(np.array(list(found)), x, status, detail, work, between, failure=cause)
 
     def start(self, parts: Sequence[Stretch]) -> Reached:
-        """Forget earlier runs; return the state at t = 0."""
+        """Forget earlier runs; return the state at the start."""
         arrays, x0 = self._stepper.system.arrays, self.problem.x0
         arrays.program.multiplier[:], self._memory.value.number[:] = 0.0, -1
         arrays.near.radius[0] = -1.0  # no list is long enough: the first step searches
         self._stepper.work = Work(degrees_of_freedom=x0.size)
-        self.end = parts[-1].until if parts else 0.0
-        self.reached = Reached(0.0, x0, x0, 0.0, FIRST * parts[0].longest_step if parts else 0.0)
+        t0, self._stopped = self._scales.start, 0.0
+        self.end = parts[-1].until if parts else t0
+        self.reached = Reached(t0, x0, x0, 0.0, FIRST * parts[0].longest_step if parts else 0.0)
         return self.reached
 
     def advance(self, state: Reached, part: Stretch, stop: float, tau: float) -> Reached:
-        """Make steps towards the end of a stretch, until one reaches ``stop``."""
+        """Make steps towards the end of a stretch, until one reaches ``stop``, or ``until`` ends the run."""
         from dincl.steps.adaptive import TOO_SHORT, adapt
         from dincl.system.arrays import OK
 
-        stepper, shape = self._stepper, self.problem.x0.shape
+        stepper = self._stepper
         place, memory = stepper.pointer.address, self._memory.address
         t, h, last, code, total, most = state.t, state.h, state.last, OK, 0, max(CHUNK // len(self.problem.x0), 1)
         since, tried, slow = t, 0, False
+        most = most if self._watch is None else 1
         stepper.pointer.value.x[:] = state.x.ravel()
         with stepper.system.callbacks():
-            while t < stop and code == OK and not slow:
+            while t < stop and code == OK and not (slow or self._stopped):
                 code, t, h, last, made, repeated = adapt(
                     place, memory, t, part.until, stop, h, last, tau, part.longest_step, self.tol, self._timed, most
                 )
@@ -180,8 +196,10 @@ class AdaptiveRuns:
                 if tried >= CHECK:
                     slow = (self.end - t) * tried > MOST_STEPS * (t - since)
                     since, tried = t, 0
-        x, before = (part.reshape(shape).copy() for part in (stepper.pointer.value.x, self._memory.value.before))
-        self.reached = Reached(t, x, before if total else state.before, last, h)
+                if self._watch is not None and made:
+                    self.reached = self._here(t, last, h)
+                    self._look(self.reached)
+        self.reached = self._here(t, last, h) if total else Reached(t, state.x, state.before, last, h)
         if code == TOO_SHORT:
             raise StepFailure(Status.STEP_TOO_SMALL, "The estimated error of a step does not fall with its length.")
         if code != OK:
@@ -190,6 +208,16 @@ class AdaptiveRuns:
             detail = f"The run would need more than {MOST_STEPS} steps, at the rate of its last {CHECK}."
             raise StepFailure(Status.TOO_MANY_STEPS, detail)
         return self.reached
+
+    def _here(self, t: float, last: float, h: float) -> Reached:
+        """Read the state that steps reached."""
+        shape, place = self.problem.x0.shape, self._stepper.pointer.value.x
+        return Reached(t, place.reshape(shape).copy(), self._memory.value.before.reshape(shape).copy(), last, h)
+
+    def _look(self, reached: Reached) -> None:
+        """Let ``until`` end the run within the last step, or behind a break."""
+        if self._watch is not None and self._watch.crossed(reached.t, reached.x):
+            self._stopped = self._watch.locate(reached.t - reached.last, reached.t, reached.at)
 
     def pass_break(self, state: Reached, part: Stretch) -> Reached:
         """Continue behind the break at the end of a stretch, at the nearest point of a set that jumped."""
@@ -203,6 +231,7 @@ class AdaptiveRuns:
             feasible = FeasibleSet(self.problem, ActiveSet(self.tol).solver(), self._stepper.work, linearised=False)
             x = feasible.nearest(part.resume, x, x, violation).point
         self.reached = Reached(part.resume, x, x, 0.0, FIRST * part.longest_step)
+        self._look(self.reached)
         return self.reached
 
 
@@ -212,38 +241,48 @@ class _Between(Between):
 
     problem: Problem
     tol: float
-    smooth: Mapping[int, Sequence[Interval]]
+    scales: TimeScales
     tau: float
     parts: Sequence[Stretch]
-    found: list[Reached]
+    found: dict[float, Reached]
 
     def states(self, times: Floats) -> Floats:
         """Compute x between two steps by (1.48)."""
-        runs = AdaptiveRuns(self.problem, self.tol, self.smooth)
-        values, q = np.empty((len(times), *self.problem.x0.shape)), 0
+        found = [state.at(t) for t, state in zip(times.tolist(), self._reached(times), strict=True)]
+        return np.array(found).reshape(len(times), *self.problem.x0.shape)
+
+    def reactions(self, times: Floats) -> list[Reaction | None]:
+        """Compute the reactions of the steps that end at or after each time; None at the start, or behind a jump."""
+        known = set(times.tolist()) <= self.found.keys()
+        reached = [self.found[t] for t in times.tolist()] if known else self._reached(times)
+        return [self._reaction(one) for one in reached]
+
+    def _reached(self, times: Floats) -> Iterator[Reached]:
+        """Make the run once more; give the end of the step that ends at or after each time, and x0 at the start."""
+        runs, left = AdaptiveRuns(self.problem, self.tol, self.scales), times.tolist()
         state = runs.start(self.parts)
-        while q < len(times) and times[q] <= 0.0:
-            values[q], q = state.x, q + 1
+        while left and left[0] <= state.t:
+            left.pop(0)
+            yield state
         for part in self.parts:
-            while q < len(times) and times[q] <= part.until:
-                state = runs.advance(state, part, float(times[q]), self.tau)
-                weight = 1.0 - (state.t - times[q]) / state.last if state.last else 1.0
-                values[q] = state.x if state.t == times[q] else state.before + weight * (state.x - state.before)
-                q += 1
-            if q == len(times):
-                break
+            while left and left[0] <= part.until:
+                state = runs.advance(state, part, left.pop(0), self.tau)
+                yield state
+            if not left:
+                return
             state = runs.pass_break(runs.advance(state, part, part.until, self.tau), part)
-        return values
 
-    def residuals(self, times: Floats) -> Floats:
-        """Compute the residuals of the steps that end at the output times."""
-        return np.array([self._residual(one) for one in self.found])
-
-    def _residual(self, reached: Reached) -> float:
+    def _reaction(self, reached: Reached) -> Reaction | None:
         if reached.last == 0.0:
-            return np.inf
+            return None
         try:
-            t = reached.t - reached.last
-            return step_residual(self.problem, t, reached.last, reached.before, reached.x)
+            before = StepState(reached.before)
+            return step_reaction(self.problem, reached.t - reached.last, reached.last, before, reached.x)
         except StepFailure:
-            return np.inf
+            return None
+
+
+def speed_at_end(outcome: RunOutcome) -> float:
+    """Return max_i |X_i'| in the last step of a run."""
+    reached: Reached = cast(Any, outcome.between).found[float(outcome.t[-1])]
+    return longest(reached.x - reached.before) / reached.last if reached.last else 0.0

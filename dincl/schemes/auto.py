@@ -14,8 +14,8 @@ from dincl.drifts.base import OutOfBudgetError
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.norms import norms
 from dincl.problem import with_counted_drift
-from dincl.schemes.adaptive import MOST_STEPS, AdaptiveCatchUp, AdaptiveRuns, stretches
-from dincl.schemes.base import Scheme
+from dincl.schemes.adaptive import MOST_STEPS, AdaptiveCatchUp, AdaptiveRuns, speed_at_end, stretches
+from dincl.schemes.base import WHOLE, Scheme, Span
 from dincl.schemes.event_driven import MOST_PARTICLES, EventDriven, not_begun
 from dincl.status import Status
 from dincl.system.time_scales import time_scales
@@ -83,12 +83,12 @@ class Auto(Scheme):
     def __post_init__(self) -> None:
         object.__setattr__(self, "error", number("error", self.error, positive=True))
 
-    def run(self, problem: Problem, times: Floats) -> RunOutcome:
+    def run(self, problem: Problem, times: Floats, span: Span = WHOLE) -> RunOutcome:
         """Make passes until the error is reached."""
         try:
-            return _Passes(problem, times, self.error).run()
+            return _Passes(problem, times, self.error, span).run()
         except StepFailure as failure:
-            return not_begun(problem, Work(degrees_of_freedom=problem.x0.size), failure)
+            return not_begun(problem, Work(degrees_of_freedom=problem.x0.size), failure, span.t0)
 
 
 class _Pass(NamedTuple):
@@ -99,11 +99,11 @@ class _Pass(NamedTuple):
 class _Passes:
     """The passes of one problem, whose adaptive steps are bound once."""
 
-    def __init__(self, problem: Problem, times: Floats, error: float) -> None:
-        self._problem, self._times, self._error = problem, times, error
-        self._scales = time_scales(problem, times, error)
+    def __init__(self, problem: Problem, times: Floats, error: float, span: Span) -> None:
+        self._problem, self._times, self._error, self._span = problem, times, error, span
+        self._scales = time_scales(problem, times, error, span.t0, span.breaks)
         self._work = Work(degrees_of_freedom=problem.x0.size, drift_evaluations=self._scales.evaluations)
-        self._runs = AdaptiveRuns(problem, PROJECTION * error, self._scales.smooth)
+        self._runs = AdaptiveRuns(problem, PROJECTION * error, self._scales)
         self._made: list[_Pass] = []
         # Calls for which EventDriven was tried; infinite where it does not serve.
         self._tried = 0.0
@@ -111,11 +111,13 @@ class _Passes:
     def run(self) -> RunOutcome:
         """Make passes, and try EventDriven between them."""
         tau, failures, detail = FIRST * self._error, 0, ""
-        if self._times[-1] == 0.0:
+        if self._times[-1] == self._span.t0:
             return self._completed(self._pass(tau), np.zeros(len(self._times)), AdaptiveCatchUp(tau))
         for _ in range(MOST):
             last = self._pass(tau)
             if last.status:
+                # What stopped at another side of an output time is not compared.
+                self._made = [one for one in self._made if len(one.outcome.t) == len(last.t)]
                 self._made.append(_Pass(tau, last))
                 stated = self._stated()
                 if stated.max() <= self._error and len(self._made) >= LEAST:
@@ -154,7 +156,7 @@ class _Passes:
     def _pass(self, tau: float) -> RunOutcome:
         """Make the pass of a tolerance; each of its steps is sqrt(tau) times as long as with tau = 1."""
         part = LONGEST * math.sqrt(tau / (FIRST * self._error))
-        made = self._runs.run(self._times, tau, stretches(self._scales, self._times, part))
+        made = self._runs.run(self._times, tau, stretches(self._scales, self._times, part), self._span.until)
         self._add(made.stats)
         return made
 
@@ -165,7 +167,7 @@ class _Passes:
         """
         three = self._made[-3:]
         ratios = [math.sqrt(a.tau / b.tau) for a, b in pairwise(three)]  # of the length of steps
-        moved = [np.maximum.accumulate(_apart(a.outcome.x, b.outcome.x)) for a, b in pairwise(three)]
+        moved = [np.maximum.accumulate(_apart(a.outcome, b.outcome)) for a, b in pairwise(three)]
         order = ORDERS[1]
         if len(moved) > 1 and min(moved[0][-1], moved[1][-1]) > 0.0:
             order = float(np.clip(math.log(moved[0][-1] / moved[1][-1]) / math.log(ratios[1]), *ORDERS))
@@ -176,12 +178,12 @@ class _Passes:
         """Return the stated error of the last pass at all times; infinite if it is the first one."""
         tau, outcome = self._made[-1]
         if len(self._made) == 1:
-            return np.full(len(self._times), math.inf)
+            return np.full(len(outcome.t), math.inf)
         before, found, _ = self._estimates()
         rounding = ROUNDING * float(np.abs(outcome.x).max())
         stated = np.maximum(np.maximum(before, found), tau) + self._scales.rest + rounding
         if stated.max() <= self._error:
-            stated = np.maximum(stated, distance_outside(self._problem, self._times, outcome.x))
+            stated = np.maximum(stated, distance_outside(self._problem, outcome.t, outcome.x))
         return stated
 
     def _events(self, calls: float) -> RunOutcome | None:
@@ -196,7 +198,7 @@ class _Passes:
         limited, drift = with_counted_drift(self._problem, budget)
         self._tried = new
         try:
-            found = EventDriven(self._error).run(limited, self._times)
+            found = EventDriven(self._error).run(limited, self._times, self._span)
         except OutOfBudgetError:
             self._work.drift_evaluations += drift.evaluations
             return None
@@ -239,9 +241,12 @@ def _calls(work: Work) -> int:
     return work.drift_evaluations + work.callbacks
 
 
-def _apart(x: Floats, y: Floats) -> Floats:
-    """Return max_i |X_i - Y_i| at each time, (K,)."""
+def _apart(one: RunOutcome, other: RunOutcome) -> Floats:
+    """Return max_i |X_i - Y_i| at each time, (K,); where ``until`` ended runs, from stop to stop, and at one time."""
+    x, y = one.x, other.x
     found: Floats = norms((x - y).reshape(-1, x.shape[-1])).reshape(len(x), -1).max(axis=1)
+    if one.status is Status.STOPPED:
+        found[-1] += abs(one.t[-1] - other.t[-1]) * speed_at_end(other)
     return found
 
 

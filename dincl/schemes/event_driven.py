@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -9,7 +10,8 @@ import numpy as np
 
 from dincl.checks import number
 from dincl.errors import InvalidProblem, StepFailure
-from dincl.schemes.base import Scheme
+from dincl.norms import longest
+from dincl.schemes.base import WHOLE, Scheme, Span
 from dincl.status import Status
 from dincl.system.time_scales import CUT
 from dincl.trajectory import Between, RunOutcome
@@ -19,6 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from dincl.events.run import EventRun
+    from dincl.forces import Reaction
     from dincl.problem import Problem
     from dincl.system.compiled_problem import CompiledProblem
 
@@ -87,7 +90,7 @@ class EventDriven(Scheme):
     def __post_init__(self) -> None:
         object.__setattr__(self, "tol", number("tol", self.tol, positive=True))
 
-    def run(self, problem: Problem, times: NDArray[np.float64]) -> RunOutcome:
+    def run(self, problem: Problem, times: NDArray[np.float64], span: Span = WHOLE) -> RunOutcome:
         """Two runs or more, each compared with the one before it."""
         from dincl.events.run import EventRun, EventSystem
 
@@ -95,36 +98,42 @@ class EventDriven(Scheme):
             raise InvalidProblem(f"EventDriven: {len(problem.x0)} particles: serves at most {MOST_PARTICLES}")
         work, end, before = Work(degrees_of_freedom=problem.x0.size), float(times[-1]), None
         try:
-            system = EventSystem(problem, times, self.tol)
+            system = EventSystem(problem, times, self.tol, span)
             start = system.start(work)
         except StepFailure as failure:
-            return not_begun(problem, work, failure)
-        compared = np.concatenate((times, (np.concatenate(([0.0], times[:-1])) + times) / 2))
+            return not_begun(problem, work, failure, span.t0)
+        coarse: EventRun | None = None
         for k in range(MOST_RUNS):
-            run = EventRun(system, start, end, self.tol / FIRST / TIGHTER**k, 2**k, work)
+            run = EventRun(system, start, end, self.tol / FIRST / TIGHTER**k, 2**k, work, span.until)
             try:
                 run.integrate()
-                x = run.between.states(compared)
-                overlap = system.compiled.overlaps(times, x[: len(times)])
-                if before is not None:
+                kept = times if run.stopped is None else np.append(times[times < run.stopped], run.stopped)
+                x = run.between.states(np.concatenate((kept, (np.append(span.t0, kept[:-1]) + kept) / 2)))
+                overlap, error = system.compiled.overlaps(kept, x[: len(kept)]), np.full(len(kept), np.inf)
+                # A run that stopped at another side of an output time is not compared.
+                if before is not None and len(before) == len(x):
                     error = _error(before, x) + AGREEMENT * self.tol + run.neglected + overlap + system.scales.rest
+                    if coarse is not None and coarse.stopped is not None and run.stopped is not None:
+                        t = min(coarse.stopped, run.stopped)
+                        error[-1] += SAFETY * longest(coarse.between.at(t) - run.between.at(t))
                     if error.max() <= self.tol and system.compiled.sets.address:
-                        error += _hidden(system.compiled, run, end, self.tol)
+                        error += _hidden(system.compiled, run, span.t0, float(kept[-1]), self.tol)
             except StepFailure as failure:
                 # What is too coarse to order the events of a crowd may stop a run that a finer one passes.
                 if failure.status is Status.NOT_CONVERGED and k < MOST_RUNS - 2:
                     before = None
                     continue
                 return _failed(run, times, work, failure)
-            if before is not None and error.max() <= self.tol:
-                return _outcome(run, times, x[: len(times)], work, Status.SUCCESS, "", error)
+            if error.max() <= self.tol:
+                status = Status.SUCCESS if run.stopped is None else Status.STOPPED
+                return _outcome(run, kept, x[: len(kept)], work, status, "", error)
             if before is not None and system.scales.rest > self.tol:
                 break
-            before = x
+            before, coarse = x, run
         detail = (
             f"The estimated error is {error.max():.2g}, asked for was {self.tol:.2g}. {system.scales.detail}".strip()
         )
-        return _outcome(run, times, x[: len(times)], work, Status.NOT_CONVERGED, detail, error)
+        return _outcome(run, kept, x[: len(kept)], work, Status.NOT_CONVERGED, detail, error)
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,14 +146,14 @@ class _Start(Between):
         """x0."""
         return np.tile(self.x0, (len(times), 1, 1))
 
-    def residuals(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Infinite."""
-        return np.full(len(times), np.inf)
+    def reactions(self, times: NDArray[np.float64]) -> list[Reaction | None]:
+        """None."""
+        return [None] * len(times)
 
 
-def _hidden(system: CompiledProblem, run: EventRun, end: float, tol: float) -> float:
+def _hidden(system: CompiledProblem, run: EventRun, start: float, end: float, tol: float) -> float:
     """Return by how much a run overlaps sets that Python evaluates, at times that nobody chooses, if more than tol."""
-    times = (np.arange(WATCHED) + CUT) / WATCHED * end
+    times = start + (np.arange(WATCHED) + CUT) / WATCHED * (end - start)
     largest = float(system.overlaps(times, run.between.states(times)).max())
     return largest if largest > tol else 0.0
 
@@ -160,9 +169,9 @@ def _error(coarse: NDArray[np.float64], fine: NDArray[np.float64]) -> NDArray[np
     return error
 
 
-def not_begun(problem: Problem, work: Work, failure: StepFailure) -> RunOutcome:
+def not_begun(problem: Problem, work: Work, failure: StepFailure, t0: float) -> RunOutcome:
     """The start alone."""
-    t, x = np.zeros(1), problem.x0[None].copy()
+    t, x = np.array([t0]), problem.x0[None].copy()
     detail = f"{failure.detail} This was at the start."
     return RunOutcome(t, x, failure.status, detail, work, _Start(problem.x0), failure=failure)
 
@@ -170,12 +179,10 @@ def not_begun(problem: Problem, work: Work, failure: StepFailure) -> RunOutcome:
 def _failed(run: EventRun, times: NDArray[np.float64], work: Work, failure: StepFailure) -> RunOutcome:
     """The states kept until a run failed, and the one that it reached; those that cannot be read are left out."""
     reached, x = [], []
-    for t in times[times <= run.now]:
-        try:
-            x.append(run.between.states(np.array([t]))[0])
-            reached.append(float(t))
-        except StepFailure:
-            continue
+    for t in times[times <= run.now].tolist():
+        with suppress(StepFailure):
+            x.append(run.between.at(t))
+            reached.append(t)
     if not reached or reached[-1] < run.now:
         reached.append(run.now)
         x.append(run.state())
@@ -192,13 +199,5 @@ def _outcome(
     detail: str,
     error: NDArray[np.float64] | None = None,
 ) -> RunOutcome:
-    return RunOutcome(
-        t=t.copy(),
-        x=x,
-        status=status,
-        detail=detail,
-        stats=work,
-        between=run.between,
-        events=run.events,
-        error=error,
-    )
+    events = run.events if run.stopped is None else tuple(one for one in run.events if one.t <= run.stopped)
+    return RunOutcome(t.copy(), x, status, detail, work, run.between, events, error)

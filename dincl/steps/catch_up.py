@@ -23,7 +23,7 @@ def drift_step(system: SystemArrays, t: float, at: Floats, h: float, x: Floats, 
 
 
 @inner
-def catch_up(run: Stepping, t: float, h: float, x: Floats, v: Floats, after: Floats) -> int:
+def catch_up(run: Stepping, t: float, h: float, x: Floats, v: Floats, after: Floats, axes: tuple[()]) -> int:
     """P_S(x + h F(t, x)) with the set at t + h, or onto its linearisation.
 
     The midpoint scheme goes on from there: P_{S~(m)} (x + h F(t + h/2, m)), m the middle of a step of linearised
@@ -52,6 +52,6 @@ _loop = loop_of(catch_up)
 
 
 @partial(kernel, references=False)
-def run_catch_up(place: int, grid: TimeGrid, output: int) -> tuple[int, int]:
+def run_catch_up(place: int, grid: TimeGrid, output: int, axes: tuple[()]) -> tuple[int, int]:
     """Make steps of a catch-up scheme, see ``dincl.steps.loop.loop_of``."""
-    return _loop(place, grid, output)
+    return _loop(place, grid, output, axes)

@@ -15,6 +15,8 @@ from dincl.status import Status
 from dincl.work import Work
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from dincl.problem import Problem
@@ -26,9 +28,9 @@ ROUNDING = 1e-12
 
 
 class TimeGrid(NamedTuple):
-    """Times t_k = k t_end / steps for k = 0 ... steps, computed from k, never by adding up.
+    """Times t_k = origin + k t_end / steps for k = 0 ... steps, computed from k, never by adding up.
 
-    A kernel is to make the steps ``first`` ... ``last`` - 1, and adds ``origin`` to their times.
+    A kernel is to make the steps ``first`` ... ``last`` - 1.
     """
 
     t_end: float
@@ -44,13 +46,13 @@ class TimeGrid(NamedTuple):
 
     def time(self, k: int) -> float:
         """Compute t_k."""
-        return self.t_end if k == self.steps else k * self.t_end / self.steps
+        return self.origin + (self.t_end if k == self.steps else k * self.t_end / self.steps)
 
     def before(self, t: NDArray[np.float64]) -> NDArray[np.int64]:
         """Find the last k with t_k < t, or 0, for times (K,); a t that is t_k up to rounding counts as t_k."""
         if not self.steps:
             return np.zeros(len(t), dtype=np.int64)
-        place = t / self.t_end * self.steps
+        place = (t - self.origin) / self.t_end * self.steps
         nearest = np.rint(place)
         on_grid = np.abs(place - nearest) <= ROUNDING * self.steps
         found: NDArray[np.int64] = np.maximum(np.where(on_grid, nearest - 1, np.floor(place)), 0).astype(np.int64)
@@ -59,16 +61,17 @@ class TimeGrid(NamedTuple):
     def weights(self, t: NDArray[np.float64], k: NDArray[np.int64]) -> NDArray[np.float64]:
         """Compute the places of times (K,) in the steps k: 1 at the end of a step, up to rounding."""
         start = np.where(k == self.steps, self.t_end, k * self.t_end / max(self.steps, 1))
-        weight = (t - start) / (self.h or 1.0)
+        weight = (t - self.origin - start) / (self.h or 1.0)
         weight[weight >= 1 - ROUNDING * self.steps] = 1.0
         return weight
 
 
-def divide_time(t_end: float, dt: float) -> TimeGrid:
-    """Return the fewest equal steps no longer than dt that end at t_end."""
-    if t_end / dt > MOST_STEPS:
-        raise InvalidProblem(f"dt = {dt:g}: needs {t_end / dt:.3g} steps to t = {t_end:g}, allowed are {MOST_STEPS:g}")
-    return TimeGrid(t_end, math.ceil(t_end / dt * (1 - ROUNDING)))
+def divide_time(t_end: float, dt: float, t0: float = 0.0) -> TimeGrid:
+    """Return the fewest equal steps no longer than dt from t0 to t_end."""
+    time = t_end - t0
+    if time / dt > MOST_STEPS:
+        raise InvalidProblem(f"dt = {dt:g}: needs {time / dt:.3g} steps to t = {t_end:g}, allowed are {MOST_STEPS:g}")
+    return TimeGrid(time, math.ceil(time / dt * (1 - ROUNDING)), origin=t0)
 
 
 class StepState(NamedTuple):
@@ -90,7 +93,7 @@ class StepState(NamedTuple):
 
 
 class Output:
-    """States at K increasing output times; the start is filled in at once if it is one of them.
+    """States at K increasing output times.
 
     Attributes
     ----------
@@ -104,16 +107,22 @@ class Output:
         How many of them a run has reached, shape (1,).
     """
 
-    def __init__(self, on: TimeGrid, times: NDArray[np.float64], start: StepState) -> None:
-        self.step = on.before(times)
-        self.weight = on.weights(times, self.step)
-        shape = (len(times), *start.x.shape)
+    def __init__(self, step: NDArray[np.int64], weight: NDArray[np.float64], start: StepState) -> None:
+        self.step, self.weight = step, weight
+        shape = (len(step), *start.x.shape)
         self.x, self.before = np.empty(shape), np.empty(shape)
         self.velocity = np.empty(shape if start.v is not None else (0, *shape[1:]))
-        self.memory: list[Any] = [None] * len(times)
+        self.memory: list[Any] = [None] * len(step)
         self.filled = np.zeros(1, dtype=np.int64)
-        if times[0] == 0:
-            self.fill(0, start, start, most=1)
+
+    @classmethod
+    def at(cls, on: TimeGrid, times: NDArray[np.float64], start: StepState) -> Output:
+        """Make room for increasing times (K,), and fill in the start if it is one of them."""
+        step = on.before(times)
+        output = cls(step, on.weights(times, step), start)
+        if len(times) and times[0] == on.origin:
+            output.fill(0, start, start, most=1)
+        return output
 
     def fill(self, k: int, state: StepState, after: StepState, most: int | None = None) -> None:
         """Fill in the output times in step k, on the straight line between two states."""
@@ -125,6 +134,10 @@ class Output:
                 self.velocity[q] = state.v
             q += 1
         self.filled[0] = q
+
+    def stored(self, q: int) -> StepState:
+        """Return the state before the step in which output time q lies."""
+        return StepState(self.before[q], self.velocity[q] if len(self.velocity) else None, self.memory[q])
 
 
 class Reached(NamedTuple):
@@ -153,8 +166,11 @@ class Stepper(ABC):
         self.work = Work(degrees_of_freedom=problem.x0.size)
 
     def start(self) -> StepState:
-        """Return the state at t = 0."""
+        """Return the state at the start."""
         return StepState(self.problem.x0)
+
+    def prepare(self, grids: Sequence[TimeGrid], times: NDArray[np.float64]) -> None:  # noqa: B027  # few look ahead
+        """Look at functions of time, before a run on these grids, one after another, with output at these times."""
 
     @abstractmethod
     def step(self, t: float, h: float, state: StepState) -> StepState:

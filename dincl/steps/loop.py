@@ -1,11 +1,12 @@
 """Time steps of any scheme in compiled code: the loop over a grid, and the states at output times.
 
-A scheme is an inlined function ``step(run, t, h, x, v, after)`` that reads the state at t and writes the one at t + h.
-Each has a kernel that runs its own loop, made by ``loop_of``, so that compiled code calls a step by its name.
+A scheme is an inlined function ``step(run, t, h, x, v, after, axes)`` that reads the state at t and writes the one at
+t + h; ``axes`` is a tuple of length d, or empty for a scheme that need not know d when it is compiled. Each scheme has
+a kernel that runs its own loop, made by ``loop_of``, so that compiled code calls a step by its name.
 """
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -78,7 +79,7 @@ def loop_of(step: Callable[..., int]) -> Callable[..., tuple[int, int]]:
     """Make the loop over the steps of a scheme, for its kernel."""
 
     @inner
-    def run_steps(place: int, grid: TimeGrid, output: int) -> tuple[int, int]:
+    def run_steps(place: int, grid: TimeGrid, output: int, axes: Any) -> tuple[int, int]:
         """Make the steps of a grid; return the code of the last one, and the step reached.
 
         A step that fails leaves the state as it was. ``place`` and ``output`` are addresses of Stepping and
@@ -90,7 +91,7 @@ def loop_of(step: Callable[..., int]) -> Callable[..., tuple[int, int]]:
         h = grid.t_end / grid.steps
         for k in range(grid.first, grid.last):
             t = grid.origin + k * grid.t_end / grid.steps
-            code = step(run, t, h, x, v, after)
+            code = step(run, t, h, x, v, after, axes)
             if code == OK and not bounded(after, LARGEST):
                 code = NOT_A_NUMBER
             if code != OK:

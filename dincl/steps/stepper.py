@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dincl.compiled.arrays import axes_of
 from dincl.compiled.structs import StructPointer
 from dincl.errors import StepFailure
 from dincl.steps import loop
@@ -19,6 +20,8 @@ from dincl.system.compiled_problem import CompiledProblem
 from dincl.system.time_scales import smooth_pieces
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from dincl.problem import Problem
@@ -66,7 +69,7 @@ class CompiledStepper(Stepper):
     ) -> None:
         super().__init__(problem)
         self._run, self._swept, self._v0, self.system = run, swept, v0, system
-        self._tabulated = False
+        self._prepared, self._axes = False, axes_of(problem.x0) if swept else ()
         n = problem.x0.size
         self.pointer = StructPointer(
             Stepping(
@@ -113,23 +116,25 @@ class CompiledStepper(Stepper):
         return StepState(self.problem.x0, self._v0)
 
     def step(self, t: float, h: float, state: StepState) -> StepState:
-        reached = self._steps(t, TimeGrid(h, 1), 0, 1, state, None)
+        reached = self._steps(TimeGrid(h, 1, origin=t), 0, 1, state, None)
         if reached.failure:
             raise reached.failure
         return reached.state
 
     def advance(self, on: TimeGrid, k: int, end: int, state: StepState, output: Output | None = None) -> Reached:
-        if not self._tabulated:
-            kept = np.zeros(0) if output is None else (output.step + output.weight) * on.h
-            smooth = smooth_pieces(self.problem, on.t_end, on.steps, kept)
-            self.system.sets.tabulate(smooth, compares=self._swept is None)
-            self._tabulated = True
-        reached = self._steps(0.0, on, k, end, state, output)
+        if not self._prepared:
+            self.prepare((on,), np.zeros(0))
+        reached = self._steps(on, k, end, state, output)
         self.work.steps += reached.k - k
         return reached
 
-    def _steps(self, origin: float, on: TimeGrid, k: int, end: int, state: StepState, output: Output | None) -> Reached:
-        """Make the steps k ... end - 1 of a grid whose t_0 is ``origin``."""
+    def prepare(self, grids: Sequence[TimeGrid], times: NDArray[np.float64]) -> None:
+        """Tabulate the sets that depend on time alone, so that compiled code evaluates them."""
+        self.system.sets.tabulate(smooth_pieces(self.problem, grids, times), compares=self._swept is None)
+        self._prepared = True
+
+    def _steps(self, on: TimeGrid, k: int, end: int, state: StepState, output: Output | None) -> Reached:
+        """Make the steps k ... end - 1 of a grid."""
         shape, run = self.problem.x0.shape, self.pointer.value
         run.x[:] = state.x.ravel()
         if run.v.size:
@@ -140,8 +145,8 @@ class CompiledStepper(Stepper):
         with self.system.callbacks():
             while k < end and code == OK:
                 began = time.perf_counter()
-                grid = on._replace(first=k, last=min(end, k + most), origin=origin)
-                code, k = self._run(self.pointer.address, grid, table.address)
+                grid = on._replace(first=k, last=min(end, k + most))
+                code, k = self._run(self.pointer.address, grid, table.address, self._axes)
                 if self._swept:
                     self._swept.count(self.work)
                 self.system.count(self.work)

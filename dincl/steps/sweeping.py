@@ -2,9 +2,10 @@
 
 from collections.abc import Callable
 from functools import partial
+from typing import Any
 
 from dincl.compiled import inner, kernel
-from dincl.compiled.arrays import Floats
+from dincl.compiled.arrays import Axes, Floats
 from dincl.neighbours.lists import (
     DONE,
     INCOMPLETE,
@@ -27,9 +28,7 @@ from dincl.steps.sweeps import (
     DISCS,
     WALL,
     Families,
-    correct_rows,
     move_first,
-    project_onto_rows,
     record_discs,
     sweep_of,
     way_at_wall,
@@ -44,12 +43,12 @@ MANY = 300
 
 
 @inner
-def add_forces(system: SystemArrays, families: Families, x: Floats, spring: bool, force: Floats) -> int:
+def add_forces(system: SystemArrays, families: Families, x: Floats, spring: bool, force: Floats, axes: Any) -> int:
     """Add max(0, -g) grad g of all rows to ``force``, or grad g of violated rows without ``spring``: OK or why not."""
     rows, shift = system.rows, system.sets.shift
     for f in range(families.form.size):
         if families.form[f] == DISCS:
-            code = add_forces_of_discs(families, f, x, spring, force)
+            code = add_forces_of_discs(families, f, x, spring, force, axes)
             if code != OK:
                 return code
         elif families.form[f] == WALL:
@@ -63,18 +62,13 @@ def add_forces(system: SystemArrays, families: Families, x: Floats, spring: bool
 
 
 @inner
-def add_forces_of_discs(families: Families, f: int, x: Floats, spring: bool, force: Floats) -> int:
+def add_forces_of_discs(families: Families, f: int, x: Floats, spring: bool, force: Floats, axes: Any) -> int:
     """Add the forces of a family of discs."""
     pairs, points = pair_list_at(families.pairs[f]), x
     if pairs.disc.size > 0:
-        gather(x, pairs, families.axes.size)
+        gather(x, pairs, len(axes))
         points = pairs.point
-    if families.axes.size == 2:
-        ended = add_disc_forces(points, pairs, spring, force, (0, 0))
-    elif families.axes.size == 3:
-        ended = add_disc_forces(points, pairs, spring, force, (0, 0, 0))
-    else:
-        ended = add_disc_forces(points, pairs, spring, force, families.axes)
+    ended = add_disc_forces(points, pairs, spring, force, axes)
     return OK if ended == DONE else record_discs(families, f, ended)
 
 
@@ -120,7 +114,7 @@ def sweeps_of(sweep: Callable[..., int]) -> Callable[..., int]:
     """Make the function that sweeps as often as the settings say."""
 
     @inner
-    def sweep_often(run: Stepping, t: float, move: Move, after: Floats, compliance: float) -> int:
+    def sweep_often(run: Stepping, t: float, move: Move, after: Floats, compliance: float, axes: Any) -> int:
         """Write the point of the step ``move``, and sweep over all sets at time t: OK or why not."""
         system = system_at(run.system)
         if call_python(system.sets, t, move.x, DISPLACEMENTS) != 0:
@@ -129,12 +123,12 @@ def sweeps_of(sweep: Callable[..., int]) -> Callable[..., int]:
         if after.size < MANY:
             move_all(move, after)
         else:
-            known = move_first(run.families, move, after)
+            known = move_first(run.families, move, after, axes)
         for k in range(run.settings.sweeps):
-            code = sweep(system, run.families, t, after, known, k == 0, compliance)
+            code = sweep(system, run.families, t, after, known, k == 0, compliance, axes)
             while code == REPEAT:
                 move_all(move, after)
-                code = sweep(system, run.families, t, after, INCOMPLETE, True, compliance)
+                code = sweep(system, run.families, t, after, INCOMPLETE, True, compliance, axes)
             known = UNKNOWN
             if code != OK:
                 return int(code)
@@ -145,15 +139,15 @@ def sweeps_of(sweep: Callable[..., int]) -> Callable[..., int]:
 
 def pbd_of(visit_pair: Callable[..., int]) -> Callable[..., int]:
     """Make the step of position based dynamics in which pairs are visited like this."""
-    project_often = sweeps_of(sweep_of(visit_pair, way_onto_wall, project_onto_rows))
+    project_often = sweeps_of(sweep_of(visit_pair, way_onto_wall))
 
     @inner
-    def pbd(run: Stepping, t: float, h: float, x: Floats, v: Floats, after: Floats) -> int:
+    def pbd(run: Stepping, t: float, h: float, x: Floats, v: Floats, after: Floats, axes: Any) -> int:
         """P_{S_M} ... P_{S_1} (x + h F(t, x)), or of x + h (v + h F), as often as set, with the sets at t + h."""
         system = system_at(run.system)
         code = drift_at_start(run, system, t, x)
         if code == OK:
-            code = project_often(run, t + h, Move(h, x, v, run.rate), after, 0.0)
+            code = project_often(run, t + h, Move(h, x, v, run.rate), after, 0.0, axes)
         return int(code)
 
     return pbd
@@ -161,10 +155,10 @@ def pbd_of(visit_pair: Callable[..., int]) -> Callable[..., int]:
 
 def xpbd_of(visit_pair: Callable[..., int]) -> Callable[..., int]:
     """Make the step of extended position based dynamics."""
-    correct_often = sweeps_of(sweep_of(visit_pair, way_at_wall, correct_rows))
+    correct_often = sweeps_of(sweep_of(visit_pair, way_at_wall))
 
     @inner
-    def xpbd(run: Stepping, t: float, h: float, x: Floats, v: Floats, after: Floats) -> int:
+    def xpbd(run: Stepping, t: float, h: float, x: Floats, v: Floats, after: Floats, axes: Any) -> int:
         """Sweep over x + h F(t, x) with the sets at t + h, with a multiplier for each row that is 0 at the start.
 
         Multipliers belong to pairs of a list. If a list no longer holds all pairs, the step is repeated with a wider
@@ -177,7 +171,7 @@ def xpbd_of(visit_pair: Callable[..., int]) -> Callable[..., int]:
                 return code
             for r in range(system.program.multiplier.size):
                 system.program.multiplier[r] = 0.0
-            code = correct_often(run, t + h, Move(h, x, v, run.rate), after, run.settings.compliance / h)
+            code = correct_often(run, t + h, Move(h, x, v, run.rate), after, run.settings.compliance / h, axes)
             if code != STALE:
                 return code
             for f in range(families.form.size):
@@ -191,7 +185,7 @@ def xpbd_of(visit_pair: Callable[..., int]) -> Callable[..., int]:
 
 
 @inner
-def penalty(run: Stepping, t: float, h: float, x: Floats, v: Floats, after: Floats) -> int:
+def penalty(run: Stepping, t: float, h: float, x: Floats, v: Floats, after: Floats, axes: Any) -> int:
     """x + h (F(t, x) + strength sum_k max(0, -g_k)^(exponent - 1) grad g_k)."""
     system, rate, settings = system_at(run.system), run.rate, run.settings
     code = drift_at_start(run, system, t, x)
@@ -200,7 +194,7 @@ def penalty(run: Stepping, t: float, h: float, x: Floats, v: Floats, after: Floa
     for k in range(x.size):
         after[k] = 0.0
     if code == OK:
-        code = add_forces(system, run.families, x, settings.exponent == 2, after)
+        code = add_forces(system, run.families, x, settings.exponent == 2, after, axes)
     for k in range(x.size):
         after[k] = x[k] + h * (rate[k] + settings.strength * after[k])
     return code
@@ -211,30 +205,30 @@ _pbd_of_any, _xpbd_of_any = loop_of(pbd_of(correct_any_pair)), loop_of(xpbd_of(c
 
 
 @partial(kernel, references=False)
-def run_pbd(place: int, grid: TimeGrid, output: int) -> tuple[int, int]:
+def run_pbd(place: int, grid: TimeGrid, output: int, axes: Axes) -> tuple[int, int]:
     """Make steps of position based dynamics, see ``dincl.steps.loop.loop_of``."""
-    return _pbd(place, grid, output)
+    return _pbd(place, grid, output, axes)
 
 
 @partial(kernel, references=False)
-def run_xpbd(place: int, grid: TimeGrid, output: int) -> tuple[int, int]:
+def run_xpbd(place: int, grid: TimeGrid, output: int, axes: Axes) -> tuple[int, int]:
     """Make steps of extended position based dynamics."""
-    return _xpbd(place, grid, output)
+    return _xpbd(place, grid, output, axes)
 
 
 @partial(kernel, references=False)
-def run_penalty(place: int, grid: TimeGrid, output: int) -> tuple[int, int]:
+def run_penalty(place: int, grid: TimeGrid, output: int, axes: Axes) -> tuple[int, int]:
     """Make steps of the penalty method."""
-    return _penalty(place, grid, output)
+    return _penalty(place, grid, output, axes)
 
 
 @partial(kernel, references=False)
-def run_pbd_of_any(place: int, grid: TimeGrid, output: int) -> tuple[int, int]:
+def run_pbd_of_any(place: int, grid: TimeGrid, output: int, axes: Axes) -> tuple[int, int]:
     """Make steps of position based dynamics in scaled coordinates or a periodic box."""
-    return _pbd_of_any(place, grid, output)
+    return _pbd_of_any(place, grid, output, axes)
 
 
 @partial(kernel, references=False)
-def run_xpbd_of_any(place: int, grid: TimeGrid, output: int) -> tuple[int, int]:
+def run_xpbd_of_any(place: int, grid: TimeGrid, output: int, axes: Axes) -> tuple[int, int]:
     """Make steps of extended position based dynamics in scaled coordinates or a periodic box."""
-    return _xpbd_of_any(place, grid, output)
+    return _xpbd_of_any(place, grid, output, axes)

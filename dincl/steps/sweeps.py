@@ -5,15 +5,17 @@ table, and that of its extended form, which corrects with a multiplier for each 
 """
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any, NamedTuple
 
-from dincl.compiled import inner
+from dincl.compiled import c_function, call, inner, struct_type
 from dincl.compiled.arrays import Floats, Offsets, Table, empty
+from dincl.compiled.calls import DOUBLES, floats_at, signature
 from dincl.neighbours import lists
 from dincl.neighbours.lists import UNKNOWN, Move, disc_sweep, gather, move_all, move_all_at_once, pair_list_at, scatter
 from dincl.rows.table import AFFINE, CALLBACK, DISTANCE, GRADIENTS, RowTable, call_python, evaluate_row, value_of
 from dincl.solvers.envelope_factor import add_row
-from dincl.system.arrays import COINCIDENT, FLAT, NEED_ROOM, OK, REPEAT, SETS, STALE, UNSETTLED, SystemArrays
+from dincl.system.arrays import COINCIDENT, FLAT, NEED_ROOM, OK, REPEAT, SETS, STALE, SYSTEM, UNSETTLED, SystemArrays
 
 # Forms of families: discs, whose near pairs are listed; a wall for all particles, for d <= 3; rows of the table.
 DISCS, WALL, ROWS = range(3)
@@ -36,7 +38,7 @@ class Families(NamedTuple):
     multiplier: Floats  # of all particles at walls, or (0,) for schemes that have none
     corrections: Offsets  # (1,): by rows of walls and of the table
     offending: Offsets  # (3,): after a failure the family, and its row or two discs
-    axes: Offsets  # (d,)
+    visit_rows: int  # the address of ``project_rows`` or ``correct_rows``, 0 without rows of the table
 
 
 # Of a scheme that makes no sweeps.
@@ -73,10 +75,18 @@ def way_at_wall(height: float, bound: float, multiplier: Floats, p: int, begin: 
     return float(after - before)
 
 
-@inner
-def correct_rows(system: SystemArrays, families: Families, f: int, t: float, x: Floats, compliance: float) -> int:
+# int64 f(system, families, family, t, x, coordinates, compliance): a sweep over rows of the table, by its address, so
+# that kernels of runs with discs and walls alone are compiled without it.
+VISIT_ROWS: Any = signature(int, struct_type(SYSTEM), struct_type(NO_FAMILIES), int, float, DOUBLES, int, float)
+call_visit = call(VISIT_ROWS)
+
+
+@partial(c_function, VISIT_ROWS)
+def correct_rows(
+    system: SystemArrays, families: Families, f: int, t: float, place: Floats, n: int, compliance: float
+) -> int:
     """Move x along the gradients of the rows of a family in the table by the changes of their multipliers."""
-    rows, program = system.rows, system.program
+    rows, program, x = system.rows, system.program, floats_at(place, n)
     for r in range(families.first[f], families.last[f]):
         if rows.row[r].kind == CALLBACK and call_python(system.sets, t, x, GRADIENTS) != 0:
             return SETS
@@ -95,10 +105,12 @@ def correct_rows(system: SystemArrays, families: Families, f: int, t: float, x: 
     return OK
 
 
-@inner
-def project_onto_rows(system: SystemArrays, families: Families, f: int, t: float, x: Floats, compliance: float) -> int:
+@partial(c_function, VISIT_ROWS)
+def project_rows(
+    system: SystemArrays, families: Families, f: int, t: float, place: Floats, n: int, compliance: float
+) -> int:
     """Project onto the rows of a family in the table, one after another."""
-    rows, sets, gradient, current = system.rows, system.sets, system.program.gradient, False
+    rows, sets, gradient, current, x = system.rows, system.sets, system.program.gradient, False, floats_at(place, n)
     for r in range(families.first[f], families.last[f]):
         row = rows.row[r]
         if row.kind == CALLBACK and not current and call_python(sets, t, x, GRADIENTS) != 0:
@@ -165,23 +177,16 @@ def step_from(
 
 
 @inner
-def move_first(families: Families, move: Move, after: Floats) -> int:
+def move_first(families: Families, move: Move, after: Floats, axes: Any) -> int:
     """Write all particles after the step before the sweeps; return what is known of the list of the first family."""
     if families.form.size == 0 or families.form[0] != DISCS or pair_list_at(families.pairs[0]).disc.size > 0:
         move_all(move, after)
         return UNKNOWN
-    pairs = pair_list_at(families.pairs[0])
-    if families.axes.size == 2:
-        return int(move_all_at_once(move, after, pairs, (0, 0)))
-    if families.axes.size == 3:
-        return int(move_all_at_once(move, after, pairs, (0, 0, 0)))
-    return int(move_all_at_once(move, after, pairs, families.axes))
+    return int(move_all_at_once(move, after, pair_list_at(families.pairs[0]), axes))
 
 
-def sweep_of(
-    visit_pair: Callable[..., int], visit_wall: Callable[..., float], visit_rows: Callable[..., int]
-) -> Callable[..., int]:
-    """Make the sweep over all sets in which pairs of discs, walls and rows of the table are visited like this."""
+def sweep_of(visit_pair: Callable[..., int], visit_wall: Callable[..., float]) -> Callable[..., int]:
+    """Make the sweep over all sets in which pairs of discs and walls are visited like this."""
     sweep_discs = disc_sweep(visit_pair)
 
     @inner
@@ -240,7 +245,7 @@ def sweep_of(
         families.corrections[0] += corrections
 
     @inner
-    def sweep_all(
+    def sweep(
         system: SystemArrays,
         families: Families,
         t: float,
@@ -261,21 +266,10 @@ def sweep_of(
                     last += 1
                 sweep_walls(families, f, last, x, system.sets.shift, begin, compliance, axes)
             else:
-                code = visit_rows(system, families, f, t, x, compliance)
+                code = call_visit(families.visit_rows, system, families, f, t, x, x.size, compliance)
             if code != OK:
                 return int(code)
             f = last
         return OK
-
-    @inner
-    def sweep(
-        system: SystemArrays, families: Families, t: float, x: Floats, known: int, begin: bool, compliance: float
-    ) -> int:
-        """Sweep with the number of axes in a type that the compiler knows."""
-        if families.axes.size == 2:
-            return int(sweep_all(system, families, t, x, known, begin, compliance, (0, 0)))
-        if families.axes.size == 3:
-            return int(sweep_all(system, families, t, x, known, begin, compliance, (0, 0, 0)))
-        return int(sweep_all(system, families, t, x, known, begin, compliance, families.axes))
 
     return sweep

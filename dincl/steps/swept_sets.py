@@ -16,7 +16,7 @@ from dincl.neighbours.search import neighbour_pairs
 from dincl.rows.affine import HeightRows
 from dincl.rows.base import DiscPairs
 from dincl.status import Status
-from dincl.steps.sweeps import DISCS, MOST_ITERATIONS, ROWS, WALL, Families
+from dincl.steps.sweeps import DISCS, MOST_ITERATIONS, ROWS, WALL, Families, correct_rows, project_rows
 from dincl.system import arrays as codes
 from dincl.system.callbacks import PythonFunction, numbers_at
 
@@ -81,7 +81,7 @@ class SweptSets:
             multiplier=np.zeros(max(count * len(walls), 1) if multipliers else 0),
             corrections=np.zeros(1, dtype=np.int64),
             offending=np.zeros(3, dtype=np.int64),
-            axes=np.zeros(d, dtype=np.int64),
+            visit_rows=(correct_rows if multipliers else project_rows).address if (forms == ROWS).any() else 0,
         )
 
     def make_room(self) -> None:

@@ -21,7 +21,7 @@ PACKAGE = "dincl-testbed"
 # Libraries whose version may change a number.
 LIBRARIES = (
     *("numpy", "scipy", "numba", "pandas", "casadi", "clarabel", "cvxpy-base", "daqp", "piqp"),
-    *("mpmath", "python-flint", "POT", "statsmodels", "sympy", "z3-solver"),
+    *("mpmath", "python-flint", "POT", "sympy", "z3-solver"),
 )
 LONGEST_SETTING = 1000
 

@@ -15,7 +15,7 @@ from dincl.constraints.selection import rates as gap_rates
 from dincl.constraints.selection import row_lengths
 from dincl.errors import StepFailure
 from dincl.norms import longest
-from dincl.rows.table import DISTANCE, GRADIENTS, VELOCITIES, RowTable, Sets
+from dincl.rows.table import DISTANCE, GRADIENTS, VELOCITIES, RowTable, Sets, write_timed
 from dincl.system.callbacks import PythonFunction, numbers_at
 from dincl.system.time_scales import NO_BREAKS
 from dincl.system.time_tables import table_of_displacement, table_of_rows, timed_sets
@@ -100,7 +100,7 @@ class SetsPointer(PythonFunction):
             column=np.zeros(entries, dtype=np.int64),
             entry=np.zeros(entries),
             box=np.zeros(0) if box is None else box / units.length,
-            tables=np.array([0, 1]),
+            tables=np.array([0, 1, 0]),
         )
 
     def _select(self, selection: Selection, called: tuple[int, ...]) -> int:
@@ -139,6 +139,9 @@ class SetsPointer(PythonFunction):
                     table = table_of_displacement(f, partial(self._displaced, f), pieces, size)
                 elif pieces and len(self._blocks[f]) and not system.near.search:
                     table = table_of_rows(f, partial(self._tabulated, f), pieces, size, self._starts[f], system.rows)
+                    first = self._tabulated(f, pieces[0][0])
+                    if table is not None and first is not None:  # some numbers do not change from here on
+                        write_numbers(system.rows, slice(*self._starts[f : f + 2]), first)
                 else:
                     continue
                 if table is not None:
@@ -150,7 +153,7 @@ class SetsPointer(PythonFunction):
             self._general.pop(one.family, None)
         self._tables = StructPointer(timed_sets(tables, system.rows, system.near.radius, compares=compares))
         asks = self._paths or self._general or self.updates or self._called
-        self.arrays.tables[:] = self._tables.address, bool(asks)
+        self.arrays.tables[:] = self._tables.address, bool(asks), write_timed.address
 
     def _displaced(self, f: int, t: float) -> NDArray[np.float64]:
         found: NDArray[np.float64] = self._paths[f](t * self._units.time) / self._units.length

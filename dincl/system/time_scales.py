@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
     from dincl.constraints.moving import Path
     from dincl.problem import Problem
+    from dincl.steps.grid import TimeGrid
 
 Interval = tuple[float, float]
 
@@ -40,8 +41,9 @@ MOST_VALUES = 5000
 # The first look is at so many equal parts; then parts that are not smooth are cut. No cut is at a time that people
 # choose, for a break that lies on a cut is in neither part.
 PARTS, CUT = 13, 0.3819660112501051
-# A run of at least so many equal steps looks at sets at the time of one step in so many, besides output times.
-FEWEST_STEPS, STEPS_OF_A_LOOK = 200, 8
+# A run of at least so many equal steps looks at sets at the time of one step in so many, but at most so many times,
+# besides output times.
+FEWEST_STEPS, STEPS_OF_A_LOOK, MOST_LOOKS = 200, 8, 50_000
 # A set with more functions of time than these is asked whether it accepts them at all looks, not where one is extreme.
 MOST_EXTREMES = 8
 # A look is taken at so many times besides; at output times; and beside each of at most so many of them, at these parts
@@ -100,6 +102,7 @@ class TimeScales(NamedTuple):
     failure: StepFailure | None = None
     evaluations: int = 0
     smooth: Mapping[int, Sequence[Interval]] = NONE_SMOOTH
+    start: float = 0.0
 
     @property
     def shortest(self) -> float:
@@ -107,30 +110,36 @@ class TimeScales(NamedTuple):
         if not len(self.pieces):
             return np.inf
         order = self.pieces[:, 1].argsort()
-        passed = np.diff(self.pieces[:, 0], prepend=0.0)[order].cumsum()
-        return float(self.pieces[order, 1][passed > NEGLECTED * self.pieces[-1, 0]].min())
+        passed = np.diff(self.pieces[:, 0], prepend=self.start)[order].cumsum()
+        return float(self.pieces[order, 1][passed > NEGLECTED * (self.pieces[-1, 0] - self.start)].min())
 
 
-def time_scales(problem: Problem, times: ArrayLike, accuracy: float = 0.0) -> TimeScales:
-    """Find breaks of sets and of the drift at x0, and how long steps may be that resolve them until the last time.
+def time_scales(
+    problem: Problem, times: ArrayLike, accuracy: float = 0.0, start: float = 0.0, named: Sequence[float] = ()
+) -> TimeScales:
+    """Find breaks of sets and of the drift at x0, and how long steps may be that resolve them, from ``start`` on.
+
+    ``named`` breaks are taken as they are, and each function is looked at from one to the next.
 
     They are looked at, among others, at and beside these times. ``accuracy`` is that of the run [length]. A function
-    that fails, perhaps later than the run ends, is left out. No function is called more than MOST_VALUES times, and
-    a few times for each look.
+    that fails, perhaps later than the run ends, is left out. No function is called more than MOST_VALUES times, once
+    for each look, and 18 times for each named break.
     """
-    looks = _looks(np.atleast_1d(np.asarray(times, dtype=np.float64)))
-    end = float(looks[-1])
+    looks = _looks(np.atleast_1d(np.asarray(times, dtype=np.float64)), start)
+    length = float(looks[-1]) - start
     breaks: list[Interval] = []
     stops: list[Interval] = []
+    sides: list[list[int]] = []
     pieces, rest, detail, failure, smooth = [], 0.0, "", None, dict[int, list[Interval]]()
     size = float(np.abs(problem.x0).max(initial=0.0))
     for k, name, path in _paths(problem):
         try:
-            found = _Search(path, end, looks, 0.0, name)
+            found = _Search(path, looks, 0.0, name, named)
         except StepFailure as raised:
             failure = failure or raised
             continue
         breaks += found.breaks
+        sides.append(found.sides)
         smooth[k] = _smooth_if_accepted(problem, k, found)
         pieces.append(found.pieces(PART_OF_ACCURACY * accuracy / max(1.0, size), at_nodes=False))
         if found.rest(size) > rest:
@@ -147,29 +156,39 @@ def time_scales(problem: Problem, times: ArrayLike, accuracy: float = 0.0) -> Ti
             return problem.velocity(t, problem.x0).ravel()
 
         with suppress(StepFailure):  # a run that gets so far says why
-            first = at_start(0.0)
-            if end > 0 and any((at_start(float(t)) != first).any() for t in looks):
-                found = _Search(at_start, end, looks, NEGLIGIBLE * accuracy / end, "drift")
+            first = at_start(start)
+            if length > 0 and any((at_start(float(t)) != first).any() for t in looks):
+                found = _Search(at_start, looks, NEGLIGIBLE * accuracy / length, "drift", named)
                 stops += found.breaks
-                pieces.append(found.pieces(PART_OF_ACCURACY * accuracy / end, at_nodes=True))
-    joined = _joined(breaks, end), _joined(breaks + stops, end)
-    return TimeScales(*joined, _common(pieces), set_pieces, rest, detail, failure, calls, smooth)
+                sides.append(found.sides)
+                pieces.append(found.pieces(PART_OF_ACCURACY * accuracy / length, at_nodes=True))
+    for t, *each in zip(named, *sides, strict=True):
+        found_at = {side for side in each if side}
+        breaks.append(_beside(t, found_at.pop() if len(found_at) == 1 else 0, float(looks[-1])))
+    joined = _joined(breaks, length), _joined(breaks + stops, length)
+    return TimeScales(*joined, _common(pieces), set_pieces, rest, detail, failure, calls, smooth, start)
 
 
-def smooth_pieces(problem: Problem, end: float, steps: int, times: NDArray[np.float64]) -> dict[int, list[Interval]]:
+def smooth_pieces(problem: Problem, grids: Sequence[TimeGrid], times: NDArray[np.float64]) -> dict[int, list[Interval]]:
     """Find the ``smooth`` pieces of ``TimeScales`` for a run of equal steps.
 
-    Sets are looked at at these output times and at the time of every eighth step, and refused where they would be in a
-    step. A function is called less often than there are steps.
+    Grids end at breaks. Sets are looked at at these output times and at the time of every eighth step, but at most at
+    MOST_LOOKS, and refused where they would be in a step. A function is called less often than there are steps, and no
+    more than MOST_VALUES times besides, and 18 times for each break.
     """
     found: dict[int, list[Interval]] = {}
-    if steps < FEWEST_STEPS:
+    if not any(one.timed for one in problem.constraints):
         return found
-    of_steps = np.linspace(0, steps, max(LOOKS, steps // STEPS_OF_A_LOOK)).round() * (end / steps)
-    looks = np.union1d(of_steps, times)
+    steps, named = sum(grid.steps for grid in grids), [grid.time(grid.steps) for grid in grids[:-1]]
+    if steps < max(FEWEST_STEPS, 4 * len(NODES) * len(named)):
+        return found
+    number = min(max(LOOKS, steps // STEPS_OF_A_LOOK), MOST_LOOKS)
+    each = [np.linspace(0, one.steps, max(2, number * one.steps // steps)).round() for one in grids]
+    of_steps = [one.origin + k * (one.t_end / one.steps) for one, k in zip(grids, each, strict=True)]
+    looks = np.union1d(np.concatenate(of_steps), times)
     for k, name, path in _paths(problem):
         with suppress(StepFailure):  # the run says why, if it gets so far
-            search = _Search(path, end, looks, 0.0, name, parts=0, most=steps // 2)
+            search = _Search(path, looks, 0.0, name, named, parts=0, most=min(steps // 2, MOST_VALUES))
             found[k] = _smooth_if_accepted(problem, k, search)
     return found
 
@@ -205,22 +224,27 @@ def _counted(drift: CountedDrift, path: Path, t: float) -> NDArray[np.float64]:
     return path(t)
 
 
-def _looks(times: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the times to look at besides the nodes of pieces."""
-    end = float(times[-1])
-    kept = np.unique(np.concatenate(([0.0], times)))
-    found = [(np.arange(LOOKS) + CUT) / LOOKS * end, kept]
+def _looks(times: NDArray[np.float64], start: float) -> NDArray[np.float64]:
+    """Return the times to look at besides the nodes of pieces, from the start to the end."""
+    kept = np.unique(np.concatenate(([start], times)))
+    found = [start + (np.arange(LOOKS) + CUT) / LOOKS * (float(times[-1]) - start), kept]
     if len(kept) <= FEW + 1:
         gaps = np.diff(kept)
         found += [side for part in BESIDE for side in (kept[:-1] + part * gaps, kept[1:] - part * gaps)]
     return np.unique(np.concatenate(found))
 
 
-def _joined(intervals: list[Interval], end: float) -> NDArray[np.float64]:
+def _beside(t: float, side: int, end: float) -> Interval:
+    """Return the interval before (-1), behind (1) or around (0) a named time in which rounding may put a break."""
+    apart = 2.0 * EPS * end
+    return (t if side > 0 else t - apart, t if side < 0 else t + apart)
+
+
+def _joined(intervals: list[Interval], length: float) -> NDArray[np.float64]:
     """Return intervals in order (K, 2), joined where hardly any time is between them."""
     found: list[list[float]] = []
     for a, b in sorted(intervals):
-        if found and a - found[-1][1] <= SHORT * end:
+        if found and a - found[-1][1] <= SHORT * length:
             found[-1][1] = max(b, found[-1][1])
         else:
             found.append([a, b])
@@ -253,33 +277,42 @@ class _Piece(NamedTuple):
 
 
 class _Search:
-    """The breaks of one function of time until ``end``, and smooth pieces between them.
+    """The breaks of one function of time from the first to the last of ``looks``, and smooth pieces between them.
 
-    Noise up to ``negligible`` [units of the function] counts as smooth. The first look is at ``parts`` parts, and at
-    most ``most`` values are computed, besides those at ``looks``.
+    ``named`` are times of breaks that are known. Noise up to ``negligible`` [units of the function] counts as smooth.
+    The first look is at ``parts`` parts, and at most ``most`` values are computed, besides those at ``looks`` and next
+    to named breaks.
     """
 
     def __init__(
         self,
         function: Path,
-        end: float,
         looks: NDArray[np.float64],
         negligible: float,
         name: str,
+        named: Sequence[float],
         *,
         parts: int = PARTS,
         most: int = MOST_VALUES,
     ) -> None:
-        self._function, self._end, self._negligible, self._name = function, end, negligible, name
-        self._looks, self._most = looks, most + len(looks)
+        self._function, self._negligible, self._name = function, negligible, name
+        self._start, self._end = float(looks[0]), float(looks[-1])
+        self._length = self._end - self._start
+        self._looks, self._most = looks, most + len(looks) + len(NODES) * len(named)
         self._values: dict[float, NDArray[np.float64]] = {}
         self._largest: NDArray[np.float64] | float = 0.0
         self.breaks: list[Interval] = []
         self._smooth: list[Interval] = []
         # Pieces that are not smooth: the roughest first.
         self._waiting: list[tuple[float, float, _Piece]] = []
-        for a, b in pairwise(np.unique([0.0, *((np.arange(parts) + CUT) / max(parts, 1) * end), end]).tolist()):
-            self._add(a, b, np.inf)
+        self._value(self._start)
+        self.sides = [self._side(t) for t in named]
+        self._named = [_beside(t, side, self._end) for t, side in zip(named, self.sides, strict=True)]
+        cuts = self._start + (np.arange(parts) + CUT) / max(parts, 1) * self._length
+        for start, stop in self._edges():
+            inside = cuts[(cuts > start) & (cuts < stop)]
+            for a, b in pairwise([start, *inside.tolist(), stop]):
+                self._add(a, b, np.inf)
         while self._waiting and len(self._values) < self._most:
             self._split(heappop(self._waiting)[-1])
 
@@ -300,10 +333,10 @@ class _Search:
 
     def extreme_times(self, pieces: Sequence[Interval]) -> list[float]:
         """Return the ends of smooth pieces, and where a value has an extremum; all looks if there are many values."""
-        many = self._values[0.0].size > MOST_EXTREMES
+        many = self._values[self._start].size > MOST_EXTREMES
         found: list[float] = self._looks.tolist() if many else [t for piece in pieces for t in piece]
         for a, b in () if many else pieces:
-            for one in (COEFFICIENTS @ self._at(a + (b - a) * NODES)).T if b - a > SHORT * self._end else ():
+            for one in (COEFFICIENTS @ self._at(a + (b - a) * NODES)).T if b - a > SHORT * self._length else ():
                 slope = chebtrim(chebder(one), ROUNDING * float(np.abs(one).max()))
                 roots = chebroots(slope) if len(slope) > 1 else np.zeros(0)
                 inside = np.real(roots[(np.abs(np.imag(roots)) < SHORT) & (np.abs(np.real(roots)) <= 1.0)])
@@ -318,7 +351,7 @@ class _Search:
         found: list[Interval] = []
         rough = [piece for *_, piece in self._waiting]
         for a, b in self._edges():
-            if b - a <= SHORT * self._end:
+            if b - a <= SHORT * self._length:
                 continue
             within = [piece for piece in rough if a <= piece.a < b]
             smooth = sorted(piece for piece in self._smooth if a <= piece[0] < b)
@@ -358,8 +391,16 @@ class _Search:
 
     def _edges(self) -> list[Interval]:
         """Return the intervals from break to break."""
-        edges = [0.0, *(t for a_break in _joined(self.breaks, self._end) for t in a_break), self._end]
+        breaks = _joined(self._named + self.breaks, self._length)
+        edges = [self._start, *(t for a_break in breaks for t in a_break), self._end]
         return list(zip(edges[::2], edges[1::2], strict=True))
+
+    def _side(self, t: float) -> int:
+        """Return whether the function jumps before (-1) or behind (1) a time, to rounding; 0 if it does not jump."""
+        values = self._at(np.array([t, *_beside(t, 0, self._end)]))
+        before, behind = (np.abs(values[0] - other).max() for other in values[1:])
+        jumps = abs(before - behind) > ROUNDING * np.max(self._largest)
+        return 0 if not jumps else 1 if behind > before else -1
 
     def _missed(self, piece: _Piece) -> float:
         """Return how far the polynomial of a piece is from any value that is known in it."""
@@ -372,11 +413,11 @@ class _Search:
         found = self._values.get(t)
         if found is None:
             found = self._values[t] = self._function(t)
-            if self._values and found.size != (count := self._values[0.0].size):
+            if self._values and found.size != (count := self._values[self._start].size):
                 raise StepFailure(
                     Status.CONSTRAINT_FAILED,
-                    f"{self._name}: its functions of time return {found.size} numbers at t = {t:.6g}, {count} at t = 0:"
-                    " the shape of each array must stay the same.",
+                    f"{self._name}: its functions of time return {found.size} numbers at t = {t:.6g}, {count} at "
+                    f"t = {self._start:g}: the shape of each array must stay the same.",
                 )
             self._largest = np.maximum(self._largest, np.abs(found))
         return found
@@ -386,7 +427,7 @@ class _Search:
 
     def _add(self, a: float, b: float, before: float) -> None:
         """Add the piece from a to b; ``before`` is the defect of the one that it is a part of."""
-        if b - a <= SHORT * self._end:
+        if b - a <= SHORT * self._length:
             if a < b:
                 self.breaks.append((a, b))
             return
@@ -429,7 +470,7 @@ class _Search:
             self._add(cut, b, piece.defect)
             return
         self.breaks.append(found)
-        short = SHORT * self._end
+        short = SHORT * self._length
         edges = [a, *found, b]
         if found[0] - a <= short or b - found[1] <= short:
             # The next break may be as near to this end as a piece is short, or much farther.

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 # Numbers at the nodes of all panels of one set at most: 16 MB.
 MOST_VALUES = 2_000_000
+# Panels at most besides two for each smooth piece, so that a function is not asked for more values than are looked at.
+MOST_PANELS = 500
 # A panel is not cut to less than this part of the run.
 SHORTEST = 1e-9
 # Coefficients of a series are rounding up to this, relative to the scale of the numbers.
@@ -152,10 +154,10 @@ def _panels(
     """
     waiting = list(reversed(pieces))
     found: list[tuple[float, float, NDArray[np.float64]]] = []
-    end, scale = pieces[-1][1], np.zeros(1)
+    length, scale = pieces[-1][1] - pieces[0][0], np.zeros(1)
     while waiting:
         a, b = waiting.pop()
-        if b - a <= SHORT * end:  # the end of a run, behind a jump
+        if b - a <= SHORT * length:  # the end of a run, behind a jump
             values = np.tile(function(b), (TERMS, 1))
             scale = np.maximum(scale, scale_of(values))
             found.append((a, b, values))
@@ -168,12 +170,13 @@ def _panels(
         defect = np.abs(COEFFICIENTS[-2:] @ values).max(axis=0)
         if (defect <= ROUNDING * (scale + b * steepest)).all():
             found.append((a, b, values))
-        elif b - a > SHORTEST * end:
+        elif b - a > SHORTEST * length:
             cut = a + CUT * (b - a)
             waiting += [(cut, b), (a, cut)]
         else:
             return None
-        if (len(found) + len(waiting)) * values.size > MOST_VALUES:
+        number = len(found) + len(waiting)
+        if number * values.size > MOST_VALUES or number > MOST_PANELS + 2 * len(pieces):
             return None
     start, stop, values = (np.array(part) for part in zip(*found, strict=True))
     return start, stop, values, scale

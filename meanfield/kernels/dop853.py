@@ -9,12 +9,9 @@ import numpy as np
 from dincl.compiled import inner, kernel
 from dincl.events.runge_kutta import RungeKutta, stage_point
 from meanfield.kernels.field import Measure, rates
-from meanfield.kernels.program import Program, evaluate_into
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
+    from dincl.compiled.arrays import Floats
 
 # Safety factor and bounds of the ratio of consecutive steps; the error of a step is of order 8.
 SAFETY, SHRINK, GROW, EXPONENT = 0.9, 0.2, 10.0, -1 / 8
@@ -22,12 +19,12 @@ EPS = float(np.finfo(np.float64).eps)
 
 
 class System(NamedTuple):
-    """System z' = h(z) of z = (y, v, X), or of (y, v).
+    """System z' = h(z) of z = (y, v, X).
 
     Attributes
     ----------
-    measure, closed, positions, level
-        particles; whether they are no unknowns: ``positions`` gives X from the constants ``level`` (Q, nx) and y.
+    measure
+        particles.
     pair
         tableau of DOP853.
     allowed, relative
@@ -39,9 +36,6 @@ class System(NamedTuple):
     """
 
     measure: Measure
-    closed: bool
-    positions: Program
-    level: Floats
     pair: RungeKutta
     allowed: Floats
     relative: Floats
@@ -55,19 +49,15 @@ class System(NamedTuple):
 def _derivative(s: System, z: Floats, out: Floats) -> int:
     """Write z' into ``out`` (n,); return the number of particles with a wrong sign of det dg/dX."""
     ny, nx = s.measure.mass.shape[0], s.X.shape[1]
-    if s.closed:
-        evaluate_into(s.positions, s.level, s.positions.none, z[:ny], s.X)
-    else:
-        for i in range(s.X.shape[0]):
-            for j in range(nx):
-                s.X[i, j] = z[2 * ny + nx * i + j]
+    for i in range(s.X.shape[0]):
+        for j in range(nx):
+            s.X[i, j] = z[2 * ny + nx * i + j]
     wrong, _ = rates(s.measure, True, s.X, z, s.U, out[ny : 2 * ny])
     for k in range(ny):
         out[k] = z[ny + k]
-    if not s.closed:
-        for i in range(s.X.shape[0]):
-            for j in range(nx):
-                out[2 * ny + nx * i + j] = s.U[i, j]
+    for i in range(s.X.shape[0]):
+        for j in range(nx):
+            out[2 * ny + nx * i + j] = s.U[i, j]
     return wrong
 
 

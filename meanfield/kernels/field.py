@@ -13,9 +13,7 @@ from dincl.compiled import inner, kernel
 from meanfield.kernels.program import BLOCK, Program, compute_common, run_block
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
+    from dincl.compiled.arrays import Floats
 
 # Interaction of the particles: none, by their mean (V is quadratic), by pairs.
 NONE, BY_MEAN, BY_PAIRS = 0, 1, 2
@@ -268,3 +266,9 @@ def _sufficient(pairs: Pairs, length: float) -> int:
 def sums_over_pairs(pairs: Pairs, X: Floats, w: Floats, out: Floats) -> None:
     """Compute sum_k w_k K(X_k - X_i) for each i."""
     pair_sums(pairs, X, w, out)
+
+
+@kernel
+def rates_of(m: Measure, X: Floats, state: Floats, U: Floats, a: Floats) -> None:
+    """Compute velocities U and a = y'' as ``rates``."""
+    rates(m, True, X, state, U, a)

@@ -1,7 +1,4 @@
-"""Steps of the mean-field PDE on a grid: finite volumes (MUSCL, upwind) and third-order SSP Runge-Kutta.
-
-A grid of one axis has one row of cells; on a grid of two axes, axis 0 runs over the rows, axis 1 along them.
-"""
+"""Steps of the mean-field PDE on a line: finite volumes (MUSCL, upwind) and third-order SSP Runge-Kutta."""
 
 from __future__ import annotations
 
@@ -14,9 +11,7 @@ from meanfield.kernels.field import Measure, rates
 from meanfield.kernels.program import BLOCK, Program, compute_common, run_block
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
+    from dincl.compiled.arrays import Floats
 
 # Cells with less density have no outflow. Its products with speeds and time steps could be subnormal numbers, whose
 # rounding error is not relative and could make a density negative.
@@ -40,43 +35,34 @@ REACHED, TOO_SHORT, AT_WALLS, SINGULAR, NO_FORCE, NO_SPEED, TOO_MANY = range(7)
 
 
 class Grid(NamedTuple):
-    """Model on a grid of n0 x n1 cells, and the state of a run.
+    """Model on a grid of n cells of a line, and the state of a run.
 
     Attributes
     ----------
     measure, centres
-        the cells as particles at their midpoints (n0 n1, nx).
-    keeps
-        whether the workspaces of the programs keep what depends on midpoints alone.
-    across0, across1
-        programs of the speed Phi[y'] across the faces of both axes; across0 is unused on a grid of one row.
-    faces0, faces1
-        midpoints of the faces ((n0 + 1) n1, nx), (n0 (n1 + 1), nx), walls included.
-    spacing, volume
-        widths of the cells (2,), and their length or area.
+        the cells as particles at their midpoints (n, 1).
+    across, faces
+        program of the speed Phi[y'] across faces; midpoints of the faces, walls included, (n + 1, 1).
+    spacing
+        width of a cell.
     f, z
-        (3, n0, n1) densities and (3, 2 ny) values of (y, y'): at the start of a step, and two stages.
-    speed0, speed1
-        (2, n0 + 1, n1), (2, n0, n1 + 1): speeds across the faces, at the start of a step and of a stage.
+        (3, n) densities and (3, 2 ny) values of (y, y'): at the start of a step, and two stages.
+    speed
+        (2, n + 1): speeds across the faces, at the start of a step and of a stage.
     rate
         (4, 2 ny): rates of (y, y') at the start, of the other stages, and at the end of a step.
     line
-        (4, n1 + 1): workspace.
+        (2, n + 1): workspace.
     """
 
     measure: Measure
     centres: Floats
-    keeps: bool
-    across0: Program
-    across1: Program
-    faces0: Floats
-    faces1: Floats
-    spacing: Floats
-    volume: float
+    across: Program
+    faces: Floats
+    spacing: float
     f: Floats
     z: Floats
-    speed0: Floats
-    speed1: Floats
+    speed: Floats
     rate: Floats
     line: Floats
 
@@ -95,8 +81,8 @@ def half_slope(before: float, here: float, after: float) -> float:
 
 
 @inner
-def _fluxes_of_row(f: Floats, speed: Floats, line: Floats) -> None:
-    """Write speed times upwind value at the faces of a row into line[0]; cells at the walls have no slope."""
+def _write_fluxes(f: Floats, speed: Floats, line: Floats) -> None:
+    """Write speed times upwind value at the faces into line[0]; cells at the walls have no slope."""
     n = f.size
     flux, slope = line[0], line[1]
     slope[0] = slope[n - 1] = 0.0
@@ -110,83 +96,40 @@ def _fluxes_of_row(f: Floats, speed: Floats, line: Floats) -> None:
 
 
 @inner
-def _fluxes_between_rows(f: Floats, i: int, speed: Floats, flux: Floats) -> None:
-    """Write speed times upwind value at the faces between the rows i and i + 1 into ``flux``; none at the walls."""
-    last = f.shape[0] - 1
-    for j in range(f.shape[1]):
-        if i == last:
-            flux[j] = 0.0
-            continue
-        here, above = f[i, j], f[i + 1, j]
-        upper = here + half_slope(f[i - 1, j], here, above) if i > 0 else here
-        lower = above - half_slope(here, above, f[i + 2, j]) if i + 1 < last else above
-        value, size = (lower, above) if speed[j] < 0.0 else (upper, here)
-        flux[j] = speed[j] * value if size >= VANISHING else 0.0
-
-
-@inner
 def euler(
-    f: Floats,
-    speed0: Floats,
-    speed1: Floats,
-    ratio0: float,
-    ratio1: float,
-    start: Floats,
-    weight: float,
-    out: Floats,
-    line: Floats,
+    f: Floats, speed: Floats, ratio: float, start: Floats, weight: float, out: Floats, line: Floats
 ) -> tuple[float, float]:
-    """Compute out = new + weight (start - new) with new = f - ratio . difference of the fluxes.
+    """Compute out = new + weight (start - new) with new = f - ratio times the difference of the fluxes.
 
-    The grid has closed walls. The outflow of a cell is at most the fraction  sum_axes ratio max(u_upper, -u_lower, 0) 2
-    of its density f, because its two face values are >= 0 and their sum is 2 f. If no fraction exceeds 1, out >= 0 for
+    The grid has closed walls. The outflow of a cell is at most the fraction  ratio max(u_right, -u_left, 0) 2  of its
+    density f, because its two face values are >= 0 and their sum is 2 f. If no fraction exceeds 1, out >= 0 for
     f, start >= 0. (The mean is written as a difference because weight and 1 - weight, rounded, need not sum to 1, and
     the mass would drift.)
 
     Parameters
     ----------
     f, start, out
-        densities >= 0 (n0, n1); ``out`` is overwritten and must be a different array.
-    speed0, speed1
-        (n0 + 1, n1), (n0, n1 + 1): speeds u across the faces; speed0 is unused if n0 = 1.
-    ratio0, ratio1
+        densities >= 0 (n,); ``out`` is overwritten and must be a different array.
+    speed
+        (n + 1,): speeds u across the faces.
+    ratio
         time step over spacing.
     line
-        (4, n1 + 1): workspace.
+        (2, n + 1): workspace.
 
     Returns
     -------
     outflow, blocked
         largest outflow fraction of a cell; density that the walls held back, summed over the cells at the walls.
     """
-    n0, n1 = f.shape
-    outflow, blocked = 0.0, 0.0
-    flux, below, above = line[0], line[2], line[3]
-    for j in range(n1):
-        below[j] = 0.0
-    for i in range(n0):
-        new, speed = out[i], speed1[i]
-        for j in range(n1):
-            new[j] = f[i, j]
-        if n0 > 1:
-            _fluxes_between_rows(f, i, speed0[i + 1], above)
-            for j in range(n1):
-                new[j] -= ratio0 * (above[j] - below[j])
-                below[j] = above[j]
-        _fluxes_of_row(f[i], speed, line)
-        for j in range(n1):
-            changed = new[j] - ratio1 * (flux[j + 1] - flux[j])
-            new[j] = changed + weight * (start[i, j] - changed)
-        for j in range(n1):
-            outward = ratio1 * max(speed[j + 1], -speed[j], 0.0)
-            if n0 > 1:
-                outward += ratio0 * max(speed0[i + 1, j], -speed0[i, j], 0.0)
-            outflow = max(outflow, 2.0 * outward)
-        blocked += ratio1 * (max(-speed[0], 0.0) * f[i, 0] + max(speed[n1], 0.0) * f[i, n1 - 1])
-    if n0 > 1:
-        for j in range(n1):
-            blocked += ratio0 * (max(-speed0[0, j], 0.0) * f[0, j] + max(speed0[n0, j], 0.0) * f[n0 - 1, j])
-    return outflow, blocked
+    n, flux, outflow = f.size, line[0], 0.0
+    _write_fluxes(f, speed, line)
+    for j in range(n):
+        changed = f[j] - ratio * (flux[j + 1] - flux[j])
+        out[j] = changed + weight * (start[j] - changed)
+    for j in range(n):
+        outflow = max(outflow, 2.0 * (ratio * max(speed[j + 1], -speed[j], 0.0)))
+    return outflow, ratio * (max(-speed[0], 0.0) * f[0] + max(speed[n], 0.0) * f[n - 1])
 
 
 @inner
@@ -196,9 +139,8 @@ def _rate(g: Grid, fresh: bool, f: Floats, z: Floats, stage: int, rate: Floats) 
     The integrals (5.41) are sums over cells of average times value at the midpoint.
     """
     ny, weights = z.size // 2, g.measure.weights
-    for i in range(f.shape[0]):
-        for j in range(f.shape[1]):
-            weights[i * f.shape[1] + j] = f[i, j] * g.volume
+    for j in range(f.size):
+        weights[j] = f[j] * g.spacing
     _, wrong_mass = rates(g.measure, fresh, g.centres, z, g.measure.program.none, rate[ny:])
     if wrong_mass > NEGLIGIBLE_MASS:
         return SINGULAR
@@ -206,30 +148,16 @@ def _rate(g: Grid, fresh: bool, f: Floats, z: Floats, stage: int, rate: Floats) 
         rate[k] = z[ny + k]
         if not np.isfinite(rate[ny + k]):
             return NO_FORCE
-    finite = _speeds(g.across1, fresh, g.faces1, z, g.speed1[stage])
-    if f.shape[0] > 1:
-        finite = finite and _speeds(g.across0, fresh, g.faces0, z, g.speed0[stage])
-    return REACHED if finite else NO_SPEED
-
-
-@inner
-def _speeds(p: Program, fresh: bool, faces: Floats, z: Floats, speed: Floats) -> bool:
-    """Write the speeds across faces into ``speed``; return whether all are finite."""
+    p, total, speed = g.across, 0.0, g.speed[stage]
     compute_common(p, z)
-    total, columns = 0.0, speed.shape[1]
-    for begin in range(0, faces.shape[0], BLOCK):
-        n = min(BLOCK, faces.shape[0] - begin)
-        block = begin // BLOCK if p.values.shape[0] > 1 else 0
-        run_block(p, block, fresh, faces, p.none, begin, n)
-        values = p.values[block, p.outputs[0]]
-        i, j = begin // columns, begin % columns
+    for begin in range(0, speed.size, BLOCK):
+        n = min(BLOCK, speed.size - begin)
+        run_block(p, begin // BLOCK, fresh, g.faces, p.none, begin, n)
+        values = p.values[begin // BLOCK, p.outputs[0]]
         for k in range(n):
-            speed[i, j] = values[k]
+            speed[begin + k] = values[k]
             total += 0.0 * values[k]
-            j += 1
-            if j == columns:
-                i, j = i + 1, 0
-    return total == 0.0
+    return REACHED if total == 0.0 else NO_SPEED
 
 
 @inner
@@ -244,25 +172,15 @@ def _attempt(g: Grid, dt: float) -> tuple[int, float, float]:
     largest, blocked = 0.0, 0.0
     for stage in range(3):
         weight, source, target = START_WEIGHTS[stage], (0, 1, 2)[stage], (1, 2, 1)[stage]
-        speeds = 0 if stage == 0 else 1
-        outflow, held = euler(
-            g.f[source],
-            g.speed0[speeds],
-            g.speed1[speeds],
-            dt / g.spacing[0],
-            dt / g.spacing[1],
-            g.f[0],
-            weight,
-            g.f[target],
-            g.line,
-        )
-        largest, blocked = max(largest, outflow), blocked + SLOPE_WEIGHTS[stage] * held * g.volume
+        speed = g.speed[0 if stage == 0 else 1]
+        outflow, held = euler(g.f[source], speed, dt / g.spacing, g.f[0], weight, g.f[target], g.line)
+        largest, blocked = max(largest, outflow), blocked + SLOPE_WEIGHTS[stage] * held * g.spacing
         if not largest <= 1.0:
             return REACHED, largest, blocked
         for k in range(g.z.shape[1]):
             moved = g.z[source, k] + dt * g.rate[stage, k]
             g.z[target, k] = weight * g.z[0, k] + (1 - weight) * moved
-        code = _rate(g, not g.keeps, g.f[target], g.z[target], 1, g.rate[stage + 1])
+        code = _rate(g, False, g.f[target], g.z[target], 1, g.rate[stage + 1])
         if code != REACHED:
             return code, largest, blocked
     return REACHED, largest, blocked
@@ -282,7 +200,7 @@ def _error(g: Grid, dt: float, end: float, size: float) -> tuple[float, float]:
         found = max(found, scale * abs(dt * (2 * g.rate[2, k] - g.rate[0, k] - g.rate[1, k]) / 3))
         reached = max(reached, scale * abs(g.z[1, k]))
     size = max(size, reached, found)
-    return (found * end / dt * max(g.f.shape[1], g.f.shape[2]) ** 2 / size if found > 0 else 0.0), size
+    return (found * end / dt * g.f.shape[1] ** 2 / size if found > 0 else 0.0), size
 
 
 @kernel
@@ -324,7 +242,7 @@ def advance(
                 return TOO_SHORT, now, dt, blocked, size, steps
             continue
         g.f[0], g.z[0], g.rate[0] = g.f[1], g.z[1], g.rate[3]
-        g.speed0[0], g.speed1[0] = g.speed0[1], g.speed1[1]
+        g.speed[0] = g.speed[1]
         blocked += held
         if blocked > NEGLIGIBLE_MASS:
             return AT_WALLS, now, dt, blocked, size, steps

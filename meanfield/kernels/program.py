@@ -16,7 +16,8 @@ from dincl.compiled import inner, kernel
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    Floats = NDArray[np.float64]
+    from dincl.compiled.arrays import Floats
+
     Integers = NDArray[np.int64]
 
 # Particles per block: the values of a block fit into the cache.
@@ -234,29 +235,17 @@ def _run(code: Integers, values: Floats, begin: int, end: int, n: int) -> None:
         apply(code[k, 0], a[:n], b[:n], out[:n])
 
 
-@inner
-def write_outputs(p: Program, block: int, begin: int, n: int, out: Floats) -> None:
-    """Write the first outputs of a block to columns of ``out`` (Q, columns)."""
-    for j in range(out.shape[1]):
-        row = p.values[block, p.outputs[j]]
-        for i in range(n):
-            out[begin + i, j] = row[i]
-
-
-@inner
-def evaluate_into(p: Program, X: Floats, F: Floats, common: Floats, out: Floats) -> None:
-    """Compute all outputs, a column each, for particle inputs X (Q, n), F (Q, m) and common inputs."""
+@kernel
+def evaluate(p: Program, X: Floats, F: Floats, common: Floats, out: Floats) -> None:
+    """Compute all outputs, a column of ``out`` each, for particle inputs X (Q, n), F (Q, m) and common inputs."""
     compute_common(p, common)
     for begin in range(0, X.shape[0], BLOCK):
         n = min(BLOCK, X.shape[0] - begin)
         run_block(p, 0, True, X, F, begin, n)
-        write_outputs(p, 0, begin, n, out)
-
-
-@kernel
-def evaluate(p: Program, X: Floats, F: Floats, common: Floats, out: Floats) -> None:
-    """Compute all outputs, a column of ``out`` each, for particle inputs X (Q, n), F (Q, m) and common inputs."""
-    evaluate_into(p, X, F, common, out)
+        for j in range(out.shape[1]):
+            row = p.values[0, p.outputs[j]]
+            for i in range(n):
+                out[begin + i, j] = row[i]
 
 
 def evaluated(p: Program, X: Floats, F: Floats, common: Floats) -> Floats:

@@ -12,11 +12,14 @@ from dincl.checks import describe, integer, number, shaped
 from dincl.errors import FunctionFailed, InvalidProblem, StepFailure
 from dincl.status import Status
 from meanfield.kernels.program import evaluated
-from meanfield.model.symbolic import Expressions, casadi_functions, depends, expressions, library, program
+from meanfield.model.symbolic import expressions, library, program
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from types import SimpleNamespace
 
+    from numpy.typing import ArrayLike
+
+    from dincl.compiled.arrays import Floats
     from meanfield.kernels.program import Program
 
 # Inverses of dg/dX are written out by minors, whose number grows fast with the dimension.
@@ -29,8 +32,6 @@ SIGNATURES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "jacobians": (("X", "y"), ("gX", "gy")),
     "phi": (("X", "y"), ("phi",)),
     "omega": (("X", "y", "v"), ("omega",)),
-    "curvature": (("X", "U", "y", "v"), ("curvature",)),
-    "determinant": (("X", "U", "y", "v"), ("determinant", "turning")),
     "watched": (("X", "U", "y", "v"), ("determinant", "turning", "W1", "W0")),
     "F0": (("y",), ("F0",)),
     "F1": (("X",), ("F1",)),
@@ -40,7 +41,7 @@ SIGNATURES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "V": (("r",), ("V",)),
 }
 PARTICLE, MATRICES = ("X", "U", "r"), ("gX", "gy", "phi")
-MAY_BE_SINGULAR = ("phi", "omega", "level", "jacobians", "determinant")
+MAY_BE_SINGULAR = ("phi", "omega", "level", "jacobians")
 NO_INPUTS = np.empty((1, 0))
 
 
@@ -110,7 +111,7 @@ class Model:
             self._check_even()
 
     @cached_property
-    def expressions(self) -> Expressions:
+    def expressions(self) -> SimpleNamespace:
         """Derivatives as CasADi expressions."""
         return expressions({"g": self.g, "W0": self.W0, "W1": self.W1, "V": self.V}, self.nx, self.ny)
 
@@ -119,67 +120,49 @@ class Model:
         """Functions built so far, by their names in SIGNATURES."""
         return {}
 
-    @cached_property
-    def jacobian_varies(self) -> bool:
-        """Whether dg/dX depends on X."""
-        return depends(self.expressions.gX, self.expressions.X)
-
     def __reduce__(self) -> tuple[Any, ...]:
         # Lambdas do not pickle, and expressions that are pickled one by one no longer share their symbols.
-        functions = casadi_functions(self.expressions)
-        V = None if self.V is None else functions["V"]
-        return Model, (functions["g"], functions["W0"], functions["W1"], V, self.m, self.nx, self.ny)
+        ca, e = library(), self.expressions
+        given = ("g", [e.X, e.y], e.level), ("W0", [e.y], e.W0), ("W1", [e.X], e.W1), ("V", [e.r], e.V)
+        g, W0, W1, V = (ca.Function(name, symbols, [value]) for name, symbols, value in given)
+        return Model, (g, W0, W1, None if self.V is None else V, self.m, self.nx, self.ny)
 
-    def level(self, X: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
+    def level(self, X: ArrayLike, y: ArrayLike) -> Floats:
         """Compute g(X_i, y) of shape (Q, nx), for X (Q, nx) and y (ny,)."""
         (level,) = self._evaluate("level", X, y)
         return level
 
-    def jacobians(self, X: ArrayLike, y: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def jacobians(self, X: ArrayLike, y: ArrayLike) -> tuple[Floats, Floats]:
         """Compute dg/dX of shape (Q, nx, nx) and dg/dy of shape (Q, nx, ny)."""
         gX, gy = self._evaluate("jacobians", X, y)
         return gX, gy
 
-    def phi(self, X: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
+    def phi(self, X: ArrayLike, y: ArrayLike) -> Floats:
         """Compute Phi = -(dg/dX)^{-1} dg/dy of shape (Q, nx, ny): X_i' = Phi_i y' (5.9)."""
         (phi,) = self._evaluate("phi", X, y)
         return phi
 
-    def omega(self, X: ArrayLike, y: ArrayLike, v: ArrayLike) -> NDArray[np.float64]:
+    def omega(self, X: ArrayLike, y: ArrayLike, v: ArrayLike) -> Floats:
         """Compute Omega[v, v] of shape (Q, nx): X_i'' = Phi_i y'' + Omega_i[y', y'] (5.10)."""
         (omega,) = self._evaluate("omega", X, y, v)
         return omega
 
-    def curvature(self, X: ArrayLike, y: ArrayLike, U: ArrayLike, v: ArrayLike) -> NDArray[np.float64]:
-        """Compute D^2 g[(U, v), (U, v)] of shape (Q, nx): g'' = dg/dX X'' + dg/dy y'' + curvature."""
-        (curvature,) = self._evaluate("curvature", X, U, y, v)
-        return curvature
-
-    def determinant(
-        self, X: ArrayLike, y: ArrayLike, U: ArrayLike, v: ArrayLike
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Compute det dg/dX of shape (Q,), and its rate of change along the velocities U, v."""
-        determinant, turning = self._evaluate("determinant", X, U, y, v)
-        return determinant[:, 0], turning[:, 0]
-
-    def watched(
-        self, X: ArrayLike, y: ArrayLike, U: ArrayLike, v: ArrayLike
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], float]:
-        """Compute what a run watches: det dg/dX and its rate, see ``determinant``, W1 of each particle, and W0."""
-        determinant, turning, W1, W0 = self._evaluate("watched", X, U, y, v)
+    def watched(self, X: ArrayLike, y: ArrayLike, U: ArrayLike, v: ArrayLike) -> tuple[Floats, Floats, Floats, float]:
+        """Compute det dg/dX, its rate along U, v, and W1 of each particle (Q,), and W0: finite or not."""
+        determinant, turning, W1, W0 = self._evaluate("watched", X, U, y, v, finite=False)
         return determinant[:, 0], turning[:, 0], W1[:, 0], float(W0[0, 0])
 
-    def F0(self, y: ArrayLike) -> NDArray[np.float64]:
+    def F0(self, y: ArrayLike) -> Floats:
         """Compute -grad W0(y) of shape (ny,)."""
         (force,) = self._evaluate("F0", y)
         return np.asarray(force[0])
 
-    def F1(self, X: ArrayLike) -> NDArray[np.float64]:
+    def F1(self, X: ArrayLike) -> Floats:
         """Compute -grad W1(X_i) of shape (Q, nx)."""
         (force,) = self._evaluate("F1", X)
         return force
 
-    def K(self, r: ArrayLike) -> NDArray[np.float64]:
+    def K(self, r: ArrayLike) -> Floats:
         """Compute the force grad V(r) that a particle at X + r exerts on a particle at X, shape (Q, nx) (5.4)."""
         (force,) = self._evaluate("K", r)
         return force
@@ -189,18 +172,18 @@ class Model:
         (energy,) = self._evaluate("W0", y)
         return float(energy[0, 0])
 
-    def energy1(self, X: ArrayLike) -> NDArray[np.float64]:
+    def energy1(self, X: ArrayLike) -> Floats:
         """Compute W1(X_i) of each particle, shape (Q,)."""
         (energy,) = self._evaluate("W1", X)
         return np.asarray(energy[:, 0])
 
-    def pair_energy(self, r: ArrayLike) -> NDArray[np.float64]:
+    def pair_energy(self, r: ArrayLike) -> Floats:
         """Compute V(r) of shape (Q,)."""
         (energy,) = self._evaluate("V", r)
         return np.asarray(energy[:, 0])
 
-    def _evaluate(self, name: str, *values: ArrayLike) -> list[NDArray[np.float64]]:
-        """Evaluate a function of SIGNATURES; FunctionFailed if a value is not finite."""
+    def _evaluate(self, name: str, *values: ArrayLike, finite: bool = True) -> list[Floats]:
+        """Evaluate a function of SIGNATURES; FunctionFailed if ``finite`` and a value is not."""
         if name not in self._functions:
             self._functions[name] = self._built(name)
         f = self._functions[name]
@@ -208,7 +191,7 @@ class Model:
         arrays = [self._argument(*given) for given in zip(f.inputs, values, strict=True)]
         particles[: f.particles], common[1:] = arrays[: f.particles], arrays[f.particles :]
         found = evaluated(f.program, particles[0], particles[1], np.concatenate(common))
-        if not np.isfinite(found).all():
+        if finite and not np.isfinite(found).all():
             raise FunctionFailed(f.status, f"{name} of the model has no finite value.")
         return [found[:, place].reshape(len(found), *shape) for place, shape in f.parts]
 
@@ -228,7 +211,7 @@ class Model:
         made = program(X, F, common, [value.T for value in values])
         return _Function(made, inputs, len(particles), parts, status)
 
-    def _argument(self, name: str, value: ArrayLike) -> NDArray[np.float64]:
+    def _argument(self, name: str, value: ArrayLike) -> Floats:
         """Return an argument as an array of the right shape.
 
         Solvers call this often with arrays of the right shape, which are returned without further checks.

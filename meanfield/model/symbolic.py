@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Any, NamedTuple
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -27,37 +28,13 @@ def library() -> Any:
     return casadi
 
 
-class Expressions(NamedTuple):
-    """Symbols X (nx), y, v (ny), U, r (nx), and expressions in these symbols derived from the Lagrangian (5.8).
+def expressions(functions: Mapping[str, Any], nx: int, ny: int) -> SimpleNamespace:
+    """Differentiate the functions of a model, a mapping with keys g, W0, W1 and V; V is None without interaction.
 
+    Returned are the symbols X (nx), y, v (ny), U, r (nx), and expressions derived from the Lagrangian (5.8):
     level = g(X, y), gX = dg/dX, gy = dg/dy, phi = -gX^{-1} gy (5.9), omega = Omega[v, v] (5.10), determinant = det gX,
     turning = its rate along (U, v), curvature = D^2 g[(U, v), (U, v)], F0 = -grad W0(y), F1 = -grad W1(X),
-    K = grad V(r) with r = X_k - X_i (5.4). Without interaction V = K = 0.
-    """
-
-    X: Any
-    y: Any
-    v: Any
-    U: Any
-    r: Any
-    level: Any
-    gX: Any
-    gy: Any
-    phi: Any
-    omega: Any
-    determinant: Any
-    turning: Any
-    curvature: Any
-    F0: Any
-    F1: Any
-    K: Any
-    W0: Any
-    W1: Any
-    V: Any
-
-
-def expressions(functions: Mapping[str, Any], nx: int, ny: int) -> Expressions:
-    """Differentiate the functions of a model, a mapping with keys g, W0, W1 and V; V is None without interaction.
+    K = grad V(r) with r = X_k - X_i (5.4), W0, W1 and V. Without interaction V = K = 0.
 
     Raises
     ------
@@ -76,7 +53,7 @@ def expressions(functions: Mapping[str, Any], nx: int, ny: int) -> Expressions:
     gX, gy = ca.jacobian(level, X), ca.jacobian(level, y)
     phi = affine(-gy / gX if nx == 1 else -ca.mtimes(ca.inv_minor(gX), gy), X)
     flow = ca.mtimes(phi, v)
-    return Expressions(
+    return SimpleNamespace(
         X=X,
         y=y,
         v=v,
@@ -99,13 +76,6 @@ def expressions(functions: Mapping[str, Any], nx: int, ny: int) -> Expressions:
     )
 
 
-def casadi_functions(e: Expressions) -> dict[str, Any]:
-    """Build CasADi functions of g, W0, W1 and V, which pickle."""
-    ca = library()
-    parts = {"g": ([e.X, e.y], e.level), "W0": ([e.y], e.W0), "W1": ([e.X], e.W1), "V": ([e.r], e.V)}
-    return {name: ca.Function(name, symbols, [value]) for name, (symbols, value) in parts.items()}
-
-
 def affine(expression: Any, X: Any) -> Any:
     """Write an expression that is affine in X as value at 0 plus slope times X; return other expressions unchanged.
 
@@ -120,12 +90,6 @@ def affine(expression: Any, X: Any) -> Any:
     value, slope = at_zero[: column.numel()], at_zero[column.numel() :]
     straight = value + ca.mtimes(ca.reshape(slope, column.numel(), X.numel()), X)
     return ca.densify(ca.reshape(straight, *expression.shape))
-
-
-def depends(expression: Any, symbols: Any) -> bool:
-    """Return whether an expression depends on symbols."""
-    ca = library()
-    return bool(ca.jacobian(ca.vec(expression), symbols).nnz() > 0)
 
 
 def is_affine(expression: Any, symbols: Any) -> bool:

@@ -6,26 +6,24 @@ On a line, ``push_forward`` gives the density at any macroscopic state: g(X, y) 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from dincl.checks import flag, shaped
-from dincl.errors import InvalidProblem
+from dincl.errors import InvalidProblem, StepFailure
 from dincl.status import Status
-from meanfield.density.density import MAX_NODES_PER_AXIS, Density
+from meanfield.density import MAX_NODES_PER_AXIS, Density
 from meanfield.model.state import State
-from meanfield.solvers.arguments import check_density, check_model, checked_start, tolerance
-from meanfield.solvers.index_one import consistent_values
 from meanfield.solvers.ode import solve_weighted
-from meanfield.solvers.result import Motion, delivered
+from meanfield.solvers.result import Motion, check_law, checked_limit, delivered, tolerance
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
+    from dincl.compiled.arrays import Floats
     from meanfield.model.model import Model
-
-    Floats = NDArray[np.float64]
 
 # Gauss points per axis and smooth piece of the density in the first run, and largest total number of nodes.
 FIRST_NODES, MAX_NODES = 8, 200_000
@@ -33,6 +31,8 @@ FIRST_NODES, MAX_NODES = 8, 200_000
 MAX_INTERACTING_NODES = 10_000
 # Smallest quadrature error that two runs can show, relative to the size of y and v.
 FLOW_ROUNDING = 1e-14
+# Newton's method converges quadratically: after a correction of this relative size the next one is below rounding.
+NEWTON_TOLERANCE, MAX_NEWTON_ITERATIONS = 1e-9, 20
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -84,40 +84,24 @@ def solve_characteristics(
 
     Source: (5.40), (5.41).
     """
-    y, v, times = checked_start(model, density, y0, v0, t)
+    y, v, times = checked_limit(model, density, y0, v0, t)
     tol, raises = tolerance(tol), flag("throw", throw)
-    flow = _flow(model, density, y, v, times, tol, FIRST_NODES, None)
-    n, converged = FIRST_NODES, False
+    n, flow, converged = FIRST_NODES, None, False
     most = MAX_NODES if model.V is None else MAX_INTERACTING_NODES
-    while not converged and 2 * n <= MAX_NODES_PER_AXIS and len(flow.level) * 2**model.nx <= most:
-        n, before = 2 * n, len(flow.t)
-        flow = _flow(model, density, y, v, times, tol, n, flow)
-        converged = len(flow.t) == before and flow.quadrature_error <= tol * (1 + _size(flow))
+    while flow is None or not (converged or n > MAX_NODES_PER_AXIS or len(flow.level) * 2**model.nx > most):
+        nodes, weights = density.nodes(n)
+        motion = solve_weighted(model, State(X=nodes, y=y, v=v), weights, times, tol, throw=False)
+        now, size, error = len(motion.t), max(np.abs(z).max(initial=0.0) for z in (motion.y, motion.v)), 0.0
+        if flow is not None:
+            k = min(len(flow.t), now)
+            gaps = [np.abs(a[:k] - b[:k]).max(initial=0.0) for a, b in ((flow.y, motion.y), (flow.v, motion.v))]
+            error = float(max(*gaps, FLOW_ROUNDING * size))
+            converged = len(flow.t) == now and error <= tol * (1 + size)
+        n, flow = 2 * n, Flow(**vars(motion), quadrature_error=error)
     if not converged and flow.status:
         detail = f"{len(flow.level)} nodes give the integrals over the density to {flow.quadrature_error:.1e}."
         flow = replace(flow, status=Status.NOT_CONVERGED, detail=detail)
     return delivered(flow, raises)
-
-
-def _flow(
-    model: Model, density: Density, y: Floats, v: Floats, t: Floats, tol: float, n: int, coarser: Flow | None
-) -> Flow:
-    """Compute the flow of n nodes per axis and piece, and its change from a coarser flow."""
-    nodes, weights = density.nodes(n)
-    motion = solve_weighted(model, State(X=nodes, y=y, v=v), weights, t, tol, throw=False)
-    flow = Flow(**vars(motion), quadrature_error=0.0)
-    return flow if coarser is None else replace(flow, quadrature_error=_change(coarser, flow))
-
-
-def _change(coarser: Flow, flow: Flow) -> float:
-    """Return the largest difference of y and v at the output times that both runs reached, at least their rounding."""
-    k = min(len(coarser.t), len(flow.t))
-    gaps = [np.abs(a[:k] - b[:k]).max(initial=0.0) for a, b in ((coarser.y, flow.y), (coarser.v, flow.v))]
-    return float(max(*gaps, FLOW_ROUNDING * _size(flow)))
-
-
-def _size(flow: Flow) -> float:
-    return float(max(np.abs(flow.y).max(initial=0.0), np.abs(flow.v).max(initial=0.0)))
 
 
 def push_forward(model: Model, density: Density, y0: ArrayLike, y: ArrayLike) -> Density:
@@ -137,29 +121,36 @@ def push_forward(model: Model, density: Density, y0: ArrayLike, y: ArrayLike) ->
 
     Source: (5.40), with conservation of g(X, y) and of mass.
     """
-    check_model(model)
-    check_density(density)
-    if model.nx != 1 or density.nx != 1:
-        raise InvalidProblem(f"nx = {model.nx} of the model, {density.nx} of the density: both must be 1")
+    check_law(model, density)
+    if model.nx != 1:
+        raise InvalidProblem(f"model.nx = {model.nx}: must be 1 to push a density forward")
     before, after = shaped("y0", y0, (model.ny,)), shaped("y", y, (model.ny,))
     places = np.array([density.lower[0], *density.breaks, density.upper[0]])
     ends = np.sort(origins(model, places[:, None], before, after)[:, 0])
-    return Density(_PushedForward(model, density, before, after), ends[:1], ends[-1:], breaks=tuple(ends[1:-1]))
+    return Density(partial(_pushed, model, density, before, after), ends[:1], ends[-1:], breaks=tuple(ends[1:-1]))
 
 
 def origins(model: Model, x: Floats, y: Floats, y0: Floats) -> Floats:
-    """Trace particles at x (n, nx) from the macroscopic state y back to y0: solve g(x0, y0) = g(x, y) for x0."""
-    return consistent_values(model, x, y0, np.zeros_like(y0), model.level(x, y))[0]
+    """Trace particles at x (n, 1) from the macroscopic state y back to y0: solve g(x0, y0) = g(x, y) for x0.
+
+    Raises
+    ------
+    StepFailure
+        if Newton's method does not converge, or dg/dX is singular.
+    """
+    level, found = model.level(x, y), x
+    for _ in range(MAX_NEWTON_ITERATIONS):
+        gX, _ = model.jacobians(found, y0)
+        if not gX.all():
+            raise StepFailure(Status.SINGULAR, "dg/dX of a particle is singular.")
+        step = (level - model.level(found, y0)) / gX[:, :, 0]
+        found = found + step
+        if np.abs(step).max() <= NEWTON_TOLERANCE * (1 + np.abs(found).max()):
+            return found
+    raise StepFailure(Status.NOT_CONVERGED, "No positions that satisfy the constraint were found.")
 
 
-@dataclass(frozen=True, eq=False)
-class _PushedForward:
-    model: Model
-    density: Density
-    y0: Floats
-    y: Floats
-
-    def __call__(self, x: Floats) -> Floats:
-        before = origins(self.model, x, self.y, self.y0)
-        ratio = self.model.jacobians(x, self.y)[0] / self.model.jacobians(before, self.y0)[0]
-        return np.asarray(self.density.density(before) * np.abs(ratio[:, 0, 0]))
+def _pushed(model: Model, density: Density, y0: Floats, y: Floats, x: Floats) -> Floats:
+    before = origins(model, x, y, y0)
+    ratio = model.jacobians(x, y)[0] / model.jacobians(before, y0)[0]
+    return np.asarray(density.density(before) * np.abs(ratio[:, 0, 0]))

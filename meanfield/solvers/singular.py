@@ -8,18 +8,18 @@ shorter step; a zero is resolved by none, which locates it.
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from dincl.errors import StepFailure
+from meanfield.model.symbolic import is_affine
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from dincl.compiled.arrays import Floats
     from meanfield.model.model import Model
-
-    Floats = NDArray[np.float64]
 
 # Least ratio of |det| in a dip to the larger value at its sides: a parabola falls to it over 3/4 of its side's length.
 RESOLVED_DIP = 0.25
@@ -36,13 +36,22 @@ class End(NamedTuple):
     turning: Floats
 
 
-def end_of_step(model: Model, X: Floats, y: Floats, U: Floats, v: Floats) -> End | None:
-    """Return one end of a step; None where the determinant is not finite."""
-    try:
-        determinant, turning = model.determinant(X, y, U, v)
-    except StepFailure:
-        return None
-    return End(np.concatenate([y, X.ravel()]), np.concatenate([v, U.ravel()]), determinant, turning)
+def end_of_step(model: Model, X: Floats, y: Floats, U: Floats, v: Floats) -> tuple[End | None, float, Floats]:
+    """Return one end of a step, None where the determinant is not finite; W0, and W1 of each particle.
+
+    If dg/dX depends on y alone, one particle stands for all.
+    """
+    determinant, turning, W1, W0 = model.watched(X, y, U, v)
+    if not np.isfinite(determinant + turning).all():
+        return None, W0, W1
+    few = slice(1 if _is_affine_in_X(model) else None)
+    values, rates = np.concatenate([y, X[few].ravel()]), np.concatenate([v, U[few].ravel()])
+    return End(values, rates, determinant[few], turning[few]), W0, W1
+
+
+@lru_cache(maxsize=256)
+def _is_affine_in_X(model: Model) -> bool:
+    return is_affine(model.expressions.level, model.expressions.X)
 
 
 def unresolved_dip(model: Model, before: End | None, after: End | None, h: float) -> float | None:
@@ -62,7 +71,7 @@ def unresolved_dip(model: Model, before: End | None, after: End | None, h: float
     path, speed = _cubic(s, z, rate, end, end_rate), _cubic_slope(s, z, rate, end, end_rate) / h
     inside = []
     for at, by in zip(path, speed, strict=True):
-        found = end_of_step(model, at[ny:].reshape(-1, nx), at[:ny], by[ny:].reshape(-1, nx), by[:ny])
+        found, _, _ = end_of_step(model, at[ny:].reshape(-1, nx), at[:ny], by[ny:].reshape(-1, nx), by[:ny])
         if found is None:
             return 0.5
         inside.append((found.determinant, found.turning))

@@ -1,6 +1,7 @@
 """The public functions and constructors of dincl, with values that are right."""
 
 import numpy as np
+from scipy.sparse import csr_array
 
 import dincl
 from dincl import drifts, geometry, scenes
@@ -63,7 +64,19 @@ def carried(path, scheme):
     return dincl.solve(problem, scheme, [0.3])
 
 
+def nearest(c, A, b, equal=None, metric=None, projection=None):
+    """A projection alone."""
+    return dincl.NearestPoint(c, A, b, equal, metric).solve(projection)
+
+
+def complementary(W, q, projection=None):
+    """Its dual."""
+    return dincl.Lcp(W, q).solve(projection)
+
+
 PATHS = (lambda t: np.array([0.0, 0.1 * t]), lambda t: (0.0, 0.0))
+
+
 CALLS = (
     Call("Problem", dincl.Problem, {"x0": X0, "drift": DRIFTS, "constraints": LISTS}, ("constraints",)),
     Call("NonOverlap", dincl.NonOverlap, {"radius": RADIUS, "among": ([0, 1], None)}, ("among",)),
@@ -116,6 +129,29 @@ CALLS = (
         dincl.minimise,
         {"problem": PROBLEMS, "minimiser": MINIMISERS, "throw": FLAG},
         ("throw",),
+    ),
+    Call(
+        "NearestPoint",
+        nearest,
+        {
+            "c": ([0.0, 1.0], (3, -1)),
+            "A": (np.ones((1, 2)), [[1.0, 2.0], [3.0, 4.0]], csr_array([[0.0, 1.0], [1.0, 0.0]]), [[0.0, 0.0]]),
+            "b": ([1.0], [1.0, 2.0], [0.0, -1.0]),
+            "equal": (None, [True], [True, False]),
+            "metric": (None, np.diag([1.0, 2.0]), csr_array([[2.0, 1.0], [1.0, 2.0]])),
+            "projection": (None, *PROJECTIONS),
+        },
+        ("equal", "metric", "projection"),
+    ),
+    Call(
+        "Lcp",
+        complementary,
+        {
+            "W": ([[1.0]], np.diag([1.0, 2.0]), csr_array([[1.0, 1.0], [1.0, 1.0]]), [[0.0, 0.0], [0.0, 1.0]]),
+            "q": ([-1.0], [1.0, -2.0], (-1, -1)),
+            "projection": (None, *PROJECTIONS),
+        },
+        ("projection",),
     ),
     Call("normal_cone", geometry.normal_cone, AT),
     Call("cone", asked, {**AT, "u": X0}),

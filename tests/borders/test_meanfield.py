@@ -7,7 +7,7 @@ import pytest
 
 import meanfield
 from dincl import FunctionFailed
-from meanfield.density.panels import MAX_PANELS
+from meanfield.density import MAX_PANELS
 from tests.borders.harness import complaints
 from tests.borders.meanfield_calls import CALLS
 
@@ -48,8 +48,8 @@ def test_a_density_that_is_hard_to_integrate_is_refused_after_counted_work():
 
 
 def test_rejection_ends_after_counted_work(monkeypatch):
-    monkeypatch.setattr("meanfield.density.density.MAX_REJECTION_ROUNDS", 3)
-    monkeypatch.setattr("meanfield.density.density.MAX_TRIES", 10)
+    monkeypatch.setattr("meanfield.density.MAX_REJECTION_ROUNDS", 3)
+    monkeypatch.setattr("meanfield.density.MAX_TRIES", 10)
     density = meanfield.Density(lambda x: np.ones(len(x)), (0.0, 0.0), (1.0, 1.0))
     with pytest.raises(meanfield.InvalidModel, match=r"3 rounds of at most 10 points gave 2\d of 100 by rejection"):
         density.sample(np.random.default_rng(0), 100)

@@ -124,8 +124,20 @@ import dincl, verification
 
 print(verification.prove(dincl.scenes.two_disks(), [0.5]).bound)
 """
+CONTACT = """
+import h5py
+from dincl.projection import read_fclib
+
+with h5py.File("one.hdf5", "w") as made:
+    made["fclib_local/spacedim"] = [1]
+    made["fclib_local/vectors/mu"], made["fclib_local/vectors/q"] = [0.0], [-1.0]
+    for name, value in {"nz": 1, "i": 0, "p": 0, "x": 2.0}.items():
+        made[f"fclib_local/W/{name}"] = [value]
+assert abs(read_fclib("one.hdf5").solve().multipliers[0] - 0.5) < 1e-12
+"""
 # Of the thesis here the libraries; test_the_claims_are_decided_from_the_tables has its commands.
 EXTRAS = {
+    "contact": CONTACT,
     "report": PROGRAMS["verification"],
     "meanfield": MODEL,
     "transport": PROGRAMS["meanfield"],

@@ -27,6 +27,13 @@ def own(**functions):
     return problem(constraints=[type("Own", (dincl.DifferentiableConstraint,), right | functions)()])
 
 
+class Bare(dincl.Scheme):
+    """A scheme that was written for runs from 0 to the end."""
+
+    def run(self, problem, times):
+        return dincl.PBD(0.1).run(problem, times)
+
+
 BAD_PROBLEMS = {
     "x0 flat": (lambda: problem(x0=[0.0, 1.0]), r"x0 of shape \(2,\).*\(N, d\)"),
     "x0 empty": (lambda: problem(x0=np.zeros((0, 2))), r"x0 of shape \(0, 2\)"),
@@ -174,6 +181,76 @@ BAD_PROBLEMS = {
     "times decreasing": (lambda: dincl.solve(problem(), dincl.PBD(0.1), [1.0, 0.5]), r"t = \[1.0, 0.5\]: .*increasing"),
     "times negative": (lambda: dincl.solve(problem(), dincl.PBD(0.1), [-1.0, 0.5]), r"t = \[-1.0, 0.5\]"),
     "times none": (lambda: dincl.solve(problem(), dincl.PBD(0.1), []), "t = "),
+    "start infinite": (
+        lambda: dincl.solve(problem(), dincl.PBD(0.1), [1.0], t0=math.inf),
+        "t0 = inf: must be",
+    ),
+    "start negative": (
+        lambda: dincl.solve(problem(), dincl.EventDriven(1e-6), [1.0], t0=-1),
+        "t0 = -1: .*>= 0",
+    ),
+    "start text": (lambda: dincl.solve(problem(), dincl.PBD(0.1), [1.0], t0="now"), "t0 = 'now'"),
+    "times before the start": (
+        lambda: dincl.solve(problem(), dincl.PBD(0.1), [1.0, 3.0], t0=2.5),
+        r"t = \[1.0, 3.0\]: must be one or more increasing times >= 2.5",
+    ),
+    "start outside at t0": (
+        lambda: dincl.solve(
+            problem(constraints=[dincl.HalfSpace((0, 1), lambda t: t - 1.0)]), dincl.PBD(0.1), [4.0], t0=3.0
+        ),
+        r"x0 violates HalfSpace by 1 at particle 0 at t = 3 \(constraints\[0\]\)",
+    ),
+    "drift that fails at t0": (
+        lambda: dincl.solve(problem(drift=lambda t, x: x if t < 2 else x.no), dincl.PBD(0.1), [4.0], t0=3.0),
+        r"drift\(t = 3, x of shape \(2, 2\)\) raised AttributeError",
+    ),
+    "start of a path": (
+        lambda: dincl.solve(dincl.solve(problem(), dincl.PBD(0.1), [1.0]), dincl.PBD(0.1), [2.0], t0=1.0),
+        "t0 = 1.0: must be None",
+    ),
+    "times before the end of a path": (
+        lambda: dincl.solve(dincl.solve(problem(), dincl.PBD(0.1), [1.0]), dincl.PBD(0.1), [0.5]),
+        "t = .*0.5.*: must be .* >= 1",
+    ),
+    "breaks outside": (
+        lambda: dincl.solve(problem(), dincl.PBD(0.1), [1.0, 2.0], breaks=[0.5, 2.1]),
+        r"breaks = \[0.5, 2.1\]: must be increasing times from 0 to 2",
+    ),
+    "breaks before the start": (
+        lambda: dincl.solve(problem(), dincl.EventDriven(1e-6), [2.0], t0=1.0, breaks=[0.5]),
+        r"breaks = \[0.5\]: must be increasing times from 1 to 2",
+    ),
+    "breaks decreasing": (lambda: dincl.solve(problem(), dincl.PBD(0.1), [2.0], breaks=[1.0, 0.5]), "breaks = .*incr"),
+    "breaks flat": (
+        lambda: dincl.solve(problem(), dincl.PBD(0.1), [2.0], breaks=[[0.5]]),
+        "breaks = .*0.5.*must",
+    ),
+    "breaks nan": (lambda: dincl.solve(problem(), dincl.PBD(0.1), [2.0], breaks=[math.nan]), "breaks = nan at index"),
+    "breaks of a scheme without": (lambda: dincl.solve(problem(), Bare(), [1.0], breaks=[0.5]), "takes no span"),
+    "until no function": (
+        lambda: dincl.solve(problem(), dincl.PBD(0.1), [1.0], until=2.0),
+        "until = 2.0: must",
+    ),
+    "until of one argument": (
+        lambda: dincl.solve(problem(), dincl.PBD(0.1), [1.0], until=lambda t: t),
+        r"until: until\(t = 0, x of shape \(2, 2\)\) raised TypeError",
+    ),
+    "until an array": (
+        lambda: dincl.solve(problem(), dincl.PBD(0.1), [1.0], until=lambda t, x: x),
+        r"until: until returned an array of shape \(2, 2\): must be real numbers of shape \(\)",
+    ),
+    "until nan": (
+        lambda: dincl.solve(problem(), dincl.PBD(0.1), [1.0], until=lambda t, x: math.nan),
+        "until: until returned nan",
+    ),
+    "t0 of a scheme without": (
+        lambda: dincl.solve(problem(), Bare(), [1.0], t0=0.5),
+        r"t0, breaks, until: Bare.run takes no span: must be run\(problem, times, span\)",
+    ),
+    "until of a scheme without": (
+        lambda: dincl.solve(problem(), Bare(), [1.0], until=lambda t, x: 1.0),
+        "Bare.run takes no span",
+    ),
     "too many steps": (lambda: dincl.solve(problem(), dincl.PBD(1e-12), [1.0]), r"dt = 1e-12: needs 1e\+12 steps"),
     "time outside of the run": (lambda: dincl.solve(problem(), dincl.PBD(0.1), [1.0])(1.5), r"t = 1.5: .*\[0, 1.0\]"),
 }

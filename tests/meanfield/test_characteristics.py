@@ -8,7 +8,7 @@ from numpy.polynomial import Legendre
 from numpy.typing import NDArray
 
 import meanfield
-from dincl import InvalidProblem, Status
+from dincl import Status
 from meanfield import Density, SolveFailed, State, push_forward, solve_characteristics, solve_pde
 from meanfield.solvers import characteristics
 from meanfield.solvers.ode import solve_weighted
@@ -89,22 +89,3 @@ def test_a_fibre_that_vanishes_ends_the_run() -> None:
     assert caught.value.status is Status.SINGULAR
     assert caught.value.result.t.tolist() == [0.0, 0.1]
     assert caught.value.result.quadrature_error < 1e-8
-
-
-GOOD = {"model": WAVY, "density": BUMP, "y0": [0.2], "v0": [0.5], "t": [1.0], "tol": 1e-8}
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"density": Density.uniform((0.0, 0.0), (1.0, 1.0))}, "density has nx = 2: must be 1"),
-        ({"y0": 0.2}, "y0 = 0.2: .*shape"),
-        ({"v0": [np.inf]}, "v0 = inf"),
-        ({"t": [-1.0, 1.0]}, "t = .*increasing"),
-        ({"tol": 0.0}, "tol = 0.0: must be"),
-        ({"model": STRAIGHT, "y0": [0.0]}, "dg/dX"),
-    ],
-)
-def test_bad_input(change: dict[str, object], message: str) -> None:
-    with pytest.raises(InvalidProblem, match=message):
-        solve_characteristics(**(GOOD | change))

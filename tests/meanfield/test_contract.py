@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import meanfield
-from meanfield import Positions, Status
+from meanfield import Density, State, Status
 from tests.meanfield.models import EVERY, MODELS, start
 
 TIMES = np.array([0.0, 0.4, 1.0])
@@ -15,27 +15,12 @@ PARTICLES = 4
 ERROR = 1e-6
 
 
-def reduced(model, state, t, **options):
-    return meanfield.solve_ode(meanfield.reduce(model), state, t, 1e-8, **options)
-
-
 # Each solver of particles, at a setting with an error below ERROR.
 SOLVERS = {
     "ode": partial(meanfield.solve_ode, tol=1e-8),
-    "reduced": reduced,
     "dae": partial(meanfield.solve_dae, tol=1e-8),
-    "rattle": partial(meanfield.solve_rattle, dt=0.1, order=6),
 }
 ON_ALL = pytest.mark.parametrize("solver", SOLVERS)
-
-
-def solved(solver, name):
-    model = MODELS[name]
-    if solver == "reduced" and meanfield.reduce(model).positions is Positions.FLOW:
-        with pytest.raises(meanfield.NotClosed):
-            SOLVERS[solver](model, start(name, PARTICLES), TIMES)
-        return None
-    return SOLVERS[solver](model, start(name, PARTICLES), TIMES)
 
 
 @pytest.fixture(scope="module")
@@ -47,9 +32,8 @@ def best():
 @ON_ALL
 @pytest.mark.parametrize("name", EVERY)
 def test_solvers_agree(solver, name, best):
-    motion, model, state = solved(solver, name), MODELS[name], start(name, PARTICLES)
-    if motion is None:
-        return
+    model, state = MODELS[name], start(name, PARTICLES)
+    motion = SOLVERS[solver](model, state, TIMES)
     assert motion.status is Status.SUCCESS
     assert motion.detail == ""
     np.testing.assert_array_equal(motion.t, TIMES)
@@ -82,17 +66,42 @@ def test_a_failure_is_returned_or_raised(solver):
     np.testing.assert_array_equal(caught.value.result.y, motion.y)
 
 
-@ON_ALL
+BUMP, CORNERS = Density.bump(0.3, 1.0), State([[0.1], [3.0]], [0.2], [0.1])
+PARTICLES_GOOD = {"model": MODELS["straight"], "start": State([[0.2]], [1.0], [1.0]), "t": [1.0], "tol": 1e-6}
+DENSITY_GOOD = {"model": MODELS["wavy"], "density": BUMP, "y0": [0.2], "v0": [0.5], "t": [1.0]}
+FOLD = meanfield.Model(g=lambda X, y: X + X**3 / 3 - X**5 / 5 - y, W0=lambda y: -2 * y, W1=lambda X: 0 * X)
+PLANE = meanfield.Model(g=lambda X, y: X - y, W0=lambda y: y, W1=lambda X: X[0], nx=2)
+BOTH, LIMITS = ("solve_ode", "solve_dae"), ("solve_characteristics", "solve_pde")
+BAD = [  # solvers, what is changed, the message
+    (BOTH, {"start": State([[0.2, 0.1]], [1.0], [1.0])}, "must have X of shape"),
+    (BOTH, {"start": State([[0.2]], [0.0], [1.0])}, r"y = array\(\[0.\]\): dg/dX must have full rank"),
+    (BOTH, {"model": FOLD, "start": CORNERS}, "1 positive and 1 other values at the start: must be of one sign"),
+    (BOTH, {"t": [2.0, 1.0]}, "increasing times"),
+    (BOTH, {"tol": 0.0}, "tol = 0.0: must be"),
+    (BOTH, {"tol": 1e-15}, "tol = 1e-15: must be from 1e-13"),
+    (("solve_dae",), {"t": [1.0, 1.0 + 1e-9]}, "t = .*must differ by"),
+    (("solve_dae",), {"model": MODELS["bending"], "start": start("bending", 61)}, "N = 61 .*: must be at most 60"),
+    (LIMITS, {"density": Density.uniform((0.0, 0.0), (1.0, 1.0))}, "density has nx = 2: must be 1"),
+    (LIMITS, {"y0": [0.0, 1.0]}, "y0 = .*shape"),
+    (LIMITS, {"v0": [np.inf]}, "v0 = inf"),
+    (LIMITS, {"t": [-1.0, 1.0]}, "t = .*increasing"),
+    (("solve_characteristics",), {"tol": 0.0}, "tol = 0.0: must be"),
+    (("solve_characteristics",), {"model": MODELS["straight"], "y0": [0.0]}, "dg/dX"),
+    (("solve_pde",), {"cells": 7}, "cells = 7: must be an integer from 8"),
+    (("solve_pde",), {"cells": 40.0}, "cells = 40.0"),
+    (("solve_pde",), {"bounds": (2.0, -2.0)}, "lower one must be below"),
+    (("solve_pde",), {"bounds": (-2.0, 2.0, 3.0)}, "bounds = .*shape"),
+    (("solve_pde",), {"bounds": (0.0, 4.0)}, "bounds hold 0.82828.* of the mass"),
+    (("solve_pde",), {"model": MODELS["straight"], "y0": [0.0], "bounds": (-2.0, 4.0)}, "y0 = .*the model must hold"),
+    (("solve_pde",), {"model": PLANE, "density": Density.bump([0, 0], 1.0)}, "nx = 2: must be 1"),
+]
+
+
 @pytest.mark.parametrize(
-    ("state", "t", "message"),
-    [
-        (meanfield.State([[0.2]], [1.0], [1.0], level=[[0.0]]), [1.0], "must satisfy the constraint"),
-        (meanfield.State([[0.2]], [1.0], [1.0], U=[[7.0]]), [1.0], "must satisfy the constraint"),
-        (meanfield.State([[0.2, 0.1]], [1.0], [1.0]), [1.0], "must have X of shape"),
-        (meanfield.State([[0.2]], [0.0], [1.0]), [1.0], "full rank"),
-        (meanfield.State([[0.2]], [1.0], [1.0]), [2.0, 1.0], "increasing times"),
-    ],
+    ("solver", "change", "message"), [(name, change, message) for names, change, message in BAD for name in names]
 )
-def test_bad_input(solver, state, t, message):
+def test_bad_input(solver, change, message):
+    good = PARTICLES_GOOD if solver in BOTH else DENSITY_GOOD
+    more = {"tol": 1e-8} if solver == "solve_characteristics" else {"cells": 20} if solver == "solve_pde" else {}
     with pytest.raises(meanfield.InvalidModel, match=message):
-        SOLVERS[solver](MODELS["straight"], state, t)
+        getattr(meanfield, solver)(**(good | more | change))

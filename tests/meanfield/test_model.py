@@ -5,11 +5,10 @@ import numpy as np
 import pytest
 
 import meanfield
-from meanfield.forces import forces, pair_energy
+from meanfield.forces import acceleration, forces, pair_energy
 from meanfield.kernels.field import MIN_INTERPOLATED
 from meanfield.kernels.program import BLOCK, OPERATIONS, evaluated
 from meanfield.model.symbolic import program
-from meanfield.solvers.integrate import integrate
 from tests.meanfield.models import EVERY, MODELS, start
 
 STEP = 1e-5
@@ -56,30 +55,23 @@ def test_second_derivatives(name):
         ).max()
 
     assert residual(1e-3) < 1e-7
-    gX, _ = model.jacobians(X, y)
-    bend = slope(
-        lambda h: sum(np.matvec(J, d) for J, d in zip(model.jacobians(X + h * U, y + h * v), (U, v), strict=True))
-    )
-    np.testing.assert_allclose(model.curvature(X, y, U, v), bend, rtol=1e-8, atol=1e-8)
-    # omega and curvature determine the same acceleration
-    np.testing.assert_allclose(
-        (gX @ model.omega(X, y, v)[..., None])[..., 0], -model.curvature(X, y, first, v), rtol=1e-10, atol=1e-12
-    )
+    det, rate = model.watched(X, y, U, v)[:2]
+    np.testing.assert_allclose(det, np.linalg.det(model.jacobians(X, y)[0]), rtol=1e-13)
+    along = slope(lambda h: np.linalg.det(model.jacobians(X + h * U, y + h * v)[0]))
+    np.testing.assert_allclose(rate, along, rtol=1e-8, atol=1e-9)
 
 
 @pytest.mark.parametrize(("name", "particles"), [*((name, 6) for name in MODELS), ("wavy", BLOCK + 5)])
-def test_acceleration_and_velocities_are_those_of_the_sums(name, particles, rng):
+def test_the_acceleration_is_that_of_the_sums(name, particles, rng):
     model, state = MODELS[name], start(name, particles)
     X, y, v = state.X, state.y, state.v
-    w = rng.dirichlet(np.ones(len(X))) if name in ("wavy", "element", "spatial") else None
-    weights = np.full(len(X), 1 / len(X)) if w is None else w
+    weights = rng.dirichlet(np.ones(len(X)))
     phi = model.phi(X, y)
     pairs = np.array([weights @ model.K(X - x) for x in X])
     mass = np.eye(model.ny) + model.m * np.einsum("q,qab,qac->bc", weights, phi, phi)
     force = np.einsum("q,qab,qa->b", weights, phi, model.F1(X) + pairs - model.m * model.omega(X, y, v))
-    found = integrate(model, state.complete(model, 1e-9), w, np.array([0.0, 1e-9]), 1e-6)
-    np.testing.assert_allclose(found.a[0], np.linalg.solve(mass, model.F0(y) + force), rtol=1e-12)
-    np.testing.assert_allclose(found.U[0], phi @ v, rtol=1e-12, atol=1e-14)
+    found = acceleration(model, X, weights, y, v, 1.0)
+    np.testing.assert_allclose(found, np.linalg.solve(mass, model.F0(y) + force), rtol=1e-11)
 
 
 @pytest.mark.parametrize("particles", [40, MIN_INTERPOLATED + 60])
@@ -102,7 +94,7 @@ def test_an_unbounded_kernel_is_refused():
         meanfield.Model(g=lambda X, y: X - y, V=lambda r: ca.log(r**2), **FREE)
     pointed = meanfield.Model(g=lambda X, y: X - y, V=lambda r: (r**2) ** 0.3, **FREE)  # has no force at 0
     with pytest.raises(RuntimeError, match="not finite"):
-        forces(pointed, np.linspace(0, 1, 3)[:, None], None)
+        forces(pointed, np.linspace(0, 1, 3)[:, None], np.full(3, 1 / 3))
 
 
 def elementary(X):

@@ -2,13 +2,12 @@
 
 import math
 
-import casadi as ca
 import mpmath
 import numpy as np
 import pytest
 
 import meanfield
-from meanfield import Positions, Status
+from meanfield import Status
 from tests.meanfield.models import EVERY, MODELS, start
 
 
@@ -17,7 +16,9 @@ def time_in(detail: str) -> float:
     return float(detail.rsplit(maxsplit=1)[-1].rstrip("."))
 
 
-FOLD = meanfield.Model(g=lambda X, y: X + 1.5 * ca.sin(X) - y, W0=lambda y: y**2 / 2, W1=lambda X: X**2)
+def moments(X):
+    """Return mean and second moment of particles (N, nx)."""
+    return meanfield.Moments(X.mean(axis=0), X.T @ X / len(X))
 
 
 @pytest.mark.parametrize("name", EVERY)
@@ -39,42 +40,15 @@ def test_solves_the_constrained_equations(name):
     assert motion.velocity_drift().max() < 1e-13
 
 
-def test_reductions():
-    found = {name: meanfield.reduce(model) for name, model in MODELS.items()}
-    assert {name: (r.positions, r.obstacle) for name, r in found.items()} == {
-        "straight": (Positions.AFFINE, None),
-        "linear": (Positions.SHIFT, None),
-        "element": (Positions.AFFINE, None),
-        "spatial": (Positions.AFFINE, None),
-        "wavy": (Positions.FLOW, "Phi is not affine in X"),
-        "bending": (Positions.FLOW, "Phi is not affine in X"),
-        "attracting": (Positions.FLOW, "Phi is not affine in X"),
-    }
-    with pytest.raises(meanfield.NotClosed, match="no reduction holds"):
-        meanfield.solve_ode(found["wavy"], start("wavy", 3), t=[1.0], tol=1e-6)
-
-
-@pytest.mark.parametrize("name", ["straight", "linear", "element", "spatial"])
-def test_reduced_motion_is_the_motion(name):
-    state = start(name, 9)
-    whole = meanfield.solve_ode(MODELS[name], state, t=[0.0, 2.0], tol=1e-11)
-    reduced = meanfield.solve_ode(meanfield.reduce(MODELS[name]), state, t=[0.0, 2.0], tol=1e-11)
-    assert reduced.work.unknowns == 2 * MODELS[name].ny < whole.work.unknowns
-    for part in ("y", "v", "X", "U", "multipliers"):
-        np.testing.assert_allclose(getattr(reduced, part), getattr(whole, part), atol=1e-9)
-
-
 @pytest.mark.parametrize("name", ["straight", "linear", "element", "spatial"])
 def test_moments_are_those_of_the_particles(name):
     state = start(name, 9)
     whole = meanfield.solve_ode(MODELS[name], state, t=[0.0, 2.0], tol=1e-11)
-    closed = meanfield.solve_moments(
-        MODELS[name], meanfield.sample_moments(state.X, None), state.y, state.v, t=[0.0, 2.0], tol=1e-11
-    )
+    closed = meanfield.solve_moments(MODELS[name], moments(state.X), state.y, state.v, t=[0.0, 2.0], tol=1e-11)
     np.testing.assert_allclose(closed.y, whole.y, atol=1e-9)
     np.testing.assert_allclose(closed.v, whole.v, atol=1e-9)
     for k in range(2):
-        mean, second = meanfield.sample_moments(whole.X[k], None)
+        mean, second = moments(whole.X[k])
         np.testing.assert_allclose(closed.mean[k], mean, atol=1e-9)
         np.testing.assert_allclose(closed.second[k], second, atol=1e-9)
     np.testing.assert_allclose(closed.energy(), whole.energy(), atol=1e-9)
@@ -83,17 +57,15 @@ def test_moments_are_those_of_the_particles(name):
 
 
 def test_moments_that_do_not_close():
-    moments = meanfield.sample_moments(np.zeros((1, 1)), None)
     with pytest.raises(meanfield.NotClosed, match="Phi is not affine in X"):
-        meanfield.solve_moments(MODELS["wavy"], moments, [0.0], [1.0], t=[1.0], tol=1e-6)
+        meanfield.solve_moments(MODELS["wavy"], moments(np.zeros((1, 1))), [0.0], [1.0], t=[1.0], tol=1e-6)
     with pytest.raises(meanfield.InvalidModel, match=r"moments0.second = .*: must be symmetric"):
         meanfield.solve_moments(MODELS["linear"], meanfield.Moments([1.0], [[0.5]]), [0.0], [1.0], t=[1.0], tol=1e-6)
 
 
-@pytest.mark.parametrize("reduced", [False, True])
-def test_fibre_that_is_pushed_through_zero_ends_there(reduced):
+def test_fibre_that_is_pushed_through_zero_ends_there():
     """Test a run in which y = 1 - ... reaches 0, where dg/dX = 1/y changes its sign."""
-    model = meanfield.reduce(MODELS["straight"]) if reduced else MODELS["straight"]
+    model = MODELS["straight"]
     state = meanfield.State(X=[[0.5], [-1.0]], y=[1.0], v=[-3.0])
     with pytest.raises(meanfield.SolveFailed, match="full rank") as caught:
         meanfield.solve_ode(model, state, t=np.linspace(0, 3, 31), tol=1e-9)
@@ -120,7 +92,7 @@ def test_moments_without_variance_along_one_direction(size, rng):
     least = []
     for _ in range(50):
         X = size * np.outer(rng.normal(size=5), rng.normal(size=2))
-        mean, second = meanfield.sample_moments(X, None)
+        mean, second = moments(X)
         least.append(np.linalg.eigvalsh(second - np.outer(mean, mean)).min())
         assert meanfield.solve_moments(moments0=meanfield.Moments(mean, second), **ELEMENT).status is Status.SUCCESS
     assert min(least) < 0
@@ -134,21 +106,6 @@ def test_moments_that_no_density_has_are_refused_at_every_size(size):
     skew = size**2 * np.array([[1.0, 1e-9], [0.0, 1.0]])
     with pytest.raises(meanfield.InvalidModel, match=r"moments0.second = .*: must be symmetric, and"):
         meanfield.solve_moments(moments0=meanfield.Moments([0.0, 0.0], skew), **ELEMENT)
-
-
-@pytest.mark.parametrize(
-    ("model", "state", "message"),
-    [
-        ("wavy", meanfield.State([[0.0]], [0.0], [1.0], level=[[0.1]]), r"g\(X, y\) - level = 0.1 for particle 0"),
-        ("wavy", meanfield.State([[0.0]], [0.0], [1.0], U=[[0.5]]), r"U - Phi v = 0.167 for particle 0"),
-        ("wavy", meanfield.State([[0.0]], [0.0, 1.0], [1.0, 1.0]), r"must have X of shape \(N, 1\) and y \(1,\)"),
-        ("straight", meanfield.State([[0.0]], [0.0], [1.0]), r"y = array\(\[0.\]\): dg/dX must have full rank"),
-        ("fold", meanfield.State([[0.0], [3.0]], [0.0], [1.0]), "1 positive and 1 other values at the start"),
-    ],
-)
-def test_bad_starts(model, state, message):
-    with pytest.raises(meanfield.InvalidModel, match=message):
-        meanfield.solve_ode({**MODELS, "fold": FOLD}[model], state, t=[1.0], tol=1e-8)
 
 
 def test_force_that_is_not_finite():

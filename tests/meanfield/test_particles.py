@@ -1,12 +1,11 @@
-"""Constrained equations by IDAS and by RATTLE: closed forms, orders, invariants, how runs end, invalid input."""
+"""Constrained equations by IDAS: closed forms, invariants, how runs end, invalid input."""
 
-from functools import cache, partial
+from functools import partial
 
 import numpy as np
 import pytest
 
 from meanfield import (
-    InvalidModel,
     Model,
     SolveFailed,
     State,
@@ -15,21 +14,15 @@ from meanfield import (
     WavyFibre,
     solve_dae,
     solve_ode,
-    solve_rattle,
 )
-from meanfield.forces import forces
 from meanfield.solvers import dae
-from meanfield.solvers.index_one import accelerations
-from meanfield.solvers.rattle import SUBSTEPS
 from tests.meanfield.exact import CLOSED, FIBRE, K0, K1, REST, TIMES, M, fibre_start, worst
-from tests.meanfield.models import MODELS, start
 
 WAVY = WavyFibre(**FIBRE)
 FOLD = Model(g=lambda X, y: X + X**3 / 3 - X**5 / 5 - y, W0=lambda y: -2 * y, W1=lambda X: 0 * X)
 BLOW_UP = Model(g=lambda X, y: X - y, W0=lambda y: -(y**4), W1=lambda X: 0 * X)
 SETTINGS = [
     *((f"dae {tol:g}", partial(solve_dae, tol=tol), 10 * tol) for tol in (1e-6, 1e-10)),
-    ("rattle 8", partial(solve_rattle, dt=0.1, order=8), 1e-12),
     *((f"ode {tol:g}", partial(solve_ode, tol=tol), 50 * tol) for tol in (1e-6, 1e-12)),
 ]
 
@@ -44,26 +37,6 @@ def test_agrees_with_the_closed_form(name, solve, error):
         assert worst(motion, closed(fibre_start(n), TIMES)) < error
 
 
-def test_accelerations_solve_the_whole_linear_system():
-    """Test each equation for X'', y'' and lambda, with D^2 g from differences of g."""
-    model = MODELS["bending"]
-    at = start("bending", 3).complete(model, 1e-9)
-    found = accelerations(model, at.X, at.U, at.y, at.v)
-    gX, gy = model.jacobians(at.X, at.y)
-    force = model.F1(at.X) + forces(model, at.X, None)
-    h = 1e-4
-    levels = [model.level(at.X + s * h * at.U, at.y + s * h * at.v) for s in (-1, 0, 1)]
-    curvature = (levels[0] - 2 * levels[1] + levels[2]) / h**2
-    for i in range(3):
-        assert model.m * found.X[i] == pytest.approx(force[i] - gX[i].T @ found.multipliers[i])
-        assert gX[i] @ found.X[i] + gy[i] @ found.y + curvature[i] == pytest.approx(0, abs=1e-6)
-    pushed = sum(gy[i].T @ found.multipliers[i] for i in range(3)) / 3
-    assert found.y == pytest.approx(model.F0(at.y) - pushed)
-
-
-# --- IDAS ------------------------------------------------------------------------------------------------------------
-
-
 def test_stiff_springs_over_many_periods_to_twelve_digits():
     """Test multipliers of size 1e6 that pass through zero: a purely relative tolerance of 1e-12 is impossible there."""
     motion = solve_dae(WavyFibre(m=M, k0=1e6, y_rest=REST, k1=K1), fibre_start(3), [0.0, 0.05], 1e-12)
@@ -75,13 +48,6 @@ def test_output_times_do_not_restart_the_integrator():
     assert few.y[-1] == pytest.approx(many.y[-1], abs=1e-8)
     assert many.work.steps < 1.1 * few.work.steps
     assert few.work.unknowns == 2 + 5 * 4 + 1  # y, v; X, U, lambda and a sum each; y''
-
-
-def test_a_start_that_violates_the_constraint_by_less_than_tol_is_projected():
-    at = fibre_start(5).complete(WAVY, 1e-6)
-    off = State(X=at.X + 1e-7, y=at.y, v=at.v, U=at.U - 1e-7, level=at.level)
-    motion = solve_dae(WAVY, off, [0.0, 1.0], 1e-6)
-    assert max(motion.constraint_drift().max(), motion.velocity_drift().max()) < 1e-9
 
 
 def test_length_zero_is_singular_and_the_part_before_is_right(capfd):
@@ -117,79 +83,3 @@ def test_how_idas_fails(monkeypatch, capfd):
     motion = solve_dae(root, State(X=[[1.0]], y=[-1.0], v=[0.0]), [1.0], 1e-6, throw=False)
     assert (motion.status, motion.X.shape) == (Status.NON_FINITE, (0, 1, 1))
     assert capfd.readouterr() == ("", "")
-
-
-# --- RATTLE ----------------------------------------------------------------------------------------------------------
-
-# Steps for which the error is far above rounding.
-STEPS = {2: 0.1, 4: 0.2, 6: 0.25, 8: 0.5}
-
-
-@cache
-def reference(name):
-    return solve_dae(MODELS[name], start(name, 5), TIMES[:5:2], 1e-12)
-
-
-@pytest.mark.parametrize("name", ["wavy", "element"])
-@pytest.mark.parametrize("order", SUBSTEPS)
-def test_order_of_positions_velocities_and_multipliers(order, name):
-    errors = [
-        worst(solve_rattle(MODELS[name], start(name, 5), TIMES[:5:2], dt, order), reference(name))
-        for dt in (STEPS[order], STEPS[order] / 2)
-    ]
-    assert np.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.2)
-
-
-@pytest.mark.parametrize("order", [2, 6])
-def test_is_time_reversible(order):
-    there = solve_rattle(WAVY, fibre_start(5), [2.0], 0.1, order).state(0)
-    turned = State(X=there.X, y=there.y, v=-np.asarray(there.v), U=-np.asarray(there.U), level=there.level)
-    back = solve_rattle(WAVY, turned, [2.0], 0.1, order)
-    assert back.X[0] == pytest.approx(fibre_start(5).X, abs=1e-13)
-    assert back.v[0] == pytest.approx(-np.asarray(fibre_start(5).v), abs=1e-13)
-
-
-def test_long_run_keeps_the_constraint_and_the_mean_energy():
-    motion = solve_rattle(WAVY, fibre_start(3), np.arange(1.0, 81.0), 0.25)
-    assert motion.constraint_drift().max() < 2e-15
-    assert motion.velocity_drift().max() < 2e-15
-    error = motion.energy() - motion.energy()[0]
-    assert 1e-5 < np.ptp(error) < 1e-2
-    assert abs(error[:40].mean() - error[40:].mean()) < 0.05 * np.ptp(error)
-
-
-def test_steps_are_equal_and_at_most_dt():
-    for t, steps in (([0.0, 0.3, 0.6, 1.0], 10), ([0.1 + 0.2], 3), ([0.35], 4)):
-        assert solve_rattle(WAVY, fibre_start(2), t, 0.1).work.steps == steps  # 0.1 + 0.2 > 3 * 0.1
-
-
-def test_a_step_too_long_for_the_constraint_and_the_remedy():
-    rough = WavyFibre(**FIBRE, amplitude=0.9)
-    bumpy = Model(g=lambda X, y: rough.g(20 * X, 20 * y), W0=lambda y: 0 * y, W1=lambda X: 0 * X)
-    # With ten particles whether Newton's method converges does not depend on rounding.
-    at = State(X=np.linspace(0.1, 0.9, 10)[:, None], y=[0.5], v=[1.0])
-    motion = solve_rattle(bumpy, at, [0.0, 1.0], 1.0, throw=False)
-    assert (motion.status, len(motion.t)) == (Status.NOT_CONVERGED, 1)
-    assert solve_rattle(bumpy, at, [0.0, 1.0], 0.01).status
-
-
-@pytest.mark.parametrize(
-    ("solve", "given", "message"),
-    [
-        (solve_rattle, {"dt": 0.0}, "dt = 0.0: must be"),
-        (solve_rattle, {"dt": 1e-9}, "dt = 1e-09: must be at least"),
-        (solve_rattle, {"dt": 0.1, "order": 3}, "order = 3: must be one of 2, 4, 6, 8"),
-        (solve_dae, {"tol": 0.0}, "tol = 0.0: must be"),
-        (solve_ode, {"tol": 1e-15}, "tol = 1e-15: must be from 1e-13"),
-        (solve_dae, {"tol": 1e-6, "t": [1.0, 1.0 + 1e-9]}, "t = .*must differ by"),
-        (solve_dae, {"tol": 1e-6, "model": FOLD, "start": State([[0.1], [3.0]], [0.2], [0.1])}, "one sign"),
-        (
-            solve_dae,
-            {"tol": 1e-6, "model": MODELS["bending"], "start": start("bending", 61)},
-            "N = 61 particles with interaction: must be at most 60",
-        ),
-    ],
-)
-def test_refuses_invalid_input(solve, given, message):
-    with pytest.raises(InvalidModel, match=message):
-        solve(**{"model": WAVY, "start": fibre_start(2), "t": [1.0]} | given)

@@ -1,27 +1,18 @@
 """Mean-field PDE on a grid: mass, sign, order, closed forms, and failures."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
-from scipy.linalg import expm
 from scipy.optimize import brentq
 
 import meanfield
-from dincl import InvalidProblem, Status
-from meanfield import Density, SolveFailed, solve_characteristics, solve_pde, w1
+from dincl import Status
+from meanfield import Density, SolveFailed, push_forward, solve_characteristics, solve_pde, w1
 from meanfield.solvers import pde
 
 SPRINGS = {"m": 0.5, "k0": 1.0, "y_rest": 1.0, "k1": 0.5}
 LINEAR, STRAIGHT, WAVY = (f(**SPRINGS) for f in (meanfield.LinearFibre, meanfield.StraightFibre, meanfield.WavyFibre))
 BUMP, BOX = Density.bump(0.3, 1.0), Density.uniform(0.0, 1.0)
 ROUNDING = 1e-14
-
-
-def exact_averages(edges, density):
-    """Compute cell averages of a density that is smooth on the whole space."""
-    far = np.full(len(edges), np.inf)
-    return pde.averages(edges, SimpleNamespace(density=density, lower=-far, upper=far, breaks=()))
 
 
 def slope(cells, errors):
@@ -44,16 +35,11 @@ def test_wavy_fibre_converges_to_its_characteristics_with_second_order():
     cells, t, y0 = [70, 140, 280, 560], np.linspace(0.25, 1.5, 6), np.array([0.2])
     flow = solve_characteristics(WAVY, BUMP, y0, [0.5], t, 1e-11)
 
-    def pushed_forward(x):
-        level, start = WAVY.level(x, flow.y[-1]), x.copy()
-        for _ in range(30):
-            start -= (WAVY.level(start, y0) - level) / (1 + np.cos(start) / 2)
-        return BUMP.density(start) * (1 + np.cos(x[:, 0]) / 2) / (1 + np.cos(start[:, 0]) / 2)
-
+    law = push_forward(WAVY, BUMP, y0, flow.y[-1]).panels
     errors = {"y": [], "v": [], "f": []}
     for n in cells:
         grid = solve_pde(WAVY, BUMP, y0, [0.5], t, cells=n, bounds=(-1.0, 3.0))
-        exact = exact_averages(grid.edges, pushed_forward)
+        exact = np.diff(law.distribution(grid.edges)) * n / 4
         errors["f"].append(np.abs(grid.f[-1] - exact).sum() * 4 / n)
         errors["y"].append(np.abs(grid.y - flow.y).max())
         errors["v"].append(np.abs(grid.v - flow.v).max())
@@ -77,40 +63,7 @@ def test_a_jump_stays_non_negative_within_computed_bounds(n):
         assert grid.y[k, 0] == pytest.approx(y, abs=20 / n**2)
         assert grid.mean()[k, 0] == pytest.approx(0.5 + y, abs=20 / n**2)
         # Jumps are smeared over a width h^(2/3) by a scheme of second order.
-        assert w1(grid.density(k), Density.uniform(y, 1 + y)) < 0.7 * np.diff(grid.edges[0])[0] ** (4 / 3)
-
-
-@pytest.mark.slow
-def test_element_in_the_plane():
-    element = meanfield.TissueElement(m=0.5, k0=1.0, y_rest=(1.0, 1.0, 0.0), k1=0.5)
-    density, start, velocity, t = Density.bump((0.3, 0.1), 1.0), [1.0, 1.2, 0.1], [0.4, -0.2, 0.3], 1.0
-    y = element_in_the_plane(density, np.array(start), np.array(velocity), t)
-    grid = solve_pde(element, density, start, velocity, [t], cells=40, bounds=[(-1.4, -1.2), (2.0, 1.4)])
-    back = stretch(np.array(start)) @ np.linalg.inv(stretch(y))
-    exact = exact_averages(grid.edges, lambda x: density.density(x @ back.T) * np.linalg.det(back))
-    np.testing.assert_allclose(grid.y[0], y, atol=4e-4)
-    assert np.abs(grid.f[0] - exact).sum() * np.prod([np.diff(e)[0] for e in grid.edges]) < 1e-2
-    assert grid.f.min() == 0.0
-    assert grid.mass()[0] == pytest.approx(1.0, abs=ROUNDING)
-    np.testing.assert_allclose(grid.mean()[0], np.linalg.solve(back, [0.3, 0.1]), atol=1e-3)
-    with pytest.raises(InvalidProblem, match="two axes"):
-        grid.density(0)
-
-
-def stretch(y):
-    return np.array([[y[0], y[2]], [y[2], y[1]]])
-
-
-def element_in_the_plane(density, y0, v0, t):
-    """Solve L = |y'|^2/2 + m/2 tr(F' C F'^T) - k0/2 |y - y_rest|^2 - k1/2 tr(F C F^T), C = E[xi xi^T], linear in y."""
-    inverse = np.linalg.inv(stretch(y0))
-    C = inverse @ density.moments()[1] @ inverse.T
-    rows = [np.array([[1.0, 0, 0], [0, 0, 1]]), np.array([[0, 0, 1.0], [0, 1, 0]])]
-    A = sum(row.T @ C @ row for row in rows)
-    inertia, stiffness = np.eye(3) + 0.5 * A, np.eye(3) + 0.5 * A
-    rest = np.linalg.solve(stiffness, [1.0, 1.0, 0.0])
-    system = np.block([[np.zeros((3, 3)), np.eye(3)], [-np.linalg.solve(inertia, stiffness), np.zeros((3, 3))]])
-    return rest + (expm(t * system) @ np.concatenate([y0 - rest, v0]))[:3]
+        assert w1(grid.density(k), Density.uniform(y, 1 + y)) < 0.7 * np.diff(grid.edges)[0] ** (4 / 3)
 
 
 # --- failures --------------------------------------------------------------------------------------------------------
@@ -156,27 +109,3 @@ def test_too_many_steps_end_the_run(monkeypatch):
     assert grid.status is Status.TOO_MANY_STEPS
     assert grid.work.steps == 10
     assert grid.f.shape == (0, 400)
-
-
-GOOD = {"model": LINEAR, "density": BUMP, "y0": [0.0], "v0": [0.5], "t": [1.0], "cells": 20, "bounds": (-2.0, 4.0)}
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"density": Density.bump((0.0, 0.0), 1.0)}, "density has nx = 2: must be 1"),
-        ({"y0": [0.0, 1.0]}, "y0 = .*shape"),
-        ({"v0": [np.nan]}, "v0 = nan"),
-        ({"t": [1.0, 0.5]}, "t = .*increasing"),
-        ({"cells": 7}, "cells = 7: must be an integer from 8"),
-        ({"cells": 40.0}, "cells = 40.0"),
-        ({"bounds": (2.0, -2.0)}, "lower corner must be below"),
-        ({"bounds": (-2.0, 2.0, 3.0)}, "bounds = .*shape"),
-        ({"bounds": (0.0, 4.0)}, "bounds hold 0.82828.* of the mass"),
-        ({"model": STRAIGHT}, "y0 = .*the model must hold"),
-        ({"model": meanfield.Model(g=lambda X, y: X - y, W0=lambda y: y, W1=lambda X: X[0], nx=3)}, "model.nx = 3"),
-    ],
-)
-def test_bad_input(change, message):
-    with pytest.raises(InvalidProblem, match=message):
-        solve_pde(**(GOOD | change))

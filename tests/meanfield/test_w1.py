@@ -15,7 +15,7 @@ from dincl import InvalidProblem
 from meanfield import Density, Panels, SolveFailed, Weighted, transport, w1
 
 UNIFORM, NORMAL = Density.uniform(0.0, 1.0), Density.normal(0.0, 1.0)
-HALVES = Panels.piecewise_constant([0.0, 0.5, 1.0], [0.4, 1.6])
+HALVES = Panels(np.array([0.0, 0.5, 1.0]), np.array([[0.4], [1.6]]))
 
 
 CLOSED = {

@@ -105,7 +105,7 @@ def divided(mother, cell, offset=THESIS.offset):
 
     The second daughter follows the first in the arrays; ``layers(n + 1)`` are its layers.
     """
-    twice = Cells(*(np.insert(array, cell + 1, array[cell]) for array in mother))
+    twice = Cells(*(np.insert(array, cell + 1, array[..., cell], axis=-1) for array in mother))
     for name in ("x", "ax", "bx"):
         getattr(twice, name)[cell : cell + 2] += (-offset, offset)
     twice.radius[cell : cell + 2] = THESIS.hard_radius

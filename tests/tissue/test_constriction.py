@@ -8,14 +8,12 @@ import pytest
 from dincl.errors import InvalidProblem
 from tests.tissue import kernel_calls as kernels
 from tests.tissue.kernel_calls import STILL, aged, both, compared, upright, with_emt
-from tissue.events.known import bit, row, settled
+from tissue.events.known import bit, settled
 from tissue.files.parameters import load, preset
 from tissue.runs.compiled_rules import rules_pointer
 from tissue.runs.simulate import simulate
-from tissue.runs.start import started
 from tissue.state.basal_curve import curve_numbers, ellipse
 from tissue.state.cells import emt_cells
-from tissue.state.checkpoint import streams
 from tissue.state.numbers import numbers_pointer
 from tissue.step.advance import apply_rules
 from verification.thesis.quasi_steady.frozen import frozen_problem
@@ -173,29 +171,3 @@ def test_a_group_constricts(tmp_path):
     assert not np.isin(np.flatnonzero(group), run.final.layers.apical).any()
     with pytest.raises(InvalidProblem, match=r"cells.chain\[\d+\] = \d+: must be 0, the energy has"):
         frozen_problem(run.final.cells, run.final.layers, run.parameters.numbers())
-
-
-# Whole types
-
-
-@pytest.mark.parametrize("section", ["emt", "types.some"])
-def test_a_whole_type_constricts_at_the_time_of_its_first_cell(section):
-    """One key: then all cells of a type are one chain, whatever their times; other events keep theirs."""
-    times = {f"{section}.cells": 8, f"{section}.ac": "1 h to 4 h, 60 %", f"{section}.s": "1 h to 4 h"}
-    alone = preset("published").changed({**times, "numerics.t_end": "5 h", "numerics.keep": "1 h"})
-    runs = [simulate(alone.changed({"events.together": names}), 3) for names in ([], ["ac"])]
-    one, whole = (run.final.past.emt.at for run in runs)
-    ac, others = row("ac"), [row(name) for name in ("a", "b", "s", "p")]
-    assert len(set(one[ac])) > 4
-    assert np.isinf(one[ac]).any()
-    assert set(whole[ac]) == {one[ac].min()}
-    np.testing.assert_array_equal(one[others], whole[others])
-    assert chains(runs[1].final) == [np.flatnonzero(runs[1].final.cells.emt >= 0).tolist()]
-    assert len(chains(runs[0].final)) > 1
-
-
-def test_nobody_constricts_where_the_first_never_does():
-    given = {"emt.cells": 3, "emt.ac": "1 h, 0 %", "events.together": ["ac"]}
-    assert np.isinf(started(preset("published").changed(given), streams(1))[0].emt.at).all()
-    none = preset("published").changed({"events.together": ["ac"], "emt.ac": "1 h"})
-    assert started(none, streams(1))[0].emt.at.shape[1] == 0

@@ -1,6 +1,5 @@
 """The tables of a run: columns and kinds that stay, values that are those of the frames, lengths in um."""
 
-import inspect
 from dataclasses import replace
 
 import numpy as np
@@ -10,9 +9,10 @@ import pytest
 from dincl.status import Status
 from tissue.files.parameters import preset
 from tissue.frames.observables import PHASES, extents, height, phases
+from tissue.runs.columns import TABLES
 from tissue.runs.run import Run
 from tissue.runs.simulate import simulate
-from tissue.runs.tables import DEPTH_LENGTHS, LAYER_COLUMNS, cell_table, summary_table
+from tissue.runs.tables import DEPTH_LENGTHS, LAYER_COLUMNS
 
 
 def grown(**changes):
@@ -31,16 +31,23 @@ def kinds(table):
     return {name: str(kind) for name, kind in table.dtypes.items()}
 
 
-def described(table):
-    """Columns and their kinds in the docstring of a table."""
-    rows = [line for line in inspect.getdoc(table).splitlines() if line.startswith("``")]
-    names = [[name.strip("`") for name in row.split("  ")[0].split(", ")] for row in rows]
-    return {name: row[56:].split()[0] for row, some in zip(rows, names, strict=True) for name in some}
+# The kinds of columns that are not float64.
+KINDS = dict.fromkeys(("id", "mother", "emt", "cells", "divisions", "crossings"), "int64")
+KINDS |= dict.fromkeys(("apically_extruded", "basally_extruded"), "int64")
+KINDS |= dict.fromkeys(("in_apical_layer", "in_basal_layer", "migrates", "divides"), "bool")
+KINDS |= dict.fromkeys(("events", "type", "folded"), "str") | {"phase": "category"}
+
+
+def described(columns):
+    """Columns as they are listed, in their order, and their kinds."""
+    return {name: KINDS.get(name, "float64") for name in columns}
 
 
 def test_columns_are_as_described(run):
     """Some of three dimensions, of curved layers and of tubes alone."""
-    cells, summary = described(cell_table), described(summary_table)
+    cells = described(TABLES["table"])
+    after = (one for one in TABLES["summary"] if one not in ("time_h", "folded"))
+    summary = described(["time_h", "folded", *after])
     further, of_tubes = {*DEPTH_LENGTHS, *LAYER_COLUMNS}, {"lumen_area_um2", "tissue_area_um2"}
     tube = grown(**{"layer.shape": "circle", "layer.closed": True, "layer.side": "outside", "tissue.cells": 190})
     assert list(kinds(run.table()).items()) == [one for one in cells.items() if one[0] not in further]

@@ -263,7 +263,6 @@ ASIDE = (
     "numerics.keep",
     "numerics.folded",
     "division.rule",
-    "events.together",
     *(f"{name}.*" for name in WHOLE),
 )
 

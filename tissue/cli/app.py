@@ -13,13 +13,13 @@ from warnings import warn
 import typer
 
 from dincl.errors import InvalidProblem
-from dincl.files import check_writable, replacing, write_text
+from dincl.files import check_writable, write_text
 from dincl.study import progress
 from tissue.cli.fits import fit, sensitivity
 from tissue.cli.messages import RUN_FAILED, messages
 from tissue.cli.parameters import list_parameters
 from tissue.cli.simplify import simplify
-from tissue.cli.studies import idle_events, page, study, summarise
+from tissue.cli.studies import page, study, summarise
 from tissue.files.parameter_files import BASES, PRESETS
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 # The page shows tissues and inclusions, so it stands above this package, which knows nothing of it but this name.
 PAGE = "verification.explore.command:explore"
-WRITTEN = ("table.parquet", "summary.csv", "parameters.toml", "picture.png", "final.npz")
+WRITTEN = ("table.parquet", "summary.csv", "columns.csv", "parameters.toml", "picture.png", "final.npz")
 HELP = {"help_option_names": ["-h", "--help"]}
 app = typer.Typer(
     help="Grow a tissue, and look at it.", no_args_is_help=True, rich_markup_mode="markdown", context_settings=HELP
@@ -59,15 +59,21 @@ def run(
         Path | None, typer.Option(help="The final.npz of a run to go on from.", show_default="t = 0")
     ] = None,
 ) -> None:
-    """Simulate; write table.parquet, summary.csv, parameters.toml, picture.png and the last state, final.npz.
+    """Simulate; write table.parquet, summary.csv, columns.csv, which says what their columns mean, parameters.toml,
+    picture.png and the last state, final.npz.
 
     A parameter file names a base, such as base = "thesis", and what differs: "tissue parameters" lists all keys.
     The first run on a machine takes longer: the kernels are compiled.
     """
+    from pyarrow import Table
+
+    from dincl.study.sealed import write_arrow
+    from dincl.study.table import write_csv
     from tissue.frames.frame import Frame
     from tissue.frames.observables import measurable
     from tissue.pictures.picture import drawing
     from tissue.pictures.sheet import write
+    from tissue.runs.columns import dictionary, labelled
 
     with messages():
         parameters = _parameters(file)
@@ -77,14 +83,15 @@ def run(
         text = _checked_parameters(parameters, file, f"--seed {seed}{after}", folder)
         grown = _simulated(parameters, seed, first)
         write_text(folder / "parameters.toml", text)
-        with replacing(folder / "table.parquet") as partial:
-            grown.table().to_parquet(partial, index=False)
-        with replacing(folder / "summary.csv") as partial:
-            grown.summary().to_csv(partial, index=False)
-        write(drawing(measurable(grown.frames)[-1:], parameters), folder / "picture.png")
+        cells, summary = grown.table(), grown.summary()
+        of_cells = labelled(Table.from_pandas(cells, preserve_index=False), "table", {"seed": seed})
+        write_arrow(of_cells, folder / "table.parquet")
+        write_csv(summary, folder / "summary.csv")
+        write_csv(dictionary({"table": cells, "summary": summary}), folder / "columns.csv")
+        write(drawing(measurable(grown.frames)[-1], parameters), folder / "picture.png")
         if grown.status:  # from the state that failed no run goes on
             grown.final.save(folder / "final.npz")
-    print(f"{folder}: table.parquet, summary.csv, parameters.toml, picture.png{', final.npz' if grown.status else ''}")
+    print(f"{folder}: {', '.join(WRITTEN if grown.status else WRITTEN[:-1])}")
     _stop_if_failed(grown)
 
 
@@ -162,8 +169,6 @@ def _checked_parameters(parameters: Parameters, file: str, given: str, folder: P
 def _simulated(parameters: Parameters, seed: int, first: Frame | None = None) -> Run:
     from tissue.runs.simulate import simulate
 
-    for line in idle_events(parameters) if first is None else ():
-        warn(line, stacklevel=1)
     if first is not None and abs(parameters.t_end - first.t) < parameters.numerics.dt.value / 2:
         end = f"the start is at t = {first.t:g} h, and numerics.t_end = {parameters.t_end:g} h"
         warn(f"nothing to grow: {end}", stacklevel=1)

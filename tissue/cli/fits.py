@@ -12,6 +12,8 @@ from tissue.cli.messages import messages, table
 if TYPE_CHECKING:
     import pandas as pd
 
+    from tissue.fitting.results import FitResults
+
 File = Annotated[str, typer.Argument(metavar="FILE", help="A fit file.")]
 Out = Annotated[Path, typer.Option(help="Folder of the runs: new, or of this fit to go on with it.")]
 
@@ -33,6 +35,7 @@ def fit(file: File, out: Out) -> None:
         found = fitting.fit(file, out)
         page = write_fit_page(found, out)
         write_csv(found.sample(), out / "sample.csv")
+        write_csv(_dictionary(found), out / "columns.csv")
         for remark in found.remarks():
             print(f"{remark}.")
         print(_table("Medians and 95 % intervals", shown_intervals(found)))
@@ -53,6 +56,21 @@ def sensitivity(file: File, out: Out) -> None:
         write_csv(found, out / "sensitivity.csv")
         print(_table("Part of the variance by each parameter alone, and with the others", shown_sensitivity(found)))
     print(out / "sensitivity.csv")
+
+
+def _dictionary(found: FitResults) -> pd.DataFrame:
+    """Return what the columns of the tables of a fit mean."""
+    import pandas as pd
+
+    from tissue.files.keys import all_keys
+    from tissue.files.parameter_files import general
+    from tissue.files.parameters import Parameters
+    from tissue.runs.columns import TABLES, dictionary
+
+    keys, known = found.fit.ranges, dictionary({"design": found.runs, "sensitivity": TABLES["sensitivity"]})
+    meanings = all_keys(Parameters)
+    rows = [("sample", one.key, one.unit, meanings[general(one.key)].meaning) for one in keys]
+    return pd.concat([pd.DataFrame(rows, columns=known.columns), known])
 
 
 def _table(title: str, rows: pd.DataFrame) -> str:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Mapping
 from inspect import getdoc
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from dincl.errors import InvalidProblem
 from tissue.cli.messages import messages, table
+from tissue.files.parameter_files import FOLDER, PRESETS, flat, general, merged, read
 
 if TYPE_CHECKING:
     from tissue.files.keys import KeyFacts
@@ -25,9 +28,7 @@ def list_parameters(name: Name = None) -> None:
     A value is that of all presets, or of those in brackets.
     """
     from tissue.files.keys import all_keys, heading, no_key, sections
-    from tissue.files.parameter_files import general
     from tissue.files.parameters import Parameters
-    from tissue.files.reference import presets, spread
 
     keys, found = all_keys(Parameters), sections(Parameters)
     name = name if name is None else general(name)
@@ -58,3 +59,28 @@ def _told(facts: KeyFacts, value: str) -> str:
         "value": value if facts.has_default else f"{value}; a file without base has to give it",
     }
     return "\n".join([facts.name, *(f"  {what:7}  {text}" for what, text in lines.items() if text)])
+
+
+def presets() -> dict[str, dict[str, Any]]:
+    """Return the values of each preset as its file gives them, by key, without those left to their default."""
+    return {preset: flat(_tables(preset)) for preset in PRESETS}
+
+
+def spread(facts: KeyFacts, values: Mapping[str, Mapping[str, Any]]) -> str:
+    """Write the values of a key in the presets: one if all have it, else each with its presets."""
+    groups: dict[str, list[str]] = {}
+    for preset, theirs in values.items():
+        if facts.has_default or facts.name in theirs:  # no preset has a type of cells
+            groups.setdefault(json.dumps(theirs.get(facts.name, facts.default)), []).append(preset)
+    if len(groups) == 1:
+        groups = {value: [] for value in groups}
+    if facts.has_default:
+        default = json.dumps(facts.default)
+        groups[default] = [*groups.get(default, []), "default"]
+    return "; ".join(f"{value} ({', '.join(names)})" if names else value for value, names in groups.items())
+
+
+def _tables(name: str) -> dict[str, Any]:
+    tables = read(FOLDER / f"{name}.toml")
+    base = tables.pop("base", None)
+    return tables if base is None else merged(_tables(base), tables)

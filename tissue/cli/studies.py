@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 
     import pandas as pd
 
-    from tissue.files.parameters import Parameters
     from tissue.study.read import Results
 
 
@@ -29,11 +28,10 @@ cells that the layer covers count as apical there. docs/howto/explore.md has the
 File = Annotated[
     str, typer.Argument(metavar="FILE", help=f"A study file, or one that comes with the program: {SHIPPED}.")
 ]
-Out = Annotated[Path | None, typer.Option(help="Folder of the results: new, empty, or of this study to go on with it.")]
-Forecast = Annotated[bool, typer.Option("--plan", help="Make no runs; say what the study can decide.")]
+Out = Annotated[Path, typer.Option(help="Folder of the results: new, empty, or of this study to go on with it.")]
 
 
-def study(file: File, out: Out = None, forecast: Forecast = False) -> None:
+def study(file: File, out: Out) -> None:
     """Make all runs of a study that are not in its folder yet, on this machine's cores.
 
     A study file has title, base, replicates and seed, then scenarios or factors, and on request overrides, paired,
@@ -43,21 +41,14 @@ def study(file: File, out: Out = None, forecast: Forecast = False) -> None:
     Exit codes: 0 all runs are stored, failed ones with their status; 2 bad input; 3 the study could not go on, as on a
     full disk; 130 Ctrl-C.
     """
-    from tissue.cli.forecast import forecast_text
     from tissue.study.answers import folded_remarks
-    from tissue.study.plan import in_scenarios, load_study
+    from tissue.study.plan import load_study
     from tissue.study.run import run_study
 
     with messages(resumes=True):
         plan = load_study(file)
-        idle = in_scenarios({name: idle_events(one) for name, one in plan.scenarios.items()})
-        for remark in [*plan.remarks, *idle]:
+        for remark in plan.remarks:
             print(remark)
-        if forecast:
-            print(forecast_text(plan))
-            return
-        if out is None:
-            raise InvalidProblem("--out is missing: must be the folder of the results, or --plan")
         start = time.monotonic()
         stored: list[int] = []
         with progress(plan.title, plan.runs, "runs") as watch:
@@ -70,19 +61,6 @@ def study(file: File, out: Out = None, forecast: Forecast = False) -> None:
         for remark in folded_remarks(results):
             print(f"Folded: {remark}.")
         print(_summary(results, stored[-1] - stored[0], time.monotonic() - start))
-
-
-def idle_events(parameters: Parameters) -> list[str]:
-    """Return a sentence for each event of a group without cells: a file that sets emt.a alone has no EMT cell."""
-    from tissue.events.known import events
-
-    empty = {one.section: one.times for one in parameters.groups() if not one.cells}
-    return [
-        f"[{event.mark}] has no cells: {section}.cells = 0"
-        for section, times in empty.items()
-        for event in events()
-        if event.name in times and times[event.name].ever
-    ]
 
 
 def _summary(results: Results, runs: int, seconds: float) -> str:
@@ -197,12 +175,14 @@ def _write_csv(results: Results) -> Iterator[Path]:
 
     stored = list(results.summary().query("runs > 0")["scenario"])
     runs = [results.runs(name).assign(scenario=name) for name in stored]
+    series = [results.series(name).assign(scenario=name) for name in stored]
     tables = {
         "answers": answer_table(results),
         "means": scenario_means(results),
         "parameters": scenario_changes(results).replace("nan", ""),
         "runs": pd.concat(runs, ignore_index=True) if runs else pd.DataFrame(),
         "cells": results.to_frame() if stored else pd.DataFrame(),
+        "series": pd.concat(series, ignore_index=True) if series else pd.DataFrame(),
     }
     for name, rows in tables.items():
         if len(rows):

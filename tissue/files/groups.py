@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.random import Generator, default_rng
 
-from tissue.events.known import OF_THESIS, events, mark_of, settled
+from tissue.events.known import OF_THESIS, events, settled
 from tissue.files.quantities import Timing
 from tissue.files.sections import APART, SCATTERED
-from tissue.plugins import EmtEvent
 from tissue.state.cells import CONTROL, EMT, Emt, Flags, Floats, Integers, emt_cells
 
 if TYPE_CHECKING:
@@ -30,7 +29,6 @@ class CellGroup(NamedTuple):
     cells: int  # N^EMT
     inm: float  # probability of interkinetic nuclear movement
     times: Mapping[str, Timing]  # of the events by name; the others never begin
-    together: tuple[str, ...]  # events that begin in all cells when they do in the first one
     place: float | str  # of the middle of the group, as a part of the tissue from left to right; or APART, SCATTERED
     divides: bool
     may_leave: bool  # whether its cells have events, and so are EMT cells
@@ -66,8 +64,6 @@ def drawn(group: CellGroup, draws: Generator) -> tuple[Floats, Flags]:
         for name in others:
             chances[name] = tuple(default_rng([key, *name.encode()]).random((2, group.cells)))
     times = {name: group.times.get(name, Timing()).times(*pair) for name, pair in chances.items()}
-    for name in times.keys() & {*group.together}:
-        times[name] = np.full_like(times[name], times[name].min(initial=np.inf))
     return settled(times), inm < group.inm
 
 
@@ -131,47 +127,13 @@ def _chosen(crowd: Crowd, group: CellGroup, places: Generator, lattice: Lattice 
     return np.sort(listed[crowd.kind[listed] == CONTROL][:m])
 
 
-def remarks(groups: Iterable[CellGroup], end: float) -> list[str]:
-    """Return a sentence for each event that may wait for another one, or that a run may end before.
-
-    ``end``: of the run [h]. Source: section 2.2.4 of chapter 4, for [P], which waits for [B].
-    """
-    found: dict[str, None] = {}
-    for section, event, times in _timed(groups):
-        found |= dict.fromkeys(_waits(event, times[event.name], times.get(event.after or "", Timing())))
-        found |= dict.fromkeys(_ends_before(section, event, times[event.name], end, sure=False))
-    return list(found)
-
-
 def too_late(groups: Iterable[CellGroup], end: float) -> list[str]:
     """Return a sentence for each event that no run begins, as it ends before [h]."""
-    lines = (
-        _ends_before(section, event, times[event.name], end, sure=True) for section, event, times in _timed(groups)
-    )
-    return list(dict.fromkeys(line for some in lines for line in some))
-
-
-def _timed(groups: Iterable[CellGroup]) -> Iterator[tuple[str, EmtEvent, Mapping[str, Timing]]]:
-    """Give the events that may begin in a group with its section, and with the times of all its events."""
-    for group in groups:
-        section, times = group.section, group.times
-        yield from ((section, one, times) for one in events() if group.cells and times.get(one.name, Timing()).ever)
-
-
-def _waits(event: EmtEvent, time: Timing, first: Timing) -> Iterator[str]:
-    if time.low >= first.high or first.high == math.inf:
-        return
-    mine, other = f"[{event.mark}]", f"[{mark_of(str(event.after))}]"
-    if time.fixed is not None and first.fixed is not None:
-        yield f"{mine} at {time} waits for {other} at {first}"
-    else:
-        missing = "" if first.sure else f", and does not begin in cells without {other}"
-        yield f"{mine} ({time}) waits for {other} ({first}) where {other} is later{missing}"
-
-
-def _ends_before(section: str, event: EmtEvent, time: Timing, end: float, *, sure: bool) -> Iterator[str]:
-    why = f'{section}.{event.name} = "{time}", and numerics.t_end = "{end:g} h"'
-    if end < time.low < math.inf:
-        yield f"[{event.mark}] never begins: {why}"
-    elif end < time.high < math.inf and not sure:
-        yield f"[{event.mark}] does not begin in all cells: {why}"
+    found: dict[str, None] = {}
+    for group in (one for one in groups if one.cells):
+        for event in events():
+            time = group.times.get(event.name, Timing())
+            if time.ever and end < time.low:
+                why = f'{group.section}.{event.name} = "{time}", and numerics.t_end = "{end:g} h"'
+                found[f"[{event.mark}] never begins: {why}"] = None
+    return list(found)

@@ -16,8 +16,8 @@ from tissue.events.known import OF_THESIS, events
 from tissue.files import quantities as q
 from tissue.files.parameter_files import TYPE, general
 from tissue.files.quantities import NEVER
-from tissue.files.sections import OWN_KEYS, CellType, EmtGroup, Forces, Types, show
-from tissue.plugins import Force, registered
+from tissue.files.sections import OWN_KEYS, CellType, EmtGroup, Forces, Own, Types, show
+from tissue.plugins import Force, Parameter, registered
 
 # In place of a default: the key has to be given.
 NOTHING: Any = ...
@@ -85,6 +85,10 @@ def _keys_of(name: str, section: type[BaseModel]) -> Iterator[KeyFacts]:
     for event in events() if issubclass(section, EmtGroup) else ():
         symbol = f"T^{event.mark}" if event.name in OF_THESIS else ""
         yield _facts(f"{name}.{event.name}", event.meaning, symbol, event.source, NEVER, *get_args(q.Begin))
+    for one in registered(Parameter) if section is Own else ():
+        yield KeyFacts(
+            f"{name}.{one.name}", one.meaning, "", one.source, one.unit or "number", one.allowed, one.default
+        )
     for force in registered(Force) if section is Forces else ():
         yield _facts(f"{name}.{force.name}", force.meaning, "", force.source, 0, *get_args(q.NonNegative))
 

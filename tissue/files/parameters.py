@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import cache
 from os import PathLike
 from pathlib import Path
@@ -26,7 +26,8 @@ from tissue.kernels.workspace import SOFT
 from tissue.network.lattice import Lattice, ball_lattice, flat_lattice, round_lattice, rows_of
 from tissue.plugins import DivisionRule
 from tissue.state.basal_curve import LINE, BasalCurve
-from tissue.state.numbers import Daha, Numbers, StartNumbers
+from tissue.state.cells import PARAMETERS
+from tissue.state.numbers import Daha, Numbers, StartNumbers, UserNumbers
 from tissue.state.space import MEAN, PRESENT, SPATIAL
 
 # The choices that are yes or no for kernels: the key, and its value that is yes.
@@ -51,7 +52,7 @@ class Parameters(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    own: sections.Own = sections.Own()  # the first one: it brings what the others may name
+    own: sections.Own = sections.Own.model_validate({})  # the first one: it brings what the others may name
     tissue: sections.Tissue
     cell: sections.Cell
     numerics: sections.Numerics
@@ -134,7 +135,7 @@ class Parameters(BaseModel):
             own[sections.OWN_KEYS[name]][name] = value
         return self.tissue.model_copy(update=own["tissue"]), self.cell.model_copy(update=own["cell"])
 
-    def _plain(self, *of: BaseModel) -> dict[str, Any]:
+    def _plain(self, *of: Iterable[tuple[str, Any]]) -> dict[str, Any]:
         """Return the values of sections by the names of their keys, quantities over R_soft and in h."""
         unit, values = self.cell.soft_radius, (pair for section in of for pair in section)
         return {name: value.over(unit) if isinstance(value, Quantity) else value for name, value in values}
@@ -144,6 +145,7 @@ class Parameters(BaseModel):
         found = self._plain(tissue, cell, self.numerics, self.rules, self.division, self.events)
         found |= {name: found[key] == yes for name, (key, yes) in CHOICES.items()}
         found |= {"variance": 2 * found["diffusion"], "repulsion": self.rules.repulsion_factor * cell.alpha_xx}
+        found["own"] = UserNumbers(*self._plain([(name, self.own.value(name)) for name in PARAMETERS]).values())
         return Numbers(**{name: found[name] for name in Numbers._fields})
 
     def start_numbers(self) -> StartNumbers:
@@ -192,14 +194,14 @@ class Parameters(BaseModel):
 
     def groups(self) -> tuple[CellGroup, ...]:
         """Return the groups that are no control cells: that of [emt], then each named type."""
-        emt, together, rest = self.emt, self.events.together, self._plain(self.cell)["initial_rest_length"]
+        emt, rest = self.emt, self._plain(self.cell)["initial_rest_length"]
         place, divides, may_leave = 0.5, False, True
-        of_emt = emt.cells, emt.inm, emt.times(), together, place, divides, may_leave, rest
+        of_emt = emt.cells, emt.inm, emt.times(), place, divides, may_leave, rest
         found = [CellGroup(sections.UNNAMED[-1], *of_emt)]
         for name, one in self.types.named().items():
             rest = self._plain(self.of_type(one)[1])["initial_rest_length"]
             own = one.place, one.divides, one.has_events, rest
-            found.append(CellGroup(name, one.cells, one.inm, one.times(), together, *own))
+            found.append(CellGroup(name, one.cells, one.inm, one.times(), *own))
         return tuple(found)
 
 

@@ -14,13 +14,14 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
 from numbers import Integral, Real
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from annotated_types import Ge, GroupedMetadata, Gt, Le
 from pydantic import AfterValidator, AllowInfNan, BeforeValidator, PlainSerializer, PlainValidator, Strict
 
-from tissue.state.cells import Floats
+if TYPE_CHECKING:
+    from tissue.state.cells import Floats
 
 # Sizes in the units that are kept: between these, squares and quotients stay finite and positive.
 SMALLEST, LARGEST = 1e-12, 1e12
@@ -52,6 +53,8 @@ EXAMPLES = {
     "speed": '"5 um/h" or "1 R_soft/h"',
     "diffusion coefficient": '"2.5 um^2/h" or "0.1 R_soft^2/h"',
 }
+# The kinds by the unit that is kept, where that is one.
+KINDS = {"um": "length", "h": "duration", "1/h": "rate", "um/h": "speed", "um^2/h": "diffusion coefficient"}
 # The power of R_soft that makes a quantity of this unit free of um.
 POWERS = {"um": 1, "um/h": 1, "um^2/h": 2}
 # A decimal number, perhaps over a whole one.
@@ -104,9 +107,13 @@ def parse(text: Any, kind: str) -> Quantity:
     unit = text[match.end() :].replace("**", "^").replace(" ", "")
     if not unit:
         raise ValueError("the unit is missing")
-    if unit not in UNITS[kind]:
-        raise ValueError(f"{unit} is no unit of a {kind}; units are {', '.join(filter(str.isascii, UNITS[kind]))}")
-    factor, kept = UNITS[kind][unit]
+    units = UNITS.get(kind, {kind: (Fraction(1), kind)})  # of a user: the kind is its one unit
+    if unit not in units:
+        what = (
+            f"of a {kind}; units are {', '.join(filter(str.isascii, units))}" if kind in UNITS else f"here, {kind} is"
+        )
+        raise ValueError(f"{unit} is no unit {what}")
+    factor, kept = units[unit]
     return Quantity(float(match[1]) / int(match[2] or 1) * float(factor), kept)
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
 from functools import lru_cache
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -33,6 +34,7 @@ from tissue.files.own_modules import MODULES, read_modules
 from tissue.files.quantities import NEVER, Allowed, Quantity, Timing, number, sized
 from tissue.plugins import Force, registered
 from tissue.state.basal_curve import LINE, BasalCurve, ellipse, through
+from tissue.state.cells import PARAMETERS
 
 T1, T2, T3, T4, T5 = (f"Table {k} of chapter 3" for k in range(1, 6))
 CURVED = "chapter 3 names curved layers as further work"
@@ -49,6 +51,8 @@ MOST_TYPES = 8
 UNNAMED = ("control", "emt")
 # Where a group is if not at a place: at random, or evenly over the tissue.
 SCATTERED, APART = "scattered", "apart"
+# The event that makes chains of cells.
+CHAINS = "ac"
 # The keys of a type of which a pair of cells has the mean, or the sum.
 PAIR_KEYS = ("soft_radius", "alpha_xx", "max_basal_distance")
 
@@ -106,20 +110,12 @@ def _place(raw: Any) -> float | str:
     return sized(place)
 
 
-def _some_events() -> str:
-    return f'a list of names of events, {", ".join(event.name for event in events())}, such as ["a"]'
-
-
 def _some_rules() -> str:
     return " or ".join(map(show, division_rules()))
 
 
 EventName = Annotated[str, _known(lambda: [event.name for event in events()])]
 ForceName = Annotated[str, _known(lambda: [force.name for force in registered(Force)])]
-EventNames = Annotated[
-    tuple[EventName, ...],
-    Allowed(_some_events, "names of events", (AfterValidator(lambda x: tuple(dict.fromkeys(x))),)),
-]
 RuleName = Annotated[str, Allowed(_some_rules, "a name", (Strict(), _known(division_rules)))]
 Modules = Annotated[tuple[str, ...], Allowed(MODULES, "files", (PlainValidator(read_modules), PlainSerializer(list)))]
 PLACES = f'"{APART}" or "{SCATTERED}"'
@@ -130,13 +126,33 @@ Place = Annotated[
 
 
 class Own(Section):
-    """[own]: what is not in this package."""
+    """[own]: what is not in this package: files of users, and by their names the parameters that these register."""
+
+    model_config = ConfigDict(extra="allow")
+    __pydantic_extra__: dict[
+        Annotated[str, _known(lambda: PARAMETERS)],
+        Annotated[Any, PlainSerializer(lambda value: str(value) if isinstance(value, Quantity) else value)],
+    ]
 
     modules: Modules = key(
         "files, relative to this one, that register events, forces, observables or rules of divisions",
         "docs/tutorials/own_event.md",
         default=[],
     )
+
+    @model_validator(mode="after")
+    def _values(self) -> Own:
+        for name, raw in self.__pydantic_extra__.items():
+            with suppress(ValueError):
+                self.__pydantic_extra__[name] = raw if isinstance(raw, Quantity) else PARAMETERS[name].read(raw)
+                continue
+            raise wrong(name, raw, PARAMETERS[name].allowed)
+        return self
+
+    def value(self, name: str) -> Quantity | float:
+        """Return the value of a parameter of users, its default if none is given."""
+        given: Any = self.__pydantic_extra__.get(name)
+        return PARAMETERS[name].read(PARAMETERS[name].default) if given is None else given
 
 
 class Tissue(Section):
@@ -338,6 +354,13 @@ class EmtGroup(Section):
         """Whether one may begin: then its cells are EMT cells."""
         return any(timing.ever for timing in self.times().values())
 
+    @property
+    def lets_go(self) -> bool:
+        """Whether an event may take its cells out of a layer."""
+        timed = [one for one in events() if self.times().get(one.name, Timing()).ever]
+        names = {name for one in timed for name in (one.name, *one.starts)}
+        return any(one.frees or one.name == CHAINS for one in events() if one.name in names)
+
 
 class TypeKeys(EmtGroup):
     """[types.NAME]: a group with a name, without the keys of [cell] and [tissue] that it may have of its own."""
@@ -427,11 +450,6 @@ class Events(Section):
     )
     contraction: q.DurationOrZero = key(
         "time constant of its rest length once the point is below the layer; 0: at once", "section 2.2.4 of chapter 4"
-    )
-    together: EventNames = key(
-        "events that begin in all cells of a type at the first of their times, whatever their probability",
-        TYPESCRIPT,
-        default=[],
     )
     at_depth: Literal["stays", "forces"] = key("what the basal point does at run_depth", "(4.1)")
 

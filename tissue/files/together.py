@@ -11,11 +11,13 @@ from tissue.events.division import BESIDE
 from tissue.files.groups import first_of
 from tissue.files.quantities import MOST_CELLS, NEVER
 from tissue.files.sections import (
+    CHAINS,
     OWN_KEYS,
     PAIR_KEYS,
     ROUNDING,
     SCATTERED,
     Cell,
+    EmtGroup,
     Tissue,
     TypeKeys,
     above,
@@ -26,14 +28,13 @@ from tissue.files.sections import (
 from tissue.kernels.surface_workspace import SHORTEST_PERIOD
 from tissue.model.stiffness import LIMIT, cell_stiffness, junction_stiffness, least_substeps
 from tissue.network.lattice import FEWEST, ROW, rows_of
+from tissue.state.cells import PARAMETERS
 
 if TYPE_CHECKING:
     from tissue.files.parameters import Parameters
 
 SHAPES = {2: ("line", "circle", "ellipse", "points"), 3: ("line", "circle", "sphere")}
 IN = {2: "in a slice", 3: "in three dimensions"}
-# The event that makes chains of cells.
-CHAINS = "emt.ac"
 # Numbers of cells, on either side of the one that is given, among which one is looked for that makes a sheet.
 MOST_TRIED = 10_000
 
@@ -42,6 +43,9 @@ def check(parameters: Parameters) -> None:
     """Check all that concerns more than one section."""
     tissue, layer, unit = parameters.tissue, parameters.layer, parameters.cell.soft_radius
     named = parameters.types.named()
+    for parameter in PARAMETERS.values():
+        if not parameter.fits(value := parameters.own.value(parameter.name), unit.value):
+            raise wrong(f"own.{parameter.name}", value, parameter.allowed)
     shapes = SHAPES[tissue.dimension]
     if layer.shape not in shapes:
         raise wrong("layer.shape", layer.shape, f"{' or '.join(map(show, shapes))} {IN[tissue.dimension]}")
@@ -53,7 +57,7 @@ def check(parameters: Parameters) -> None:
         _check_space(parameters)
     elif layer.shape == "line":
         _check_room(parameters)
-    check_groups(named, tissue.cells, parameters.emt.cells)
+    check_groups(named, tissue.cells, parameters.emt)
     _check_cells(parameters, tissue, parameters.cell, "tissue", "cell")
     for name, one in named.items():
         of_type, cell = parameters.of_type(one)
@@ -107,19 +111,17 @@ def _check_steps(parameters: Parameters, stiffness: float, of: str) -> None:
         raise wrong("numerics.substeps", substeps, f"at least {least}: {step}")
 
 
-def check_groups(types: Mapping[str, TypeKeys], cells: int, emt: int) -> None:
-    """Check that each group has room among so many cells, of which ``emt`` are in the middle."""
-    if emt > max(0, cells - 2):
-        raise wrong("emt.cells", emt, f"at most {max(0, cells - 2)}: EMT cells have control cells on both sides")
-    before, leaving, first = emt, emt, (cells - emt) // 2
-    taken = {"emt": range(first, first + emt)}
-    for name, one in types.items():
+def check_groups(types: Mapping[str, TypeKeys], cells: int, emt: EmtGroup) -> None:
+    """Check that each group has room among so many cells, ``emt`` in the middle, and that two cells keep the layers."""
+    before, leaving, first = 0, 0, (cells - emt.cells) // 2
+    for name, one in {"emt": emt, **{f"types.{name}": one for name, one in types.items()}}.items():
         most, what = cells - before, f"other groups have {before} of {cells} cells"
-        if one.has_events and cells - 2 - leaving < most:
-            most, what = cells - 2 - leaving, f"two of {cells} cells at least undergo no EMT"
+        if one.lets_go and cells - 2 - leaving < most:
+            most, what = cells - 2 - leaving, f"two of {cells} cells at least stay in both layers"
         if one.cells > max(0, most):
-            raise wrong(f"types.{name}.cells", one.cells, f"at most {max(0, most)}: {what}")
-        before, leaving = before + one.cells, leaving + one.cells * one.has_events
+            raise wrong(f"{name}.cells", one.cells, f"at most {max(0, most)}: {what}")
+        before, leaving = before + one.cells, leaving + one.cells * one.lets_go
+    taken = {"emt": range(first, first + emt.cells)}
     for name, one in types.items():
         if isinstance(one.place, str):
             continue
@@ -151,12 +153,10 @@ def _check_space(parameters: Parameters) -> None:
     if layer.shape == "line" and space.boundary == "periodic" and off > ROUNDING * basal.over(unit):
         raise wrong("tissue.apical_spacing", apical, f"tissue.basal_spacing = {show(basal)} {IN[3]}")
     times = {f"emt.{name}": time for name, time in parameters.emt.times().items()}
-    if times[CHAINS].ever:
-        raise wrong(CHAINS, times[CHAINS], f"{show(NEVER)} {IN[3]}: there are no chains")
+    if (chains := times[f"emt.{CHAINS}"]).ever:
+        raise wrong(f"emt.{CHAINS}", chains, f"{show(NEVER)} {IN[3]}: there are no chains")
     if parameters.division.rule != BESIDE.name:
         raise wrong("division.rule", parameters.division.rule, f"{show(BESIDE.name)} {IN[3]}")
-    for force, strength in parameters.forces.acting():
-        raise wrong(f"forces.{force.name}", strength, f"0 {IN[3]}: registered forces act in a slice alone")
     for name, one in parameters.types.named().items():
         for key in one.own().keys() & set(PAIR_KEYS):
             all_cells = f"{OWN_KEYS[key]}.{key}"
@@ -176,7 +176,7 @@ def _check_rows(parameters: Parameters) -> None:
 
 def _check_size(parameters: Parameters) -> None:
     """Check that the cells make a sheet; the message names the nearest numbers of cells that do."""
-    cells, emt, types = parameters.tissue.cells, parameters.emt.cells, parameters.types.named()
+    cells, emt, types = parameters.tissue.cells, parameters.emt, parameters.types.named()
     fault = _size_fault(parameters, cells)
     if not fault:
         return

@@ -211,7 +211,8 @@ def check_data(table: pd.DataFrame, source: str, *, values: bool) -> pd.DataFram
 
     needed = COLUMNS if values else COLUMNS[:2]
     if missing := [name for name in needed if name not in table]:
-        raise InvalidProblem(f"{source}: has no column {missing[0]!r}: must have {', '.join(needed)}")
+        hint = ", between commas, and numbers with a point" if any(";" in str(name) for name in table) else ""
+        raise InvalidProblem(f"{source}: has no column {missing[0]!r}: must have {', '.join(needed)}{hint}")
     table = table.reindex(columns=list(COLUMNS)).reset_index(drop=True)
     allowed: Mapping[str, tuple[Any, str]] = {
         "measure": (lambda x: isinstance(x, str) and x in measure_names(), f"one of {', '.join(measure_names())}"),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from os import PathLike
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -73,6 +73,18 @@ class Frame(NamedTuple):
         from tissue.frames.frame_files import save
 
         save(self, path)
+
+    def to_vtk(self) -> Any:
+        """Return the state as a ``pyvista.MultiBlock``, to look at or to save for ParaView; lengths in um.
+
+        Its blocks are ``nuclei``, points with ``id``, ``radius``, ``kind``, ``events`` and the variables of users;
+        ``apical`` and ``basal``, in a slice the lines of both layers, in three dimensions the triangles of both
+        networks; and then ``junctions``, lines with ``rest``. Of a periodic sheet each part is in the period around the
+        origin. Raises MissingLibrary without PyVista, which the extra ``views`` brings.
+        """
+        from tissue.pictures.space import to_vtk
+
+        return to_vtk(self)
 
     @staticmethod
     def load(path: str | PathLike[str]) -> Frame:

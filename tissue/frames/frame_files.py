@@ -21,13 +21,13 @@ from dincl.files import open_file, replacing
 from tissue.events.known import events
 from tissue.frames.frame import Frame
 from tissue.state.basal_curve import BasalCurve
-from tissue.state.cells import COORDINATES, DEPTHS, NAMED, CellLayers, Cells, Emt
+from tissue.state.cells import COORDINATES, DEPTHS, NAMED, VARIABLES, CellLayers, Cells, Emt
 from tissue.state.checkpoint import DRAWN, WORDS, Separation, TissueCheckpoint
 from tissue.state.mesh import Mesh, Sheets, wrong_mesh
 from tissue.state.running import COUNTERS
 from tissue.state.surface import CYLINDER, PLANE, SPHERE, Surface
 
-VERSION = "tissue frame 5"
+VERSION = "tissue frame 6"
 # The classes that a frame is made of; none of another name is made of a file.
 PARTS = (Frame, Cells, CellLayers, Emt, BasalCurve, TissueCheckpoint, Separation, Sheets, Mesh, Surface)
 # What archives and arrays raise that are damaged, or are none.
@@ -74,8 +74,9 @@ def checked(name: str, frame: Frame) -> Arrays:
 
 
 def _version() -> str:
-    """Name the version of the file, and the events of this process in the order of their bits."""
-    return f"{VERSION}, {' '.join(event.name for event in events())}"
+    """Name the version of the file, the events of this process in the order of their bits, the variables of users."""
+    variables = f", {' '.join(VARIABLES)}" if VARIABLES else ""
+    return f"{VERSION}, {' '.join(event.name for event in events())}{variables}"
 
 
 def _arrays(value: Any, name: str) -> Iterator[tuple[str, Any]]:
@@ -133,6 +134,7 @@ def _wrong(frame: Frame) -> Iterator[str]:
     n, m = len(cells.x), len(emt.side)
     shapes: dict[str, tuple[Any, tuple[int, ...]]]
     shapes = {f"cells.{name}": (array, (n,)) for name, array in cells._asdict().items()}
+    shapes |= {"cells.own": (cells.own, (len(VARIABLES), n))}
     shapes |= {f"emt.{name}": (array, (m,)) for name, array in emt._asdict().items()}
     shapes |= {"emt.at": (emt.at, (len(events()), m)), "counts": (past.counts, (len(COUNTERS),))}
     shapes |= {"generators": (past.generators, (len(DRAWN), WORDS))}

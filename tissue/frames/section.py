@@ -70,7 +70,7 @@ def section(frame: Frame, z: float = 0.0) -> Frame:
         cells = _wrapped(cells, surface.period_x)
     across = cells.bx if surface.bends == PLANE else np.arctan2(surface.side * cells.bx, surface.side * cells.by)
     ordered = chosen[np.argsort(surface.side * across[chosen], kind="stable")]
-    kept = Cells._make(array[ordered] for array in cells)
+    kept = Cells._make(array[..., ordered] for array in cells)
     layers = CellLayers(*(np.flatnonzero(np.isin(ordered, layer)) for layer in frame.layers))
     if surface.bends == PLANE:
         return Frame(frame.t, kept, layers, LINE)

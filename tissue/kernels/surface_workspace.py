@@ -8,7 +8,7 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from dincl.compiled import StructPointer, inner, reader
+from dincl.compiled import StructPointer, inner, reader, struct_type
 from dincl.errors import InvalidProblem
 from tissue.kernels.lanes import WIDTH, floored, fma
 from tissue.kernels.layout import CellFloats, CellIntegers, Lane, OfCells, PerTissue, Shared, Size, both_forms
@@ -134,6 +134,7 @@ class SurfaceWorkspace(NamedTuple):
     surface: Surface = FLAT_SURFACE
     along_x: Period = Period(0.0, 0.0)
     along_z: Period = Period(0.0, 0.0)
+    forces: int = 0  # where those of users are, see ``tissue.step.user_forces``; 0: there are none
 
 
 class SurfaceWorkspaces:
@@ -164,6 +165,7 @@ def period(name: str, length: float) -> Period:
 
 
 _FLAT, _WIDE = both_forms(SurfaceWorkspace, Size(1))
+SURFACE_WORKSPACE = struct_type(_FLAT)
 surface_workspace_at, wide_surface_workspace_at = reader(_FLAT), reader(_WIDE)
 
 

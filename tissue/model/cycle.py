@@ -139,6 +139,8 @@ def divide(state: TissueState, t: float, numbers: Numbers, rules: Rules, draws: 
             two = cells.divides[i] and call_splits(rules.splits, state, i, draws.random(), own) != 0
             cells.birth[i] = t
             cells.cycle[i] = draw_cycle(own, draws)
+            for row in range(len(state.daughters.part) if cells.divides[i] else 0):
+                cells.own[row, i] = state.daughters.part[row] * cells.own[row, i] + state.daughters.fresh[row]
             if two:
                 if state.space.dimension == SPATIAL:  # in a slice there is one direction
                     state.daughters.turn[i] = draws.random()

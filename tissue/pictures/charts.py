@@ -14,7 +14,7 @@ from tissue.pictures.sheet import GREY, Axes, Figure, Line2D, Patch
 from tissue.study.categories import EXTREME, What, control_shares, kept_times, run_shares_in_time, time_column, timed
 from tissue.study.estimates import estimate
 
-WIDTH, NARROW = 9.2, 4.4  # inches: of figures, and of those for a telephone
+WIDTH = 9.2  # inches
 DPI = 200
 CHART_STYLE: Any = {
     "axes.titlesize": 9.5,

@@ -34,11 +34,9 @@ if TYPE_CHECKING:
     from tissue.state.basal_curve import BasalCurve
 
 
-# Inches: a picture, its panels at most, one of many, and what stands around them.
-WIDTH, TALLEST, LEAST = 9.2, 7.0, 2.3
+# Inches: a picture, its panel at most, its title, and what stands around them.
+WIDTH, TALLEST, TITLE = 9.2, 7.0, 3.4
 BESIDE, ABOVE, BELOW = 0.75, 0.35, 0.55
-TITLE, PANEL = 3.4, 2.8  # inches, of the title of a panel, and of a panel beside others at least
-COLUMNS = 3
 DPI = 200
 MOVIE_DPI = 100
 MARGIN = 2.0  # um around the discs
@@ -53,27 +51,11 @@ class Box(NamedTuple):
     high: float
 
 
-def drawing(frames: Sequence[Frame], parameters: Parameters, width: float = WIDTH) -> Figure:
-    """Draw one or several states in one scale, side by side, three in a row.
-
-    Parameters
-    ----------
-    frames
-        At least one, of one run, or of several with the same basal layer and types.
-    parameters
-        Of the run: the soft radius and the lengths of the phases.
-    width
-        Of the figure at most [in].
-
-    Raises
-    ------
-    InvalidProblem
-        For no frame at all, or one with coordinates that are not finite.
-    """
+def drawing(frame: Frame, parameters: Parameters) -> Figure:
+    """Draw one state of a run with these parameters; raises InvalidProblem for coordinates that are not finite."""
     with style():
-        figure, panels = _sheet(frames, len(frames), parameters, width)
-        for panel, state in zip(panels, frames, strict=True):
-            draw_state(panel, state, parameters, _decimals(frames), event_colours(frames))
+        figure, panel = _sheet([frame], parameters, WIDTH)
+        draw_state(panel, frame, parameters, _decimals([frame]), event_colours([frame]))
     return figure
 
 
@@ -91,10 +73,11 @@ def stills(
 ) -> Iterator[NDArray[np.uint8]]:
     """Give pictures of the frames one after the other, all of one scale and size: red, green, blue of shape (h, w, 3).
 
-    Arguments and errors are those of ``drawing``.
+    The frames are at least one, of one run; ``width`` of the figure at most [in]. Raises InvalidProblem for no frame at
+    all, or one with coordinates that are not finite.
     """
     with style():
-        figure, (panel,) = _sheet(frames, 1, parameters, width, with_legend=with_legend)
+        figure, panel = _sheet(frames, parameters, width, with_legend=with_legend)
         figure.set_dpi(MOVIE_DPI)
         canvas: Any = FigureCanvasAgg(figure)
         canvas.draw()
@@ -128,45 +111,28 @@ def box_of(frames: Sequence[Frame], parameters: Parameters) -> Box:
 
 
 def _sheet(
-    frames: Sequence[Frame],
-    count: int,
-    parameters: Parameters,
-    most: float,
-    *,
-    with_legend: bool = True,
-) -> tuple[Figure, list[Axes]]:
-    """Make a figure with ``count`` panels of one scale, as large as fit into ``most`` inches, and the legend below."""
+    frames: Sequence[Frame], parameters: Parameters, most: float, *, with_legend: bool = True
+) -> tuple[Figure, Axes]:
+    """Make a figure for states of one scale, as large as fits into ``most`` inches, with the legend below."""
     shown = [section(frame) for frame in frames]
     box = box_of(shown, parameters)
-    across = min(COLUMNS, count, max(1, int(most / PANEL)))
-    rows = -(-count // across)
-    columns = -(-count // rows)
     ratio = (box.high - box.low) / (box.right - box.left)
-    wide = min((most - BESIDE) / columns, max(LEAST, TALLEST / rows) / ratio)
-    width = _whole_pixels(min(most, BESIDE + columns * max(wide, TITLE)))
+    wide = min(most - BESIDE, TALLEST / ratio)
+    width = _whole_pixels(min(most, BESIDE + max(wide, TITLE)))
     kinds = sorted({k for frame in frames for k in frame.cells.kind.tolist() if k >= NAMED})
     types = {parameters.type_names[k]: TYPE_COLOURS[k - NAMED] for k in kinds}
     entries = legend_entries(event_colours(frames), types) if with_legend else {}
     legend_columns = max(1, min(len(entries), int(width / ENTRY)))
     lines = -(-len(entries) // legend_columns)
-    height = _whole_pixels(rows * (wide * ratio + ABOVE) + BELOW + LINE * lines)
+    height = _whole_pixels(wide * ratio + ABOVE + BELOW + LINE * lines)
     figure = Figure(figsize=(width, height), dpi=DPI, layout="compressed")
-    grid = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
-    for row in grid:
-        row[0].set_ylabel("y [µm]")
-    for column in grid.T:
-        column[-1].set_xlabel("x [µm]")
-    panels = grid.ravel().tolist()
-    for k in range(count, len(panels)):
-        panels[k].remove()
-        panels[k - columns].set_xlabel("x [µm]")
-        panels[k - columns].tick_params(labelbottom=True)
-    for panel in panels[:count]:
-        _set_axes(panel, box, shown[0].curve, parameters)
-        panel.set_title(" ", fontsize=9.5)  # room for that of the state
+    panel = figure.subplots()
+    panel.set(xlabel="x [µm]", ylabel="y [µm]")
+    _set_axes(panel, box, shown[0].curve, parameters)
+    panel.set_title(" ", fontsize=9.5)  # room for that of the state
     if entries:
         add_legend(figure, entries, legend_columns)
-    return figure, panels[:count]
+    return figure, panel
 
 
 def _set_axes(panel: Axes, box: Box, curve: BasalCurve, parameters: Parameters) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Callable, Iterator, Sequence
 from ctypes.util import find_library
@@ -14,7 +15,9 @@ from numpy.typing import NDArray
 from dincl.checks import path as checked_path
 from dincl.errors import InvalidProblem
 from dincl.extras import needs
+from dincl.files import write_text
 from tissue.files.parameters import Parameters
+from tissue.files.quantities import parse
 from tissue.frames.frame import Frame
 from tissue.frames.observables import is_measurable
 from tissue.frames.section import cut, in_one_period
@@ -22,7 +25,9 @@ from tissue.pictures.emt import event_colours, label_of
 from tissue.pictures.movie import ENDINGS, write_images
 from tissue.pictures.sheet import APICAL, BASAL, COLOURS, colours_of_cells, shades
 from tissue.pictures.state import title_of
+from tissue.state.cells import VARIABLES
 from tissue.state.mesh import Sheets
+from tissue.state.surface import FLAT_SURFACE
 
 # Rendered by VTK itself, so that a picture has the same dots with and without a display.
 RENDERER = ("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
@@ -32,9 +37,9 @@ SURFACE: dict[str, Any] = {"opacity": 0.35, "show_edges": True, "edge_color": "#
 TUBE = 0.06  # radius of the line of the section [R_soft]
 
 
-def load_library() -> Any:
-    """Import PyVista; MissingLibrary where it is not installed, InvalidProblem where nothing renders."""
-    if find_library("EGL") is None:
+def load_library(*, renders: bool = True) -> Any:
+    """Import PyVista; MissingLibrary where it is not installed, InvalidProblem where it must render and cannot."""
+    if renders and find_library("EGL") is None:
         raise InvalidProblem(
             "a view of a tissue in space needs EGL, not installed here: apt install libegl1, on Debian"
         )
@@ -44,25 +49,56 @@ def load_library() -> Any:
     return pyvista
 
 
-def to_vtk(frame: Frame, parameters: Parameters) -> Any:
-    """Return a state in three dimensions as a ``pyvista.MultiBlock``, lengths in um.
-
-    Its blocks are ``nuclei``, points with ``id``, ``radius`` and ``colour``, and the triangles of the networks
-    ``apical`` and ``basal``, those of the first with the ``colour`` of cells at their corners. Of a periodic sheet each
-    triangle is in the period around the origin.
-    """
-    library, sheets = load_library(), _sheets(frame)
-    um, cells = parameters.cell.soft_radius.value, frame.cells
-    colours = shades(colours_of_cells(frame, parameters, event_colours([frame]))[0].tolist())[: len(cells.x)]
-    nuclei = library.PolyData(um * in_one_period(sheets.surface, _points(frame, "")[:, None])[:, 0])
-    nuclei.point_data.update({"id": cells.id, "radius": um * cells.radius, "colour": colours})
+def to_vtk(frame: Frame) -> Any:
+    """Return a state as a ``pyvista.MultiBlock``, see ``Frame.to_vtk``."""
+    library, cells, sheets = load_library(renders=False), frame.cells, frame.sheets
+    um = parse(frame.past.tables["cell"]["soft_radius"], "length in metres").value
+    surface = FLAT_SURFACE if sheets is None else sheets.surface
+    nuclei = library.PolyData(um * in_one_period(surface, _points(frame, "")[:, None])[:, 0])
+    nuclei.point_data.update({"id": cells.id, "radius": um * cells.radius, "kind": cells.kind, "events": cells.events})
+    nuclei.point_data.update(dict(zip(VARIABLES, cells.own, strict=True)))
     blocks = {"nuclei": nuclei}
-    for name, mesh in (("apical", sheets.apical), ("basal", sheets.basal)):
-        corners = in_one_period(sheets.surface, _points(frame, name[0])[mesh.triangles])
+    for name, layer in frame.layers._asdict().items():
+        points = _points(frame, name[0])
+        if sheets is None:
+            blocks[name] = library.lines_from_points(um * points[layer], close=bool(frame.curve.ring))
+            continue
+        corners = in_one_period(surface, points[getattr(sheets, name).triangles])
         faces = np.insert(np.arange(3 * len(corners)).reshape(-1, 3), 0, 3, axis=1)
         blocks[name] = library.PolyData(um * corners.reshape(-1, 3), faces=faces.ravel())
-    blocks["apical"].point_data["colour"] = colours[sheets.apical.triangles.ravel()]
+    if sheets is not None:
+        ends = in_one_period(surface, _points(frame, "a")[sheets.apical.edges])
+        blocks["junctions"] = library.line_segments_from_points(um * ends.reshape(-1, 3))
+        blocks["junctions"].cell_data["rest"] = um * sheets.apical.rest
     return library.MultiBlock(blocks)
+
+
+def save_series(frames: Sequence[Frame], parameters: Parameters, folder: str | PathLike[str]) -> None:
+    """Write states for ParaView, see ``Run.save_vtk``."""
+    from tissue.runs.tables import cell_table
+
+    place = checked_path("folder", folder)
+    series: dict[str, list[dict[str, Any]]] = {}
+    place.mkdir(parents=True, exist_ok=True)
+    for number, frame in enumerate(frames):
+        blocks = to_vtk(frame)
+        numbers = cell_table([frame], parameters).select_dtypes(["number", "bool"])
+        blocks["nuclei"].point_data.update({name: column.to_numpy() for name, column in numbers.items()})
+        for name in blocks.keys():  # noqa: SIM118
+            file = f"{name}_{number:04d}.vtp"
+            blocks[name].save(place / file)
+            series.setdefault(name, []).append({"name": file, "time": frame.t})
+    for name, files in series.items():
+        write_text(place / f"{name}.vtp.series", json.dumps({"file-series-version": "1.0", "files": files}, indent=1))
+
+
+def _coloured(frame: Frame, parameters: Parameters) -> Any:
+    """Return the blocks with the ``colour`` of cells on nuclei and on the corners of apical triangles."""
+    blocks, sheets = to_vtk(frame), _sheets(frame)
+    colours = shades(colours_of_cells(frame, parameters, event_colours([frame]))[0].tolist())[: len(frame.cells.x)]
+    blocks["nuclei"].point_data["colour"] = colours
+    blocks["apical"].point_data["colour"] = colours[sheets.apical.triangles.ravel()]
+    return blocks
 
 
 def view(
@@ -107,7 +143,7 @@ def _rendered(
     plotter: Any = library.Plotter(off_screen=True, window_size=list(SIZE), lighting="light kit")
     plotter.enable_anti_aliasing("ssaa")
     plotter.enable_parallel_projection()
-    bounds = to_vtk(frames[-1], parameters).bounds
+    bounds = _coloured(frames[-1], parameters).bounds
     try:
         for k, frame in enumerate(frames, 1):
             plotter.clear_actors()
@@ -124,7 +160,7 @@ def _rendered(
 
 def _add(plotter: Any, library: Any, frame: Frame, parameters: Parameters) -> None:
     """Add a state to the scene; inside of a surface that bends the half behind the section alone."""
-    blocks, sheets, um = to_vtk(frame, parameters), _sheets(frame), parameters.cell.soft_radius.value
+    blocks, sheets, um = _coloured(frame, parameters), _sheets(frame), parameters.cell.soft_radius.value
     if sheets.surface.side < 0.0:
         blocks = {name: blocks[name].clip("z", value=0.0) for name in blocks.keys()}  # noqa: SIM118
     ball = library.Sphere(radius=1.0, theta_resolution=20, phi_resolution=20)

@@ -37,16 +37,6 @@ if TYPE_CHECKING:
 
 
 POINTS = 721  # of a basal layer that bends
-BESIDE, AWAY = 15.0, 4.5  # points from the mark at arclength 0 to its label, along the layer and away from the tissue
-BEGIN: dict[str, Any] = {"marker": "D", "markersize": 6, "color": BASAL, "markerfacecolor": "white", "zorder": 5.5}
-LABEL: dict[str, Any] = {
-    "textcoords": "offset points",
-    "fontsize": 7,
-    "color": BASAL,
-    "ha": "center",
-    "va": "center",
-    "annotation_clip": False,
-}
 FULL, THINNEST = 3.5, 0.25  # points per um from which on lines have their full width; what is left of it at least
 LEAST_CROSS = 0.6  # of the size of the crosses
 
@@ -60,12 +50,6 @@ def draw_basal_layer(panel: Axes, curve: BasalCurve, um: float) -> None:
         return
     x, y = um * curve.evaluate(np.linspace(0.0, curve.length, POINTS) - curve.origin)[0]
     panel.plot(x, y, color=BASAL, linewidth=1.2, zorder=1)
-    # Where the arclength of tables begins; the label is on the side without tissue.
-    (begin_x, begin_y), (along_x, along_y), _ = curve.evaluate(np.zeros(1))
-    begin = um * float(begin_x[0]), um * float(begin_y[0])
-    panel.plot(*begin, **BEGIN)
-    tangent, normal = np.ravel((along_x, along_y)), np.ravel((-along_y, along_x))
-    panel.annotate("s = 0", begin, tuple(BESIDE * tangent - AWAY * normal), **LABEL)
     if curve.around:
         inside = curve.area > 0
         panel.axhspan(low, high, color=BELOW if inside else "white", linewidth=0, zorder=0)

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from dincl.plotting import log_ticks
-from tissue.pictures.charts import CAP, CHART_STYLE, NARROW, WIDTH, page, verbatim
+from tissue.pictures.charts import CAP, CHART_STYLE, page, verbatim
 from tissue.pictures.sheet import Axes, Figure, style
 from tissue.study.answers import outcome_name, scenario_means
 from tissue.study.categories import EXTREME
@@ -25,7 +25,7 @@ MOST_PLAIN = 1e6  # ratio of the ends of an axis up to which its numbers are pla
 PLUS, MINUS, PLAIN = "#2c6fbb", "#8a8a8a", "#222222"
 
 
-def effect_figure(results: Results, row: Mapping[str, Any], weights: Weights, width: float = WIDTH) -> Figure:
+def effect_figure(results: Results, row: Mapping[str, Any], weights: Weights) -> Figure:
     """Draw an answer: the means of its scenarios, with 95 % intervals of each alone, and the effect with its interval.
 
     Parameters
@@ -36,19 +36,12 @@ def effect_figure(results: Results, row: Mapping[str, Any], weights: Weights, wi
         Of ``tissue.study.answers.answer_table``, with an answer.
     weights
         Of its scenarios.
-    width
-        Of the figure [in]; in a narrow one the effect stands below.
     """
     means = scenario_means(results, [row["outcome"]]).set_index("scenario")
     table, percent = means.loc[list(weights)], 100 if row["outcome"] in EXTREME else 1
     with style(**CHART_STYLE):
-        height = LINE * max(2, len(table))
-        if width > NARROW:
-            figure = page(AROUND + height, width)
-            left, right = figure.subplots(1, 2, width_ratios=(3, 2))
-        else:
-            figure = page(2 * AROUND + 1.5 * height, width)
-            left, right = figure.subplots(2, 1, height_ratios=(2, 1))
+        figure = page(AROUND + LINE * max(2, len(table)))
+        left, right = figure.subplots(1, 2, width_ratios=(3, 2))
         colours = [PLUS if weights[str(name)] > 0 else MINUS for name in table.index]
         _dots(left, percent * table, colours)
         left.set_yticks(range(len(table)), [verbatim(str(name)) for name in table.index])

@@ -42,7 +42,6 @@ def write_fit_page(results: FitResults, folder: Path) -> Path:
         calibration=round(100 * results.emulator.calibration()),
         base=fit.base.as_toml(),
         image=image,
-        width=WIDTH,
     )
     write_text(path, text)
     return path
@@ -75,12 +74,12 @@ def shown_sensitivity(table: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame({"output": table["output"], "parameter": table["parameter"], **ends, "chance": chance})
 
 
-def pairs(results: FitResults, width: float = WIDTH) -> Figure:
+def pairs(results: FitResults) -> Figure:
     """Draw the posterior of each parameter, and of each pair."""
     ranges, drawn = results.fit.ranges, (1 + results.posterior.drawn(DRAWS)) / 2
     d, bins = len(ranges), np.linspace(0, 1, BINS + 1)
     with style(**CHART_STYLE | {"axes.grid": False}):
-        figure = page(SIDE * d + 0.4, min(width, 2.6 * d + 0.8))
+        figure = page(SIDE * d + 0.4, min(WIDTH, 2.6 * d + 0.8))
         panels: Any = figure.subplots(d, d, squeeze=False)
         for i, j in np.ndindex(d, d):
             panel: Axes = panels[i, j]
@@ -102,12 +101,12 @@ def pairs(results: FitResults, width: float = WIDTH) -> Figure:
     return figure
 
 
-def predicted(results: FitResults, width: float = WIDTH) -> Figure:
+def predicted(results: FitResults) -> Figure:
     """Draw the data over what the fitted model gives, a panel for each measure."""
     table = results.predicted()
     measures = list(dict.fromkeys(table["measure"]))
     with style(**CHART_STYLE):
-        figure, panels = grid(measures, HEIGHT, x=TIME, width=width)
+        figure, panels = grid(measures, HEIGHT, x=TIME)
         for name, panel in zip(measures, panels, strict=True):
             rows = table[table["measure"] == name].sort_values("time_h")
             t, middle = rows["time_h"], rows["mean"]

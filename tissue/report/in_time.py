@@ -12,7 +12,6 @@ from tissue.pictures.charts import (
     POSITION,
     RATIO,
     TIME,
-    WIDTH,
     draw_time_series,
     grid,
     legend,
@@ -32,24 +31,24 @@ BAND = "#4a4a4a"
 WIDEST, LEAST = (-2.0, 3.0), (-0.3, 1.3)  # of the scale, shown at most and at least
 
 
-def ratios_against_time(results: Results, scenarios: Sequence[str], width: float = WIDTH) -> Figure:
+def ratios_against_time(results: Results, scenarios: Sequence[str]) -> Figure:
     """Draw r(t) of (4.7) of the EMT cells in a panel for each of these scenarios, which have such cells."""
     with style(**CHART_STYLE):
-        figure, panels = grid(scenarios, HEIGHT, x=TIME, y=RATIO, width=width, sharey=True)
+        figure, panels = grid(scenarios, HEIGHT, x=TIME, y=RATIO, sharey=True)
         for scenario, panel in zip(scenarios, panels, strict=True):
             draw_time_series(panel, results.cells(scenario), results.runs(scenario))
         legend(figure, time_series_entries())
     return figure
 
 
-def positions(results: Results, scenarios: Sequence[str], width: float = WIDTH) -> Figure:
+def positions(results: Results, scenarios: Sequence[str]) -> Figure:
     """Draw y_AB (3.3.1) against time by scenario: median, half and nine tenths of the cells.
 
     The scenarios have EMT cells. The axis has nine tenths of the cells of each.
     """
     low, high = LEAST
     with style(**CHART_STYLE):
-        figure, panels = grid(scenarios, HEIGHT, x=TIME, y=f"position {POSITION}", width=width, sharey=True)
+        figure, panels = grid(scenarios, HEIGHT, x=TIME, y=f"position {POSITION}", sharey=True)
         for panel, scenario in zip(panels, scenarios, strict=True):
             cells = results.cells(scenario)
             times = kept_times(cells)

@@ -17,16 +17,14 @@ from markupsafe import Markup
 from dincl.errors import InvalidProblem
 from dincl.files import read_bytes, write_text
 from tissue.frames.observables import measurable
-from tissue.pictures.charts import NARROW, WIDTH
 from tissue.pictures.emt import event_colours, label_of
 from tissue.pictures.movie import small_movie
 from tissue.pictures.picture import stills
 from tissue.pictures.sheet import COLOURS, Figure, webp, write
-from tissue.report.at_end import at_end
 from tissue.report.effects import effect_figure
-from tissue.report.examples import example_figure, examples, frames
 from tissue.report.in_time import positions, ratios_against_time
 from tissue.runs.simulate import simulate
+from tissue.state.surface import SPHERE
 from tissue.study.answers import (
     NO_ANSWER,
     answer_table,
@@ -40,6 +38,7 @@ from tissue.study.answers import (
 from tissue.study.store import COPY
 
 if TYPE_CHECKING:
+    from tissue.frames.frame import Frame
     from tissue.study.read import Results
 
 
@@ -54,7 +53,7 @@ class Drawable(NamedTuple):
 
     name: str  # of its file
     title: str
-    draw: Callable[[float], Figure]  # of the width [in]
+    draw: Callable[[], Figure]
     caption: str = ""
 
 
@@ -77,10 +76,9 @@ class Movie(NamedTuple):
 
 
 def figures(results: Results) -> Iterator[Drawable]:
-    """Give the figures of a study that can be drawn: its answers, all scenarios together, examples of each."""
+    """Give the figures of a study that can be drawn: its answers, and all scenarios together."""
     yield from (one.figure for one in _answers(results) if one.figure is not None)
     yield from _of_scenarios(results)
-    yield from _examples(results)
 
 
 def write_figures(results: Results, kind: str) -> Iterator[Path]:
@@ -96,7 +94,7 @@ def write_figures(results: Results, kind: str) -> Iterator[Path]:
         path = home / f"{one.name}.{kind}"
         try:
             home.mkdir(exist_ok=True)
-            write(one.draw(WIDTH), path)
+            write(one.draw(), path)
         except OSError as error:
             raise InvalidProblem(f"{home}: must be a folder that can be written to: {error}") from error
         yield path
@@ -136,14 +134,12 @@ def write_page(results: Results, path: Path | None = None) -> Path:
         colours=COLOURS | {label_of(name): one for name, one in events.items()},
         ends=html_table(shares_shown(results)),
         figures=list(_of_scenarios(results)),
-        examples=list(_examples(results)),
         changes=html_table(scenario_changes(results).replace("nan", "not set")),
         parameters={name: results.parameters(name).as_toml() for name in study.scenarios},
         # A link could lead to any file of the user, and pages are sent to others.
         copy=read_bytes(copy).decode() if copy.is_file() and not copy.is_symlink() else "",
         origin=results.origin,
         image=image,
-        widths=(WIDTH, NARROW),
     )
     write_text(file, text)
     return file
@@ -178,15 +174,6 @@ def _of_scenarios(results: Results) -> Iterator[Drawable]:
     if names := [name for name in _stored(results) if not results.cells(name, ["replicate"]).empty]:
         yield Drawable("positions", "Positions of EMT cells in time", partial(positions, results, names))
         yield Drawable("ratios", "Ratios of extrusion in time", partial(ratios_against_time, results, names))
-        yield Drawable("at_end", "Ratios of extrusion at the end", partial(at_end, results, names))
-
-
-def _examples(results: Results) -> Iterator[Drawable]:
-    """Give pictures of stored runs, by scenario."""
-    for number, scenario in enumerate(results.study.scenarios, 1):
-        if scenario in _stored(results) and (shown := examples(results, scenario)):
-            draw = partial(example_figure, shown.values(), results.parameters(scenario))
-            yield Drawable(f"examples_{number}", scenario, draw, f"Replicate {' and '.join(map(str, shown))}.")
 
 
 def _stored(results: Results) -> list[str]:
@@ -195,23 +182,20 @@ def _stored(results: Results) -> list[str]:
 
 
 def _movie(results: Results, scenario: str) -> Movie | None:
-    """Return a movie of the first run that did not fail; None without one, or if it would take minutes to make."""
+    """Return a movie of the first run that did not fail, which is made again; None without one.
+
+    In three dimensions it is a section through the first EMT cell.
+    """
     if scenario not in _stored(results):
         return None
     runs, parameters = results.runs(scenario, ["replicate", "seed", "status"]), results.parameters(scenario)
     first = runs[runs["status"] == "SUCCESS"].iloc[0]
-    if int(first["replicate"]) in results.study.trajectories:
-        table = results.trajectory(scenario, int(first["replicate"]))
-        states = frames(table, sorted(table["time_h"].unique()), parameters)
-    elif parameters.in_space:
-        return None
-    else:  # a slice is made again in a second
-        dt = parameters.numerics.dt.value
-        keep = max(1, round(parameters.t_end / dt / (PICTURES - 1))) * dt
-        often = parameters.changed({"numerics.keep": f"{keep:.12g} h"})
-        with warnings.catch_warnings(action="ignore"):  # of folded layers the page says so
-            states = measurable(simulate(often, int(first["seed"]), throw=False).frames)
-    chosen = [states[k] for k in np.unique(np.linspace(0, len(states) - 1, PICTURES).round().astype(int))]
+    dt = parameters.numerics.dt.value
+    keep = max(1, round(parameters.t_end / dt / (PICTURES - 1))) * dt
+    often = parameters.changed({"numerics.keep": f"{keep:.12g} h"})
+    with warnings.catch_warnings(action="ignore"):  # of folded layers the page says so
+        states = measurable(simulate(often, int(first["seed"]), throw=False).frames)
+    chosen = [_through_emt(states[k]) for k in np.unique(np.linspace(0, len(states) - 1, PICTURES).round().astype(int))]
     images = list(stills(chosen, parameters, MOVIE_WIDTH, with_legend=False))
     ratio = images[0].shape[1] / images[0].shape[0]
     return Movie(
@@ -219,9 +203,18 @@ def _movie(results: Results, scenario: str) -> Movie | None:
     )
 
 
-def image(figure: Drawable, width: float) -> str:
+def _through_emt(frame: Frame) -> Frame:
+    """Move a sheet or cylinder along z, where all is the same, so that z = 0 is at its first EMT cell."""
+    cells = frame.cells
+    if frame.sheets is None or frame.sheets.surface.bends == SPHERE or not (cells.emt >= 0).any():
+        return frame
+    z = cells.z[cells.emt >= 0][0]
+    return frame._replace(cells=cells._replace(z=cells.z - z, az=cells.az - z, bz=cells.bz - z))
+
+
+def image(figure: Drawable) -> str:
     """Return a WebP image of a figure in base64."""
-    return b64encode(webp(figure.draw(width), DPI)).decode()
+    return b64encode(webp(figure.draw(), DPI)).decode()
 
 
 def html_table(table: pd.DataFrame) -> Markup:

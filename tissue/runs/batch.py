@@ -23,7 +23,7 @@ from tissue.runs.resume import checkpoint_of, resumed, steps_made
 from tissue.runs.run import Run
 from tissue.runs.stability import LOOKS, stability_fault, surely_stable, swings
 from tissue.runs.start import started
-from tissue.state.cells import COORDINATES, DEPTHS, DTYPES, Cells
+from tissue.state.cells import COORDINATES, DEPTHS, DTYPES, VARIABLES, Cells
 from tissue.state.checkpoint import Separation, Streams, TissueCheckpoint, generator_states, streams
 from tissue.state.mesh import kept
 from tissue.state.running import APICAL, CELLS, COUNTERS, NEXT_ID, TissueState, contents, copied
@@ -33,7 +33,7 @@ WATCH = UserFunction("watch", ("t",), Status.FUNCTION_FAILED)
 # Steps of one cell between two questions whether to go on: a tenth of a second.
 ASKED = 10_000
 # Numbers of a cell that are not its points, and those of them that rules set without its points.
-LASTING = tuple(name for name in Cells._fields if name not in (*COORDINATES, *DEPTHS, *DTYPES))
+LASTING = tuple(name for name in Cells._fields[:-1] if name not in (*COORDINATES, *DEPTHS, *DTYPES))
 GIVEN = ("stiff_ax", "stiff_bx", "stiff_axb", "stiff_aa", "radius")
 
 
@@ -210,7 +210,8 @@ class Batch:
         state = self.state(k)
         if (lost := find_lost(state)) >= 0:
             where = f"cell {state.cells.id[lost]} has a coordinate that is not finite, or beyond {LOST:g} R_soft"
-            return Status.NON_FINITE, where
+            group, lane = self._at(k)
+            return Status.NON_FINITE, f"{blamed}; {where}" if (blamed := group.blamed(lane)) else where
         if self.parameters.in_space:
             return (
                 Status.NETWORK_TORN,
@@ -248,8 +249,12 @@ class Batch:
         Stiffness, radius and the rest length of a junction must not be negative.
         """
         for group in (group for group in self._groups if group.users):
-            for state, ended in zip(group.states, group.ended, strict=False):
-                for name in LASTING:
+            for state, ended, own in zip(group.states, group.ended, group.own, strict=False):
+                kind, most = state.cells.kind[: state.sizes[CELLS]], len(own.kinds)
+                if len(bad := np.flatnonzero((kind < 0) | (kind > most))):
+                    made = f"set cells.kind of cell {state.cells.id[bad[0]]} to {kind[bad[0]]}, until t = {t:g} h"
+                    together(group.users).refuse(f"{made}: must be from 0 to {most}, 2 being the first of [types].")
+                for name in (*LASTING, *VARIABLES):
                     values = getattr(state.cells, name)[: state.sizes[CELLS]]
                     wrong = ~np.isfinite(values) & (ended == RUNNING or name in GIVEN)
                     if length := name in (*GIVEN, "rest_aa"):

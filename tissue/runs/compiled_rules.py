@@ -2,23 +2,38 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from traceback import walk_tb
+from types import FunctionType
 from typing import Any
 
 import numpy as np
 
 from dincl.callables import UserFunction
 from dincl.compiled import StructPointer, collect_errors
+from dincl.errors import FunctionFailed
 from dincl.status import Status
 from tissue.events.division import BESIDE
 from tissue.events.known import BUILT_IN, acting, bit, events
 from tissue.kernels.rules import BEGIN, LAST, PLACE, RULES, SPLITS, Rules, address_of
 from tissue.plugins import POINTS, DivisionRule, EmtEvent, Force
-from tissue.state.cells import Floats, Integers
+from tissue.state.cells import Integers
 from tissue.state.running import TissueState
-from tissue.step.user_forces import ENERGY, PART, PUSH, USER_FORCES, UserForces, evaluate_forces, follow_forces
+from tissue.step.user_forces import (
+    ENERGY,
+    PART,
+    PART_IN_SPACE,
+    PUSH,
+    USER_FORCES,
+    UserForces,
+    evaluate_forces,
+    evaluate_in_space,
+    follow_forces,
+    follow_in_space,
+)
 
 # The functions that events, rules and forces may have: how compiled code calls them, and their arguments in messages.
 FUNCTIONS: dict[str, tuple[Any, tuple[str, ...]]] = {
@@ -29,6 +44,25 @@ FUNCTIONS: dict[str, tuple[Any, tuple[str, ...]]] = {
     "push": (PUSH, ("state", "on", "strength", "numbers")),
     "energy": (ENERGY, ("state", "strength", "numbers")),
 }
+# What numba says, and what it means to a user, of which the first that is found counts.
+MEANINGS = (
+    (
+        r"Unknown attribute '(\w+)'",
+        "there is no field {0}, nor a variable or parameter of this name that is registered",
+    ),
+    (r"Untyped global name '(\w+)'[^<]*<class 'function'>", "{0} is plain Python: mark helpers with @tissue.inner"),
+    (r"Untyped global name '(\w+)'", "{0} is neither a number nor an array nor a function marked with @tissue.inner"),
+    (r"name '(\w+)' is not defined", "{0} is not defined"),
+    (
+        r"NRT required|Only accept returning of array",
+        "an array, list or text is made: use numbers, or a tissue.Variable",
+    ),
+    (r"No definition for lowering Struct\(.*\)\.(\w+) = ", "{0} cannot be replaced: write to entries of arrays"),
+    (r"given, but function takes (\d+)", "the function takes {0} arguments, not these"),
+    (r"No implementation of function \S+ ?\S* ?(\w+)>\) found", "{0} does not take these values"),
+    (r"(Cannot unify \w+ and \w+)", "a name is of two kinds, such as a number and a text: {0}"),
+)
+PAGE = "functions are numbers, loops, math and the arrays of the state, see docs/extend/cell.md"
 # A function of a user for messages, and its file and name, by which tracebacks know it.
 Known = tuple[UserFunction, tuple[str, str]]
 # By the addresses of their machine code.
@@ -37,12 +71,13 @@ _USERS: dict[int, Known] = {}
 
 def rules_pointer(states: Sequence[TissueState], division: DivisionRule = BESIDE) -> Any:
     """Return the rules of tissues that are stepped together, as a struct; of the events those that begin in one of
-    them.
+    them, or that these start.
     """
-    used = [
-        event if any(np.isfinite(state.emt.at[k : k + 1]).any() for state in states) else None
-        for k, event in enumerate(events())
+    timed = [
+        event for k, event in enumerate(events()) if any(np.isfinite(state.emt.at[k : k + 1]).any() for state in states)
     ]
+    names = {name for event in timed for name in (event.name, *event.starts)}
+    used = [event if event.name in names else None for event in events()]
     (splits,), (place,) = code_of("splits", [division]), code_of("place", [division])
     order = np.array(acting(), np.int64)
     apical, basal = (sum(bit(event.name) for event in events() if event.frees == point) for point in POINTS)
@@ -50,15 +85,11 @@ def rules_pointer(states: Sequence[TissueState], division: DivisionRule = BESIDE
     return StructPointer(Rules(order, begin, last, int(splits), int(place), apical, basal), RULES)
 
 
-def forces_pointer(
-    forces: Sequence[Force], strengths: Floats, states: Integers, numbers: Integers, scale: Floats
-) -> Any:
-    """Return the forces of users with their strengths, (forces, tissues), for tissues and numbers at these addresses;
-    ``scale`` = h / mu of each tissue.
-    """
-    push = code_of("push", forces)
-    parts = (address_of(PART, evaluate_forces), address_of(PART, follow_forces))
-    return StructPointer(UserForces(push, strengths, states, numbers, scale, *parts), USER_FORCES)
+def forces_pointer(forces: Sequence[Force], *of_tissues: Any, in_space: bool) -> Any:
+    """Return the forces of users; ``of_tissues``: strengths to ``blame`` of ``UserForces``."""
+    parts = (evaluate_in_space, follow_in_space) if in_space else (evaluate_forces, follow_forces)
+    addresses = (address_of(PART_IN_SPACE if in_space else PART, part) for part in parts)
+    return StructPointer(UserForces(code_of("push", forces), *of_tissues, *addresses), USER_FORCES)
 
 
 def code_of(part: str, things: Sequence[EmtEvent | DivisionRule | Force | None]) -> Integers:
@@ -76,10 +107,21 @@ def code_of(part: str, things: Sequence[EmtEvent | DivisionRule | Force | None])
         except MemoryError:
             raise
         except Exception as error:
-            raise known.failed(error, "cannot be compiled:") from error
+            how = f"cannot be compiled: {_meaning(str(error), function)}; {PAGE}."
+            raise FunctionFailed(known.status, f"{known.name}({', '.join(arguments)}) {how}") from error
         if thing not in BUILT_IN and thing is not BESIDE:
             _USERS[int(code[k])] = known, (function.__code__.co_filename, function.__code__.co_name)
     return code
+
+
+def _meaning(said: str, function: FunctionType) -> str:
+    """Return the line of a function of a user that numba refuses, and why."""
+    path = Path(function.__code__.co_filename)
+    found = re.search(rf'File "[^"]*{path.name}", line (\d+)|{path.name}[ :](?:\()?(\d+)', said)
+    line = next(filter(None, found.groups())) if found else function.__code__.co_firstlineno
+    lines = [one for one in map(str.strip, said.splitlines()) if one and not one.startswith("Failed in nopython")]
+    meanings = (text.format(*match.groups()) for known, text in MEANINGS if (match := re.search(known, said)))
+    return f"{path.name}, line {line}: {next(meanings, lines[0] if lines else 'numba refuses it')}"
 
 
 def users_of(rules: Any = None, more: Sequence[int] | Integers = ()) -> list[Known]:

@@ -12,6 +12,7 @@ from tissue.plugins import Force
 from tissue.rules.slice import in_plane
 from tissue.runs.compiled_rules import answered, code_of, users_of
 from tissue.runs.run import Run
+from tissue.runs.start import space_of
 from tissue.state.basal_curve import curve_numbers
 from tissue.state.cells import Floats
 from tissue.state.numbers import Numbers, numbers_pointer
@@ -52,8 +53,10 @@ def force_error(force: Force, run: Run, strength: float = 1.0) -> float:
     frame = measurable(run.frames)[-1]
     past = frame.past
     curve, n = curve_numbers(frame.curve), len(frame.cells.x)
-    state = new_state(frame.cells, frame.layers, past.next_id, past.emt, capacity=n, curve=curve, space=in_plane())
-    slopes, forces = np.zeros((2, 6, len(frame.cells.x)))
+    space = in_plane() if frame.sheets is None else space_of(frame.sheets, run.parameters.joining(), n)
+    state = new_state(frame.cells, frame.layers, past.next_id, past.emt, capacity=n, curve=curve, space=space)
+    state.clock[:] = frame.t
+    slopes, forces = np.zeros((2, 6 if frame.sheets is None else 9, n))
     (push,), (energy,) = code_of("push", [force]), code_of("energy", [force])
     numbers = numbers_pointer(run.parameters.numbers())
     with answered(users_of(more=(push, energy))):
@@ -70,14 +73,15 @@ def force_error(force: Force, run: Run, strength: float = 1.0) -> float:
 def _compare(
     addresses: tuple[int, int], state: TissueState, strength: float, numbers: Numbers, slopes: Floats, forces: Floats
 ) -> None:
-    """Compute the forces on the points of n cells, and the slopes of the energy there, each (6, n)."""
+    """Compute the forces on the points of n cells, and the slopes of the energy there, each (6, n), in space (9, n)."""
     push, energy = addresses
     cells, on = state.cells, state.on
     clear(state)
     call_push(push, state, on, strength, numbers)
     pairs = (cells.x, on.x), (cells.y, on.y), (cells.ax, on.ax), (cells.ay, on.ay), (cells.bx, on.bx), (cells.by, on.by)
-    for row, (z, force) in enumerate(pairs):
-        for i in range(state.sizes[CELLS]):
+    deep = (cells.z, on.z), (cells.az, on.az), (cells.bz, on.bz)
+    for row, (z, force) in enumerate(pairs + deep):
+        for i in range(state.sizes[CELLS] if row < len(slopes) else 0):
             here = z[i]
             z[i] = high = here + SHIFT
             above = call_energy(energy, state, strength, numbers)

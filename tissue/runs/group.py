@@ -97,6 +97,7 @@ class Group:
         self.own, self._keep = list(own) or [same] * len(self.states), random
         places = [*range(len(self.states)), *[len(self.states) - 1] * (width - len(self.states))]  # the last one fills
         self._lanes = [self.own[k] for k in places]
+        self._blame = np.zeros((2, width), np.int64)
         self._pointers = [numbers_pointer(one.numbers, one.named) for one in self._lanes]
         self._rules = rules_pointer(self.states, division)
         words = [[generator_words(one.cycle), generator_words(one.noise)] for one in random]
@@ -148,6 +149,11 @@ class Group:
         group.ended[:] = self.ended
         return group
 
+    def blamed(self, lane: int) -> str:
+        """Name the force of a user that was the first not to be finite in a tissue, and the cell; "" for none."""
+        number, cell = self._blame[:, lane]
+        return f"Force {self.forces[number - 1][0].name}: push is not finite on cell {cell}" if number else ""
+
     @property
     def pairs(self) -> int:
         """Count the pairs of cells looked at for the repulsion; of tissues side by side those of all at once."""
@@ -161,14 +167,14 @@ class Group:
         addresses = [state.address for state in self.states]
         states = np.array(addresses + addresses[-1:] * (width - len(addresses)))
         first, capacity = self.states[0], max(len(state.cells.x) for state in self.states)
-        in_plane = first.space.dimension == FLAT
+        in_plane, forces = first.space.dimension == FLAT, 0
         push: Integers = np.zeros(0, np.int64)
+        if self.forces:
+            strengths = np.array([one.strengths for one in self._lanes]).T.copy()
+            of_tissues = strengths, states, of_numbers, scales, self._blame
+            self._own = forces_pointer([force for force, _ in self.forces], *of_tissues, in_space=not in_plane)
+            forces, push = self._own.address, self._own.value.push
         if in_plane:
-            forces = 0
-            if self.forces:
-                strengths = np.array([one.strengths for one in self._lanes]).T.copy()
-                self._own = forces_pointer([force for force, _ in self.forces], strengths, states, of_numbers, scales)
-                forces, push = self._own.address, self._own.value.push
             kinds = [one.kinds for one in self._lanes]
             self._workspaces: Any = Workspaces(capacity, width, kinds, scales, first.curve, forces)
         else:
@@ -180,6 +186,7 @@ class Group:
                 repulsion=numbers.scale * numbers.repulsion,
                 max_basal_distance=numbers.max_basal_distance,
                 deviation=math.sqrt(numbers.substep_variance),
+                forces=forces,
             )
         self.users = users_of(self._rules, push)
         step = StepInput(

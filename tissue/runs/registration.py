@@ -1,4 +1,4 @@
-"""How users add to the tissue: events, forces, observables, rules of divisions, from modules of their own."""
+"""How users add to the tissue, from modules of their own."""
 
 from __future__ import annotations
 
@@ -12,23 +12,29 @@ from dincl.compiled.cache import PACKAGES, sources
 from dincl.errors import InvalidProblem
 from tissue.events.division import BESIDE
 from tissue.events.known import BUILT_IN, events
-from tissue.plugins import DivisionRule, EmtEvent, Force, Observable, registered, registry
+from tissue.files.sections import Own
+from tissue.plugins import DivisionRule, EmtEvent, Force, Observable, Parameter, Variable, registered, registry
 from tissue.runs.tables import SUMMARY_NAMES
+from tissue.state.cells import Cells
+from tissue.state.numbers import Numbers
 
 # What there may be of each kind: sets of events are bits, and pictures have a colour for each set.
 MOST = 8
-KINDS = (EmtEvent, Observable, DivisionRule, Force)
+# Names that variables and parameters do not take.
+FIELDS, NUMBERS = frozenset(dir(Cells)), frozenset((*dir(Numbers), *dir(Own), "modules"))
+KINDS = (EmtEvent, Observable, DivisionRule, Force, Variable, Parameter)
 
 
 def register(*things: Any) -> None:
-    """Add events, forces, observables or division rules, by name; again from the same file takes their places.
+    """Add what users make, by name; again from the same file takes its place.
 
     Parameters
     ----------
     things
         Each an ``EmtEvent``, ``Force``, ``Observable`` or ``DivisionRule``, whose functions stand at top level of a
-        file. Called from that file, ``register`` is called again wherever the file is imported: parameters that list
-        it, ``own.modules = ["my_module.py"]``, do so in every process.
+        file, or a ``Variable`` or ``Parameter``, which they use. Called from that file, ``register`` is called again
+        wherever the file is imported: parameters that list it, ``own.modules = ["my_module.py"]``, do so in every
+        process.
 
     Raises
     ------
@@ -51,7 +57,7 @@ def _check(thing: Any) -> None:
         if not Path(function.__code__.co_filename).is_file() or "<" in function.__qualname__:
             raise InvalidProblem(f"{kind.__name__} {thing.name}: {function!r} must stand at top level of a file")
     taken = {one.name for one in (*BUILT_IN, BESIDE) if isinstance(one, kind)}
-    taken |= SUMMARY_NAMES if kind is Observable else frozenset()
+    taken |= {Observable: SUMMARY_NAMES, Variable: FIELDS, Parameter: NUMBERS}.get(kind, frozenset())
     if thing.name in taken or (thing.name in mine and _files(mine[thing.name]) != _files(thing)):
         raise InvalidProblem(f"{kind.__name__} {thing.name}: must have another name, this one is taken")
     if isinstance(thing, EmtEvent):
@@ -63,6 +69,9 @@ def _check(thing: Any) -> None:
         if thing.after is not None and thing.after not in before:
             must = f"must wait for another one of {', '.join(before)}"
             raise InvalidProblem(f"EmtEvent {thing.name}: after = {describe(thing.after)}: {must}")
+        if not {*thing.starts} <= {*before}:
+            must = f"must be names among {', '.join(before)}"
+            raise InvalidProblem(f"EmtEvent {thing.name}: starts = {describe(thing.starts)}: {must}")
     if thing.name not in mine and len(mine) == MOST:
         raise InvalidProblem(f"{kind.__name__} {thing.name}: must be one of {MOST} at most, these are there")
 

@@ -66,7 +66,7 @@ def resumed(parameters: Parameters, start: Frame, seed: int) -> tuple[TissueStat
     capacity = 2 * len(cells.x)
     space = in_plane() if start.sheets is None else space_of(start.sheets, parameters.joining(), capacity)
     state = new_state(cells, start.layers, past.next_id, emt, capacity=capacity, curve=curve, space=space)
-    state.counts[:] = past.counts
+    state.counts[:], state.clock[:] = past.counts, start.t
     lost = find_lost(state)
     if lost >= 0:
         raise InvalidProblem(
@@ -82,7 +82,7 @@ def _refuse_other(parameters: Parameters, start: Frame, past: TissueCheckpoint, 
     drawn = {*OF_GROUPS, *(event.name for event in events())}
     for key in dict.fromkeys((*mine, *theirs)):
         section, _, name = key.rpartition(".")
-        of_group = ((section in UNNAMED or section.startswith("types.")) and name in drawn) or key == "events.together"
+        of_group = (section in UNNAMED or section.startswith("types.")) and name in drawn
         fixed = key in ("cell.soft_radius", "tissue.dimension") or section == "layer"
         if (fixed or (of_group and not of_controls)) and mine.get(key) != theirs.get(key):
             was = "left out" if key not in theirs else f"{describe(theirs[key])}"
@@ -130,7 +130,7 @@ def _stiffen(parameters: Parameters, cells: Cells) -> None:
 def _with_groups(parameters: Parameters, start: Frame, cells: Cells, random: Streams) -> Emt:
     """Give a tissue of control cells the groups of the parameters; return the EMT cells."""
     n = len(cells.x)
-    check_groups(parameters.types.named(), n, parameters.emt.cells)
+    check_groups(parameters.types.named(), n, parameters.emt)
     lattice = None
     if start.sheets is not None:
         lattice = Lattice(start.sheets.surface, np.stack((cells.bx, cells.by, cells.bz)), spacing=0.0)

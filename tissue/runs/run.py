@@ -65,7 +65,7 @@ class Run:
 
     def table(self) -> pd.DataFrame:
         """Return one row for each output time and cell: phase, age, positions in um; the columns of
-        ``tissue.runs.tables``.
+        ``tissue.runs.columns``.
         """
         from tissue.runs.tables import cell_table
 
@@ -73,15 +73,11 @@ class Run:
 
     def summary(self) -> pd.DataFrame:
         """Return one row for each output time: cells, height, widths, extrusions; the columns of
-        ``tissue.runs.tables``.
+        ``tissue.runs.columns``.
         """
         from tissue.runs.tables import summary_table
 
         return summary_table(self.frames, self.parameters)
-
-    def to_frame(self) -> pd.DataFrame:
-        """Return ``table()``."""
-        return self.table()
 
     def plot(self, ax: Axes | None = None, *, t: float | None = None) -> Axes:
         """Draw one saved state to scale, in um.
@@ -103,7 +99,7 @@ class Run:
 
         frame = self._kept(t)
         if ax is None:
-            return drawing([frame], self.parameters).axes[0]
+            return drawing(frame, self.parameters).axes[0]
         instance("ax", ax, Axes, "axes of matplotlib, or None")
         draw_frame(ax, frame, self.parameters)
         return ax
@@ -135,15 +131,46 @@ class Run:
         last = self._kept(t)
         view([frame for frame in self.frames if frame.t <= last.t], self.parameters, file)
 
-    def to_vtk(self, *, t: float | None = None) -> Any:
-        """Return a saved state in three dimensions as a ``pyvista.MultiBlock``, to look at or to save for ParaView.
+    def save_vtk(self, folder: str | PathLike[str]) -> None:
+        """Write all saved states for ParaView: a series NAME.vtp.series for each block of ``Frame.to_vtk``.
 
-        Its blocks are ``nuclei``, points with ``id``, ``radius`` and ``colour``, and the triangles of the networks
-        ``apical`` and ``basal``; lengths in um. Arguments and errors are those of ``view``.
+        ``nuclei`` has the columns of ``table`` that are numbers, besides. Raises MissingLibrary without PyVista, which
+        the extra ``views`` brings.
         """
-        from tissue.pictures.space import to_vtk
+        from tissue.pictures.space import save_series
 
-        return to_vtk(self._kept(t), self.parameters)
+        save_series(measurable(self.frames), self.parameters, folder)
+
+    def to_xarray(self) -> Any:
+        """Return ``table`` and ``summary`` as an ``xarray.Dataset``, with units and meanings as attributes.
+
+        Its dimensions are ``time_h`` and ``id``. A cell that is not there has NaN, or ""; whole numbers and flags of
+        cells are floats. Raises MissingLibrary without xarray, which the extra ``data`` brings.
+        """
+        from tissue.runs.exports import to_xarray
+
+        return to_xarray(self)
+
+    def to_anndata(self, *, t: float | None = None) -> Any:
+        """Return the state at an output time [h], None: the last one, as an ``anndata.AnnData``, a row for each cell.
+
+        ``X`` has the columns of ``table`` that are numbers, with ``unit`` and ``meaning`` in ``var``; ``obs`` has the
+        others, ``obsm["spatial"]`` the nuclei in um, and in three dimensions ``obsp`` the networks:
+        ``apical_rest_um``, rest lengths of the junctions, and ``basal_neighbours``. Raises MissingLibrary without
+        anndata, which the extra ``anndata`` brings.
+        """
+        from tissue.runs.exports import to_anndata
+
+        return to_anndata(self, self._kept(t))
+
+    def networks(self) -> pd.DataFrame:
+        """Return a row for each output time and pair of neighbours of a tissue in three dimensions.
+
+        The columns: docs/reference/columns.md, ``networks``. Raises InvalidProblem for a slice.
+        """
+        from tissue.runs.exports import networks
+
+        return networks(self)
 
     def _kept(self, t: float | None) -> Frame:
         """Return the state kept at time t."""
@@ -161,7 +188,7 @@ class Run:
         from tissue.pictures.picture import drawing
         from tissue.pictures.sheet import webp
 
-        image = b64encode(webp(drawing([self._kept(None)], self.parameters))).decode()
+        image = b64encode(webp(drawing(self._kept(None), self.parameters))).decode()
         remark = f" Folded, so that heights and positions mean nothing: {self.folded}." if self.folded else ""
         return (
             f"<p>{escape(repr(self))} {escape(self.detail)}{escape(remark)}</p>"

@@ -13,6 +13,7 @@ from tissue.events.known import EVENTS
 from tissue.frames.observables import PHASES, areas, measurable, phases, state_of
 from tissue.model.measures import Measures, measure
 from tissue.plugins import Observable, registered
+from tissue.state.cells import VARIABLES
 
 if TYPE_CHECKING:
     from tissue.files.parameters import Parameters
@@ -99,33 +100,10 @@ def cell_table(frames: Iterable[Frame], parameters: Parameters) -> pd.DataFrame:
     A state that is not finite, the last one of a run that left the finite numbers, has no rows. ``y_ab`` is NaN where
     the apical layer is folded (``tissue.model.measures``), but for numerics.folded = "keep".
 
-    The arclength begins where pictures have a mark: at the lowest point of a circle or ellipse around the tissue, the
+    The arclength begins at the lowest point of a circle or ellipse around the tissue, the
     highest one of a tissue outside; in the middle of an open curve through points, at the first point of a closed one.
 
-    ======================================================  ========  ===============================================
-    ``time_h``                                              float64   t
-    ``id``, ``mother``                                      int64     of the cell; of the one it split from, or -1
-    ``phase``                                               category  "G1/S", "G2" or "mitosis", in this order
-    ``age_h``, ``cycle_h``                                  float64   t - t_birth; t_cycle (3.1)
-    ``nucleus_x_um``, ``nucleus_y_um``                      float64   X
-    ``apical_x_um``, ``apical_y_um``                        float64   A
-    ``basal_x_um``, ``basal_y_um``                          float64   B
-    ``hard_radius_um``                                      float64   R_hard at this time
-    ``apical_rest_um``, ``basal_rest_um``                   float64   eta_ax (3.2), eta_bx (3.3), without R_soft
-    ``junction_rest_um``                                    float64   eta_aa (3.6) of the junction to the next cell
-    ``nucleus_z_um``, ``apical_z_um``, ``basal_z_um``       float64   in three dimensions alone: their depths
-    ``nucleus_height_um``, ``nucleus_along_um``             float64   where the layer bends alone: height of X along the
-                                                                      normal, and arclength of the nearest point of the
-                                                                      basal layer, which a sphere does not have
-    ``apical_height_um``, ``apical_along_um``               float64   likewise of A
-    ``basal_height_um``, ``basal_along_um``                 float64   and of B
-    ``y_ab``                                                float64   position on the apical-basal scale (3.3.1)
-    ``in_apical_layer``, ``in_basal_layer``                 bool      whether it has neighbours there
-    ``migrates``, ``divides``                               bool      whether it has INM; may get a second daughter
-    ``emt``                                                 int64     number among the EMT cells; -1: control
-    ``events``                                              str       EMT events that have begun: "", "A", ..., "ABSP"
-    ``type``                                                str       "control", "emt", or the name of a type
-    ======================================================  ========  ===============================================
+    The columns: docs/reference/columns.md, ``table``.
     """
     columns = [dict(_of_cells(frame, parameters)) for frame in measurable(frames)]
     return pd.DataFrame({name: _joined([part[name] for part in columns]) for name in columns[0]})
@@ -138,29 +116,7 @@ def summary_table(frames: Iterable[Frame], parameters: Parameters) -> pd.DataFra
     Where the apical layer is folded, ``folded`` has the reason, see ``tissue.model.measures``, and what means nothing
     then is NaN, but for numerics.folded = "keep": height, y_AB, cells and controls outside, areas.
 
-    ======================================================  ========  ===============================================
-    ``time_h``                                              float64   t
-    ``folded``                                              str       "no", or why height and y_AB mean nothing
-    ``cells``                                               int64     N
-    ``divisions``                                           int64     into two cells of the plane, since the start
-    ``height_um``, ``nucleus_height_um``                    float64   mean height of the apical layer; of the nuclei
-    ``apical_width_um``, ``basal_width_um``                 float64   extent in x of the layers, or the period
-    ``nuclei_width_um``                                     float64   extent in x of the centres of the nuclei
-    ``nuclear_layers``                                      float64   nuclei one above the other, on average: how many
-                                                                      soft discs a vertical line crosses (a normal,
-                                                                      where the layer bends; balls in space)
-    ``mean_y_ab``                                           float64   mean position on the apical-basal scale
-    ``apically_extruded``, ``basally_extruded``             int64     cells with y_AB > 1, with y_AB < 0  (4.3); of a
-                                                                      tube apically: in the lumen, or outside of it
-    ``crossings``                                           int64     pairs of apical junctions, or triangles, that
-                                                                      cross
-    ``backward``                                            float64   part of the apical layer that runs backwards
-    ``stretch``                                             float64   length, or area, of the apical layer over the
-                                                                      larger one of the basal layer and of its
-                                                                      projection on that
-    ``controls_outside``                                    float64   part of the control cells outside
-    ``lumen_area_um2``, ``tissue_area_um2``                 float64   of tubes alone: what they enclose, what they fill
-    ======================================================  ========  ===============================================
+    The columns: docs/reference/columns.md, ``summary``.
     """
     rows: list[dict[str, Any]] = []
     for frame in measurable(frames):
@@ -210,6 +166,7 @@ def _of_cells(frame: Frame, parameters: Parameters) -> Iterator[tuple[str, Any]]
     yield from (("migrates", cells.moves), ("divides", cells.divides))
     yield from (("emt", cells.emt), ("events", np.array([EVENTS[k] for k in begun])[of_cell]))
     yield "type", np.array(parameters.type_names)[cells.kind]
+    yield from ((one.column, row) for one, row in zip(VARIABLES.values(), cells.own, strict=True))
 
 
 # Where the layer bends these, too.

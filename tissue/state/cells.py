@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+if TYPE_CHECKING:
+    from tissue.plugins import Parameter, Variable
+
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Flags = NDArray[np.bool_]
+
+# What users registered, by name: numbers of each cell, of which the k-th is row k of ``Cells.own``, and numbers of all.
+VARIABLES: dict[str, Variable] = {}
+PARAMETERS: dict[str, Parameter] = {}
 
 
 class Cells(NamedTuple):
@@ -47,6 +54,18 @@ class Cells(NamedTuple):
     z: Floats  # in three dimensions the third coordinates of X, A and B; in the plane all are 0
     az: Floats
     bz: Floats
+    own: Floats  # (variables, n): the variables that users registered, each also a field of its name
+
+    @staticmethod
+    def entries() -> dict[str, tuple[str, int]]:
+        """Return the names of variables, which kernels read as fields."""
+        return {name: ("own", k) for k, name in enumerate(VARIABLES)}
+
+    def __getattr__(self, name: str) -> Any:
+        """Return a variable of users, (n,)."""
+        if name in VARIABLES:
+            return self.own[list(VARIABLES).index(name)]
+        raise AttributeError(f"a cell has no field {name!r}")
 
 
 # The types of cells, see ``Cells.kind``: the first named one has the number NAMED.
@@ -87,7 +106,10 @@ DTYPES = {
 
 def empty(capacity: int) -> Cells:
     """Control cells of length ``capacity``, all else zero."""
-    cells = Cells(**{name: np.zeros(capacity, DTYPES.get(name, np.float64)) for name in Cells._fields})
+    cells = Cells(
+        **{name: np.zeros(capacity, DTYPES.get(name, np.float64)) for name in Cells._fields[:-1]},
+        own=np.array([np.full(capacity, one.start) for one in VARIABLES.values()]).reshape(-1, capacity),
+    )
     cells.emt[:] = -1
     return cells
 
@@ -106,7 +128,7 @@ def no_emt() -> Emt:
 
 def first(cells: Cells, n: int) -> Cells:
     """Return a copy of the first n cells."""
-    return Cells._make(array[:n].copy() for array in cells)
+    return Cells._make(array[..., :n].copy() for array in cells)
 
 
 class Forces(NamedTuple):
@@ -121,3 +143,17 @@ class Forces(NamedTuple):
     ay: Floats
     bx: Floats
     by: Floats
+
+
+class PointForces(NamedTuple):
+    """What forces of users add up to, (capacity,), as in ``Forces``; the last three count in space alone."""
+
+    x: Floats
+    y: Floats
+    ax: Floats
+    ay: Floats
+    bx: Floats
+    by: Floats
+    z: Floats
+    az: Floats
+    bz: Floats

@@ -7,6 +7,20 @@ from typing import Any, NamedTuple, get_type_hints
 
 from dincl.compiled import StructPointer, reader, struct_type
 from dincl.compiled.structs import struct_after
+from tissue.state.cells import PARAMETERS
+
+
+class UserNumbers(NamedTuple):
+    """The parameters that users registered, in this order; 0 where there are fewer."""
+
+    p0: float = 0.0
+    p1: float = 0.0
+    p2: float = 0.0
+    p3: float = 0.0
+    p4: float = 0.0
+    p5: float = 0.0
+    p6: float = 0.0
+    p7: float = 0.0
 
 
 class Numbers(NamedTuple):
@@ -56,6 +70,12 @@ class Numbers(NamedTuple):
     spring_gives: bool  # above the basal line the basal spring grows at run_speed, in place of being without force
     contraction: float  # time in which its rest length decreases to 1/e below the line [h]; 0: at once
     forced_below: bool  # at run_depth the point follows the forces, in place of staying where it is
+    own: UserNumbers = UserNumbers()  # each also a field of its name
+
+    @staticmethod
+    def entries() -> dict[str, tuple[str, int]]:
+        """Return the names of parameters of users, which kernels read as fields."""
+        return {name: ("own", k) for k, name in enumerate(PARAMETERS)}
 
     @property
     def scale(self) -> float:
@@ -102,7 +122,8 @@ class Daha(NamedTuple):
 
 
 # Yes and no are integers in memory.
-_EXAMPLE: Any = Numbers._make(0.0 if kind is float else 0 for kind in get_type_hints(Numbers).values())
+_PLAIN: Any = (0.0 if kind is float else 0 for kind in [*get_type_hints(Numbers).values()][:-1])
+_EXAMPLE: Any = Numbers(*_PLAIN)
 NUMBERS = struct_type(_EXAMPLE)
 numbers_at = reader(_EXAMPLE)
 # numbers_of(numbers, kind): the numbers of the cells of a kind, from those that ``numbers_pointer`` passes to kernels.
@@ -116,5 +137,8 @@ def numbers_pointer(numbers: Numbers, named: Sequence[Numbers] = ()) -> Any:
     """
     kinds = (numbers, numbers, *named)
     return StructPointer(
-        tuple(tuple(type(one)(value) for one, value in zip(_EXAMPLE, kind, strict=True)) for kind in kinds), NUMBERS
+        tuple(
+            (*(type(one)(value) for one, value in zip(_EXAMPLE[:-1], kind, strict=False)), kind.own) for kind in kinds
+        ),
+        NUMBERS,
     )

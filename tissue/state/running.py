@@ -8,7 +8,20 @@ import numpy as np
 
 from dincl.compiled import StructPointer, reader, struct_type
 from tissue.state.basal_curve import LINE, CurveNumbers, curve_numbers
-from tissue.state.cells import DTYPES, CellLayers, Cells, Emt, Flags, Floats, Forces, Integers, emt_cells, first, no_emt
+from tissue.state.cells import (
+    DTYPES,
+    VARIABLES,
+    CellLayers,
+    Cells,
+    Emt,
+    Flags,
+    Floats,
+    Integers,
+    PointForces,
+    emt_cells,
+    first,
+    no_emt,
+)
 from tissue.state.space import Space, no_space, with_room
 
 # Places in TissueState.sizes
@@ -32,6 +45,8 @@ class Daughters(NamedTuple):
 
     cycle: Floats  # 0 for a cell that does not split
     turn: Floats  # the direction in which daughters on a surface part, as a part of a whole turn
+    part: Floats  # (variables,): of the variables of users a daughter has part x + fresh
+    fresh: Floats
 
 
 class Blocks(NamedTuple):
@@ -57,8 +72,14 @@ class StateArrays(NamedTuple):
     noise_key: Integers  # (2,): of the noise in substeps, see ``tissue.model.noise``
     counts: Integers  # one for each of COUNTERS
     curve: CurveNumbers  # the basal layer
-    on: Forces  # what forces of users do in a substep, (capacity,)
+    on: PointForces  # what forces of users do in a substep
     space: Space  # what there is in three dimensions besides
+    clock: Floats  # (1,): the end of the present step dt [h], for functions of users, which read it as ``t``
+
+    @staticmethod
+    def entries() -> dict[str, tuple[str, int]]:
+        """Return the names that kernels read as fields."""
+        return {"t": ("clock", 0)}
 
 
 class TissueState(StructPointer):
@@ -82,6 +103,7 @@ class TissueState(StructPointer):
             self.curve,
             self.on,
             self.space,
+            self.clock,
         ) = parts
 
     @property
@@ -107,8 +129,8 @@ def new_state(
     n, capacity = len(cells.x), max(2, capacity)
     layers = layers or CellLayers(np.arange(n), np.arange(n))
     parts = _room(capacity, _emt_with_room(emt or no_emt(), capacity), curve, with_room(space, capacity))
-    for name, array in zip(Cells._fields, cells, strict=True):
-        getattr(parts.cells, name)[:n] = array
+    for mine, array in zip(parts.cells, cells, strict=True):
+        mine[..., :n] = array
     parts.layers.apical[: len(layers.apical)] = layers.apical
     parts.layers.basal[: len(layers.basal)] = layers.basal
     parts.sizes[:] = n, len(layers.apical), len(layers.basal), 0, 0 if emt is None else len(emt.side), 0
@@ -131,17 +153,20 @@ def _emt_with_room(emt: Emt, capacity: int) -> Emt:
 
 def _room(capacity: int, emt: Emt, curve: CurveNumbers, space: Space) -> StateArrays:
     """Make empty arrays."""
-    kinds: list[Any] = [DTYPES.get(name, np.float64) for name in Cells._fields]
+    kinds: list[Any] = [DTYPES.get(name, np.float64) for name in Cells._fields[:-1]]
+    kinds += [np.float64] * len(VARIABLES)
     made = {kind: np.zeros((kinds.count(kind), capacity), kind) for kind in (np.float64, np.bool_, np.int64)}
     lines = {kind: iter(block) for kind, block in made.items()}
-    cells = Cells(*(next(lines[kind]) for kind in kinds))
+    own = made[np.float64][kinds.count(np.float64) - len(VARIABLES) :]
+    cells = Cells._make([*(next(lines[kind]) for kind in kinds[: len(Cells._fields) - 1]), own])
     blocks: Any = Blocks._make(made.values())
     layers = CellLayers(*np.zeros((2, capacity), np.int64))
     motion = BasalMotion(*np.zeros((3, capacity)))
     sizes, key, counts = np.zeros(6, np.int64), np.zeros(2, np.int64), np.zeros(len(COUNTERS), np.int64)
-    on = Forces(*np.zeros((len(Forces._fields), capacity)))
-    daughters = Daughters(*np.zeros((2, capacity)))
-    return StateArrays(cells, layers, emt, sizes, motion, blocks, daughters, key, counts, curve, on, space)
+    on = PointForces(*np.zeros((len(PointForces._fields), capacity)))
+    heirs = np.array([one.heirs for one in VARIABLES.values()]).reshape(-1, 2).T.copy()
+    daughters = Daughters(*np.zeros((2, capacity)), *heirs)
+    return StateArrays(cells, layers, emt, sizes, motion, blocks, daughters, key, counts, curve, on, space, np.zeros(1))
 
 
 _EXAMPLE = _room(2, no_emt(), STRAIGHT, no_space())
@@ -165,7 +190,7 @@ def grown(state: TissueState) -> TissueState:
         curve=state.curve,
         space=state.space,
     )
-    larger.counts[:], larger.sizes[JUMPED] = state.counts, state.sizes[JUMPED]
+    larger.counts[:], larger.clock[:], larger.sizes[JUMPED] = state.counts, state.clock, state.sizes[JUMPED]
     return larger
 
 

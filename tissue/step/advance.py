@@ -146,6 +146,7 @@ def apply_rules(
     state: TissueState, t: float, numbers: Numbers, rules: Rules, draws: Generator, noise: Generator
 ) -> None:
     """Apply what happens once per dt before cells move: divisions, events, phases, rest lengths, noise or its key."""
+    state.clock[0] = t
     divide(state, t, numbers, rules, draws)
     begin_events(state, t, numbers, rules)
     set_phases(state, t, numbers)

@@ -216,10 +216,16 @@ def _list_neighbours(network: Network, work: SurfaceWorkspace) -> None:
 @inner
 def copy_from_workspace(work: SurfaceWorkspace, state: TissueState) -> None:
     """Copy positions and counts back."""
+    find_jump(work, state, state.sizes[CELLS], 0, 1)
+    put_back_in_space(work, state)
+    for counter in (SUBSTEPS, CORRECTIONS, BASAL_CORRECTIONS):
+        state.counts[counter] += work.counts[counter]
+
+
+@inner
+def put_back_in_space(work: SurfaceWorkspace, state: TissueState) -> None:
+    """Copy the positions of a sheet or a closed surface back."""
     cells, n = state.cells, state.sizes[CELLS]
-    find_jump(work, state, n, 0, 1)
     _put_back(work, cells, n, 0, 1)
     for i in range(n):
         cells.z[i], cells.az[i], cells.bz[i] = work.z[i], work.az[i], work.bz[i]
-    for counter in (SUBSTEPS, CORRECTIONS, BASAL_CORRECTIONS):
-        state.counts[counter] += work.counts[counter]

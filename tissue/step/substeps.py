@@ -29,7 +29,7 @@ from tissue.model.noise import add_substep_noise
 from tissue.model.repulsion import push_in_pairs, push_in_rows
 from tissue.model.soft_balls import push_nuclei
 from tissue.state.running import SUBSTEPS
-from tissue.step.user_forces import call_part, user_forces_at
+from tissue.step.user_forces import call_part, call_part_in_space, user_forces_at
 
 # Kinds of tissues: one slice, eight slices side by side, one sheet or closed surface.
 SLICE, SLICES, SURFACE = range(3)
@@ -63,7 +63,12 @@ def make_surface_substep(work: SurfaceWorkspace, n: int, wide: SurfaceWorkspace,
     refresh_lists(work, n, wide, rows)
     push_nuclei(work, n)
     pull_along_edges(work, n)
+    own = user_forces_at(work.forces)
+    if work.forces:
+        call_part_in_space(own.evaluate, own, work)
     move(wide, rows)
+    if work.forces:
+        call_part_in_space(own.follow, own, work)
     separate_balls(work, n, wide, rows)
     hold_together(work)
     put_on_surface(wide, rows)

@@ -7,16 +7,20 @@ bits are the same alone and in company.
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from dincl.compiled import call, inner, reader, signature, struct_type
+from tissue.kernels.surface_workspace import SURFACE_WORKSPACE, SurfaceWorkspace
 from tissue.kernels.workspace import WORKSPACE, Workspace
-from tissue.state.cells import Floats, Forces, Integers
+from tissue.model.motion import tangential
+from tissue.state.cells import Floats, Integers, PointForces
 from tissue.state.numbers import NUMBERS, numbers_at
 from tissue.state.running import CELLS, STATE, TissueState, state_at
-from tissue.step.copies import put_back
+from tissue.step.advance import find_lost
+from tissue.step.copies import put_back, put_back_in_space
 
 
 class UserForces(NamedTuple):
@@ -27,29 +31,45 @@ class UserForces(NamedTuple):
     states: Integers  # (1,) or (WIDTH,): where the tissues are
     numbers: Integers  # likewise the numbers of each
     scale: Floats  # h / mu of each
+    blame: Integers  # (2, tissues): 1 + the first force that was not finite, and the id of the cell; 0: none was
     evaluate: int  # the machine code of the functions below
     follow: int
 
 
 _LINE = np.zeros(1, np.int64)
-_EXAMPLE = UserForces(_LINE, np.zeros((1, 1)), _LINE, _LINE, np.zeros(1), 0, 0)
+_EXAMPLE = UserForces(_LINE, np.zeros((1, 1)), _LINE, _LINE, np.zeros(1), np.zeros((2, 1), np.int64), 0, 0)
 USER_FORCES = struct_type(_EXAMPLE)
 user_forces_at = reader(_EXAMPLE)
-# push(state, on, strength, numbers) and energy(state, strength, numbers) of a force; a part of a substep.
-PUSH: Any = signature(None, STATE, struct_type(Forces(*np.zeros((6, 1)))), float, NUMBERS)
+# push(state, on, strength, numbers) and energy(state, strength, numbers) of a force; parts of a substep.
+PUSH: Any = signature(None, STATE, struct_type(PointForces(*np.zeros((9, 1)))), float, NUMBERS)
 ENERGY: Any = signature(float, STATE, float, NUMBERS)
 PART: Any = signature(None, USER_FORCES, WORKSPACE)
+PART_IN_SPACE: Any = signature(None, USER_FORCES, SURFACE_WORKSPACE)
 # Calls of these functions by their addresses, with the arguments above.
-call_push, call_energy, call_part = call(PUSH), call(ENERGY), call(PART)
+call_push, call_energy, call_part, call_part_in_space = map(call, (PUSH, ENERGY, PART, PART_IN_SPACE))
 
 
 @inner
 def clear(state: TissueState) -> None:
     """Set the forces on all points to 0."""
     on = state.on
-    for forces in (on.x, on.y, on.ax, on.ay, on.bx, on.by):
+    for forces in (on.x, on.y, on.ax, on.ay, on.bx, on.by, on.z, on.az, on.bz):
         for i in range(state.sizes[CELLS]):
             forces[i] = 0.0
+
+
+@inner
+def add_forces(own: UserForces, state: TissueState, k: int) -> None:
+    """Sum the forces on tissue k where its points are now, and note the first one that is not finite where they are."""
+    clear(state)
+    on = state.on
+    for number in range(len(own.push)):
+        call_push(own.push[number], state, on, own.strength[number, k], numbers_at(own.numbers[k]))
+        for i in range(state.sizes[CELLS] if own.blame[0, k] == 0 else 0):
+            in_plane = on.x[i] + on.y[i] + on.ax[i] + on.ay[i] + on.bx[i] + on.by[i]
+            if not math.isfinite(in_plane + on.z[i] + on.az[i] + on.bz[i]) and find_lost(state) < 0:
+                own.blame[0, k], own.blame[1, k] = 1 + number, state.cells.id[i]
+                break
 
 
 def evaluate_forces(own: UserForces, work: Workspace) -> None:
@@ -60,9 +80,14 @@ def evaluate_forces(own: UserForces, work: Workspace) -> None:
         if work.cells[k] > 0:
             state = state_at(own.states[k])
             put_back(work, state, k)
-            clear(state)
-            for number in range(len(own.push)):
-                call_push(own.push[number], state, state.on, own.strength[number, k], numbers_at(own.numbers[k]))
+            add_forces(own, state, k)
+
+
+def evaluate_in_space(own: UserForces, work: SurfaceWorkspace) -> None:
+    """Compute the same for a sheet or a closed surface."""
+    state = state_at(own.states[0])
+    put_back_in_space(work, state)
+    add_forces(own, state, 0)
 
 
 def follow_forces(own: UserForces, work: Workspace) -> None:
@@ -83,3 +108,19 @@ def follow_forces(own: UserForces, work: Workspace) -> None:
             moves = work.moves[place]
             work.bx[place] += moves * (scale * on.bx[i])
             work.by[place] += moves * (1.0 - work.held[place]) * (scale * on.by[i])
+
+
+def follow_in_space(own: UserForces, work: SurfaceWorkspace) -> None:
+    """Move the points of a sheet or a closed surface likewise, basal points that it holds along it."""
+    scale, state = own.scale[0], state_at(own.states[0])
+    on, cells = state.on, state.cells
+    apical = (work.ax, on.ax), (work.ay, on.ay), (work.az, on.az)
+    for points, pushes in ((work.x, on.x), (work.y, on.y), (work.z, on.z), *apical):
+        for i in range(state.sizes[CELLS]):
+            points[i] += scale * pushes[i]
+    for i in range(state.sizes[CELLS]):
+        force = scale * on.bx[i], scale * on.by[i], scale * on.bz[i]
+        moved = tangential(work, work.held[i], (cells.bx[i], cells.by[i], cells.bz[i]), force)
+        work.bx[i] += work.moves[i] * moved[0]
+        work.by[i] += work.moves[i] * moved[1]
+        work.bz[i] += work.moves[i] * moved[2]

@@ -17,6 +17,7 @@ from tissue.frames.frame import Frame
 from tissue.kernels.lanes import WIDTH
 from tissue.plugins import Observable, registered
 from tissue.runs.batch import Batch
+from tissue.runs.columns import EXTENTS, SHAPE
 from tissue.state.cells import Flags, Floats, Integers
 from tissue.state.running import CELLS, TissueState
 
@@ -27,9 +28,6 @@ SIDES = ("basal", "no", "apical")
 ENDS = (Status.NON_FINITE, Status.SUCCESS, Status.LUMEN_CLOSED, Status.NETWORK_TORN, Status.UNSTABLE, Status.FOLDED)
 # How many control cells there are, and how many are outside on each side.
 CONTROLS = ("controls", "controls_apical", "controls_basal")
-# Heights and widths of the tissue, in um, and its shape; the fields of ``Extents`` and ``Measures.shape``.
-EXTENTS = ("height_um", "nucleus_height_um", "apical_width_um", "basal_width_um", "nuclei_width_um")
-SHAPE = ("nuclear_layers", "crossings", "backward", "stretch")
 
 
 class Outcomes(NamedTuple):
@@ -71,7 +69,7 @@ def outcomes(
     -------
     Outcomes
         Rows that depend on (parameters, seed) alone. Lengths are in um, times in h, positions on the apical-basal
-        scale; the columns are those of ``tissue.study.read``.
+        scale; the columns are those of ``tissue.runs.columns``.
 
     Raises
     ------
@@ -151,7 +149,7 @@ def measured(batch: Batch, k: int, t: float) -> tuple[Floats, Flags, float, Floa
         numbers = batch.state(k).cells.emt[: len(where.y_ab)]
         mine = np.flatnonzero((numbers >= 0) & (numbers < m))
         positions[numbers[mine]], beyond[numbers[mine]] = where.y_ab[mine], where.apically[mine]
-        lowest = where.y_ab[others].min(initial=np.inf)
+        lowest = where.y_ab[others].min(initial=np.inf) if others.any() else -math.inf
     return positions, beyond, lowest, np.concatenate((controls, extents, found.shape, own))
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import groupby
@@ -108,6 +108,17 @@ class Parts:
         except pa.ArrowException as error:
             raise InvalidProblem(f"{self.folder / kind}: files must have the same columns: {error}") from error
         return found
+
+    def columns(self, scenarios: Iterable[str]) -> dict[str, list[str]]:
+        """Return the columns of each kind of table in the files of these scenarios, in their order."""
+        import pyarrow.parquet as pq
+
+        first = [part for name in scenarios for part in self.stored(name)[:1]]
+        found: dict[str, dict[str, None]] = {kind: {} for kind in self.kinds}
+        for kind, names in found.items():
+            for file in (self.file(kind, part) for part in first if kind in self._kinds_of(part)):
+                names.update(dict.fromkeys(pq.read_schema(file).names))
+        return {kind: [*names] for kind, names in found.items()}
 
     def remove_partial(self) -> None:
         """Remove what killed processes left half written, in a folder that this process holds."""

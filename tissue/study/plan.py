@@ -20,7 +20,7 @@ from pydantic import AfterValidator, AllowInfNan, BaseModel, Field, Strict, Vali
 from dincl.checks import describe
 from dincl.checks import path as checked_path
 from dincl.errors import InvalidProblem
-from tissue.files.groups import remarks
+from tissue.files.groups import too_late
 from tissue.files.keys import refuse, unknown
 from tissue.files.own_modules import placed
 from tissue.files.parameter_files import flat, merged, read
@@ -29,8 +29,9 @@ from tissue.files.quantities import Allowed, count
 from tissue.files.sections import Section
 from tissue.kernels.lanes import WIDTH
 from tissue.plugins import Observable, registered
+from tissue.runs.columns import EXTENTS
 from tissue.study.categories import CONTROL_SIDES, What
-from tissue.study.outcomes import EXTENTS, emt_count
+from tissue.study.outcomes import emt_count
 from tissue.study.parts import Part
 
 FOLDER = Path(__file__).parent.parent / "studies"
@@ -224,8 +225,8 @@ class TissueStudy:
 
     @property
     def remarks(self) -> list[str]:
-        """One sentence for each event of a scenario that waits for another one, or that the run may end before."""
-        return in_scenarios({name: remarks(one.groups(), one.t_end) for name, one in self.scenarios.items()})
+        """One sentence for each event of a scenario that no run begins, as it ends before."""
+        return in_scenarios({name: too_late(one.groups(), one.t_end) for name, one in self.scenarios.items()})
 
     def seeds(self, part: Part) -> list[int]:
         """Return the seed of each run of a part."""
@@ -383,6 +384,10 @@ def _planned(asked: Compare, factors: Factors, scenarios: Mapping[str, Parameter
     if shares and bare:
         allowed = "must have EMT cells to count in each scenario that is compared; emt.cells, or an event of a type"
         raise InvalidProblem(f"compare.outcomes = {shares}: {allowed}, gives some to {bare}")
+    shares = [one for one in asked.outcomes if one == "below" or one in CONTROL_SIDES]
+    full = ", ".join(repr(name) for name in found.scenarios if emt_count(one := scenarios[name]) == one.tissue.cells)
+    if shares and full:
+        raise InvalidProblem(f"compare.outcomes = {shares}: must have control cells to compare with, unlike {full}")
     return found
 
 

@@ -13,6 +13,7 @@ from dincl.errors import InvalidProblem
 from tissue.files.own_modules import not_imported
 from tissue.files.parameter_files import flat
 from tissue.files.parameters import Parameters, preset
+from tissue.runs.columns import TIMED
 from tissue.study.categories import CONTROL_SIDES, What, run_values
 from tissue.study.store import about, parts_of
 
@@ -91,27 +92,15 @@ class Results:
                 f"{self.folder}: scenario {scenario!r} needs files of Python, {', '.join(strange)}: must be trusted, "
                 "as they are run: --trust of the command, or Results(folder, trust=True)"
             )
-        return preset("thesis").changed(values)
+        try:
+            return preset("thesis").changed(values)
+        except InvalidProblem as error:
+            raise InvalidProblem(f"{self.folder}: scenario {scenario!r}, of another version? {error}") from error
 
     def cells(self, scenario: str, columns: Sequence[str] | None = None) -> pd.DataFrame:
         """Return one row for each replicate and EMT cell, in this order; ``columns``: those to read, all if None.
 
-        =========================================  ========  =========================================================
-        ``replicate``, ``cell``                    int64     cells count from left to right
-        ``inm``                                    bool      whether it has interkinetic nuclear movement
-        ``type``                                   category  where there are named types: "emt", or the name of one
-        ``t_a_h``, ``t_b_h``, ``t_s_h``            float64   times of the events; inf: never
-        ``t_p_h``                                  float64   when [P] begins to act, max(T^P, T^B)
-        ``t_NAME_h``                               float64   likewise, of any other event that the parameters time
-        ``onset_h``                                float64   when the first event begins: min(T^A, T^B, T^S)
-        ``onset_ab``                               float64   y_AB then (4.8); NaN if this is not before the end
-        ``extruded``                               category  where the nucleus is at the end: "basal", "apical" or "no"
-        ``extruded_h``, ``extruded_x_um``          float64   since when without a break, and its x then; NaN if "no"
-        ``ab_0h``, ``ab_1h``, ...                  float64   y_AB at each output time
-        ``below_0h``, ``below_1h``, ...            bool      whether it is at or below all control cells then (4.3)
-        ``beyond_0h``, ...                         bool      of tubes alone: whether it is beyond the apical layer, in
-                                                             the lumen or outside of it
-        =========================================  ========  =========================================================
+        The columns: docs/reference/columns.md, ``cells``.
 
         A replicate that failed has no rows, nor one whose apical layer was folded, but for numerics.folded = "keep".
         """
@@ -120,28 +109,22 @@ class Results:
     def runs(self, scenario: str, columns: Sequence[str] | None = None) -> pd.DataFrame:
         """Return one row for each replicate, in this order; ``columns``: those to read, all if None.
 
-        =========================================  ========  =========================================================
-        ``replicate``, ``seed``                    int64     its number in the scenario; its run's seed
-        ``status``                                 category  "SUCCESS", "NON_FINITE", "UNSTABLE", "LUMEN_CLOSED", ...
-        ``detail``                                 str       what happened, if it failed
-        ``folded``                                 str       when and how the apical layer was folded first, or "no"
-        ``controls_0h``, ``controls_1h``, ...      int64     control cells at each output time
-        ``controls_apical_0h``, ...                int64     of those, with y_AB > 1
-        ``controls_basal_0h``, ...                 int64     of those, with y_AB < 0
-        ``height_um_0h``, ...                      float64   mean height of the apical layer
-        ``nucleus_height_um_0h``, ...              float64   mean height of the nuclei
-        ``apical_width_um_0h``, ...                float64   extent in x of the layer; likewise ``basal_width_um``
-        ``nuclei_width_um_0h``, ...                float64   extent in x of the centres of the nuclei
-        ``nuclear_layers_0h``, ...                 float64   nuclei one above the other, on average: how many soft
-                                                             discs a vertical line crosses
-        ``crossings_0h``, ...                      float64   pairs of apical junctions that cross
-        ``backward_0h``, ...                       float64   part of the apical layer that runs backwards
-        ``stretch_0h``, ...                        float64   length of the apical layer over that of the tissue
-        =========================================  ========  =========================================================
-
-        Behind these are the observables that were registered, at each output time.
+        The columns: docs/reference/columns.md, ``runs``, then observables that were registered, at each output time.
         """
         return self._table("runs", scenario, columns)
+
+    def series(self, scenario: str) -> pd.DataFrame:
+        """Return one row for each replicate and output time: ``runs``, with ``time_h``, not a column for each."""
+        import pandas as pd
+
+        wide = self.runs(scenario)
+        times: dict[float, dict[str, str]] = {}
+        for column in wide.columns:
+            if match := TIMED.fullmatch(column):
+                times.setdefault(float(match[2]), {})[column] = match[1]
+        head = wide[["replicate", "seed", "status"]]
+        parts = [head.assign(time_h=t).join(wide[[*names]].rename(columns=names)) for t, names in times.items()]
+        return pd.concat(parts).sort_values(["replicate", "time_h"]).reset_index(drop=True)
 
     def values(self, scenario: str, outcome: str) -> pd.Series:
         """Return one number per run at the end, by replicate, of the runs that did not fail.

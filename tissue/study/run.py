@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 from dincl.checks import function
 from dincl.checks import path as checked_path
 from dincl.study import StudyStopped, execute
+from dincl.study.table import write_csv
+from tissue.runs.columns import dictionary, labelled
 from tissue.study.parts import Part, Parts, missing
 from tissue.study.plan import TissueStudy, load_study, part_size
 from tissue.study.read import Results
@@ -67,6 +69,7 @@ def run_study(
     threads = ThreadPoolExecutor(len(os.sched_getaffinity(0))) if executor is None else nullcontext(executor)
     with opened(plan, folder) as parts, threads as workers:
         _compute(plan, parts, workers, watch)
+        write_csv(dictionary(parts.columns(plan.scenarios)), folder / "columns.csv")
     return Results(folder)
 
 
@@ -88,7 +91,8 @@ def _compute(study: TissueStudy, parts: Parts, executor: Executor, watch: Watch 
     def keep(part: Part, made: Outcomes) -> None:
         nonlocal done
         try:
-            parts.write(part, made.by_kind())
+            about = {"seed": study.seed, "scenario": part.scenario}
+            parts.write(part, {kind: labelled(table, kind, about) for kind, table in made.by_kind().items()})
         except OSError as error:
             raise StudyStopped(f"{parts.folder} cannot be written to: {error}") from error
         done += part.runs

@@ -28,6 +28,5 @@ def build(session: Session, streams: PictureStreams, pool: Executor, end: Callab
         with ui.tab_panel(TISSUE):
             page = TissuePage(session, streams)
         with ui.tab_panel(INCLUSIONS):
-            inclusions = InclusionsPage(session.folder, streams, pool)
-    for tab in (page, inclusions):
-        context.client.on_delete(tab.stop)
+            InclusionsPage(session.folder, streams, pool)
+    context.client.on_delete(page.stop)

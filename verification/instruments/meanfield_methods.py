@@ -26,13 +26,11 @@ from meanfield import (
     Moments,
     Motion,
     State,
-    reduce,
     solve_characteristics,
     solve_dae,
     solve_moments,
     solve_ode,
     solve_pde,
-    solve_rattle,
 )
 from verification.instruments.method import Method
 
@@ -62,31 +60,12 @@ class DensityProblem:
     v0: ArrayLike
 
 
-def _reduced(model: Model, start: State, t: Floats, tol: float) -> Motion:
-    return solve_ode(reduce(model), start, t, tol)
-
-
-def _rattle(order: int, model: Model, start: State, t: Floats, dt: float) -> Motion:
-    return solve_rattle(model, start, t, dt, order)
-
-
-RATTLES = (2, 4, 6, 8)
 # Those that follow given particles: (model, start, times, setting) -> Motion.
-SOLVERS: dict[str, Solve] = {
-    "dae": solve_dae,
-    **{f"rattle{order}": partial(_rattle, order) for order in RATTLES},
-    "ode": solve_ode,
-    "reduced": _reduced,
-}
+SOLVERS: dict[str, Solve] = {"dae": solve_dae, "ode": solve_ode}
 # Label, family, what the setting is for given particles, colour, marker.
 STYLES = {
     "dae": ("DAE (IDAS)", "constrained", "tol", "#b8443c", "s"),
-    "rattle2": ("RATTLE of order 2", "RATTLE", "dt", "#e59a54", "v"),
-    "rattle4": ("RATTLE of order 4", "RATTLE", "dt", "#c9a227", "^"),
-    "rattle6": ("RATTLE of order 6", "RATTLE", "dt", "#8a7a1f", "<"),
-    "rattle8": ("RATTLE of order 8", "RATTLE", "dt", "#5f5310", ">"),
     "ode": ("ODE (DOP853)", "reduced ODE", "tol", "#2f6db0", "o"),
-    "reduced": ("reduced ODE", "reduced ODE", "tol", "#86a7cf", "D"),
     "characteristics": ("Characteristics", "mean field", "tol", "#4f9a5f", "P"),
     "moments": ("Moments", "mean field", "tol", "#7b52a1", "X"),
     "pde": ("PDE", "mean field", "1/cells", "#5b5b66", "h"),
@@ -94,14 +73,14 @@ STYLES = {
 # Of N quantiles, whose y has an error of about 1/(30 N): a tenth of that for the solver.
 QUANTILE_ERROR, LEAST_TOLERANCE = 0.003, 1e-12
 # Methods with kernels that are compiled for so many particles or cells, and a run that does nothing else.
-COMPILED, MANY, BRIEF = ("ode", "reduced", "pde"), 64, 1e-6
+COMPILED, MANY, BRIEF = ("ode", "pde"), 64, 1e-6
 
 
 def particle_methods(of: Part = Y) -> dict[str, Method]:
-    """Name -> Method for a ``ParticleProblem``: DAE, RATTLE of orders 2 to 8, ODE, and ODE of the reduced model.
+    """Name -> Method for a ``ParticleProblem``: DAE and ODE.
 
-    The setting is ``tol``, of RATTLE ``dt``. A model that has no reduction is refused by the last one (NotClosed).
-    ``of`` takes what is compared from a Motion, an array (K, ...) for K times; it is y unless another one is given.
+    The setting is ``tol``. ``of`` takes what is compared from a Motion, an array (K, ...) for K times; it is y unless
+    another one is given.
     """
     return {name: _method(name, STYLES[name][2], partial(_of_particles, name, of)) for name in SOLVERS}
 
@@ -129,9 +108,7 @@ def _solved(name: str, problem: DensityProblem, setting: float, t: ArrayLike) ->
         return solve_moments(model, Moments(*law.moments()), *start, setting)
     count = round(1 / setting)
     wanted = max(QUANTILE_ERROR / count, LEAST_TOLERANCE)
-    # Of RATTLE a step whose error is of this size.
-    fine = wanted ** (1 / int(name[-1])) if name.startswith("rattle") else wanted
-    return SOLVERS[name](model, State(X=law.quantiles(count), y=problem.y0, v=problem.v0), times, fine)
+    return SOLVERS[name](model, State(X=law.quantiles(count), y=problem.y0, v=problem.v0), times, wanted)
 
 
 def _method(name: str, setting: str, run: Callable[[Any, float, Any], Floats]) -> Method:

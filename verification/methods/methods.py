@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import dincl
@@ -60,157 +60,87 @@ class NamedMethod(Method):
         marker: str | tuple[int, int, int] = self.look["marker"]
         return marker
 
-    @property
-    def line(self) -> str:
-        """Return the line of its curves."""
-        return str(self.look["linestyle"])
+
+Look = tuple[str, str | tuple[int, int, int], str]
 
 
-def _named(
-    name: str,
-    label: str,
-    family: str,
-    look: tuple[str, str | tuple[int, int, int], str],
-    scheme: SchemeOf,
-    *,
-    setting: str = "dt",
-    rimmed: bool = False,
-) -> NamedMethod:
-    """Set colour, marker and line; markers are hollow where the line is not solid, large ones have a black rim."""
-    colour, marker, line = look
-    drawn: dict[str, Any] = {"color": colour, "marker": marker, "linestyle": line}
-    if line != "-":
+def _named(name: str, label: str, look: Look, scheme: SchemeOf, setting: str = "dt") -> NamedMethod:
+    """Set colour, marker and line; markers are hollow where the line is not solid.
+
+    The family is the label without the solver or strength.
+    """
+    drawn: dict[str, Any] = dict(zip(("color", "marker", "linestyle"), look, strict=True))
+    if look[2] != "-":
         drawn["markerfacecolor"] = "none"
-    if rimmed:
-        drawn |= RIM
+    family = re.sub(r" (with|of strength|as printed) .*", "", label)
     return NamedMethod(label, family, scheme, setting=setting, look=drawn, name=name)
 
 
+def _rimmed(method: NamedMethod) -> NamedMethod:
+    return replace(method, look={**method.look, **RIM})
+
+
+FAMILIES = {
+    dincl.CatchUp: "catch-up",
+    dincl.LinearisedCatchUp: "linearised catch-up",
+    dincl.MidpointCatchUp: "midpoint catch-up",
+    MoreauJean: "catch-up at theta = 1/2",
+}
+SOLVERS = {dincl.CvxpyQP: "cvxpy", dincl.ProjectedCG: "projected CG"}
+
+
+def _with(name: str, scheme: Any, projection: Any, tol: float, look: Look) -> NamedMethod:
+    """Name a scheme with a projection; that of the midpoint rule is as exact as its steps need."""
+
+    def make(dt: float) -> dincl.Scheme:
+        enough = max(tol, MIDPOINT_TOL * dt**3) if scheme is dincl.MidpointCatchUp else tol
+        made: dincl.Scheme = scheme(dt=dt, projection=projection(tol=enough))
+        return made
+
+    return _named(name, f"{FAMILIES[scheme]} with {SOLVERS.get(projection, projection.__name__)}", look, make)
+
+
 def _penalty(strength: float, colour: str, marker: str) -> NamedMethod:
-    return _named(
-        f"penalty_{strength:g}",
-        f"penalty of strength {strength:g}",
-        "penalty",
-        (colour, marker, "-"),
-        lambda dt: dincl.Penalty(dt=dt, strength=strength),
-    )
+    label, look = f"penalty of strength {strength:g}", (colour, marker, "-")
+    return _named(f"penalty_{strength:g}", label, look, lambda dt: dincl.Penalty(dt=dt, strength=strength))
 
 
-PBD = _named("pbd", "PBD", "PBD", ("#d55e00", "o", "-"), lambda dt: dincl.PBD(dt=dt))
-CATCH_UP = _named(
-    "catch_up_ipopt",
-    "catch-up with Ipopt",
-    "catch-up",
-    ("#0072b2", "s", "-"),
-    lambda dt: dincl.CatchUp(dt=dt, projection=dincl.Ipopt(tol=REFERENCE_TOL)),
+PBD = _named("pbd", "PBD", ("#d55e00", "o", "-"), lambda dt: dincl.PBD(dt=dt))
+PBD_16 = _named("pbd_16", "PBD with 16 sweeps", ("#f2a07b", "8", "-"), lambda dt: dincl.PBD(dt=dt, sweeps=16))
+CATCH_UP = _with("catch_up_ipopt", dincl.CatchUp, dincl.Ipopt, REFERENCE_TOL, ("#0072b2", "s", "-"))
+CATCH_UP_DAQP = _with("catch_up_daqp", dincl.CatchUp, dincl.Daqp, CHECK_TOL, ("#003f66", "D", ":"))
+CATCH_UP_ACTIVE = _rimmed(
+    _with("catch_up_active", dincl.CatchUp, dincl.ActiveSet, CHECK_TOL, ("#2a9df4", (4, 0, 45), "-"))
 )
-CATCH_UP_DAQP = _named(
-    "catch_up_daqp",
-    "catch-up with Daqp",
-    "catch-up",
-    ("#003f66", "D", ":"),
-    lambda dt: dincl.CatchUp(dt=dt, projection=dincl.Daqp(tol=CHECK_TOL)),
+LINEARISED_ACTIVE = _rimmed(
+    _with("linearised_active", dincl.LinearisedCatchUp, dincl.ActiveSet, CHECK_TOL, ("#00c896", (3, 0, 0), "-"))
 )
-CATCH_UP_ACTIVE = _named(
-    "catch_up_active",
-    "catch-up with ActiveSet",
-    "catch-up",
-    ("#2a9df4", (4, 0, 45), "-"),
-    lambda dt: dincl.CatchUp(dt=dt, projection=dincl.ActiveSet(tol=CHECK_TOL)),
-    rimmed=True,
+LINEARISED_DAQP = _with("linearised_daqp", dincl.LinearisedCatchUp, dincl.Daqp, CHECK_TOL, ("#5f9e4a", "P", ":"))
+LINEARISED_CLARABEL = _with(
+    "linearised_clarabel", dincl.LinearisedCatchUp, dincl.Clarabel, QP_TOL, ("#009e73", "^", "--")
 )
-LINEARISED_ACTIVE = _named(
-    "linearised_active",
-    "linearised catch-up with ActiveSet",
-    "linearised catch-up",
-    ("#00c896", (3, 0, 0), "-"),
-    lambda dt: dincl.LinearisedCatchUp(dt=dt, projection=dincl.ActiveSet(tol=CHECK_TOL)),
-    rimmed=True,
+LINEARISED_CVXPY = _with("linearised_cvxpy", dincl.LinearisedCatchUp, dincl.CvxpyQP, QP_TOL, ("#56b4e9", "v", ":"))
+LINEARISED_PIQP = _with("linearised_piqp", dincl.LinearisedCatchUp, dincl.Piqp, QP_TOL, ("#44bbaa", (3, 0, 180), "-"))
+MIDPOINT = _with("midpoint_cg", dincl.MidpointCatchUp, dincl.ProjectedCG, CHECK_TOL, ("#c2003d", "p", "-"))
+MIDPOINT_ACTIVE = _rimmed(
+    _with("midpoint_active", dincl.MidpointCatchUp, dincl.ActiveSet, CHECK_TOL, ("#ff6f8f", (5, 0, 0), "-"))
 )
-LINEARISED_DAQP = _named(
-    "linearised_daqp",
-    "linearised catch-up with Daqp",
-    "linearised catch-up",
-    ("#5f9e4a", "P", ":"),
-    lambda dt: dincl.LinearisedCatchUp(dt=dt, projection=dincl.Daqp(tol=CHECK_TOL)),
-)
-LINEARISED_CLARABEL = _named(
-    "linearised_clarabel",
-    "linearised catch-up with Clarabel",
-    "linearised catch-up",
-    ("#009e73", "^", "--"),
-    lambda dt: dincl.LinearisedCatchUp(dt=dt, projection=dincl.Clarabel(tol=QP_TOL)),
-)
-LINEARISED_CVXPY = _named(
-    "linearised_cvxpy",
-    "linearised catch-up with cvxpy",
-    "linearised catch-up",
-    ("#56b4e9", "v", ":"),
-    lambda dt: dincl.LinearisedCatchUp(dt=dt, projection=dincl.CvxpyQP(tol=QP_TOL)),
-)
+MOREAU_JEAN = _with("moreau_jean_daqp", MoreauJean, dincl.Daqp, CHECK_TOL, ("#4f7cac", (5, 1, 0), ":"))
 PENALTIES = (_penalty(10, "#e3b7d2", "<"), _penalty(100, "#cc79a7", "d"), _penalty(1000, "#8e4572", ">"))
 PENALTY_TIED = _named(
     "penalty_tied",
     f"penalty of strength {TIED_STRENGTH:g}/dt",
-    "penalty",
     ("#6f6f6f", "X", "-"),
     lambda dt: dincl.Penalty(dt=dt, strength=TIED_STRENGTH / dt),
 )
 PENALTY_PRINTED = _named(
     "penalty_printed",
     "penalty as printed of strength 10",
-    "penalty",
     ("#b8a33b", "*", "-"),
     lambda dt: dincl.Penalty(dt=dt, strength=10.0, exponent=1),
 )
-
-PBD_16 = _named("pbd_16", "PBD with 16 sweeps", "PBD", ("#f2a07b", "8", "-"), lambda dt: dincl.PBD(dt=dt, sweeps=16))
-LINEARISED_PIQP = _named(
-    "linearised_piqp",
-    "linearised catch-up with Piqp",
-    "linearised catch-up",
-    ("#44bbaa", (3, 0, 180), "-"),
-    lambda dt: dincl.LinearisedCatchUp(dt=dt, projection=dincl.Piqp(tol=QP_TOL)),
-)
-MIDPOINT = _named(
-    "midpoint_cg",
-    "midpoint catch-up with projected CG",
-    "midpoint catch-up",
-    ("#c2003d", "p", "-"),
-    lambda dt: dincl.MidpointCatchUp(dt=dt, projection=dincl.ProjectedCG(tol=max(CHECK_TOL, MIDPOINT_TOL * dt**3))),
-)
-MIDPOINT_ACTIVE = _named(
-    "midpoint_active",
-    "midpoint catch-up with ActiveSet",
-    "midpoint catch-up",
-    ("#ff6f8f", (5, 0, 0), "-"),
-    lambda dt: dincl.MidpointCatchUp(dt=dt, projection=dincl.ActiveSet(tol=max(CHECK_TOL, MIDPOINT_TOL * dt**3))),
-    rimmed=True,
-)
-ADAPTIVE = _named(
-    "adaptive",
-    "adaptive catch-up",
-    "adaptive catch-up",
-    ("#6a3fb5", (6, 1, 0), "-"),
-    lambda tol: dincl.AdaptiveCatchUp(tol=tol),
-    setting="tol",
-    rimmed=True,
-)
-MOREAU_JEAN = _named(
-    "moreau_jean_daqp",
-    "catch-up at theta = 1/2 with Daqp",
-    "catch-up at theta = 1/2",
-    ("#4f7cac", (5, 1, 0), ":"),
-    lambda dt: MoreauJean(dt=dt, projection=dincl.Daqp(tol=CHECK_TOL)),
-)
-EVENT_DRIVEN = _named(
-    "event_driven",
-    "event-driven",
-    "event-driven",
-    ("#000000", "H", "-"),
-    lambda tol: dincl.EventDriven(tol=tol),
-    setting="tol",
-)
+ADAPTIVE = _rimmed(_named("adaptive", "adaptive catch-up", ("#6a3fb5", (6, 1, 0), "-"), dincl.AdaptiveCatchUp, "tol"))
+EVENT_DRIVEN = _named("event_driven", "event-driven", ("#000000", "H", "-"), dincl.EventDriven, "tol")
 # The baselines: external programs.
 LSODA = NamedMethod(
     "penalty by LSODA",

@@ -25,7 +25,6 @@ def converge(context: Context) -> None:
 def overlap(context: Context) -> None:
     """Look for the best strengths of penalty methods."""
     context.keep("penalty_best", strengths.best_strengths(context.rows("penalty_scan")))
-    context.rows("infeasibility")
 
 
 def stride(context: Context) -> None:
@@ -50,7 +49,6 @@ def show(context: Context) -> None:
     moves = fits["problem"].isin(moving)
     context.show("orders", headed[~moves], "order_fits")
     context.show("orders_moving", headed[moves], "order_fits")
-    context.draw("infeasibility_in_time", strengths.draw_curves, tables["infeasibility"])
     context.draw("penalty_strengths", strengths.draw_scan, tables["penalty_scan"])
     context.show("penalty_best", context.headed("penalty_scan", tables["penalty_best"]))
     context.draw("large_steps", large_steps.draw, tables["large_steps"])

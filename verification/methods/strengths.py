@@ -1,4 +1,4 @@
-"""Overlap of PBD against the penalty method with its best strength (Figure 6 of chapter 2)."""
+"""Overlap of PBD against the penalty method with its best strength."""
 
 from __future__ import annotations
 
@@ -19,10 +19,9 @@ from verification.instruments.error_norms import distance
 from verification.instruments.measure import reached
 from verification.methods.methods import PBD, PENALTIES, PENALTY_PRINTED
 from verification.methods.references import SCENES, TOL
-from verification.site.sheet import NOTE, legend_below, sheet
-from verification.site.store import shipped
+from verification.site.sheet import legend_below, sheet
 
-# Compared, the coarsest first [time]; the curves in time are those of the first two.
+# Compared, the coarsest first [time].
 STEPS = (0.02, 0.01, 0.005, 0.0025, 0.00125)
 # From far too weak to unstable: the strength for the exponent 1, the force as printed; dt strength for 2, springs.
 PUSHES = tuple(float(value) for value in np.geomspace(0.3, 100.0, 25))
@@ -72,31 +71,12 @@ def scan(smallest: bool = False) -> Study:
     return Study("penalty_scan", "Penalty strengths", KEY, runs, measure, {"tol": TOL}, COLUMNS)
 
 
-def curves(smallest: bool = False) -> Study:
-    """Return PBD and the best strengths of the scan that ships, after every step, with the two coarsest steps."""
-    scanned = shipped("penalty_scan")
-    best = best_strengths(scanned).dropna(subset="strength")
-    wanted = pd.concat([best, scanned[scanned["exponent"] == 0]])
-    wanted = wanted[wanted["dt"].isin(STEPS[: 1 if smallest else 2])]
-    runs = tuple(wanted[list(KEY)].to_dict("records"))
-    return Study("infeasibility", "Overlap over time", KEY, runs, curve, {"steps": STEPS[:2]}, by=("t",))
-
-
 def measure(key: Key) -> list[Row]:
     """Return the largest and the mean overlap over time, and the largest error at the times of the scene: one row."""
     path, known = _path(key), _reference(key["scene"])
     overlap, error = path.violation(), distance(reached(path, known.t), known.x)
     found = {"largest": overlap.max(), "mean": overlap.mean(), "error": error.max()}
     return [dict(key) | found | {"status": path.status.name, "detail": path.detail}]
-
-
-def curve(key: Key) -> list[Row]:
-    """Return the overlap after every step: one row each."""
-    path = _path(key)
-    return [
-        dict(key) | {"t": t, "overlap": value}
-        for t, value in zip(path.t.tolist(), path.violation().tolist(), strict=True)
-    ]
 
 
 @cache
@@ -153,24 +133,6 @@ def _width(fair: pd.DataFrame, place: int) -> float:
     bad = np.flatnonzero(fair["largest"] > WIDTH * fair["largest"][place])
     low, high = bad[bad < place].max(initial=-1) + 1, bad[bad > place].min(initial=len(fair)) - 1
     return float(fair["strength"][high] / fair["strength"][low])
-
-
-def draw_curves(curves: pd.DataFrame, path: Path) -> Path:
-    """Draw the largest overlap after every step: PBD, and the penalty methods with their best strengths."""
-    steps = sorted(curves["dt"].unique(), reverse=True)
-    with sheet(path, 2.5 * len(steps)) as figure:
-        panels = figure.subplots(len(steps), len(SCENES), sharex="col", squeeze=False)
-        for dt, row in zip(steps, panels, strict=True):
-            for name, panel in zip(SCENES, row, strict=True):
-                now = curves[(curves["scene"] == name) & (curves["dt"] == dt)]
-                for (exponent, strength), one in now.groupby(["exponent", "strength"]):
-                    label, look = LOOKS[exponent]
-                    panel.plot(
-                        one["t"], one["overlap"], label=f"{label}, {strength:.3g}" if exponent else label, **look
-                    )
-                panel.set(title=f"{_scene(name).title}, dt = {dt:g}", xlabel="t [time]", ylabel="overlap [length]")
-                panel.legend(fontsize=NOTE)
-    return path
 
 
 def draw_scan(scanned: pd.DataFrame, path: Path) -> Path:

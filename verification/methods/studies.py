@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 from dincl.study import Study
 from verification.methods import large_steps, orders, proved, references, strengths
-from verification.methods.chart import events, work_precision
 from verification.methods.chart import references as charted
+from verification.methods.chart import work_precision
 from verification.methods.decisions import study as decisions
 from verification.methods.hard import study as hard
 from verification.methods.stability import catalogue as stability
@@ -17,15 +17,12 @@ STUDIES: dict[str, Callable[..., Study]] = {
     "references": references.study,
     "orders": orders.study,
     "penalty_scan": strengths.scan,
-    "infeasibility": strengths.curves,
     "large_steps": large_steps.study,
     "proved_scenes": proved.chosen,
     "proved_random": proved.random,
     **stability.STUDIES,
     "work_references": charted.study,
     "work_precision": work_precision.study,
-    "events": events.study,
-    "events_local": events.local_study,
     "decisions": decisions.study,
     "hard_scenes": hard.study,
 }

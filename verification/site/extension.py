@@ -120,11 +120,10 @@ class _Page:
         """Return a number as text."""
         return str(self._shown["numbers"][name])
 
-    def card(self, name: str, page: str, title: str, sentence: str, ending: str = "png") -> str:
-        """Show a finding in a grid of the first page: picture, title, number, sentence, and a link to its page."""
-        image = f'<img src="{self._root}figures/card_{name}.{ending}" alt="">'
+    def card(self, name: str, page: str, title: str, sentence: str) -> str:
+        """Show a finding in a grid of the first page: title, number, sentence, and a link to its page."""
         head = f"::::{{grid-item-card}} {title}\n:link: {page}\n:link-type: doc\n:class-card: finding"
-        return f"{head}\n\n{_raw(image)}\n\n**{self.number(name)}** {sentence}\n::::"
+        return f"{head}\n\n**{self.number(name)}** {sentence}\n::::"
 
     def claims(self, chapter: int) -> str:
         """Show the claims of a chapter, each with quotation, correction, evidence and code."""

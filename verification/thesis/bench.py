@@ -1,4 +1,4 @@
-"""Times on this machine: PBD per disc and step, projections, substeps of the tissue (``make bench``).
+"""Times on this machine: PBD per disc and step, substeps of the tissue (``make bench``).
 
 Warm-up (compilation, first neighbour lists) is not timed; of several repeats the best and the median are kept.
 ``python -m verification.thesis.bench FOLDER`` prints the tables and writes them to FOLDER, by default ``report``.
@@ -10,7 +10,6 @@ import sys
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -18,10 +17,7 @@ import numpy as np
 import pandas as pd
 
 import dincl
-from dincl.errors import StepFailure
 from dincl.files import replacing
-from dincl.projection import Projection
-from dincl.rows.affine import linearised
 from dincl.scenes import pile
 from dincl.steps.grid import Reached, Stepper, TimeGrid
 from tissue.files.parameters import Parameters, preset
@@ -35,18 +31,6 @@ DISC_STEPS = 3_000_000
 REPEATS = 5
 # Steps before timing starts: a pile has landed after 1000, jostling discs have met their neighbours after 500.
 LANDED, JOSTLED = 1_000, 500
-
-PROJECTIONS: dict[str, Projection] = {
-    "ActiveSet": dincl.ActiveSet(tol=1e-9),
-    "Daqp": dincl.Daqp(tol=1e-9),
-    "Piqp": dincl.Piqp(tol=1e-9),
-    "Clarabel": dincl.Clarabel(tol=1e-9),
-    "CvxpyQP": dincl.CvxpyQP(tol=1e-9),
-    "Ipopt": dincl.Ipopt(tol=1e-9),
-}
-COUNTS = (4, 10, 100, 1_000)
-# Different points are projected in turn, so that a warm start helps as it does from one time step to the next.
-VARIANTS = 8
 
 
 def pbd_table(sizes: tuple[int, ...] = SIZES) -> pd.DataFrame:
@@ -106,42 +90,6 @@ def _timed(action: Callable[[], Any]) -> float:
     return time.perf_counter() - began
 
 
-def projection_table(counts: tuple[int, ...] = COUNTS) -> pd.DataFrame:
-    """Return one row per projection and size: milliseconds, certified residual, iterations.
-
-    Points to project are a landed pile after steps of the drift with dt = 0.008 ... 0.012; the set is its inner convex
-    approximation S~, so that each projection is one quadratic program.
-    """
-    return pd.DataFrame([row for n in counts for row in _projection_rows(n)])
-
-
-def _projection_rows(n: int) -> list[dict[str, Any]]:
-    """Time each projection on a pile of n discs at t = 2, which linearised catch-up leaves without overlap."""
-    scene, rng = pile(n), np.random.default_rng(0)
-    scheme = dincl.LinearisedCatchUp(0.02, dincl.Daqp(1e-10) if n <= 30 else dincl.Piqp(1e-9))
-    x = dincl.solve(scene, scheme, t=[2.0]).final
-    points = x + 0.01 * scene.velocity(0.0, x) * rng.uniform(0.8, 1.2, size=(VARIANTS, *x.shape))
-    rows = linearised(scene.rows_within(0.0, x, 0.08), x)
-    return [
-        {"projection": name, "n": n, "rows": len(rows.values(x))} | _projected(projection, rows, points, x)
-        for name, projection in PROJECTIONS.items()
-    ]
-
-
-def _projected(projection: Projection, rows: Any, points: np.ndarray, x: np.ndarray) -> dict[str, Any]:
-    solver = projection.solver()
-    seconds: list[float] = []
-    try:
-        found = solver.nearest(rows, points[0], x)
-        began = time.perf_counter()
-        while len(seconds) < 3 or (len(seconds) < 50 and time.perf_counter() - began < 1.0):
-            seconds.append(_timed(partial(solver.nearest, rows, points[len(seconds) % VARIANTS], x)))
-    except StepFailure as failure:
-        return {"status": failure.status.name}
-    times = {"ms_best": 1e3 * min(seconds), "ms_median": 1e3 * float(np.median(seconds))}
-    return {"status": "SUCCESS", **times, "residual": found.residual, "iterations": found.iterations}
-
-
 # Numbers of cells of a tissue; hours of growth before timing starts; cell-substeps in one timed repeat.
 CELLS, SETTLED, CELL_SUBSTEPS = (60, 120, 1_000, 10_000), 0.5, 400_000
 
@@ -181,7 +129,6 @@ def main(out: Path) -> None:
     out.mkdir(parents=True, exist_ok=True)
     for name, title, table in (
         ("bench_pbd", "PBD: ns per disc and step, with the pairs and corrections per disc and step", pbd_table),
-        ("bench_projections", "Projections: milliseconds each, with the certified residual", projection_table),
         ("bench_tissue", "Tissue: microseconds per substep, with the load per substep", tissue_table),
     ):
         rows = table()

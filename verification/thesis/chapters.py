@@ -6,7 +6,7 @@ from verification.methods.hard import page as hard
 from verification.methods.stability import page as stability
 from verification.site.report import Page
 from verification.thesis import page as claims
-from verification.thesis.chapter1 import page as geometry
+from verification.thesis.chapter1 import prox_constants as geometry
 from verification.thesis.chapter3 import page as minimisers
 from verification.thesis.chapter4 import page as transitions
 from verification.thesis.chapter5 import page as meanfield

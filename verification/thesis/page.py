@@ -8,7 +8,6 @@ from dincl.study import write
 from verification.claims import Effect, Verdict
 from verification.claims.decide import READING, decide_all, readings
 from verification.claims.graph import corrected_below
-from verification.site import cards
 from verification.site.context import Context
 from verification.thesis.register import chapter_of, register
 from verification.thesis.text.errata import errata
@@ -51,6 +50,5 @@ def show(context: Context) -> None:
         context.show("readings", differ[list(shown)].rename(columns=shown), "claims")
     context.keep("errata", others)
     context.show("errata", others[list(ERRATA)].rename(columns=ERRATA))
-    context.draw("card_claims", cards.verdicts, {one: int((table["verdict"] == one.value).sum()) for one in Verdict})
     wrong = pd.concat([table.loc[table["verdict"].isin(WRONG), "effect"], others["effect"]])
     context.numbers["claims"] = str((wrong == Effect.CONCLUSION.value).sum())

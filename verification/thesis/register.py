@@ -25,7 +25,7 @@ SECTIONS = {
         "s4_6_2_steps",
         "s4_6_3_uniqueness",
     ),
-    "chapter2": ("s1_methods", "s2_2_method", "s2_4_algorithm", "s3_consistency", "s4_1_numerics", "s4_3_penalty"),
+    "chapter2": ("s1_methods", "s2_2_method", "s2_4_algorithm", "s3_consistency", "s4_1_numerics"),
     "chapter3": (
         "s1_3_model",
         "s2_2_1_cycle",
@@ -37,7 +37,6 @@ SECTIONS = {
         "s2_3_1_daha",
         "s3_1_first_order",
         "s3_4_comparison",
-        "s4_growth",
     ),
     "chapter4": (
         "s2_2_1_events",
@@ -46,11 +45,8 @@ SECTIONS = {
         "s3_1_counts",
         "s3_3_estimates",
         "s4_1_isolated",
-        "s4_3_tables",
         "s4_4_groups",
-        "s4_5_mixed",
         "s4_6_conditional",
-        "s4_7_results",
     ),
     "chapter5": (
         "s1_introduction",

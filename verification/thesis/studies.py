@@ -6,26 +6,22 @@ from collections.abc import Callable
 from functools import partial
 
 from dincl.study import Study
-from verification.thesis.chapter1 import page as geometry
-from verification.thesis.chapter3 import accuracy, daha, growth, limits, stability, substeps
+from verification.thesis.chapter3 import accuracy, daha, growth, stability, substeps
 from verification.thesis.chapter4 import differences, groups, in_time, programs
 from verification.thesis.chapter5 import page as meanfield
 
 # Name -> the function ``study(smallest=False)``; the smallest form has some of the runs of the complete one.
 STUDIES: dict[str, Callable[..., Study]] = {
-    **geometry.STUDIES,
     "tissue_substeps": substeps.study,
     "tissue_motion": accuracy.motion,
     "tissue_judged": accuracy.steps,
     "tissue_growth": growth.study,
-    "tissue_limits": limits.study,
-    **{name: partial(stability.map_study, name) for name in stability.TITLED},
+    **{name: partial(stability.map_study, name) for name in stability.TITLES},
     "tissue_daha": daha.study,
     "emt_in_time": in_time.study,
     "emt_ratios": programs.study,
     "emt_groups": groups.study,
     "emt_ranking": groups.ranking,
-    "emt_changed": differences.changed,
     "emt_effects": differences.effects,
     **meanfield.STUDIES,
 }

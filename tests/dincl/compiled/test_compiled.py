@@ -29,8 +29,9 @@ from dincl.compiled import (
     signature,
     struct_type,
 )
+from dincl.compiled.cache import is_ours
 from dincl.compiled.calls import is_dispatcher, processor_name
-from dincl.compiled.functions import _of_user, compiler_events
+from dincl.compiled.functions import compiler_events
 from dincl.compiled.structs import struct_after
 from dincl.compiled.uncaught import uncaught_errors
 
@@ -176,7 +177,7 @@ def test_an_index_beyond_an_array_is_an_error_in_functions_of_users_alone():
     function = type(mixed.__wrapped__)(mixed.__wrapped__.__code__, {}, "mixed")
     for module, checked in (("tissue.rules.slice", False), ("mine", True)):
         function.__module__ = module
-        assert _of_user(function) is checked
+        assert is_ours(function) is not checked
 
 
 @pytest.mark.parametrize(

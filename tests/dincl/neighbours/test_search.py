@@ -30,7 +30,7 @@ def as_set(pairs: Pairs) -> set[tuple[int, int]]:
 
 def by_comparison(x: Array, radius: Array) -> Pairs:
     """List close pairs by looking at all."""
-    return compared_pairs(x, radius, axes_of(x))
+    return compared_pairs(x, radius)
 
 
 def by_grid(x: Array, radius: Array) -> Pairs:

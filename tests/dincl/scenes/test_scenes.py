@@ -59,7 +59,7 @@ def test_piles_of_any_size_are_feasible_and_loose(make: Callable[[int], scenes.S
     floor, *walls = scene.constraints[1:]
     assert len(walls) == 2 * (scene.x0.shape[1] - 1)
     for wall, most in [(floor, 0.001), *((wall, 0.05) for wall in walls)] if n == 1000 else ():
-        gap = scene.x0 @ wall.normal - wall.bounds(len(scene.x0))
+        gap = scene.x0 @ wall.normal - wall.offset - wall.radii(len(scene.x0))
         assert 0 < gap.min() < most
 
 

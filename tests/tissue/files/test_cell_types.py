@@ -44,8 +44,8 @@ def test_a_type_has_what_it_says_and_else_what_all_cells_have(given):
     emt, one, two = given.groups()
     never = dict.fromkeys(("a", "b", "s", "p", "ac"), Timing())
     assert (emt.name, emt.cells, emt.may_leave) == ("emt", 0, True)
-    assert one == ("soft", 10, 1.0, never, (), 0.2, True, False, 1.5)
-    assert two == ("leaving", 3, 1.0, never | {"a": Timing(6.0, 8.0, 50.0)}, (), "scattered", False, True, 1.5)
+    assert one == ("soft", 10, 1.0, never, 0.2, True, False, 1.5)
+    assert two == ("leaving", 3, 1.0, never | {"a": Timing(6.0, 8.0, 50.0)}, "scattered", False, True, 1.5)
     assert given.changed({"cell.alpha_bx": 7}).named_numbers()[0].alpha_bx == 7.0
 
 
@@ -99,8 +99,8 @@ def test_a_file_changes_the_types_of_its_base(given, tmp_path):
         ({"types.soft.cells": 61}, r"types\.soft\.cells = 61: must be at most 60: other groups have 0 of 60 cells"),
         ({"types.b.cells": 51}, r"types\.b\.cells = 51: must be at most 50: other groups have 10 of 60 cells"),
         (
-            {"types.b.cells": 57, "emt.cells": 2, "types.soft.cells": 0, "types.b.a": "1 h"},
-            r"types\.b\.cells = 57: must be at most 56: two of 60 cells at least undergo no EMT",
+            {"types.b.cells": 59, "emt.cells": 0, "types.soft.cells": 0, "types.b.a": "1 h"},
+            r"types\.b\.cells = 59: must be at most 58: two of 60 cells at least stay in both layers",
         ),
         (
             {"types.b.cells": 4, "types.b.place": 0.3},

@@ -10,13 +10,12 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from dincl.errors import InvalidProblem
-from tests.pages import ROOT
 from tests.tissue.test_variants import CHANGES
+from tissue.cli.parameters import presets, spread
 from tissue.files.keys import all_keys, heading, sections
 from tissue.files.parameter_files import PRESETS
 from tissue.files.parameters import Parameters, load, preset
 from tissue.files.quantities import Quantity, Timing
-from tissue.files.reference import PAGE, page, presets, spread
 
 KEYS = all_keys(Parameters)
 # A change of the thesis preset for each key that ``tests.tissue.test_variants`` has no effect of, and all it changes.
@@ -93,7 +92,7 @@ def close(value: object) -> object:
 
 def test_the_list_of_changes_is_complete():
     """But for emt.p, which does not go alone: protrusions wait for [B]; and what other tests look at."""
-    aside = {"emt.p", "numerics.folded", "events.together", "own.modules", "division.rule", "tissue.dimension"}
+    aside = {"emt.p", "numerics.folded", "own.modules", "division.rule", "tissue.dimension"}
     assert {*SETTABLE, *CHANGES} | aside == {key for key in KEYS if not key.startswith(("types.", "space."))}
 
 
@@ -276,10 +275,3 @@ def test_values_of_presets_are_as_their_files_give_them():
 )
 def test_values_are_put_together(name, values, text):
     assert spread(KEYS[name], values) == text
-
-
-@pytest.mark.slow
-def test_the_page_is_up_to_date():
-    """Else make it again: python -m tissue.files.reference."""
-    assert PAGE.read_text("utf-8") == page()
-    assert PAGE == ROOT / "docs" / "reference" / "parameters.md"

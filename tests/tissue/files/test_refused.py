@@ -44,7 +44,6 @@ SINGLE = {
     "part of a cell": ("tissue.cells", 3.5, "tissue.cells = 3.5: must be a whole number from 1 to 1000000"),
     "no choice": ("numerics.noise", "both", r'must be "step" or "substep" \(how often noise is added\)'),
     "no cap": ("cell.max_cytoskeleton", "0 um", "= '0 um': must be \"none\", or a length > 0 with its unit, .*"),
-    "no event": ("events.together", ["x"], r"= \['x'\]: must be a list of names of events, a, b, s, p, ac, .*"),
     "no rule": ("division.rule", "above", "division.rule = 'above': must be \"beside\""),
     "heights turned": ("start.nuclei_height", [0.7, 0.3], r"must be a list of two fractions 0 <= low <= high <= 1.*"),
     "on the basal line": ("start.nuclei_height", [0, 0], "must be .* not both 0 and not both 1, such as .*"),
@@ -98,7 +97,10 @@ TOGETHER = {
         {"cell.alpha_aa": 50},
         r"numerics.substeps = 20: must be at least .* of junctions \(cell.alph.*",
     ),
-    "all EMT": ({"emt.cells": 59}, "emt.cells = 59: must be at most 58: EMT cells have control cells on both sides"),
+    "all EMT": (
+        {"emt.cells": 59, "emt.a": "1 h"},
+        "emt.cells = 59: must be at most 58: two of 60 cells at least stay in both layers",
+    ),
     "waits": ({"emt.p": "6 h"}, r'emt.p = "6 h": must be "never": \[P\] waits for \[B\], and b = "never"'),
     "waits for nothing": ({"emt.p": "6 h", "emt.b": "6 h, 0 %"}, 'emt.p = "6 h": must be "never": .*, and b = .*'),
     "bends too much": (

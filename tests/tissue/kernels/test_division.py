@@ -51,7 +51,7 @@ def test_two_daughters(model):
     draws.random()
     cycles = [10.0 + 11.0 * draws.random() for _ in range(2)]
     twice = [0, 1, 1, 2]
-    expected = type(state.cells)(*(array[twice] for array in state.cells))
+    expected = type(state.cells)(*(array[..., twice] for array in state.cells))
     for name in ("x", "ax", "bx"):
         getattr(expected, name)[1:3] += (-0.01, 0.01)
     expected.birth[1:3], expected.radius[1:3], expected.cycle[1:3] = 0.5, 1 / 3, cycles

@@ -168,10 +168,6 @@ def test_the_strength_is_a_key(own):
         ({"forces.wall": -1}, "forces.wall = -1: must be a number >= 0, without unit"),
         ({"forces.wall": "1 um"}, "forces.wall = '1 um': must be a number >= 0, without unit"),
         ({"forces.wall": math.nan}, "forces.wall = nan: must be a number >= 0"),
-        (
-            {"forces.wall": 1, "tissue.dimension": 3, "tissue.cells": 196},
-            "forces.wall = 1.0: must be 0 in three dimensions: registered forces act in a slice alone$",
-        ),
         ({"forces.walls": 1}, "forces.walls = 1: unknown key; the nearest known one is forces.wall$"),
     ],
 )
@@ -214,6 +210,7 @@ def test_what_is_not_finite_or_huge_ends_the_run_and_no_other(own, layer, streng
         if is_lost:
             assert run.status is Status.NON_FINITE
             assert "has a coordinate that is not finite, or beyond" in run.detail
+            assert ("Force explosive: push is not finite on cell 0; cell" in run.detail) == (strength == 1.0)
             with pytest.raises(tissue.RunFailed):
                 tissue.simulate(exploding, seed)
         else:

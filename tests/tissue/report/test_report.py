@@ -14,18 +14,14 @@ from tests.browser import WIDTHS, fits, launched, visit
 from tests.tissue.space.in_space import of_surface
 from tests.tissue.study.figures_stand_in import COMPARE, FACTORS, HEAD, INTERACTION, outcomes
 from tissue.cli.app import app
-from tissue.files.parameters import preset
-from tissue.frames.observables import phases
-from tissue.frames.section import cut_of, section
-from tissue.pictures.charts import NARROW, OUTCOMES, WIDTH, ratios_in_time
-from tissue.pictures.picture import drawing
+from tissue.frames.section import section
+from tissue.pictures.charts import OUTCOMES, WIDTH, ratios_in_time
 from tissue.pictures.sheet import webp
 from tissue.report import page
 from tissue.report.effects import effect_figure
-from tissue.report.examples import frames
 from tissue.report.page import figures, write_page
-from tissue.runs.simulate import simulate
 from tissue.study.answers import answer_table, scenario_means
+from tissue.study.outcomes import outcomes as true_outcomes
 from tissue.study.read import Results
 
 NAMES = ("costs $5, or $6_{x}$", "<b> & 100 %", "a long name of a scenario in which nothing else is said " * 2)
@@ -66,26 +62,24 @@ def study():
     return tissue.run_study("study.toml", "out")
 
 
-def drawn(results, name, width=WIDTH):
+def drawn(results, name):
     (one,) = (one for one in figures(results) if one.name == name)
-    return one.draw(width)
+    return one.draw()
 
 
 @pytest.mark.slow
-def test_every_figure_is_drawn_wide_and_narrow_and_written(study):
-    mine = of_scenarios(NAMES, "trajectories = [0, 1]")
+def test_every_figure_is_drawn_and_written(study):
+    mine = of_scenarios(NAMES)
     for results, answers in ((study, 9), (mine, 0)):
         found = list(figures(results))
-        examples = [f"examples_{k}" for k in range(1, 4)] if results is mine else []
-        names = [*(f"answer_{k}" for k in range(1, answers + 1)), "positions", "ratios", "at_end", *examples]
+        names = [*(f"answer_{k}" for k in range(1, answers + 1)), "positions", "ratios"]
         assert [one.name for one in found] == names
         for one in found:
-            for width in (WIDTH, NARROW):
-                figure = one.draw(width)
-                assert webp(figure, 20).startswith(b"RIFF")
-                figure.draw_without_rendering()
-                boxes = [panel.get_tightbbox() for panel in figure.axes]
-                assert all(box.x0 > -1 and box.x1 < figure.bbox.x1 + 1 for box in boxes)
+            figure = one.draw()
+            assert webp(figure, 20).startswith(b"RIFF")
+            figure.draw_without_rendering()
+            boxes = [panel.get_tightbbox() for panel in figure.axes]
+            assert all(box.x0 > -1 and box.x1 < figure.bbox.x1 + 1 for box in boxes)
     for kind, begins in (("png", b"\x89PNG"), ("svg", b"<?xml"), ("pdf", b"%PDF")):
         done = CliRunner().invoke(app, ["page", "mine", "--figures", kind])
         assert (done.exit_code, done.stderr) == (0, "")
@@ -116,18 +110,10 @@ def test_ratios_against_time_have_their_bands_and_times_of_events_are_marked():
     assert [(text.get_text(), text.xy[0]) for text in panel.texts] == [("[B]", 12.0)]
 
 
-def test_ratios_at_the_end_are_those_of_the_tables_and_names_are_written_as_they_are():
-    results = of_scenarios(NAMES)
-    figure, table = drawn(results, "at_end"), scenario_means(results).set_index("outcome")
-    figure.draw_without_rendering()
-    for panel, what in zip(figure.axes, OUTCOMES, strict=True):
-        marks, _, (whiskers,) = panel.containers[0].lines
-        rows = table.loc[what]
-        assert marks.get_xdata() == pytest.approx(100 * rows["value"].to_numpy())
-        ends = np.array([segment[:, 0] for segment in whiskers.get_segments()])
-        assert ends == pytest.approx(100 * rows[["low", "high"]].to_numpy())
-    labels = [re.sub(r"\s+", " ", text.get_text().replace(r"\$", "$")) for text in figure.axes[0].get_yticklabels()]
-    assert labels == [name.strip() for name in NAMES]
+def test_names_are_written_as_they_are():
+    figure = drawn(of_scenarios(NAMES), "ratios")
+    titles = [re.sub(r"\s+", " ", panel.get_title(loc="left").replace(r"\$", "$")) for panel in figure.axes]
+    assert titles == [name.strip() for name in NAMES]
 
 
 def test_the_picture_of_an_answer_has_the_groups_and_the_effect(study):
@@ -156,42 +142,32 @@ def test_an_infinite_end_of_an_interval_goes_past_the_edge(study, low):
     assert len(shown) <= 12
 
 
-def test_a_study_without_emt_cells_has_examples_alone(monkeypatch):
-    run = simulate(preset("published").changed({"numerics.t_end": "2 h", "numerics.keep": "0.5 h"}), 0).table()
-    monkeypatch.setattr("tissue.study.read.Results.trajectory", lambda *_: run)
-    (one,) = figures(of_scenarios(["tissue alone"], "trajectories = [0]", cells=0))
-    assert (one.name, one.title, one.caption) == ("examples_1", "tissue alone", "Replicate 0.")
-    assert [panel.texts[0].get_text()[:8] for panel in one.draw(WIDTH).axes] == ["t = 0 h ", "t = 1 h ", "t = 2 h "]
+def test_a_study_without_emt_cells_has_no_figures():
+    assert list(figures(of_scenarios(["tissue alone"], cells=0))) == []
 
 
-@pytest.mark.parametrize(
-    "changes",
-    [
-        {"layer.shape": "circle", "layer.perimeter": "400 um", "numerics.t_end": "2 h", "numerics.keep": "2 h"},
-        {"numerics.keep": "6 h", "numerics.t_end": "12 h", "emt.cells": 3, "emt.a": "6 h"},
-    ],
-)
-def test_states_come_back_from_their_table(changes):
-    run = simulate(preset("thesis").changed(changes), 2)
-    (frame,), final = frames(run.table(), [run.final.t], run.parameters), run.final
-    for name in ("x", "y", "ax", "ay", "bx", "by", "radius", "birth", "cycle", "id", "emt", "events"):
-        assert getattr(frame.cells, name) == pytest.approx(getattr(final.cells, name))
-    assert all((one == other).all() for one, other in zip(frame.layers, final.layers, strict=True))
-    assert (phases(frame, run.parameters.numbers()) == phases(final, run.parameters.numbers())).all()
-    heights = [state.curve.heights(state.cells.ax, state.cells.ay) for state in (frame, final)]
-    assert heights[0] == pytest.approx(heights[1])
-
-
-def test_a_sheet_from_its_table_is_drawn_as_its_run_is():
-    """The same cells, height and title; the apical line goes once through the period."""
-    run = simulate(of_surface("plane", numerics__t_end="0.2 h", numerics__keep="0.2 h"), 2)
-    (frame,) = frames(run.table(), [run.final.t], run.parameters)
-    shown = [drawing([one], run.parameters).axes[0] for one in (frame, run.final)]
-    assert shown[0].texts[0].get_text() == shown[1].texts[0].get_text()
-    assert len(section(frame).cells.x) == len(section(run.final).cells.x)
-    period = run.final.sheets.surface.period_x
-    for one in (frame, run.final):
-        assert np.abs(np.diff(cut_of(one)[..., 0])).sum() == pytest.approx(period, rel=0.05)
+def test_a_movie_of_a_sheet_is_a_section_through_its_first_emt_cell(monkeypatch):
+    """Of each state: there its nucleus is cut in the middle, and what is along z alone has moved."""
+    shown = []
+    parameters = of_surface("plane", numerics__t_end="0.2 h", numerics__keep="0.2 h", emt__cells=3, emt__b="0.1 h")
+    Path("sheet.toml").write_text(parameters.as_toml(), "utf-8")
+    Path("study.toml").write_text(
+        'title = "s"\nbase = "sheet.toml"\nreplicates = 1\nseed = 1\n[scenarios.one]\n', "utf-8"
+    )
+    monkeypatch.setattr("tissue.study.outcomes.outcomes", true_outcomes)
+    monkeypatch.setattr(
+        page, "stills", lambda states, *_, **__: shown.extend(states) or [np.zeros((2, 3, 3), np.uint8)]
+    )
+    results = tissue.run_study("study.toml", "sheet")
+    found = page._movie(results, "one")
+    assert (found.run, found.ratio) == ("replicate 0", 1.5)
+    run = tissue.simulate(parameters, int(results.runs("one")["seed"].iloc[0]))
+    for state, frame in zip(shown, run.frames, strict=True):
+        first = np.flatnonzero(state.cells.emt >= 0)[0]
+        assert state.cells.z[first] == 0.0
+        assert state.cells.id[first] in section(state).cells.id
+        assert state.cells.az - state.cells.z == pytest.approx(frame.cells.az - frame.cells.z)
+        assert (state.cells.x == frame.cells.x).all()
 
 
 @pytest.mark.slow
@@ -211,7 +187,7 @@ def test_the_page_has_every_answer_with_its_picture_and_loads_nothing(study):
     assert len(answers) == len(rows) == 9
     for part, row in zip(answers, rows.itertuples(), strict=True):
         assert escape(row.finding) in part
-        assert part.count("<picture>") == 1
+        assert part.count("<img ") == 1
         movies = 4 if row.question.startswith("(") else 2
         assert part.count('class="paper movie') == (movies if row.measure == "difference" else 0)
     assert text.count("background-image: url(data:image/webp;base64,") == 4  # each once
@@ -223,7 +199,7 @@ def test_the_page_has_every_answer_with_its_picture_and_loads_nothing(study):
 def test_a_browser_shows_the_page_on_a_desk_and_on_a_telephone_at_night(study, tmp_path):
     path = write_page(study, tmp_path / "page.html")
     with launched() as browser:
-        for width, scheme, inches in zip(WIDTHS, ("light", "dark"), (WIDTH, NARROW), strict=True):
+        for width, scheme in zip(WIDTHS, ("light", "dark"), strict=True):
             with visit(browser, path, width, offline=True, color_scheme=scheme) as shown:
                 fits(shown)
                 assert shown.locator("section.answer").count() == 9
@@ -231,7 +207,7 @@ def test_a_browser_shows_the_page_on_a_desk_and_on_a_telephone_at_night(study, t
                 assert box["width"] > 100
                 assert box["height"] > 30
                 image = shown.locator("h3:has-text('Positions') + figure img")
-                assert image.evaluate("e => e.naturalWidth") == pytest.approx(page.DPI * inches, abs=1)
+                assert image.evaluate("e => e.naturalWidth") == pytest.approx(page.DPI * WIDTH, abs=1)
 
 
 @pytest.mark.slow
@@ -278,8 +254,8 @@ def test_folders_that_can_not_be_used_are_refused():
 def test_tables_as_csv_are_those_of_the_results(study):
     done = CliRunner().invoke(app, ["summary", "out", "--csv"])
     assert (done.exit_code, done.stderr) == (0, "")
-    names = ["answers", "means", "parameters", "runs", "cells"]
-    assert done.stdout.splitlines()[-5:] == [f"out/csv/{name}.csv" for name in names]
+    names = ["answers", "means", "parameters", "runs", "cells", "series"]
+    assert done.stdout.splitlines()[-6:] == [f"out/csv/{name}.csv" for name in names]
     answers = pd.read_csv("out/csv/answers.csv")
     assert answers["value"].tolist() == pytest.approx(answer_table(study)["value"].tolist())
     cells = pd.read_csv("out/csv/cells.csv")

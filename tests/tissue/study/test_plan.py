@@ -106,19 +106,12 @@ def test_files_that_are_none_are_named(tmp_path):
 @pytest.mark.parametrize(
     ("emt", "remark"),
     [
-        ('b = "12 h", p = "6 h"', "[P] at 6 h waits for [B] at 12 h"),
-        ('b = "12 h", p = "12 h"', None),
-        ('b = "6 h to 24 h, 70 %", p = "7 h"',
-         "[P] (7 h) waits for [B] (6 h to 24 h, 70 %) where [B] is later, and does not begin in cells without [B]"),
-        ('b = "6 h to 24 h", p = "6 h to 24 h"', "[P] (6 h to 24 h) waits for [B] (6 h to 24 h) where [B] is later"),
-        ('b = "6 h to 9 h"', None),
         ('b = "48 h"', None),
         ('b = "60 h"', '[B] never begins: emt.b = "60 h", and numerics.t_end = "48 h"'),
-        ('b = "6 h to 60 h, 5 %"',
-         '[B] does not begin in all cells: emt.b = "6 h to 60 h, 5 %", and numerics.t_end = "48 h"'),
+        ('b = "6 h to 60 h, 5 %"', None),
     ],
 )  # fmt: skip
-def test_where_an_event_waits_or_is_late_there_is_a_remark(emt, remark):
+def test_where_no_run_begins_an_event_there_is_a_remark(emt, remark):
     head = GOOD[: GOOD.index("[scenarios")].replace('a = "6 h"', "")
     study = load_study(write(f"{head}[scenarios.x]\nemt = {{ {emt} }}\n[scenarios.y]\n"))
     assert study.remarks == ([f"scenario 'x': {remark}"] if remark else [])

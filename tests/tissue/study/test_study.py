@@ -305,7 +305,7 @@ def test_a_folder_that_is_not_of_this_study_is_refused_and_left_alone(computed):
     change("replicates = 70", "replicates = 60")
     assert refusal().startswith("out: replicates = 60: must be at least 70, which this folder was planned with")
     OUT.joinpath("study.json").unlink()
-    assert refusal() == "out: must be new, empty or the folder of this study; it holds cells, runs, study.toml"
+    assert refusal() == "out: must be new, empty or the folder of this study; it holds cells, columns.csv, runs"
     Path("file").write_text("")
     for place in ("file", "/proc/out"):
         with pytest.raises(InvalidProblem, match="must be a folder that can be written to"):

@@ -78,7 +78,7 @@ def divide(tissue: Tissue, t: float, numbers: Numbers, draws: Generator, named: 
             next_id += 1
         else:
             one_by_one.append(first)
-    cells = Cells(*map(np.array, zip(*one_by_one, strict=True)))
+    cells = Cells(*(np.array(fields).T for fields in zip(*one_by_one, strict=True)))
     place = {name: i for i, name in enumerate(cells.id.tolist())}
     layers = CellLayers(*(np.array([place[name] for name in layer], np.int64) for layer in (apical, basal)))
     return tissue._replace(cells=cells, layers=layers, next_id=next_id, emt=emt)
@@ -201,7 +201,7 @@ def _in_g2(cells: Cells, t: float, numbers: Any) -> Flags:
 
 def _each(cells: Cells) -> Iterator[Any]:
     """The cells one after another, each as Cells of scalars."""
-    return (Cells(*fields) for fields in zip(*(array.tolist() for array in cells), strict=True))
+    return (Cells(*fields) for fields in zip(*(array.T.tolist() for array in cells), strict=True))
 
 
 def _new_cycle(numbers: Numbers, draws: Generator) -> float:

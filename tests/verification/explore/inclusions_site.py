@@ -9,36 +9,21 @@ from pathlib import Path
 
 import uvicorn
 from fastapi import FastAPI
-from nicegui import context, ui
+from nicegui import ui
 
 from verification.explore.common.folder import Folder
 from verification.explore.common.streams import PictureStreams
 from verification.explore.inclusions.page import InclusionsPage
 
 
-class CountedThreads(ThreadPoolExecutor):
-    """Tells how many runs are under way, or waiting."""
-
-    def __init__(self) -> None:
-        super().__init__(2)
-        self.busy = 0
-
-    def submit(self, *args, **kwargs):
-        self.busy += 1
-        job = super().submit(*args, **kwargs)
-        job.add_done_callback(lambda _: setattr(self, "busy", self.busy - 1))
-        return job
-
-
 def main(folder: Path) -> None:
-    app, pool = FastAPI(), CountedThreads()
+    app, pool = FastAPI(), ThreadPoolExecutor(2)
     streams, css = PictureStreams(app), files("verification.explore").joinpath("page.css").read_text("utf-8")
-    app.get("/busy")(lambda: pool.busy)
 
     @ui.page("/")
     def visit() -> None:
         ui.add_css(css)
-        context.client.on_delete(InclusionsPage(Folder(folder), streams, pool).stop)
+        InclusionsPage(Folder(folder), streams, pool)
 
     ui.run_with(app, tailwind=False, binding_refresh_interval=None, show_welcome_message=False)
     listening = socket.create_server(("127.0.0.1", 0))

@@ -1,4 +1,4 @@
-"""The tab of inclusions in a browser: a problem, methods, dt and end time are chosen, and what goes wrong is seen."""
+"""The tab of inclusions in a browser: problem, method, dt and end time are chosen, and what goes wrong is seen."""
 
 import subprocess
 import sys
@@ -60,46 +60,23 @@ def says(page: "Page", place: str, text: str) -> None:
     page.locator(f"[data-is='{place}']", has_text=text).wait_for()
 
 
-def row(page: "Page", method: str) -> list[str]:
-    """The numbers of a method, once they are there."""
-    cells = page.locator(".numbers tr").filter(has=page.get_by_role("cell", name=method, exact=True)).locator("td")
-    cells.nth(1).filter(has_text="e").wait_for()
-    return cells.all_inner_texts()
-
-
-def rest(page: "Page") -> None:
-    """Wait until all runs are known; then none is under way."""
-    page.locator(".numbers[data-left='0']").wait_for()
-    page.wait_for_function("fetch('/busy').then(answer => answer.json()).then(busy => busy === 0)")
-
-
 class TestTab:
-    def test_choices_show_in_pictures_numbers_and_charts(self, browser: "Browser", site: str) -> None:
-        with visit(browser, site) as page:
+    def test_choices_show_in_the_picture(self, browser: "Browser", site: str) -> None:
+        with visit(browser, site) as page, visit(browser, site) as other:
             says(page, "reference", "event-driven, estimated error")
             page.wait_for_function(f"{RUN}.state === 'ready' && {RUN}.status === 'SUCCESS' && {RUN}.cells === '10'")
-            coarse = row(page, "PBD")
             page.locator(SLIDER).press("ArrowLeft")
             says(page, "dt", "dt = 3/128 = 0.0234")
             page.wait_for_function(f"{RUN}.run > 1 && {RUN}.state === 'ready'")
-            page.get_by_role("cell", name=coarse[1], exact=True).wait_for(state="detached")
-            fine = row(page, "PBD")
-            assert 0.3 < float(fine[1]) / float(coarse[1]) < 0.9
-            assert float(fine[2]) > 1e-3
-            assert float(row(page, "catch-up")[2]) < 1e-9
-            page.get_by_role("checkbox", name="linearised catch-up").click()
-            assert float(row(page, "linearised catch-up")[2]) < 1e-9
-            choose(page, "method in the picture", "penalty 100")
+            choose(page, "method", "penalty 100")
             choose(page, "problem", "A disc slides over a fixed disc")
             says(page, "reference", "the exact solution")
             page.wait_for_function(f"{RUN}.cells === '1' && {RUN}.state === 'ready'")
-            rest(page)
-            assert 1.5 < float(row(page, "midpoint catch-up")[3]) < 2.5
+            says(other, "dt", "dt = 3/64 = 0.0469")
 
     def test_wrong_values_are_said_and_change_nothing(self, browser: "Browser", site: str, folder: Path) -> None:
         with visit(browser, site) as page:
-            rest(page)
-            before = row(page, "PBD")
+            says(page, "dt", "dt = 3/64 =")
             choose(page, "problem", "wrong.py")
             says(page, "problem-fault", "wrong.py: problem = 3: must be a dincl.Problem")
             end = page.get_by_role("spinbutton", name="end time")
@@ -107,7 +84,7 @@ class TestTab:
                 end.fill(wrong)
                 end.press("Enter")
                 says(page, "end-fault", message)
-            assert row(page, "PBD") == before
+            says(page, "dt", "dt = 3/64 =")
             choose(page, "problem", "falls.py")
             says(page, "about", "Problem(N = 1, d = 2, constraints = [HalfSpace])")
             page.locator("[data-is='end-fault']", has_text="must").wait_for(state="detached")
@@ -122,21 +99,6 @@ class TestTab:
         with visit(browser, site, min(WIDTHS)) as page:
             says(page, "dt", "dt = 3/64 = 0.0469")
             choose(page, "problem", "closes.py")
-            choose(page, "method in the picture", "catch-up")
-            says(page, "run-faults", "catch-up: The projection, an iteration or the estimated error did not reach")
+            choose(page, "method", "catch-up")
             page.wait_for_function(f"{RUN}.status === 'NOT_CONVERGED'")
-            assert page.locator(".inclusions .chart canvas").count() == 4
             fits(page)
-
-    def test_many_moves_leave_no_work_behind_and_do_not_disturb_another(self, browser: "Browser", site: str) -> None:
-        with visit(browser, site) as page, visit(browser, site) as other:
-            says(page, "dt", "dt = 3/64 = 0.0469")  # the server has answered: what is done before it hears is lost
-            slider = page.locator(SLIDER)
-            for _ in range(6):
-                slider.press("PageDown")
-                slider.press("PageUp")
-            slider.press("ArrowLeft")
-            says(page, "dt", "dt = 3/8 = 0.375")
-            page.wait_for_function(f"{RUN}.state === 'ready'")
-            says(other, "dt", "dt = 3/64 = 0.0469")
-            rest(page)

@@ -1,15 +1,13 @@
 """The page in a real browser: every kind of control, wrong values, the picture, comparing, and the exported study."""
 
 import re
-import time
 
 import pytest
 
 import tissue
-from tests.browser import HEIGHT, WIDTHS, fits, launched, visit
+from tests.browser import launched, visit
 from tests.verification.explore.site import (
     change,
-    cpu_ticks,
     enter,
     field,
     interval,
@@ -113,15 +111,6 @@ def test_a_choice_and_a_switch_change_the_layer(page):
     undo(page, "layer.shape")
 
 
-def test_an_event_is_switched_on_and_moved(page):
-    before = run_of(page)
-    knob(page, "emt.s").locator(".q-toggle").click()
-    wait_for_run(page, before)
-    assert field(page, "emt.s").input_value() == "0.5 h to 2 h"
-    undo(page, "emt.s")
-    assert field(page, "emt.s").input_value() == "never"
-
-
 @pytest.mark.parametrize(
     ("key", "text", "said"),
     [
@@ -204,19 +193,6 @@ def test_two_settings_are_compared_and_the_exported_study_has_the_numbers_of_the
         assert shown[name][3]
 
 
-def test_the_finished_study_opens_in_the_page(page, folder):
-    shown = numbers(page)
-    page.get_by_role("button", name="Open a study").click()
-    page.get_by_role("combobox", name="study", exact=True).click()
-    page.get_by_role("option", name="results/again").click()
-    page.get_by_role("button", name="Open", exact=True).click()
-    page.get_by_text("It is held beside").wait_for()
-    page.get_by_role("button", name="Close").click()
-    wait_for_runs(page, RUNS, "C")
-    name = OUTCOMES["apical"][2]
-    assert numbers(page)[name][1] == shown[name][1]
-
-
 def test_parameters_are_saved_and_opened_and_copied(page, folder):
     page.get_by_role("button", name="Save", exact=True).click()
     page.get_by_label("name of the file").fill("kept")
@@ -232,17 +208,6 @@ def test_parameters_are_saved_and_opened_and_copied(page, folder):
     assert tissue.load(folder / "kept.toml").emt.cells == 3
 
 
-@pytest.mark.parametrize("width", WIDTHS)
-def test_it_fits_a_desk_and_a_telephone(page, width):
-    page.set_viewport_size({"width": width, "height": HEIGHT})
-    fits(page)
-    picture, answer, knobs = (page.locator(f".{name}").bounding_box() for name in ("middle", "right", "left"))
-    if width < 1000:
-        assert picture["y"] + picture["height"] <= answer["y"] < answer["y"] + answer["height"] <= knobs["y"]
-    else:
-        assert knobs["x"] < picture["x"] < answer["x"]
-
-
 def test_visitors_do_not_disturb_each_other_and_a_setting_outlives_a_reload(browser_of_all, site, page):
     with visit(browser_of_all, site[0]) as one:
         wait_for_runs(one, RUNS)
@@ -256,16 +221,3 @@ def test_visitors_do_not_disturb_each_other_and_a_setting_outlives_a_reload(brow
         one.reload()
         wait_for_runs(one, RUNS)
         assert (numbers(one), field(one, "emt.cells").input_value()) == (known, "1")
-
-
-def test_a_hundred_quick_moves_leave_no_work_behind(page, site):
-    knob(page, "emt.inm").locator(".q-slider [tabindex]").focus()
-    for _ in range(100):
-        page.keyboard.press("ArrowLeft")
-    page.wait_for_function("told => told.value === '0.0'", arg=field(page, "emt.inm").element_handle())
-    wait_for_runs(page, RUNS)
-    ended = [0, cpu_ticks(site[1].pid)]
-    while ended[-1] > ended[-2]:
-        time.sleep(QUIET)
-        ended.append(cpu_ticks(site[1].pid))
-    assert field(page, "emt.inm").input_value() == "0.0"

@@ -68,18 +68,3 @@ def test_crosses_have_an_entry_where_there_are_any(drawn):
     assert entries(axes)[charts.FAILED].get_marker() == "x"
     none = v.work_precision(SLIDE, METHODS[:1], [0.1], T, SLIDE.exact, v.CpuSeconds(1.0))
     assert charts.FAILED not in entries(none.plot())
-
-
-def test_the_efficient_runs_are_drawn_behind_the_curves(drawn):
-    found, axes = drawn
-    others, efficient = entries(axes), found.front(cost="drift_evaluations")
-    band = others.pop(charts.FRONT["label"])
-    assert (np.array(band.get_xdata()) == efficient["drift_evaluations"]).all()
-    assert (np.array(band.get_ydata()) == efficient["accuracy"]).all()
-    assert all(band.get_zorder() < entry.get_zorder() for entry in others.values())
-
-
-def test_the_legend_hides_no_point(drawn):
-    axes = drawn[1]
-    axes.figure.draw_without_rendering()
-    assert axes.get_legend().get_window_extent().x0 >= axes.get_window_extent().x1

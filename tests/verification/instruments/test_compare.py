@@ -48,12 +48,6 @@ def test_modules_beside_the_file_are_found_and_the_verdicts_are_printed(tmp_path
     assert result.output.rstrip().endswith(str(tmp_path / "out" / "index.html"))
 
 
-def test_help_names_all_that_a_file_may_name():
-    shown = " ".join(CliRunner().invoke(app, ["compare", "-h"]).output.split())
-    for name in ("problem", "methods", "settings", "reference", "budget"):
-        assert name in shown
-
-
 @pytest.mark.slow
 def test_reference_and_budget_of_the_file_are_taken(tmp_path):
     more = "reference = np.zeros((len(t), 1, 1))\nbudget = v.DriftEvaluations(8)\nsettings = {'dt': settings}\n"
@@ -77,12 +71,6 @@ def test_what_is_missing_is_said(tmp_path, text, message):
     assert result.exit_code == 2
     flat = " ".join(result.output.replace("│", " ").split())
     assert message in flat
-
-
-def test_a_missing_file_is_said(tmp_path):
-    result = CliRunner().invoke(app, ["compare", str(tmp_path / "none.py")])
-    assert result.exit_code == 2
-    assert "there is no such" in " ".join(result.output.replace("│", " ").split())
 
 
 @pytest.mark.slow

@@ -1,17 +1,15 @@
 """The chart that answers to the reader: what is drawn, which method is the cheapest, and the address of a choice."""
 
-import re
-
 import numpy as np
 import pandas as pd
 import pytest
 
-from tests.browser import WIDTHS, draw_all, fits, launched, visit
+from tests.browser import draw_all, launched, visit
 from tests.verification.live import cheapest, choose, listed
 from verification.instruments.budget import CpuSeconds
 from verification.instruments.chart import WorkPrecision
 from verification.instruments.cheapest import UNDECIDED
-from verification.instruments.interactive import DECADES, draw_chart, script
+from verification.instruments.interactive import draw_chart, script
 
 pytestmark = pytest.mark.slow
 ERRORS, COSTS = ("largest", "final", "overlap"), ("cpu_seconds", "drift_evaluations")
@@ -114,28 +112,3 @@ def test_an_address_restores_the_choice_it_was_made_of(browser, page_file):
         second.evaluate("location.hash = '#scene=scene_1'")
         second.wait_for_function("document.querySelector('[name=norm]').value === 'largest'")
         assert listed(second) == cheapest(CHARTS["scene_1"], "largest", "cpu_seconds")
-
-
-@pytest.mark.parametrize("part", ["scene=nothing", "scene=scene_1&norm=x&cost=&without=none", "section-1", "%"])
-def test_an_address_of_something_else_is_no_fault(browser, page_file, part):
-    with visit(browser, f"{page_file.as_uri()}#{part}") as found:
-        draw_all(found)
-        assert len(listed(found)) == len(DECADES)
-
-
-def test_page_fits_and_a_scheme_of_dark_colours_changes_no_number(browser, page_file):
-    shown = []
-    for width in WIDTHS:
-        for scheme in ("light", "dark"):
-            with visit(browser, page_file, width, color_scheme=scheme) as found:
-                draw_all(found)
-                fits(found)
-                shown.append(listed(found))
-    assert all(one == shown[0] for one in shown)
-
-
-def test_the_script_is_in_the_page():
-    text = script()
-    assert len(text) > 1e6
-    assert "</script" not in text.lower()
-    assert "src=" not in re.sub(r"\s", "", draw_chart(CHARTS, COSTS))

@@ -23,17 +23,7 @@ def limit(t: list[float]) -> np.ndarray:
     return mf.solve_moments(STRAIGHT, mf.Moments(*LAW.moments()), [1.0], [0.5], t, 1e-13).y
 
 
-@pytest.mark.parametrize("order", [2, 4])
-def test_order_of_rattle_on_an_own_model(order):
-    problem = v.ParticleProblem(WAVY, START)
-    study = v.order_study(
-        problem, [PARTICLES[f"rattle{order}"]], [0.25 / 2**k for k in range(5)], T,
-        mf.solve_ode(WAVY, START, T, 1e-13).y,
-    )  # fmt: skip
-    assert study.fits["slope"].to_numpy() == pytest.approx(order, abs=0.1)
-
-
-@pytest.mark.parametrize("name", [name for name in PARTICLES if not name.startswith("rattle")])
+@pytest.mark.parametrize("name", PARTICLES)
 def test_methods_of_particles_follow_their_tolerance(name):
     found = PARTICLES[name].run(v.ParticleProblem(STRAIGHT, START), 1e-9, T)
     np.testing.assert_allclose(found, mf.solve_ode(STRAIGHT, START, T, 1e-12).y, atol=1e-7)
@@ -69,12 +59,10 @@ def test_all_levels_of_a_model_stand_on_one_chart():
 
 
 def test_what_a_model_does_not_allow_is_a_refused_row():
-    study = v.order_study(
-        v.ParticleProblem(WAVY, START), [PARTICLES["reduced"]], [10.0**-k for k in range(3, 8)], T,
-        mf.solve_ode(WAVY, START, T, 1e-13).y,
-    )  # fmt: skip
+    problem = v.DensityProblem(WAVY, LAW, [1.0], [0.5])
+    study = v.order_study(problem, [DENSITY["moments"]], [10.0**-k for k in range(3, 8)], T, limit(T))
     assert study.table["status"].iloc[0] == "REFUSED"
-    assert "no reduction holds" in study.table["detail"].iloc[0]
+    assert "do not close" in study.table["detail"].iloc[0]
 
 
 def test_problems_of_the_other_kind_are_refused_with_the_name_of_the_right_one():

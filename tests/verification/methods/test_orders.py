@@ -140,12 +140,10 @@ def test_the_best_strength_and_the_width_of_the_optimum(
     assert best["pbd_largest"] == 0.1
 
 
-def test_scan_and_curve_see_the_same_overlap() -> None:
-    key = {"scene": "ten_disks_corner", "dt": 0.05, "exponent": 0, "strength": 0.0}
-    row, curve = strengths.measure(key)[0], pd.DataFrame(strengths.curve(key))
-    assert len(curve) == 61
-    assert row["largest"] == curve["overlap"].max() > 0.1
-    assert row["mean"] == pytest.approx(curve["overlap"].mean())
+def test_the_scan_measures_overlap_and_error() -> None:
+    row = strengths.measure({"scene": "ten_disks_corner", "dt": 0.05, "exponent": 0, "strength": 0.0})[0]
+    assert row["largest"] > 0.1
+    assert 0.0 < row["mean"] < row["largest"]
     assert 0.0 < row["error"] < 0.5
 
 

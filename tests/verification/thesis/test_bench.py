@@ -19,14 +19,6 @@ def test_pbd_rows_state_their_load(monkeypatch):
     assert (table["steps_per_list"] > 5).all()
 
 
-def test_every_projection_is_timed_with_its_residual():
-    table = bench.projection_table((4,))
-    assert table["projection"].tolist() == list(bench.PROJECTIONS)
-    assert (table["status"] == "SUCCESS").all()
-    assert (table["residual"] <= 1e-9).all()
-    assert (table["ms_best"] > 0).all()
-
-
 def test_jostling_discs_all_move_with_speed_one():
     problem = bench.jostle(100)
     speed = np.linalg.norm(problem.velocity(0.0, problem.x0), axis=1)

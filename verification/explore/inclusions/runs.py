@@ -65,15 +65,6 @@ class SavedState(NamedTuple):
         return "" if self.status else f"{self.status.value} {self.detail}".rstrip()
 
 
-class Measured(NamedTuple):
-    """Overlap and error of a run at its kept steps, shape (K,); the error is None where no reference is known."""
-
-    t: Floats
-    overlap: Floats
-    error: Floats | None
-    fault: str
-
-
 def integrate(run: InclusionRun, gone: Gone = lambda: False) -> Iterator[SavedState]:
     """Compute the states of ``solve`` at all steps, or at 128 equal times, and give each as it comes.
 
@@ -119,19 +110,3 @@ def depths(problem: Problem, t: float, x: Floats) -> Floats:
     except StepFailure:
         deep[:] = np.inf
     return deep
-
-
-def measured(run: InclusionRun, gone: Gone = lambda: False) -> Measured | None:
-    """Return overlap and error in time; None if it was stopped, no times if the method cannot serve the problem."""
-    try:
-        kept = list(integrate(run, gone))
-    except InvalidProblem as error:
-        return Measured(np.zeros(0), np.zeros(0), None, str(error))
-    if not kept or (kept[-1].status and kept[-1].t < run.end):
-        return None
-    # A step that failed may lie between the times at which the reference is known.
-    known = [one for one in kept if one.error is not None]
-    shown = known or kept
-    t, overlap = np.array([one.t for one in shown]), np.array([one.overlap for one in shown])
-    errors = np.array([one.error for one in known]) if known else None
-    return Measured(t, overlap, errors, kept[-1].fault)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from verification.methods.chart import events, work_precision
+from verification.methods.chart import work_precision
 from verification.methods.chart.work_precision import COSTS, charts
 from verification.methods.decisions import section as decisions
 from verification.methods.methods import METHODS
@@ -22,10 +22,6 @@ def run(context: Context) -> None:
     """Complete the references and the studies; keep what they say."""
     context.rows("work_references")
     context.keep("work_winners", work_precision.winners(context.rows(STUDY)))
-    context.rows("events")
-    orders = events.orders(context.rows("events_local"))
-    context.keep("events_orders", orders[orders["discs"] == orders["discs"].max()])
-    context.keep("events_summary", events.summary(context.tables["events_orders"]))
     decisions.run(context)
 
 
@@ -37,11 +33,8 @@ def show(context: Context) -> None:
     short = {method.label: method.short for method in METHODS.values()}
     # The scenes of many discs first: there calls of Python decide nothing.
     context.charts["speed"] = interactive.draw_chart(dict(reversed(found.items())), COSTS, short)
-    winners, orders = tables["work_winners"], tables["events_orders"]
+    winners = tables["work_winners"]
     context.show("cheapest", work_precision.wide(winners), "work_winners")
-    rows = tables["events"]
-    context.draw("events", events.draw, rows[rows["discs"] == orders["discs"].max()], orders)
-    context.show("events", context.headed("events_local", tables["events_summary"]), "events_summary")
     for name in found:
         mine, won = (table[table["scene"] == name] for table in (tables[STUDY], winners))
         context.draw(f"work_precision_{name}", draw_scene, mine)

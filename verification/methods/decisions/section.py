@@ -6,10 +6,9 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import pandas as pd
+from scipy.stats import binomtest
 
 from verification.methods.decisions.study import AUTO, LOOKS, charts
-from verification.site import cards
-from verification.site.cards import share
 from verification.site.cells import number, percent
 from verification.site.context import Context
 from verification.site.sheet import Axes, legend_below, sheet
@@ -76,8 +75,8 @@ def promise(rows: pd.DataFrame) -> pd.DataFrame:
     found = []
     for what, good in asked.items():
         count, of = int(good.sum()), len(good)
-        part, low, high = share(count, of)
-        found.append({"what": what, "count": count, "of": of, "share": part, "low": low, "high": high})
+        low, high = binomtest(count, of).proportion_ci(method="wilson")
+        found.append({"what": what, "count": count, "of": of, "share": count / of, "low": low, "high": high})
     return pd.DataFrame(found)
 
 
@@ -118,15 +117,6 @@ def draw_bands(rows: pd.DataFrame, path: Path) -> Path:
     return path
 
 
-def draw_card(rows: pd.DataFrame, path: Path) -> Path:
-    """Draw the profiles by CPU time over all errors."""
-    with cards.card(path) as panel:
-        _draw(panel, rows, "cpu_seconds")
-        panel.set(title="", ylabel="share of random scenes")
-        panel.legend(fontsize=7.5, ncols=3, loc="lower center", bbox_to_anchor=(0.5, 1.0))
-    return path
-
-
 def _draw(panel: Axes, rows: pd.DataFrame, cost: str) -> int:
     """Draw the profiles of some scenes; return how many these are."""
     profiles, asked = charts(rows)
@@ -150,7 +140,6 @@ def show(context: Context) -> None:
     rows, found = context.tables["decisions"], context.tables["decisions_profile"]
     context.draw("decisions_profile", draw, rows)
     context.draw("decisions_bands", draw_bands, rows)
-    context.draw("card_speed", draw_card, rows)
     for name in ("profile", "promise", "cost"):
         context.show(f"decisions_{name}", context.headed("decisions", context.tables[f"decisions_{name}"]))
     by_time = found[(found["error"] == band_words(ALL)) & (found["cost"] == COSTS["cpu_seconds"])]

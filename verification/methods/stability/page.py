@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pandas as pd
 
 from verification.instruments.stability import StabilityMap
-from verification.methods.stability import cases, penalty, sweeps_or_steps
+from verification.methods.stability import cases, sweeps_or_steps
 from verification.methods.stability.catalogue import MAPS
 from verification.methods.stability.schemes import Map
-from verification.site import cards
 from verification.site.context import Context
 
 # The caption of the summary of a map.
@@ -46,7 +43,6 @@ def show(context: Context) -> None:
         context.draw(f"stability_{one.name}", _found(context, one).draw)
         context.show(one.name, counts[counts["map"] == one.name].drop(columns="map"), "stability_outcomes")
     context.show("divisions", context.tables["stability_divisions"].rename(columns=DIVISIONS), "stability_divisions")
-    context.draw("card_failures", _draw_card, _found(context, penalty.MAP), penalty.SPRINGS)
 
 
 def places_and_kinds(table: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
@@ -58,10 +54,3 @@ def places_and_kinds(table: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
 def _found(context: Context, one: Map) -> StabilityMap:
     name = f"stability_{one.name}"
     return one.runs.result(context.tables[name] if name in context.tables else context.rows(name))
-
-
-def _draw_card(found: StabilityMap, method: str, path: Path) -> Path:
-    with cards.card(path) as panel:
-        found.plot(panel, method)
-        panel.legend(handles=[])  # the page explains the colours
-    return path

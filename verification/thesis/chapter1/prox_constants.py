@@ -18,13 +18,34 @@ hand, and for large N proof and row agree to first order: eta = R / sqrt(N).
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
+import pandas as pd
 from scipy.linalg import eigh_tridiagonal, solve_banded
+
+from verification.site.context import Context
+from verification.site.sheet import sheet
 
 # Alternations until the relative change of the ratio is rounding; each solves one tridiagonal system.
 MOST_ALTERNATIONS, ROUNDING = 500, 1e-14
 RADIUS = 0.5
+NAME, COUNTS = "prox_constants", (2, 3, 4, 5, 6, 8, 10, 15, 20)
+HEADINGS = {
+    "count": "N",
+    "printed_plane": "Printed, d = 2",
+    "printed_space": "Printed, d = 3",
+    "proved": "Proved",
+    "row": "Straight row",
+    "gap": "Straight row / proved",
+}
+# Column, label, colour, line.
+CURVES = (
+    ("row", "straight row, an upper bound", "#0072b2", "-"),
+    ("proved", "proved, a lower bound", "#009e73", "-"),
+    ("printed_plane", "printed, d = 2", "#cc79a7", "--"),
+    ("printed_space", "printed, d = 3", "#cc79a7", ":"),
+)
 
 
 def printed_constant(count: int, d: int) -> float:
@@ -64,3 +85,39 @@ def row_constant(count: int) -> float:
         best = ratio
         weights = solve_banded((1, 1), gram, np.diff(mode[:, 0]) ** 2)
     return 2 * RADIUS / best
+
+
+def run(context: Context) -> None:
+    """Compute the constants, which takes no time."""
+    rows = [
+        {
+            "count": n,
+            "printed_plane": printed_constant(n, 2),
+            "printed_space": printed_constant(n, 3),
+            "proved": proved_constant(n),
+            "row": row_constant(n),
+            "gap": row_constant(n) / proved_constant(n),
+        }
+        for n in COUNTS
+    ]
+    context.keep(NAME, pd.DataFrame(rows))
+
+
+def show(context: Context) -> None:
+    """Give the constants."""
+    context.show(NAME, context.tables[NAME].rename(columns=HEADINGS))
+    context.draw(NAME, figure, context.tables[NAME])
+
+
+def figure(table: pd.DataFrame, path: Path) -> Path:
+    """Draw all constants of prox-regularity against the number of discs."""
+    with sheet(path, 3.6) as drawn:
+        panel = drawn.subplots()
+        for column, label, colour, line in CURVES:
+            known = table[table[column] > 0]
+            panel.loglog(known["count"], known[column], color=colour, linestyle=line, label=label)
+        panel.set(xlabel="number N of discs of radius 1/2", ylabel="constant of prox-regularity [length]")
+        panel.set_xticks(COUNTS, [str(tick) for tick in COUNTS])
+        panel.minorticks_off()
+        drawn.legend(loc="outside right center")
+    return path

@@ -120,7 +120,7 @@ def grown(key: Key, end: float = END) -> list[Row]:
     parameters, seed = parameters_of(key["case"], key["eps"], end), key["seed"]
     _warm_up()
     began = time.process_time()
-    run = simulate_quasi_steady(parameters, seed, throw=False)
+    run = simulate_quasi_steady(parameters, seed)
     seconds = time.process_time() - began
     about = {"kind": "run", "t": run.final.t, "seconds": seconds, "terminated": bool(run.status)}
     about |= {"status": run.status.name, "iterations": int(run.iterations.sum())}
@@ -147,7 +147,7 @@ def stiffness(cells: Cells, parameters: Parameters) -> float:
 def _warm_up() -> None:
     """Load and compile, apart from what is timed."""
     quick = parameters_of(PRINTED, OWN, 1.0).changed({"daha.most_iterations": 1})
-    simulate_quasi_steady(quick, 0, throw=False)
+    simulate_quasi_steady(quick, 0)
     growing_from(quick, 0).to(1.0)
 
 

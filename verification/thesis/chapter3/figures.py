@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -29,28 +29,28 @@ CASES = {TERMINATING: ("#0072b2", "Î± of Table 4"), DOUBLED_CASE: ("#d55e00", "Î
 ITERATIONS = np.geomspace(1e2, 1e5, 60)
 
 
-def substeps(made: pd.DataFrame, of: str, labels: Mapping[str, str], path: Path) -> Path:
-    """Draw median errors of nuclei, a panel for each tissue against the seconds or substeps, and errors of heights."""
-    cost, words = ("seconds", "ms for 10 h, with the substeps"), "substeps in dt"
+def substeps(made: pd.DataFrame, path: Path) -> Path:
+    """Draw median errors of nuclei, a panel for each preset against the time, and errors of heights."""
     with sheet(path, 3.9) as figure:
-        *panels, last = figure.subplots(1, len(labels) + 1)
-        for panel, (name, label), colour in zip(panels, labels.items(), (SHADES[4], SHADES[1]), strict=False):
-            mine = made[made[of] == name].sort_values("substeps")
+        *panels, last = figure.subplots(1, len(PRESETS) + 1)
+        for panel, (name, label), colour in zip(panels, PRESETS.items(), (SHADES[4], SHADES[1]), strict=True):
+            mine = made[made["preset"] == name].sort_values("substeps")
             lost = mine[(mine["t"] <= LAST) & (mine["lost"] > 0)]["substeps"]
-            mine = mine[~mine["substeps"].isin(lost)].assign(x=1e3 * mine.get("seconds", mine["substeps"] / 1e3))
+            mine = mine[~mine["substeps"].isin(lost)].assign(x=1e3 * mine["seconds"])
             for (t, rows), shade in zip(mine[mine["t"] <= LAST].groupby("t"), SHADES, strict=False):
                 _resolved(panel, rows, shade, f"t = {t:g} h")
-            for row in mine[mine["t"] == mine["t"].min()].itertuples() if cost[0] in made else ():
+            for row in mine[mine["t"] == mine["t"].min()].itertuples():
                 place: tuple[float, float] = (row.x, row.rms)
                 shift: dict[str, Any] = {"xytext": (0, -11), "textcoords": "offset points"}
                 panel.annotate(str(row.substeps), place, ha="center", fontsize=NOTE, **shift)
-            panel.set(title=label, xlabel=cost[1] if cost[0] in made else words, xscale="log", yscale="log")
+            panel.set(title=label, xlabel="ms for 10 h, with the substeps", xscale="log", yscale="log")
             low, high = panel.get_xlim()
             _plain(panel, [tick for tick in MILLISECONDS if low <= tick <= high])
-            _heights(last, made[made[of] == name], label, colour)
+            _heights(last, made[made["preset"] == name], label, colour)
         panels[0].set(ylabel="error of the nuclei [R_soft]")
         last.axhspan(-100 * ENOUGH, 100 * ENOUGH, color="#e7f0e4", zorder=0)
-        last.set(title=f"Heights at {made['t'].max():g} h", xlabel=words, ylabel="height off by [%]", xscale="log")
+        last.set(title=f"Heights at {made['t'].max():g} h", xlabel="substeps in dt", ylabel="height off by [%]")
+        last.set_xscale("log")
         last.set_yscale("symlog", linthresh=2, linscale=1.5)
         last.set_yticks(PERCENT, [f"{value:g}" for value in PERCENT])
         legend_below(figure, [*panels, last], 8)

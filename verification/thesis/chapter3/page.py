@@ -2,19 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
-import numpy as np
-import pandas as pd
-from PIL import Image
-
 from tissue.files.parameters import preset
-from tissue.pictures.movie import write_images
-from tissue.pictures.picture import stills
 from tissue.runs.simulate import simulate
 from tissue.study.outcomes import outcomes
 from verification.site.context import Context
-from verification.thesis.chapter3 import accuracy, daha, figures, growth, limits, stability, substeps
+from verification.thesis.chapter3 import accuracy, daha, figures, growth, stability, substeps
 from verification.thesis.chapter3.growing import until
 from verification.thesis.quasi_steady.run import simulate_quasi_steady
 
@@ -23,7 +15,7 @@ def prepare() -> None:
     """Let numba compile and keep what takes it longest, by the shortest runs there are; those of EMT, too."""
     brief = preset("thesis").changed(until(0.1))
     simulate(brief, 0)
-    simulate_quasi_steady(brief, 0, throw=False)
+    simulate_quasi_steady(brief, 0)
     outcomes(brief, [0], [0])
 
 
@@ -60,11 +52,8 @@ def run(context: Context) -> None:
     context.keep("tissue_accuracy", made)
     context.keep("tissue_orders", substeps.orders(made))
     context.rows("tissue_motion")
-    maps = {name: context.rows(name) for name in stability.TITLED}
+    maps = {name: context.rows(name) for name in stability.TITLES}
     context.keep("tissue_losses", stability.losses(maps))
-    context.keep("tissue_daha_held", stability.held(maps))
-    words = pd.DataFrame([{"case": case.id, "title": case.title, "theory": case.theory} for case in limits.CASES])
-    context.keep("tissue_limits_found", words.merge(context.rows("tissue_limits"), on="case"))
     for part in (grow, compare, judge):
         part(context)
 
@@ -74,8 +63,7 @@ SHOWN = {
     "tissue_substeps": ("tissue_orders", "tissue_accuracy"),
     "tissue_motion": ("tissue_motion",),
     "tissue_growth": ("tissue_doubling", "tissue_ratios"),
-    "tissue_limits": ("tissue_limits_found",),
-    "tissue_map_steps": ("tissue_losses", "tissue_daha_held"),
+    "tissue_map_steps": ("tissue_losses",),
     "tissue_daha": tuple(f"tissue_daha_{name}" for name in ("iterations", "failures", "fits", "speed", "distances")),
     "tissue_judged": ("tissue_judged_steps",),
 }
@@ -89,24 +77,13 @@ def show(context: Context) -> None:
             # Presets by their titles.
             table = tables[name].replace({"preset": figures.PRESETS})
             context.show(name, context.headed(study, table))
-    context.draw("tissue_accuracy", figures.substeps, tables["tissue_accuracy"], "preset", figures.PRESETS)
+    context.draw("tissue_accuracy", figures.substeps, tables["tissue_accuracy"])
     context.draw("tissue_motion", accuracy.MOTION.result(tables["tissue_motion"]).draw)
     context.draw("tissue_growth", figures.growth, tables["tissue_growth"], growth.fine(tables["tissue_growth"]))
-    for name in stability.TITLED:
+    for name in stability.TITLES:
         context.draw(name, stability.map_of(name, tables[name]).draw)
     context.draw("tissue_daha_iterations", figures.iterations, tables["tissue_daha"], daha.PRINTED)
     context.draw("tissue_daha_damping", figures.damping, tables["tissue_daha_distances"], tables["tissue_daha_fits"])
-    context.draw("card_tissue", movie, ending=".webp")
     orders = tables["tissue_orders"]
     last = orders[orders["t"] == orders["t"].max()].set_index("preset")["enough"]
     context.numbers["tissue"] = f"{last['published']} substeps"
-
-
-def movie(path: Path) -> Path:
-    """Write a movie of a growing tissue for the first page, at half of the usual size."""
-    parameters = preset("thesis").changed({"tissue.cells": 24, "numerics.keep": "2 h"})
-    frames = simulate(parameters, seed=0).frames
-    path.parent.mkdir(parents=True, exist_ok=True)
-    images = (np.asarray(Image.fromarray(still).reduce(2)) for still in stills(frames, parameters))
-    write_images(images, len(frames), path)
-    return path

@@ -28,7 +28,6 @@ ENOUGH = 0.01
 SAFETY = 2.5
 COLUMNS = {
     "preset": "Preset",
-    "tissue": "Tissue",
     "t": "t [h]",
     "substeps": "Substeps",
     "nuclei": "Order in h of nuclei [range]",
@@ -78,39 +77,37 @@ def _states(run: Growing, times: tuple[float, ...]) -> list[tuple[Frame | None, 
     return [(run.frame() if run.to(t) else None, run.status, run.seconds) for t in times]
 
 
-def accuracy(table: pd.DataFrame, of: str = "preset") -> pd.DataFrame:
-    """Return a row for each tissue, time and number of substeps: median error of nuclei, mean error of heights.
+def accuracy(table: pd.DataFrame) -> pd.DataFrame:
+    """Return a row for each preset, time and number of substeps: median error of nuclei, mean error of heights.
 
     ``own`` and ``own_height`` bound the errors of the reference, SAFETY times its difference to half as many substeps;
     ``at_most`` is the largest error of the height by its interval over the seeds and the error of the reference.
     Runs that are lost are counted; their height is NaN. The last number of substeps is half of the reference's.
     """
     rows = []
-    for name, mine in table.groupby([of, "t", "substeps"]):
-        row: dict[str, Any] = dict(zip((of, "t", "substeps"), name, strict=True)) | {"rms": mine["rms"].median()}
+    for name, mine in table.groupby(["preset", "t", "substeps"]):
+        row: dict[str, Any] = dict(zip(("preset", "t", "substeps"), name, strict=True)) | {"rms": mine["rms"].median()}
         row["deviation"], row["low"], row["high"] = over_seeds(mine["deviation"])
         rows.append(row | {"lost": int(mine["rms"].isna().sum()), "runs": len(mine)})
     made = pd.DataFrame(rows)
-    finest = made["substeps"] == made.groupby(of)["substeps"].transform("max")
+    finest = made["substeps"] == made.groupby("preset")["substeps"].transform("max")
     for column, own in (("rms", "own"), ("deviation", "own_height")):
-        of_half = made[finest].set_index([of, "t"])[column].abs()
-        made[own] = SAFETY * of_half.loc[list(zip(made[of], made["t"], strict=True))].to_numpy()
+        of_half = made[finest].set_index(["preset", "t"])[column].abs()
+        made[own] = SAFETY * of_half.loc[list(zip(made["preset"], made["t"], strict=True))].to_numpy()
     made["at_most"] = made[["low", "high"]].abs().max(axis=1) + made["own_height"]
-    if "seconds" in table:
-        timed = table[table["t"] == TIMED].groupby([of, "substeps"])["seconds"].median().rename("seconds")
-        made = made.join(timed, on=[of, "substeps"])
-    return made
+    timed = table[table["t"] == TIMED].groupby(["preset", "substeps"])["seconds"].median().rename("seconds")
+    return made.join(timed, on=["preset", "substeps"])
 
 
-def orders(made: pd.DataFrame, of: str = "preset") -> pd.DataFrame:
-    """Return a row for each tissue and time: orders in h of both errors, and the substeps from which heights are right.
+def orders(made: pd.DataFrame) -> pd.DataFrame:
+    """Return a row for each preset and time: orders in h of both errors, and the substeps from which heights are right.
 
     0 where none of those tried is right to ENOUGH. Orders are fitted without the half of the reference, whose error has
     set the floor.
     """
     rows = []
-    for (name, t), mine in made.groupby([of, "t"]):
-        row: dict[str, Any] = {of: name, "t": t}
+    for (name, t), mine in made.groupby(["preset", "t"]):
+        row: dict[str, Any] = {"preset": name, "t": t}
         for column, error, own in (("nuclei", "rms", "own"), ("height", "deviation", "own_height")):
             tried = mine[mine["substeps"] < mine["substeps"].max()]
             floor, failed = float(tried[own].iloc[0]), (tried["lost"] > 0).to_numpy()

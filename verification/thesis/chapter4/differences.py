@@ -1,8 +1,7 @@
-"""Which difference between the model as printed and the published runs makes which printed ratio: two tables.
+"""How much each difference between the model as printed and the published runs changes each printed ratio.
 
-``changed``: one row of the table of model variants changed at a time, in the model as printed to what was run, and in
-the published runs back to what is printed. ``effects``: a fractional factorial design over all rows, of resolution VI,
-in which the effect of a row is averaged over the others and confounded with none of them, nor with any two. Of the keys
+A fractional factorial design over all rows of the table of model variants in which they differ, of resolution VI, in
+which the effect of a row is averaged over the others and confounded with none of them, nor with any two. Of the keys
 in which the presets differ, those of [P] and [S] are reached by no printed ratio.
 """
 
@@ -23,10 +22,8 @@ from tissue.study.categories import outcome
 from tissue.study.estimates import LEVEL
 from verification.thesis.chapter4.categories import outcome_published
 from verification.thesis.chapter4.ensembles import ensemble, made, values_of
-from verification.thesis.chapter4.printed import END, LATER, OF, PRINTED, Printed, against_printed, agrees
-from verification.thesis.chapter4.ratios import quantile, ratio
-
-AS_PRINTED, PUBLISHED = "as printed", "published"
+from verification.thesis.chapter4.printed import END, LATER, PRINTED, Printed
+from verification.thesis.chapter4.ratios import quantile
 
 
 class Variant(NamedTuple):
@@ -85,22 +82,18 @@ COUNTING_ROW = Variant(
 UNREACHED = ("events.at_depth", "events.bent_stiffness", "events.contraction", "events.spring_above")
 # How long runs last; it decides with the rule of basal extrusion when and how ratios are counted, not what happens.
 COUNTED = ("numerics.t_end",)
-# By which rule and at which time [h] cells are counted.
-COUNTS = {AS_PRINTED: (outcome, END), PUBLISHED: (outcome_published, LATER)}
-OTHER = {AS_PRINTED: PUBLISHED, PUBLISHED: AS_PRINTED}
+# By which rule and at which time [h] cells are counted: as printed, and in the published runs.
+COUNTS = ((outcome, END), (outcome_published, LATER))
 SCENARIOS = {"[A]": "figure10", "[B]": "figure10", "[A] no INM": "figure12", "[B] no INM": "figure12"}
 # The first eight rows take all combinations. The others are products of these, so that no product of fewer than six
 # rows is constant.
 FREE = 8
 PRODUCTS = ((0, 1, 2, 3, 4), (0, 1, 2, 5, 6), (0, 1, 3, 5, 7), (0, 2, 4, 6, 7))
-REPLICATES = {AS_PRINTED: 400, PUBLISHED: 200}
-SEEDS, DESIGN_SEED, DESIGN_RUNS = {AS_PRINTED: 201, PUBLISHED: 202}, 203, 24
+DESIGN_SEED, DESIGN_RUNS = 203, 24
 PUBLISHED_CELLS = 51  # with one EMT cell in their middle
-SMALLEST, FEWEST = {"start": PUBLISHED, "row": "damping"}, {"scenario": "[B]", "replicates": 2}
-COLUMNS = {"start": "Start", "row": "Changed", "scenario": "Cells", "what": "Outcome", "printed": "Printed"}
-COLUMNS |= {"value": "Ratio", "low": "Lower end, 95 %", "high": "Upper end, 95 %", "agrees": "Agrees"}
-EFFECT_COLUMNS = {"row": "Changed", "with": "Together with", "scenario": "Cells", "what": "Outcome"}
-EFFECT_COLUMNS |= {"effect": "Effect", "low": "Lower end, 95 %", "high": "Upper end, 95 %"}
+FEWEST = {"scenario": "[B]", "replicates": 2}
+COLUMNS = {"row": "Changed", "with": "Together with", "scenario": "Cells", "what": "Outcome"}
+COLUMNS |= {"effect": "Effect", "low": "Lower end, 95 %", "high": "Upper end, 95 %"}
 
 
 class Swap(NamedTuple):
@@ -117,15 +110,9 @@ class Swap(NamedTuple):
             changes["tissue.cells"] = PUBLISHED_CELLS
         return ensemble(SCENARIOS[scenario]).scenarios[scenario].changed(changes)
 
-    def cells(self, scenario: str, seed: int, replicates: int) -> pd.DataFrame:
+    def cells(self, scenario: str, replicates: int) -> pd.DataFrame:
         """Make runs, and return their EMT cells."""
-        return made(self.parameters(scenario), seed, f"{self.name} | {scenario}", replicates).cells
-
-
-def swap(start: str, row: str) -> Swap:
-    """Return the model as printed, or the published one, with one row as in the other; "" and ``COUNTING``: none."""
-    one = frozenset({row} & set(ROWS))
-    return Swap(row if one else start, one if start == AS_PRINTED else frozenset(ROWS) - one)
+        return made(self.parameters(scenario), DESIGN_SEED, f"{self.name} | {scenario}", replicates).cells
 
 
 def design() -> Iterator[Swap]:
@@ -136,30 +123,6 @@ def design() -> Iterator[Swap]:
         yield Swap(name, frozenset(row for row, sign in zip(ROWS, signs, strict=True) if sign > 0))
 
 
-def changed(smallest: bool = False) -> Study:
-    """Count the printed ratios with one row changed, in the model as printed and in the published runs."""
-    keys = tuple({"start": start, "row": row} for start in REPLICATES for row in ("", *ROWS, COUNTING))
-    runs = (SMALLEST,) if smallest else keys
-    by = ("scenario", "what")
-    return Study("emt_changed", "EMT: one row changed", ("start", "row"), runs, ratios, columns=COLUMNS, by=by)
-
-
-def ratios(key: Key) -> list[Row]:
-    """Return a row for each printed ratio; it agrees if the 99 % interval of its difference from that has 0 in it."""
-    start, row = key["start"], key["row"]
-    counted, t = COUNTS[OTHER[start] if row == COUNTING else start]
-    rows: list[Row] = []
-    for scenario in SCENARIOS:
-        cells = swap(start, row).cells(scenario, SEEDS[start], REPLICATES[start])
-        for printed in _printed(scenario):
-            one = ratio(counted(cells, printed.what, t), cells["replicate"])
-            low, high = one.interval()
-            counts = {"count": one.count, "of": one.of, "value": one.value, "low": low, "high": high}
-            what = {"scenario": scenario, "what": printed.what, "printed": printed.value}
-            rows.append({**key, **what, **counts, "agrees": agrees(against_printed(one, printed.value, OF))})
-    return rows
-
-
 def _printed(scenario: str) -> list[Printed]:
     return [printed for printed in PRINTED if printed.scenario == scenario]
 
@@ -168,7 +131,7 @@ def effects(smallest: bool = False) -> Study:
     """Average the effect of each row, and of each two, over all others."""
     keys = tuple({"scenario": scenario, "replicates": DESIGN_RUNS} for scenario in SCENARIOS)
     key, runs, by = ("scenario", "replicates"), (FEWEST,) if smallest else keys, ("what", "row", "with")
-    return Study("emt_effects", "EMT: effects of rows", key, runs, averages, columns=EFFECT_COLUMNS, by=by)
+    return Study("emt_effects", "EMT: effects of rows", key, runs, averages, columns=COLUMNS, by=by)
 
 
 def averages(key: Key) -> list[Row]:
@@ -183,13 +146,11 @@ def averages(key: Key) -> list[Row]:
     same cells.
     """
     scenario, settings = key["scenario"], list(design())
-    cells = [setting.cells(scenario, DESIGN_SEED, key["replicates"]) for setting in settings]
+    cells = [setting.cells(scenario, key["replicates"]) for setting in settings]
     signs = np.array([[1.0 if row in setting.published else -1.0 for row in ROWS] for setting in settings])
     rows: list[Row] = []
     for printed in _printed(scenario):
-        hits, other = (
-            np.array([rule(each, printed.what, t) for each in cells], dtype=float) for rule, t in COUNTS.values()
-        )
+        hits, other = (np.array([rule(each, printed.what, t) for each in cells], dtype=float) for rule, t in COUNTS)
         apart = other - hits
         half = quantile(LEVEL) * float(apart.std(ddof=1)) / math.sqrt(apart.size)
         found = [(names, *effect(hits, sign)) for names, sign in contrasts(signs)]

@@ -1,4 +1,4 @@
-"""Counterparts of Figures 10, 12 to 15 and 17 to 21 of chapter 4, the readings of the model beside each other."""
+"""Counterparts of Figures 10, 12, 14, 15 and 17 to 21 of chapter 4, the readings of the model beside each other."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from typing import Any
 import pandas as pd
 
 from tissue.pictures.charts import (
-    APART,
     CHART_STYLE,
     CONTROLS,
     OUTCOMES,
@@ -30,7 +29,6 @@ from verification.thesis.chapter4.categories import NO_INM
 from verification.thesis.chapter4.ensembles import POPULATIONS, PRESETS
 from verification.thesis.chapter4.groups import EVENTS, ONSETS, TIMES
 from verification.thesis.chapter4.in_time import CONTROL
-from verification.thesis.chapter4.printed import PRINTED
 from verification.thesis.chapter4.ratios import wilson
 
 PROGRAMS = ("[ABP]", "[BAP]", "[BPx]", "[BxP]", "[AxB]", "[BxA]", "[Ax]", "[xA]", "[Bx]", "[xB]", "no EMT")
@@ -48,9 +46,8 @@ MARKERS = dict(zip(POPULATIONS, "os^", strict=True))
 ENDINGS = {"with INM": "", "without INM": NO_INM}
 BY_TIME = {"[A], cells without [P]": "t_a_h", "[B], cells without [P]": "t_b_h", "[P]": "t_p_h"}
 TWO = ("thesis", "published")  # the readings whose cells were followed in time
-MARK: Any = {"marker": "D", "markersize": 5.0, "color": "#ffe08a", "markeredgecolor": "black", "linestyle": "none"}
 END, HEIGHT, LINE, ROOM = "ratio of basal extrusion at the end [%]", 1.9, 0.23, 0.5  # inches: a panel, a line in one
-FIGURES = (10, 12, 13, 14, 15, 17, 18, 19, 20, 21)
+FIGURES = (10, 12, 14, 15, 17, 18, 19, 20, 21)
 Entries = dict[str, Line2D | Patch]
 Drawn = tuple[Figure, Entries]
 
@@ -68,7 +65,7 @@ def draw(number: int, tables: Tables, path: Path) -> Path:
 def _kind(number: int) -> Callable[[int, Tables], Drawn]:
     if number in CURVES:
         return in_time
-    return {13: at_end, 15: programs, 20: by_time, 21: by_place}.get(number, environments)
+    return {15: programs, 20: by_time, 21: by_place}.get(number, environments)
 
 
 def _grid(
@@ -110,28 +107,6 @@ def _curve(table: pd.DataFrame, study: str, scenario: str) -> pd.DataFrame:
     value = rows["count"] / rows["of"]
     low, high = wilson(value, rows["of"])
     return rows.assign(value=value, low=low, high=high)
-
-
-def at_end(number: int, tables: Tables) -> Drawn:
-    """Draw r(t_end) of (4.7) of isolated cells, with INM and without, beside the printed ratios."""
-    names = {what: name for what, (*_, name) in OUTCOMES.items()}
-    height = ROOM + LINE * len(ALONE)
-    figure, panels = _grid(list(names.values()), list(PRESETS), height, "ratio at the end [%]", sharex=True)
-    looks: dict[str, Any] = {"with INM": {"marker": "o"}, "without INM": {"marker": "s", "markerfacecolor": "white"}}
-    for preset, (what, title) in product(PRESETS, names.items()):
-        panel = panels[title, preset]
-        series = []
-        for inm, study in zip(looks, ("figure10", "figure12"), strict=True):
-            rows = _of(tables, study + PRESETS[preset], what)
-            rows.index = rows.index.str.removesuffix(NO_INM)
-            series.append(RatioSeries(inm, rows, looks[inm] | {"color": OUTCOMES[what][0]}))
-        draw_series(panel, ALONE, series)
-        for one in PRINTED:
-            if one.what == what:
-                at = ALONE.index(one.scenario.removesuffix(NO_INM)) + (APART if NO_INM in one.scenario else -APART) / 2
-                panel.plot(100 * one.value, at, zorder=1.8, **MARK)
-    entries: Entries = {name: Line2D([], [], color="black", linestyle="none", **look) for name, look in looks.items()}
-    return figure, entries | {"printed in the thesis": Line2D([], [], **MARK)}
 
 
 def _of(tables: Tables, study: str, what: str = "basal") -> pd.DataFrame:

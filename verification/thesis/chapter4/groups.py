@@ -101,6 +101,4 @@ def _kinds(cells: pd.DataFrame, basal: pd.Series, end: float) -> Iterator[pd.Dat
 def factors(key: Key) -> list[Row]:
     """Return a row for each factor: the loss of a prediction of basal extrusion without it."""
     cells, basal, end = _cells(**key)
-    found = by_importance(cells, basal, end, seed=SEED)
-    more = {"cells": found.cells, "loss": found.loss, "without": found.without}
-    return [{**key, **row, **more} for row in found.table.to_dict("records")]
+    return [{**key, **row} for row in by_importance(cells, basal, end, seed=SEED).to_dict("records")]

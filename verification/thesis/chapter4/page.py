@@ -6,11 +6,10 @@ from collections.abc import Sequence
 
 import pandas as pd
 
-from verification.site import cards
 from verification.site.cells import percent, percents
 from verification.site.context import Context
 from verification.site.store import shipped
-from verification.thesis.chapter4 import swapped
+from verification.thesis.chapter4.differences import COUNTING, COUNTING_ROW, ROWS
 from verification.thesis.chapter4.ensembles import POPULATIONS, PRESETS, preset_of, without_ending
 from verification.thesis.chapter4.figures import FIGURES, draw
 from verification.thesis.chapter4.frequencies import READINGS
@@ -20,12 +19,13 @@ from verification.thesis.chapter4.questions import ANSWERS, answered
 from verification.thesis.studies import STUDIES
 
 # Tables of which a part can be rerun; a part of the others has fewer runs, and other numbers.
-IN_PARTS = ("emt_in_time", "emt_ratios", "emt_changed")
+IN_PARTS = ("emt_in_time", "emt_ratios")
 LABELS = {preset: READINGS[preset].capitalize() for preset in PRESETS}
 # The factors by short names.
 SHORT = {"A": "[A]", "B": "[B]", "S": "[S]", "P": "protrusions", "inm": "INM", "onset": "place at the onset"}
 SHORT |= {f"{event} time": f"time of [{event}]" for event in "ABSP"}
-CARD = 5  # factors on the first page
+OUTCOMES = {"apical": "leaves apically", "basal": "leaves basally", "below": "lies below all control cells"}
+CLEAR = 2.0  # effects of two rows are shown if one is this far from 0, by the half of its interval
 
 
 def read(context: Context) -> None:
@@ -113,17 +113,33 @@ def compared_parts(tables: dict[str, pd.DataFrame]) -> tuple[pd.DataFrame, str]:
     return parts.rename(columns={"id": "", "compared": "Compared, basal extrusion"}), ANSWERS
 
 
+def meanings(tables: dict[str, pd.DataFrame]) -> tuple[pd.DataFrame, str]:
+    """Tabulate what each difference between the presets says in both models."""
+    rows = [(name, row.printed, row.published) for name, row in (ROWS | {COUNTING: COUNTING_ROW}).items()]
+    return pd.DataFrame(rows, columns=["Difference", "In the model as printed", "In the published runs"]), "emt_effects"
+
+
+def effects(tables: dict[str, pd.DataFrame]) -> tuple[pd.DataFrame, str]:
+    """Tabulate a line for each difference, and for each two that matter together, a column for each printed ratio."""
+    table = tables["emt_effects"]
+    clear = table["effect"].abs() > CLEAR * (table["high"] - table["low"]) / 2
+    table = table[(table["with"] == "") | clear.groupby([table["row"], table["with"]]).transform("any")]
+    table = table.assign(
+        Changed=table["row"] + (" with " + table["with"]).where(table["with"] != "", ""),
+        ratio=table["scenario"].str.replace("no INM", "without INM") + " " + table["what"].map(OUTCOMES),
+        text=[percents((row.effect, row.low, row.high), 0, "+").replace(" %", "") for row in table.itertuples()],
+    )
+    wide = table.pivot_table("text", "Changed", "ratio", aggfunc="first", sort=False)
+    return wide.rename_axis(columns=None).reset_index(), "emt_effects"
+
+
 def show(context: Context) -> None:
     """Give isolated cells, homogeneous and heterogeneous groups, what matters most, and the eight questions."""
     tables = {name: table for name, table in context.tables.items() if name.startswith("emt_")}
     for number in FIGURES:
         context.draw(f"emt_figure{number}", draw, number, tables)
-    for tabulate in (isolated, programs, categories, factors, questions, compared_parts):
+    for tabulate in (isolated, meanings, effects, programs, categories, factors, questions, compared_parts):
         context.show(f"emt_{tabulate.__name__}", *tabulate(tables))
-    swapped.show(context)
     ranking = tables["emt_ranking"]
-    most = ranking[ranking["study"].map(preset_of) == "published"].sort_values("value", ascending=False).head(CARD)
-    names, ends = [SHORT[factor] for factor in most["factor"]], list(zip(most["low"], most["high"], strict=True))
-    label = "log loss of a prediction without it [nats]"
-    context.draw("card_emt", cards.bars, names, list(most["value"]), ends, label)
-    context.numbers["emt"] = names[0].capitalize()
+    mine = ranking[ranking["study"].map(preset_of) == "published"].set_index("factor")["value"]
+    context.numbers["emt"] = SHORT[mine.idxmax()].capitalize()

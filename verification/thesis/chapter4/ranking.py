@@ -6,9 +6,7 @@ beside the factor whether they have it; the others carry the mean time.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -32,45 +30,12 @@ LEAST_PROBABILITY = 1e-6  # of an outcome, so that its logarithm stays finite
 Floats = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class Factor:
-    """One thing that may matter.
-
-    Attributes
-    ----------
-    name
-        For a table.
-    columns
-        Of the matrix of numbers; shuffled together.
-    among
-        Mask of the cells that have it; only these are shuffled among each other.
-    """
+class Factor(NamedTuple):
+    """One thing that may matter: columns that are shuffled together, among the cells that have it."""
 
     name: str
     columns: tuple[str, ...]
     among: NDArray[np.bool_]
-
-
-@dataclass(frozen=True)
-class Ranking:
-    """Factors by importance, largest first.
-
-    Attributes
-    ----------
-    table
-        ``factor``, ``value``, ``low``, ``high``; mean growth of the log loss [nats].
-    cells, replicates
-        How many entered, after thinning.
-    loss, without
-        Mean log loss per cell [nats] of the model, and of the ratio of all cells as the only prediction. A model whose
-        loss is not clearly smaller has found nothing, and its ranking means nothing.
-    """
-
-    table: pd.DataFrame
-    cells: int
-    replicates: int
-    loss: float
-    without: float
 
 
 def factors(cells: pd.DataFrame, end: float) -> tuple[pd.DataFrame, list[Factor]]:
@@ -88,11 +53,11 @@ def factors(cells: pd.DataFrame, end: float) -> tuple[pd.DataFrame, list[Factor]
     pd.DataFrame, list[Factor]
         Numbers, all finite: ``inm``; ``A`` and ``A time`` [h] and so on; ``onset`` (4.8); ``others with [P]`` [cells of
         the replicate]; ``place`` [0 to 1, left to right]. And the factors: columns that are the same for all cells they
-        concern are none.
+        concern are none. An event without its time would be no case of the model: the two are shuffled together.
     """
     had = happened(cells, end)
-    columns: dict[str, NDArray[np.float64]] = {"inm": cells["inm"].to_numpy(dtype=np.float64)}
-    among: dict[str, NDArray[np.bool_]] = {}
+    columns: dict[str, Floats] = {"inm": cells["inm"].to_numpy(dtype=np.float64)}
+    among = dict.fromkeys(("inm", *EVENTS, "others with [P]", "place"), np.ones(len(cells), dtype=np.bool_))
     for event in EVENTS:
         columns[event], among[f"{event} time"] = had[event].to_numpy(dtype=np.float64), had[event].to_numpy()
         columns[f"{event} time"] = _filled(cells[time_column(event)], among[f"{event} time"])
@@ -103,7 +68,15 @@ def factors(cells: pd.DataFrame, end: float) -> tuple[pd.DataFrame, list[Factor]
     columns["others with [P]"] = protruding.to_numpy(dtype=np.float64)
     columns["place"] = cells["cell"].to_numpy(dtype=np.float64) / max(1, int(cells["cell"].max()))
     table = pd.DataFrame(columns, index=cells.index)
-    return table, list(_varying(table, among))
+    together = {name: tuple(part for part in (name, f"{name} time") if part in columns) for name in columns}
+    varying = [name for name in columns if table.loc[among[name], name].nunique() > 1]
+    return table, [Factor(name, together[name], among[name]) for name in varying]
+
+
+def _filled(values: pd.Series, there: NDArray[np.bool_]) -> Floats:
+    """Return the values that are there, and their mean for the others; 0 if there are none."""
+    numbers = values.to_numpy(dtype=np.float64)
+    return np.where(there, numbers, numbers[there].mean() if there.any() else 0.0)
 
 
 def shuffled(part: pd.DataFrame, factor: Factor, test: NDArray[np.intp], rng: np.random.Generator) -> Floats:
@@ -118,7 +91,7 @@ def shuffled(part: pd.DataFrame, factor: Factor, test: NDArray[np.intp], rng: np
     return values
 
 
-def by_importance(cells: pd.DataFrame, hits: pd.Series, end: float, *, seed: int, level: float = LEVEL) -> Ranking:
+def by_importance(cells: pd.DataFrame, hits: pd.Series, end: float, *, seed: int) -> pd.DataFrame:
     """Rank by permutation importance: how much the log loss of a model grows if a factor is shuffled among cells.
 
     The model, boosted regression trees, is fitted five times to four fifths of the replicates; losses are those of the
@@ -134,13 +107,14 @@ def by_importance(cells: pd.DataFrame, hits: pd.Series, end: float, *, seed: int
         Of the runs [h].
     seed
         Of the thinning, folds and shuffles: the result is a function of it and the table.
-    level
-        Of the intervals, which are for the fitted models: they hold the scatter over replicates, not that of the fit.
 
     Returns
     -------
-    Ranking
-        ``value``: mean growth of the log loss per cell [nats].
+    pd.DataFrame
+        ``factor``; ``value``: mean growth of the log loss per cell [nats], with the 95 % interval ``low``, ``high`` by
+        the scatter over replicates, which does not hold that of the fit; the largest first. In each row: ``cells`` that
+        entered, the mean ``loss`` of the model, and ``without`` it, with the ratio of all cells as the only
+        prediction. A model whose loss is not clearly smaller has found nothing.
 
     Raises
     ------
@@ -155,8 +129,12 @@ def by_importance(cells: pd.DataFrame, hits: pd.Series, end: float, *, seed: int
     numbers, found = factors(cells, end)
     y, runs = hits.to_numpy(dtype=np.int64), cells["replicate"].to_numpy()
     losses, growth = _losses(numbers, found, y, runs, np.random.default_rng(seed))
-    rows = [(factor.name, *_mean_over(growth[:, k], runs, level)) for k, factor in enumerate(found)]
-    return _ranked(rows, y, runs, float(losses.mean()))
+    rows = [(factor.name, *_mean_over(growth[:, k], runs)) for k, factor in enumerate(found)]
+    table = pd.DataFrame(rows, columns=["factor", "value", "low", "high"])
+    table = table.iloc[np.argsort(-table["value"].abs().to_numpy(), kind="stable")].reset_index(drop=True)
+    p = float(y.mean())
+    without = float(-p * np.log(p) - (1 - p) * np.log1p(-p))
+    return table.assign(cells=len(y), loss=float(losses.mean()), without=without)
 
 
 def _losses(
@@ -185,11 +163,11 @@ def _log_loss(model: Any, x: Floats, y: NDArray[np.int64]) -> Floats:
     return -np.log(np.maximum(right, LEAST_PROBABILITY))
 
 
-def _mean_over(values: Floats, runs: Any, level: float) -> tuple[float, float, float]:
+def _mean_over(values: Floats, runs: Any) -> tuple[float, float, float]:
     """Return the mean over cells and its interval from the scatter over replicates."""
     mean = float(values.mean())
     rests = pd.Series(values - mean).groupby(runs).sum()
-    half = quantile(level) * float(np.sqrt((rests**2).sum())) / len(values)
+    half = quantile(LEVEL) * float(np.sqrt((rests**2).sum())) / len(values)
     return mean, mean - half, mean + half
 
 
@@ -207,26 +185,3 @@ def _thinned(cells: pd.DataFrame, hits: pd.Series, seed: int) -> tuple[pd.DataFr
             f"{FEWEST} must have it and {FEWEST} not, in {FOLDS} replicates or more"
         )
     return cells, hits
-
-
-def _ranked(rows: list[tuple[Any, ...]], y: NDArray[np.int64], runs: Any, loss: float) -> Ranking:
-    p = float(y.mean())
-    table = pd.DataFrame(rows, columns=["factor", "value", "low", "high"])
-    table = table.iloc[np.argsort(-table["value"].abs().to_numpy(), kind="stable")].reset_index(drop=True)
-    return Ranking(table, len(y), len(np.unique(runs)), loss, float(-p * np.log(p) - (1 - p) * np.log1p(-p)))
-
-
-def _filled(values: pd.Series, there: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """Return the values that are there, and their mean for the others; 0 if there are none."""
-    numbers = values.to_numpy(dtype=np.float64)
-    return np.where(there, numbers, numbers[there].mean() if there.any() else 0.0)
-
-
-def _varying(table: pd.DataFrame, among: dict[str, NDArray[np.bool_]]) -> Iterator[Factor]:
-    everywhere = np.ones(len(table), dtype=np.bool_)
-    for name in table:
-        mask = among.get(str(name), everywhere)
-        # An event without its time would be no case of the model: the two are shuffled together.
-        parts = tuple(part for part in (str(name), f"{name} time") if part in table)
-        if table.loc[mask, name].nunique() > 1:
-            yield Factor(str(name), parts, mask)

@@ -1,4 +1,4 @@
-"""DAE, RATTLE, the ODE and its reduction against each other: errors of y, y', X and the multipliers; drift of g."""
+"""DAE and ODE against each other: errors of y, y', X and the multipliers; drift of g."""
 # ruff: noqa: RUF001 - headings for readers have minus signs
 
 from __future__ import annotations
@@ -12,9 +12,9 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from dincl.study import Study, joined
-from meanfield import Motion, Positions, reduce, solve_ode, solve_rattle
+from meanfield import Motion, solve_dae, solve_ode
 from verification.instruments.error_norms import ErrorOf
-from verification.instruments.meanfield_methods import SOLVERS, ParticleProblem, particle_methods
+from verification.instruments.meanfield_methods import ParticleProblem, particle_methods
 from verification.instruments.orders import OrderRuns, OrderStudy
 from verification.instruments.references import Known
 from verification.instruments.result import draw_results
@@ -28,29 +28,19 @@ HARMONIC = ("straight", "linear")
 PARTICLES = 5
 T = np.array([0.0, 1.0, 2.0])
 TOLERANCES = tuple(10.0**-k for k in range(3, 13))
-# By the order of RATTLE: steps of time 1 over these numbers.
-STEPS = {
-    2: (5, 10, 20, 40, 80, 160, 320, 640),
-    4: (3, 4, 6, 8, 12, 16, 24, 32, 48, 64),
-    6: (2, 3, 4, 5, 6, 8, 10, 12, 16),
-    8: (2, 3, 4, 5, 6, 7, 8, 10),
-}
-SETTINGS = {"tol": TOLERANCES} | {f"RATTLE of order {order}": [1 / n for n in given] for order, given in STEPS.items()}
-# The ODE at its tightest tolerance is the reference where there is no closed form; RATTLE of order 8 gives its error.
-TIGHTEST, FINEST = 1e-13, 1 / 8
+# The ODE at its tightest tolerance is the reference where there is no closed form; the DAE gives its error.
+TIGHTEST = 1e-13
 COMPARED, DRIFTS = ("y", "v", "X", "multipliers"), ("drift", "velocity_drift")
 HEADINGS = {
     "model": "Model",
     "method": "Method",
-    "setting": "Step or tolerance",
+    "setting": "Tolerance",
     "y": "Error of y",
     "v": "Error of y'",
     "X": "Error of X",
     "multipliers": "Error of λ",
     "drift": "|g − c|",
     "velocity_drift": "|g'|",
-    "order_y": "Order of y [range]",
-    "order_multipliers": "Order of λ [range]",
 }
 
 
@@ -71,28 +61,23 @@ def runs() -> dict[str, OrderRuns]:
         path, off = reference(name)
         known = Known(T, path, np.full(len(T), off.max()))
         errors = {key: ErrorOf(key, itemgetter(part), float(off[part].max())) for key, part in parts.items()}
-        chosen = [methods[way] for way in methods_of(name)]
-        found[cases.TITLES[name]] = OrderRuns(ParticleProblem(model, start), chosen, SETTINGS, T, known, errors)
+        problem = ParticleProblem(model, start)
+        chosen = list(methods.values())
+        found[cases.TITLES[name]] = OrderRuns(problem, chosen, {"tol": TOLERANCES}, T, known, errors)
     return found
-
-
-def methods_of(name: str) -> list[str]:
-    """Return the names of the methods that a model allows: only some models can be reduced."""
-    flows = reduce(cases.model(name)).positions is Positions.FLOW
-    return [way for way in SOLVERS if way != "reduced" or not flows]
 
 
 def reference(name: str) -> tuple[Floats, Floats]:
     """Return the true states (K, D) and their largest errors over time (D,).
 
-    They are a closed form, or else the ODE to rounding, whose error is its distance from RATTLE of order 8.
+    They are a closed form, or else the ODE to rounding, whose error is its distance from the DAE.
     """
     model, start = cases.model(name), cases.few(name, PARTICLES)
     if name in HARMONIC:
         path = [part.reshape(len(T), -1) for part in exact.harmonic(name, np.asarray(start.X), T)]
         rounding = [np.full(part.shape[1], np.spacing(np.abs(part).max())) for part in path]
         return np.column_stack([*path, np.zeros((len(T), 2))]), np.concatenate([*rounding, np.zeros(2)])
-    best, other = state(solve_ode(model, start, T, TIGHTEST)), state(solve_rattle(model, start, T, FINEST, 8))
+    best, other = state(solve_ode(model, start, T, TIGHTEST)), state(solve_dae(model, start, T, TIGHTEST))
     best[:, -2:] = other[:, -2:] = 0.0  # the drifts
     return best, np.abs(best - other).max(axis=0)
 
@@ -115,17 +100,8 @@ def best(rows: pd.DataFrame) -> pd.DataFrame:
     return rows.loc[worst.groupby([rows["model"], rows["method"]], sort=False).idxmin()].reset_index(drop=True)
 
 
-def orders(found: dict[str, OrderStudy]) -> pd.DataFrame:
-    """Return the orders of RATTLE in y and in the multipliers."""
-    fits = pd.concat([one.fits.assign(model=name) for name, one in found.items()])
-    stepped = fits[fits["method"].str.startswith("RATTLE") & fits["error"].isin(("y", "multipliers"))]
-    wide = stepped.pivot(index=["model", "method"], columns="error", values="order")
-    return wide.add_prefix("order_").reset_index()
-
-
 def show(context: Context) -> None:
     """Give the agreement of the formulations."""
     found, title = results(context.tables[NAME]), cases.TITLES[SHOWN]
     context.draw(NAME, draw_results, {title: found[title]}, 1, 3.8)
     context.show(NAME, context.headed(NAME, best(context.tables[NAME])))
-    context.show(f"{NAME}_orders", context.headed(NAME, orders(found)), NAME)

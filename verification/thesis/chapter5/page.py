@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 
 from dincl.study import Study
 from verification.site.context import Context
 from verification.thesis.chapter5 import (
     agreement,
     cost,
-    drift,
     energy,
     failures,
     grid_order,
@@ -28,12 +26,10 @@ STUDIES: dict[str, Callable[..., Study]] = {
     grid_order.NAME: grid_order.study,
     cost.NAME: cost.study,
     failures.NAME: failures.study,
-    maps.STIFF: partial(maps.study, maps.STIFF),
-    maps.PUSHED: partial(maps.study, maps.PUSHED),
-    drift.NAME: drift.study,
+    maps.NAME: maps.study,
 }
 # In the order of the page.
-PARTS = (agreement, energy, rates, stability_constant, grid_order, cost, failures, maps, drift)
+PARTS = (agreement, energy, rates, stability_constant, grid_order, cost, failures, maps)
 
 
 def run(context: Context) -> None:

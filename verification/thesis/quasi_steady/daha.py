@@ -40,7 +40,21 @@ STATUS = {
 
 
 class Stopped(NamedTuple):
-    """Where the iteration stopped; the fields are described in ``minimiser.Minimised``."""
+    """Where the iteration stopped.
+
+    Attributes
+    ----------
+    cells
+        The state, with all but the positions as given; after a failure the last one.
+    energy
+        W there  (3.14).
+    violation
+        By how much (C1), (C2) or (C4) is broken at most [R_soft].
+    iterations
+        How many were made.
+    status, detail
+        How it ended, and the particulars in words ("" on success).
+    """
 
     cells: Cells
     energy: float

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
-from dincl.checks import flag, function, instance
+from dincl.checks import instance
 from dincl.errors import InvalidProblem
 from dincl.status import Status
 from tissue.files.parameters import Parameters
 from tissue.files.sections import PAIR_KEYS
 from tissue.frames.frame import Frame
-from tissue.runs.batch import WATCH, checkpoint_at, output_steps
+from tissue.runs.batch import checkpoint_at, output_steps
 from tissue.runs.compiled_rules import answered, rules_pointer, users_of
-from tissue.runs.run import Run, RunFailed
+from tissue.runs.run import Run
 from tissue.runs.start import started
 from tissue.state.cells import COORDINATES, Cells, Flags, Floats, Integers
 from tissue.state.checkpoint import streams
@@ -23,17 +23,16 @@ from tissue.state.numbers import numbers_pointer
 from tissue.state.running import COUNTERS, TissueState, contents, grown
 from tissue.step.advance import apply_rules, is_full
 from verification.thesis.quasi_steady.daha import TissueArrowHurwicz
-from verification.thesis.quasi_steady.minimiser import TissueMinimiser
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class QuasiSteadyRun(Run):
-    """A run with what its minimiser did in each step dt, arrays of shape (K,): the last step is that of a failure.
+    """A run with what DAHA did in each step dt, arrays of shape (K,): the last step is that of a failure.
 
     Attributes
     ----------
     iterations
-        Made by the minimiser.
+        Made by it.
     terminated
         Whether it met its rule: false for the step that ended the run, if any.
     energy
@@ -48,14 +47,7 @@ class QuasiSteadyRun(Run):
     violation: Floats
 
 
-def simulate_quasi_steady(
-    parameters: Parameters,
-    seed: int = 0,
-    minimiser: TissueMinimiser | None = None,
-    *,
-    throw: bool = True,
-    watch: Callable[[float], None] | None = None,
-) -> QuasiSteadyRun:
+def simulate_quasi_steady(parameters: Parameters, seed: int = 0) -> QuasiSteadyRun:
     """Grow a tissue from t = 0 to ``parameters.t_end`` through minima of its energy.
 
     Z^{k+1} in argmin W(Z, P^{k+1}) over S, near (A^k, X^k + noise, B^k)  (Model 3.1). Rules, noise and divisions are
@@ -63,33 +55,24 @@ def simulate_quasi_steady(
 
     Parameters
     ----------
-    parameters, seed, throw, watch
-        As of ``simulate``.
-    minimiser
-        What finds the minima, such as ``Judge(tol=1e-6)``; None: ``TissueArrowHurwicz`` with the numbers in
-        ``parameters``.
+    parameters, seed
+        As of ``simulate``; the numbers of DAHA are those in ``parameters``.
+
+    Returns
+    -------
+    QuasiSteadyRun
+        Up to the step in which DAHA fails, such as one in which it does not terminate; ``status`` says so.
 
     Raises
     ------
     InvalidProblem
         As ``simulate``, and in three dimensions, for noise in each substep, a basal layer that is no line, EMT cells,
         a force that is not of the thesis, or cells without hard discs.
-    RunFailed
-        If the minimiser fails in a step, for DAHA: does not terminate; the error carries the run up to then.
     """
     instance("parameters", parameters, Parameters, "tissue.Parameters, made by load, preset or changed")
-    flag("throw", throw)
-    if watch is not None:
-        function("watch", watch, "a function of the time")
-    if minimiser is not None:
-        function("minimiser.minimise", getattr(minimiser, "minimise", None), "a method of the minimiser")
     if faults := list(_faults(parameters)):
         raise InvalidProblem(faults[0])
-    steps = _Steps(parameters, seed, minimiser or TissueArrowHurwicz(parameters.daha_numbers()))
-    found = steps.run(watch)
-    if throw and not found.status:
-        raise RunFailed(found)
-    return found
+    return _Steps(parameters, seed).run()
 
 
 def _faults(parameters: Parameters) -> Iterator[str]:
@@ -120,15 +103,16 @@ def _faults(parameters: Parameters) -> Iterator[str]:
 
 
 class _Steps:
-    """Makes the steps and keeps what the minimiser says about each."""
+    """Makes the steps and keeps what DAHA says about each."""
 
-    def __init__(self, parameters: Parameters, seed: int, minimiser: TissueMinimiser) -> None:
-        self._parameters, self._seed, self._minimiser = parameters, seed, minimiser
+    def __init__(self, parameters: Parameters, seed: int) -> None:
+        self._parameters, self._seed = parameters, seed
+        self._minimiser = TissueArrowHurwicz(parameters.daha_numbers())
         self._random = streams(seed)
         self._state, self._separation = started(parameters, self._random)
         self._found: list[tuple[int, bool, float, float]] = []
 
-    def run(self, watch: Callable[[float], None] | None) -> QuasiSteadyRun:
+    def run(self) -> QuasiSteadyRun:
         """Make all steps; return the run with its states at the output times."""
         frames, made, detail, status = [self._frame(0.0)], 0, "", Status.SUCCESS
         for wanted in output_steps(self._parameters):
@@ -137,8 +121,6 @@ class _Steps:
                 t = made * self._parameters.numerics.dt.value
                 status, detail = self._step(t)
             frames.append(self._frame(t))
-            if watch is not None:
-                WATCH.call(watch, t)
             if not status:
                 break
         stats = dict(zip(COUNTERS, self._state.counts.tolist(), strict=True))

@@ -7,7 +7,6 @@ from pathlib import Path
 import pandas as pd
 
 from tissue.study.simplify import AND
-from verification.site import cards
 from verification.site.context import Context
 from verification.site.sheet import GREY, legend_below, sheet
 from verification.site.store import shipped
@@ -98,7 +97,4 @@ def show(context: Context) -> None:
         )
         context.show(f"needs_{number}", context.headed(NAME, shown), NAME)
     eight = table[table["work"].notna() & table["id"].isin(EIGHT)]
-    costs = list(100 * eight["work"])
-    label = "work of the simplest model that answers [% of the full one]"
-    context.draw("card_needs", cards.bars, list(eight["id"]), costs, [(cost, cost) for cost in costs], label)
     context.numbers["needs"] = f"{(eight['work'] < 0.5).sum()} of {len(EIGHT)}"

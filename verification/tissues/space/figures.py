@@ -1,4 +1,4 @@
-"""Figures of the third dimension: how sheets grow, where their isolated cells go, and how accurate substeps are."""
+"""Figures of the third dimension: how sheets grow, and where their isolated cells go."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ import pandas as pd
 
 from tissue.pictures.charts import CHART_STYLE, RatioSeries, legend, page
 from tissue.pictures.sheet import Line2D, Patch, style, write
-from verification.thesis.chapter3 import figures as figures_tissue
 from verification.tissues.curved import draw_sides
 from verification.tissues.space.growth import ALL, SOME
 from verification.tissues.space.isolated import SLICES, TISSUES
@@ -67,8 +66,3 @@ def draw_isolated(ratios: pd.DataFrame, path: Path) -> Path:
     named = ratios.rename(columns={"scenario": "events", "what": "side"})
     series = [RatioSeries(LABELS[one], named[named["tissue"] == one], WAYS[one]) for one in TISSUES]
     return draw_sides(series, names, 5.0, path)
-
-
-def draw_substeps(made: pd.DataFrame, path: Path) -> Path:
-    """Draw errors of nuclei and of heights against the substeps in dt."""
-    return figures_tissue.substeps(made, "tissue", {"free sheet": "Free sheet", "slice": "Slice"}, path)

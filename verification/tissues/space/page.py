@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from verification.site.context import Context
-from verification.thesis.chapter3.substeps import accuracy, orders
 from verification.tissues.space import choices, figures, growth, isolated, sheet
 
 FOLDED = {"layer": "Tissue", "cells": "Cells", "both": "Share of divisions that keep both daughters"}
@@ -25,13 +24,10 @@ def run(context: Context) -> None:
     chosen = context.rows("space_choices")
     context.keep("space_choices_means", choices.means(chosen))
     context.keep("space_choices_ratios", choices.ratios(chosen))
-    made = accuracy(context.rows("space_substeps"), "tissue")
-    context.keep("space_accuracy", made)
-    context.keep("space_orders", orders(made, "tissue"))
 
 
 def show(context: Context) -> None:
-    """Give the fitted sheet, growth, isolated cells, choices left open, substeps."""
+    """Give the fitted sheet, growth, isolated cells, choices left open."""
     tables = context.tables
     fitted, heights, ratios = (tables[f"space_{name}"] for name in ("sheet_means", "heights", "isolated_ratios"))
     kept = fitted[fitted["t"].isin((0.0, 6.0, 24.0, 48.0))]
@@ -46,6 +42,3 @@ def show(context: Context) -> None:
         context.show(f"space_{name}", context.headed("space_isolated", tables[f"space_{name}"]))
     for name in ("means", "ratios"):
         context.show(f"space_choices_{name}", context.headed("space_choices", tables[f"space_choices_{name}"]))
-    context.draw("space_substeps", figures.draw_substeps, tables["space_accuracy"])
-    for name in ("orders", "accuracy"):
-        context.show(f"space_{name}", context.headed("space_substeps", tables[f"space_{name}"]))

@@ -1,14 +1,18 @@
-"""The studies of the tissue: substeps and growth measure what they say, seen by other means."""
+"""The studies of the tissue: substeps, growth and stability measure what they say, seen by other means."""
 
 import numpy as np
 import pandas as pd
 import pytest
 from scipy.stats import t as student
 
-from tests.tissue.states import tissue
+from tests.tissue.states import THESIS, cells, layers, tissue
+from tests.twins.tissue.steps import make_substeps
 from tests.verification.thesis.simulated import simulated
 from tissue.frames.observables import height
-from verification.thesis.chapter3 import growing, growth, substeps
+from tissue.model.energy import energy
+from verification.site.store import shipped
+from verification.thesis.chapter3 import growing, growth, linear, stability, substeps
+from verification.thesis.chapter3.frozen import Frozen, swing
 from verification.thesis.chapter3.growing import OUT_OF_BOUNDS, PRESETS, SUCCESS
 from verification.thesis.chapter3.intervals import over_seeds
 
@@ -157,3 +161,52 @@ def test_what_the_text_says_of_growth():
     rows = growth.grown({"preset": "thesis", "mu": 0.025, "substeps": 20}, 1)
     assert rows[-1]["status"] != SUCCESS
     assert np.isnan(rows[-1]["ratio"])
+
+
+# Stability
+
+
+def test_hessian_of_a_cell_is_that_of_its_energy(rng):
+    state, network, step = tissue([[0, 3]], [[0.3, 8]], [[0, 0]]), layers(1, apical=[]), 1e-5
+    along = rng.standard_normal(5)
+
+    def moved(sign):
+        names = zip(linear.UNKNOWNS, along, strict=True)
+        place = {name: getattr(state, name) + sign * step * part for name, part in names}
+        return energy(state._replace(**place), network, THESIS)
+
+    second = (moved(1) - 2 * moved(0) + moved(-1)) / step**2
+    assert along @ linear.own_hessians(state, THESIS)[0] @ along == pytest.approx(second, rel=1e-4)
+
+
+def test_swing_is_the_period_two_part_of_the_substeps():
+    state, network = cells(8, 1), layers(8)
+    scale = 1 / 30
+    h = THESIS._replace(dt=scale * THESIS.mu, substeps=1)
+    path = [state]
+    for _ in range(2):
+        path.append(make_substeps(path[-1], network, h, np.random.default_rng(0)))
+    x = [growing.nuclei(growing.Frame(0.0, one, network)) for one in path]
+    expected = np.hypot(*(x[2] - 2 * x[1] + x[0])) / 4
+    assert swing(Frozen(state, network, THESIS), scale) == pytest.approx(expected, abs=1e-9)
+
+
+def test_maps_tell_jitter_from_loss():
+    assert stability.mitotic_limit("thesis") == pytest.approx(2 / (30 * (1 + 1 / 49 + 1 / 7)))
+    fine, coarse = (stability.grow("published", dt=dt, substeps=40.0) for dt in (0.05, 0.4))
+    assert (fine["outcome"], coarse["outcome"]) == ("bounded", "inaccurate")
+    assert fine["amplitude"] < 1e-4 < stability.SEEN < coarse["amplitude"]
+    lost = stability.grow("thesis", mu=0.0125, substeps=20.0)
+    assert np.isnan(lost["amplitude"])
+    assert lost["outcome"] == "unstable"
+    assert lost["status"] != SUCCESS
+    assert lost["scale"] == pytest.approx(0.4)
+
+
+def test_cells_are_lost_beyond_the_limit_that_is_drawn_only():
+    tables = {name: shipped(name) for name in stability.TITLES}
+    found = stability.losses(tables)
+    assert (found["mitosis"] < found["lost"]).all()
+    drawn = stability.map_of("tissue_map_steps", tables["tissue_map_steps"]).limits
+    mine = drawn[drawn["method"] == "Thesis"]  # dt = substeps mu limit
+    np.testing.assert_allclose(mine["x"] / mine["y"], 0.15 * stability.mitotic_limit("thesis"))

@@ -10,12 +10,11 @@ from tests.executors import Here
 from tissue.pictures.charts import OUTCOMES
 from verification.site.agreement import compare_studies
 from verification.site.store import shipped
-from verification.thesis.chapter4 import differences, figures, printed, swapped
+from verification.thesis.chapter4 import differences, figures, printed
 from verification.thesis.chapter4 import page as chapter
 from verification.thesis.chapter4.claims import s3_1_counts, s4_1_isolated
 from verification.thesis.chapter4.ensembles import NAMES, PRESETS, ensemble, preset_of
 from verification.thesis.chapter4.questions import QUESTIONS, answered
-from verification.thesis.chapter4.ratios import Ratio, difference
 from verification.thesis.studies import STUDIES
 
 EMT = [name for name in STUDIES if name.startswith("emt_")]
@@ -57,7 +56,7 @@ def coloured(panel, colour):
 @pytest.mark.slow_with("10", "12", "14", "15", "17", "18", "20")
 @pytest.mark.parametrize("number", figures.FIGURES)
 def test_figures_are_drawn(number: int, tmp_path, monkeypatch) -> None:
-    """Of Figures 10, 13 and 21 a line has the numbers of the table."""
+    """Of Figures 10 and 21 a line has the numbers of the table."""
     drawn = []
     monkeypatch.setattr(figures, "write", lambda figure, path: drawn.append(figure))
     assert figures.draw(number, tables(), tmp_path / "x.png") == tmp_path / "x.png"
@@ -67,12 +66,6 @@ def test_figures_are_drawn(number: int, tmp_path, monkeypatch) -> None:
         rows = tables()["emt_in_time"].query("study == 'figure10_published' and scenario == '[A]' and what == 'basal'")
         (line,) = coloured(panels["[A], published"], OUTCOMES["basal"][0])
         assert line.get_ydata() == pytest.approx((100 * rows["count"] / rows["of"]).to_numpy())
-    if number == 13:
-        marks = [line for line in panels["basal extrusion, thesis"].lines if line.get_marker() == "D"]
-        assert sorted(float(mark.get_xdata()[0]) for mark in marks) == [0.0, 10.0, 20.0, 70.0]
-        rows = tables()["emt_ratios"].query("study == 'figure10' and what == 'basal'").set_index("scenario")["value"]
-        found = panels["basal extrusion, thesis"].containers[0].lines[0].get_xdata()
-        assert found == pytest.approx(100 * rows.to_numpy())
     if number == 21:
         rows = tables()["emt_groups"].query("study == 'table5_7' and given == 'onset_ab' and kind == 'no INM'")
         (line,) = coloured(panels["without INM, thesis"], figures.COLOURS["table5_7"])
@@ -98,32 +91,11 @@ def test_no_comparison_is_lost() -> None:
     assert len(parts) == len(tables()["emt_answers"][["id", "compared"]].drop_duplicates())
 
 
-def test_unchanged_runs_give_the_ratios_of_the_studies() -> None:
-    """Other seeds: the same ratios beyond chance."""
-    bare = tables()["emt_changed"].query("row == ''")
-    known = tables()["emt_printed"].set_index(["preset", "time_h", "scenario", "what"])["measured"]
-    level = 1 - 0.01 / len(bare)
-    for row in bare.itertuples():
-        preset, time = ("published", printed.LATER) if row.start == "published" else ("thesis", printed.END)
-        value = known.loc[(preset, time, row.scenario, row.what)]
-        low, high = difference(Ratio(row.count, row.of), Ratio(round(value * printed.OF), printed.OF)).interval(level)
-        assert low <= 0 <= high
-
-
-def test_what_gives_a_printed_ratio_is_told() -> None:
-    changed, effects = tables()["emt_changed"], tables()["emt_effects"]
-    for start in (differences.AS_PRINTED, differences.PUBLISHED):
-        shown = swapped.one_by_one(changed, start)
-        assert list(shown["Changed"]) == ["nothing changed", *differences.ROWS, differences.COUNTING]
-        marks = shown.iloc[:, 1:].map(lambda text: text.endswith("✓")).to_numpy()
-        assert marks.sum() == changed[changed["start"] == start]["agrees"].sum()
-    told = swapped.answers(changed, effects).set_index("Cells")
-    given, taken = told["Given by one difference alone"], told["Taken from the published runs by undoing"]
-    assert given["[B] leaves basally"] == "needs none"
-    assert set(given) == {"needs none", "none"}  # what the page says of single differences
-    assert taken["[B] without INM leaves basally"] == "energy of the cytoskeleton"
-    assert taken["[A] leaves basally"] == "energy of the cytoskeleton, energy of the apical junctions"
-    assert told["Largest average effects [points]"]["[A] leaves basally"].startswith("energy of the cytoskeleton +28 [")
+def test_effects_are_shown_by_row_and_ratio() -> None:
+    shown, _ = chapter.effects(tables())
+    alone = shown[~shown["Changed"].str.contains(" with ")].set_index("Changed")
+    assert list(alone.index) == [*differences.ROWS, differences.COUNTING]
+    assert alone.loc["energy of the cytoskeleton", "[A] leaves basally"].startswith("+28 [")
 
 
 def test_the_correction_of_the_printed_ratios_has_the_effects_of_the_table() -> None:

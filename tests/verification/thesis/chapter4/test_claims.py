@@ -1,4 +1,4 @@
-"""Chapter 4: other tables than the kept ones, and the verdicts by reading."""
+"""Chapter 4: the verdicts by reading, and by the interval."""
 
 from __future__ import annotations
 
@@ -7,65 +7,13 @@ from functools import cache
 import pandas as pd
 import pytest
 
-from tests.verification.thesis.claims import CLAIMS as ALL
-from tests.verification.thesis.claims import Otherwise
-from tests.verification.thesis.emt_tables import (
-    KEPT,
-    by_position_or_time,
-    deciding_as,
-    exchanged,
-    printed_as_published,
-    renamed,
-    reversed_rows,
-    with_counts,
-    without_early_extrusion,
-)
+from tests.verification.thesis.tables import CLAIMS as ALL
+from tests.verification.thesis.tables import shipped_tables
 from verification.claims import Evidence, Verdict
 from verification.thesis.chapter4 import frequencies
 from verification.thesis.chapter4.ensembles import PRESETS
-from verification.thesis.chapter4.groups import EDGES
 
 CLAIMS = {name: claim for name, claim in ALL.items() if name.startswith("c4.")}
-
-
-AS_PRINTED = deciding_as(KEPT, "thesis")
-RATIOS, GROUPS = frequencies.RATIOS, frequencies.GROUPS
-HOLDS = Verdict.HOLDS
-CHANGES = {
-    "c4.isolated": Otherwise(printed_as_published(), HOLDS),
-    "c4.protrusions": Otherwise(renamed("scenario", **{"[A]": "[BP]", "[BP]": "[A]"})),
-    "c4.remain": Otherwise(AS_PRINTED, Verdict.OPEN),
-    "c4.mostly-basally": Otherwise(exchanged("what", "apical", "basal"), HOLDS),
-    "c4.apical": Otherwise(with_counts(RATIOS, 0.5)),
-    "c4.timing-isolated": Otherwise(with_counts(RATIOS, 0.5), HOLDS),
-    "c4.without-inm": Otherwise(exchanged("what", "basal", "apical")),
-    "c4.inm-swaps": Otherwise(AS_PRINTED, Verdict.OPEN),
-    "c4.drift": Otherwise(with_counts(RATIOS, 0.5), Verdict.OPEN),
-    "c4.straightness": Otherwise(AS_PRINTED),
-    "c4.straightness-rule": Otherwise(with_counts(RATIOS, 0.1), HOLDS),
-    "c4.dominates": Otherwise(with_counts(RATIOS, 0.5), Verdict.OPEN),
-    "c4.homogeneous-drop": Otherwise(AS_PRINTED),
-    "c4.mixed-with-inm": Otherwise(AS_PRINTED),
-    "c4.mixed-without-inm": Otherwise(AS_PRINTED),
-    "c4.almost-double": Otherwise(AS_PRINTED, HOLDS),
-    "c4.competition": Otherwise(reversed_rows("events")),
-    "c4.timing": Otherwise(by_position_or_time()),
-    "c4.onset-over-timing": Otherwise(exchanged("given", "onset_ab", "t_a_h")),
-    "c4.predictor": Otherwise(exchanged("factor", "onset", "B")),
-    "c4.most-basal": Otherwise(with_counts(GROUPS, 0.75, EDGES), HOLDS),
-    "c4.lower-half": Otherwise(by_position_or_time()),
-    "c4.only-protrusions": Otherwise(with_counts(RATIOS, 0.95)),
-    "c4.fewer-apical": Otherwise(with_counts(RATIOS, 0.0), Verdict.OPEN),
-    "c4.q2-inm": Otherwise(exchanged("kind", "[A]", "[B]")),
-    "c4.q1": Otherwise(with_counts(GROUPS, 0.99, ["events"])),
-    "c4.q2": Otherwise(with_counts(GROUPS, 0.5, ["events"]), Verdict.OPEN),
-    "c4.q3": Otherwise(without_early_extrusion()),
-    "c4.q4": Otherwise(exchanged("given", "[AB]", "[BA]")),
-    "c4.q5": Otherwise(with_counts(RATIOS, 0.5), Verdict.OPEN),
-    "c4.q6": Otherwise(exchanged("scenario", "[Bx]", "[Bx] no INM")),
-    "c4.q7": Otherwise(by_position_or_time()),
-    "c4.q8": Otherwise(exchanged("study", "table5_7_published", "table5_63_published")),
-}
 
 
 def ratios(basal: int) -> dict[str, pd.DataFrame]:
@@ -77,13 +25,13 @@ def ratios(basal: int) -> dict[str, pd.DataFrame]:
         for scenario, both in counts.items()
         for what, count in zip(("basal", "apical"), both, strict=True)
     ]
-    return {RATIOS: pd.DataFrame(rows)}
+    return {frequencies.RATIOS: pd.DataFrame(rows)}
 
 
 @cache
 def by_kept(name: str) -> Evidence:
     """Decide a claim by the kept tables, once for the tests of this file."""
-    return CLAIMS[name].decide(KEPT)
+    return CLAIMS[name].decide(shipped_tables())
 
 
 # By reading, where those differ: with the printed energies, by the published program, with the corrected energies.

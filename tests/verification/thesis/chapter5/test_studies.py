@@ -11,8 +11,7 @@ from tests.executors import Here
 from verification.site.agreement import compare_studies
 from verification.site.context import Context
 from verification.site.store import shipped
-from verification.thesis.chapter5 import agreement, cases, cost, drift, energy, exact, grid_order, page
-from verification.thesis.chapter5.naive import solve_naive, solve_naive_rk4
+from verification.thesis.chapter5 import agreement, cases, cost, energy, exact, grid_order, page
 from verification.thesis.chapter5.page import STUDIES
 
 
@@ -62,26 +61,12 @@ def test_a_density_is_carried_as_its_points_are():
     assert found == pytest.approx(np.diff(moved.panels.distribution(edges)) / np.diff(edges), abs=1e-12)
 
 
-def test_a_carried_density_on_the_plane_is_a_density():
-    low, high = np.asarray(grid_order.BOXES["element"])
-    one = grid_order.Carried("element", np.array([1.2, 0.9, 0.2]), low, high)
-    axes = [np.linspace(a, b, 161)[:-1] for a, b in zip(low, high, strict=True)]
-    points = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)
-    assert one.density(points).sum() * np.prod((high - low) / 160) == pytest.approx(1.0, abs=1e-6)
-
-
 def test_all_formulations_give_one_motion():
     rows = shipped(agreement.NAME)
     best = agreement.best(rows)
     worst = best[list(agreement.COMPARED)].max(axis=1)
-    assert set(best.loc[worst > 1e-9, "method"]) == {"RATTLE of order 2"}
+    assert (worst < 1e-9).all()
     assert best["drift"].max() < 1e-12
-    fits = pd.concat([found.fits for found in agreement.results(rows).values()])
-    of_y = fits[fits["method"].str.startswith("RATTLE") & (fits["error"] == "y")]
-    nominal = of_y["method"].str[-1].astype(float)
-    assert len(of_y) == 4 * len(agreement.MODELS)
-    assert (of_y["slope"] - nominal).abs().max() < 0.2
-    assert ("WavyFibre", "reduced ODE") not in set(zip(rows["model"], rows["method"], strict=True))
 
 
 def test_the_reference_knows_its_error():
@@ -92,25 +77,23 @@ def test_the_reference_knows_its_error():
 def test_a_trend_is_told_from_a_swing():
     t = np.linspace(0, 20 * energy.PERIOD, 101)
     swing = 1e-4 * np.sin(17.0 * t)
-    rows = [{"method": "rattle2", "setting": 0.1, "t": a, "change": b} for a, b in zip(t, swing, strict=True)]
+    rows = [{"method": "dae", "setting": 0.1, "t": a, "change": b} for a, b in zip(t, swing, strict=True)]
     rows += [{"method": "ode", "setting": 1e-5, "t": a, "change": b + 1e-5 * a} for a, b in zip(t, swing, strict=True)]
     found = energy.trends(pd.DataFrame(rows)).set_index("method")
-    assert found["drifts"].to_dict() == {"ode": True, "rattle2": False}
+    assert found["drifts"].to_dict() == {"ode": True, "dae": False}
     assert found["slope"]["ode"] == pytest.approx(1e-5 * energy.PERIOD, rel=0.1)
 
 
-def test_only_rattle_keeps_the_energy():
-    found = energy.trends(shipped(energy.LONG))
-    assert (found["drifts"] != found["method"].str.startswith("RATTLE")).all()
-    powers = energy.powers(shipped(energy.NAME))
-    rattle = powers[powers["method"].str.startswith("RATTLE")]
-    assert (rattle["slope"] - rattle["method"].str[-1].astype(float)).abs().max() < 0.2
+def test_the_energy_drifts_by_the_tolerance():
+    found = energy.trends(shipped(energy.LONG)).set_index(["method", "setting"])
+    assert found["drifts"].all()
+    assert found["largest"]["ODE (DOP853)", 1e-8] < 1e-2 * found["largest"]["ODE (DOP853)", 1e-5]
 
 
 def test_orders_in_the_grid_tell_jumps_from_smooth():
     found = grid_order.runs().result(shipped(grid_order.NAME))
     slopes = found.fits.set_index(["method", "error"])["slope"]
-    for name in ("StraightFibre", "WavyFibre", "TissueElement"):
+    for name in ("StraightFibre", "WavyFibre"):
         assert slopes[name, "f"] > 1.8
     assert slopes["uniform StraightFibre", "f"] < 1
     assert slopes["uniform StraightFibre", "W1"] == pytest.approx(1.4, abs=0.05)
@@ -129,23 +112,6 @@ def test_the_cheapest_levels_of_the_model():
     }
 
 
-def test_drift_grows_only_without_stabilisation():
-    found = drift.growth(shipped(drift.NAME)).set_index("method")
-    naive = found.index.isin(drift.NAIVE)
-    assert (found.loc[~naive, "power_g"] == "—").all()
-    assert (found.loc[naive, "power_g"].str.split().str[0].astype(float) > 1.5).all()
-    assert found.loc[naive, "end_g"].min() > 10 * found.loc[~naive, "end_g"].max()
-
-
-def test_the_unstabilised_form_drifts_and_converges_with_order_four():
-    model, start = cases.model("wavy"), cases.few("wavy", 5)
-    drifts = solve_naive(model, start, [10.0, 20.0, 40.0, 80.0], 1e-6).constraint_drift()
-    assert drifts[3] > 1e-5
-    assert drifts[3] > 10 * drifts[0]  # faster than t
-    y = [solve_naive_rk4(model, start, [3.0], dt).y[0, 0] for dt in (0.2, 0.1, 0.05)]
-    assert (y[0] - y[1]) / (y[1] - y[2]) == pytest.approx(16, rel=0.15)
-
-
 def test_streams_are_independent():
     one, two, three = (cases.stream(*key).random() for key in (("start", 1, 2), ("start", 2, 1), ("pairs", 1, 2)))
     assert len({one, two, three}) == 3
@@ -154,6 +120,6 @@ def test_streams_are_independent():
 
 def test_the_starts_are_regular():
     for name in cases.CASES:
-        start = cases.few(name, 3).complete(cases.model(name), 1e-12)
-        assert np.isfinite(start.U).all()
+        start = cases.few(name, 3)
+        assert np.isfinite(cases.model(name).phi(start.X, start.y)).all()
     assert isinstance(cases.law("cube"), Density)

@@ -1,4 +1,4 @@
-"""The damped Arrow-Hurwicz method on a frozen tissue: against plain NumPy, dincl, PBD, Ipopt and its own stability."""
+"""The damped Arrow-Hurwicz method on a frozen tissue: against plain NumPy, dincl, PBD and its own stability."""
 
 import math
 from itertools import pairwise
@@ -16,9 +16,10 @@ from tissue.runs.group import Group
 from tissue.state.cells import COORDINATES
 from tissue.state.numbers import Daha
 from tissue.state.running import contents, new_state
+from verification.thesis.chapter3.accuracy import left_over
+from verification.thesis.chapter3.frozen import Frozen
 from verification.thesis.quasi_steady.daha import TissueArrowHurwicz, violation
 from verification.thesis.quasi_steady.frozen import constraints, frozen_problem, particles
-from verification.thesis.quasi_steady.judge import local_minimum
 
 TABLE_4 = Daha(alpha=1e-4, beta=0.25, gamma=1e-3, c=2.0, dtau=1.0, eps=1e-6, most_iterations=100_000)
 NEVER = 1e-100  # an eps that no move meets
@@ -39,12 +40,11 @@ def moved(state, rng, by):
     )
 
 
-def literal(state, network, given, daha, *, printed=False):
-    """Method 3.4 on all pairs, typed from the text; ``printed``: with its min(0, .).
+def literal(state, network, given, daha):
+    """Method 3.4 on all pairs, typed from the text, with max(0, .).
 
     Also the multipliers, and of (C1), (C4), (C2) the largest number of rows that pushed at once.
     """
-    bound = np.minimum if printed else np.maximum
     i, j = np.tril_indices(len(state.x), -1)
     left, right = network.basal[:-1], network.basal[1:]
     reach = state.radius[i] + state.radius[j]
@@ -65,7 +65,9 @@ def literal(state, network, given, daha, *, printed=False):
             weight = own * (daha.alpha - daha.gamma * g) * arrow
             np.subtract.at(p[row], at, weight)
             np.add.at(p[row], fro, weight)
-        multipliers = [bound(0.0, own - daha.dtau * daha.beta * g) for own, g in zip(multipliers, values, strict=True)]
+        multipliers = [
+            np.maximum(0.0, own - daha.dtau * daha.beta * g) for own, g in zip(multipliers, values, strict=True)
+        ]
         pushed = np.maximum(pushed, [(own > 0).sum() for own in multipliers])
         half = daha.c * daha.dtau / 2
         z, before = (2 * z - (1 - half) * before - daha.dtau**2 * p) / (1 + half), z
@@ -104,15 +106,6 @@ def test_the_kernel_is_the_method(case, rng):
     assert (reached.status, reached.iterations) == (dincl.Status.NOT_CONVERGED, 400)
     assert reached.violation == pytest.approx(broken(expected, network, given), abs=1e-10)
     assert reached.energy == pytest.approx(energy(expected, network, given), rel=1e-11)
-
-
-def test_hard_discs_as_large_as_soft_ones_meet():
-    """Their pair is listed before the soft repulsion looks at it."""
-    state = tissue([[-1.3, 4.0], [1.3, 4.1]], [[-0.3, 8.0], [0.3, 8.0]], [[-0.1, 0.0], [0.1, 0.0]], radius=1.0)
-    steps = steps_of(400, alpha=1e-3)
-    expected, _, pushed = literal(state, layers(2), numbers(), TABLE_4._replace(**steps))
-    assert pushed[0] == 1
-    assert distance(found(state, layers(2), numbers(), **steps).cells, expected) < 1e-11
 
 
 @pytest.mark.slow
@@ -183,18 +176,16 @@ def test_a_stop_is_no_minimum_and_need_not_be_feasible():
     assert 0.99 * bound < slope < 1.001 * bound
 
 
-def test_converges_to_a_minimum_as_ipopt_certifies():
-    """Stopped late enough it is at a state that meets all optimality conditions, with constraints that push."""
+def test_converges_to_a_minimum_with_a_certificate():
+    """Stopped late enough it is at a state that meets the optimality conditions, with constraints that push."""
     given, network = numbers(max_basal_distance=0.15), layers(8)
     state = cells(8, 4, rest_ax=3.0, rest_bx=3.0)
     quick = {"alpha": 2e-2, "gamma": 2e-1, "eps": 1e-12, "most_iterations": 1_000_000}
     reached = found(state._replace(radius=1.5 * state.radius), network, given, **quick)
     assert reached.status is dincl.Status.SUCCESS
-    exact = local_minimum(reached.cells, network, given, 1e-9)
-    assert exact.status is dincl.Status.SUCCESS
-    assert (exact.multipliers > 1e-2).sum() > 8
-    assert distance(reached.cells, exact.cells) < 1e-6
-    assert reached.energy == pytest.approx(exact.energy, abs=1e-8)
+    assert left_over(reached.cells, Frozen(reached.cells, network, given)) < 1e-8
+    free = reached.cells._replace(radius=0.5 * state.radius)  # where the discs do not push
+    assert left_over(free, Frozen(free, network, given)) > 0.1
     assert reached.violation < 1e-8
 
 
@@ -209,20 +200,6 @@ def two(gap):
 
 
 FREE = numbers(junction_factor=0.0, repulsion=0.0, max_basal_distance=9.0)
-
-
-@pytest.mark.parametrize("gap", [-0.1, 0.05])
-def test_printed_signs_let_discs_overlap_and_attract_others(gap):
-    state, network, apart = two(gap), layers(2, apical=[0], basal=[0]), lambda c: c.x[1] - c.x[0]
-    steps = TABLE_4._replace(**steps_of(300))
-    as_printed = apart(literal(state, network, FREE, steps, printed=True)[0])
-    right = apart(TissueArrowHurwicz(steps).minimise(state, network, FREE).cells)
-    if gap < 0:
-        assert as_printed == apart(state)
-        assert right > apart(state) + 0.05
-    else:
-        assert as_printed < apart(state) - 0.02
-        assert right == apart(state)
 
 
 @pytest.mark.parametrize(("side", "terminates"), [(1.03, True), (0.97, False)])
@@ -260,15 +237,6 @@ def test_a_crowd_is_told():
     assert reached.status is dincl.Status.CROWDED
 
 
-def test_what_is_given_stays_as_it_is():
-    state, network = cells(9, 4), layers(9)
-    copies = [array.copy() for array in (*state, *network)]
-    reached = found(state, network, numbers(), **steps_of(50))
-    assert all((a == b).all() for a, b in zip(copies, (*state, *network), strict=True))
-    assert all((getattr(reached.cells, name) == getattr(state, name)).all() for name in state._fields[6:])
-    assert (reached.cells.by == 0.0).all()
-
-
 def test_violation_is_the_largest_of_all():
     state = cells(5, 1, radius=1e-3)._replace(bx=np.array([0.0, 0.1, 0.05, 0.25, 0.35]))
     assert broken(state, layers(5), numbers(max_basal_distance=0.2)) == pytest.approx(0.05)
@@ -289,10 +257,3 @@ def test_a_state_beyond_all_bounds(place):
     state.x[2] = place
     with pytest.raises(dincl.InvalidProblem, match="must be below"):
         found(state, layers(4), numbers())
-
-
-def test_layers_and_numbers_of_another_tissue():
-    with pytest.raises(dincl.InvalidProblem, match="= 8: must be an index"):
-        found(cells(8, 1), layers(8, basal=[0, 8]), numbers())
-    with pytest.raises(dincl.InvalidProblem, match="daha_numbers"):
-        TissueArrowHurwicz(numbers())
