@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 from dincl.study import Study
 from verification.methods import large_steps, orders, proved, references, strengths
+from verification.methods.chart import programs, work_precision
 from verification.methods.chart import references as charted
-from verification.methods.chart import work_precision
 from verification.methods.decisions import study as decisions
 from verification.methods.hard import study as hard
 from verification.methods.stability import catalogue as stability
@@ -23,6 +23,7 @@ STUDIES: dict[str, Callable[..., Study]] = {
     **stability.STUDIES,
     "work_references": charted.study,
     "work_precision": work_precision.study,
+    "programs": programs.study,
     "decisions": decisions.study,
     "hard_scenes": hard.study,
 }
