@@ -5,7 +5,6 @@ import pandas as pd
 import pytest
 
 from verification.methods.hard import study
-from verification.site.agreement import compare_studies
 from verification.site.store import shipped
 
 
@@ -43,12 +42,3 @@ def test_verdicts(method, status, error, stated, verdict):
         | {"status": ["SUCCESS" if one == "S" else "NOT_CONVERGED" for one in status], "stated": stated}
     )
     assert list(study.verdicts(rows)["verdict"]) == [verdict]
-
-
-@pytest.mark.slow
-def test_scenes_made_again_agree_with_the_table_that_ships():
-    part = study.study(smallest=True)
-    rows = part.rows()
-    found = compare_studies(rows, shipped("hard_scenes"), study.study(), part.by)
-    assert found.rows > 100
-    assert found.apart == 0, found.worst

@@ -178,7 +178,8 @@ NAMES = ("pile", "four_disks")
 def runs_of(name: str) -> WorkPrecisionRuns:
     """Return the runs of all methods on a scene."""
     _, problem, known, error, _, methods = compared(name)
-    return WorkPrecisionRuns(problem, methods, SETTINGS, known.t, known, CpuSeconds(0.5), error)
+    errors = tuple(dict.fromkeys((error, "overlap")))
+    return WorkPrecisionRuns(problem, methods, SETTINGS, known.t, known, CpuSeconds(0.5), errors)
 
 
 def study(smallest: bool = False) -> Study:
