@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 import dincl
 from dincl.checks import describe
+from dincl.compiled import kernel
 from dincl.drifts.affine import AffineDrift
 from dincl.extras import needs
 from dincl.norms import longest
@@ -86,6 +87,7 @@ def lammps(problem: dincl.Problem, dt: float, t: Floats) -> Floats:
     return np.array(states)
 
 
+@kernel
 def _springs(t: float, x: Floats, velocity: Floats, stretch: Floats, radius: Floats, strength: float) -> Any:
     """x' of discs in the plane whose overlaps are springs, on flat states; compiled."""
     found = velocity + stretch * x
@@ -100,13 +102,6 @@ def _springs(t: float, x: Floats, velocity: Floats, stretch: Floats, radius: Flo
                 found[2 * j] -= push * a
                 found[2 * j + 1] -= push * b
     return found
-
-
-@cache
-def _compiled_springs() -> Any:
-    from numba import njit
-
-    return njit(_springs)
 
 
 def lsoda(problem: dincl.Problem, tol: float, t: Floats) -> Floats:
@@ -124,7 +119,7 @@ def lsoda(problem: dincl.Problem, tol: float, t: Floats) -> Floats:
     numbers = (*fields, pairs.radii(len(problem.x0)), longest(problem.velocity(0.0, problem.x0)) / tol)
     within, step = max(TIGHTER * tol, SMALLEST), LONGEST * float(t[-1])
     options = {"rtol": within, "atol": within, "hmax": step, "mxstep": 10**7, "tfirst": True, "full_output": True}
-    found, said = odeint(_compiled_springs(), problem.x0.ravel(), np.append(0.0, t), numbers, **options)
+    found, said = odeint(_springs, problem.x0.ravel(), np.append(0.0, t), numbers, **options)
     if said["message"] != "Integration successful.":
         raise RuntimeError(f"LSODA stopped: {said['message']}")
     states: Floats = found[1:].reshape(len(t), *shape)

@@ -122,13 +122,14 @@ def draw(found: pd.DataFrame, path: Path) -> Path:
     """Draw a cell for each scene and method."""
     wide = found.pivot(index=["kind", "scene"], columns="method", values="verdict")
     order = [(kind, name) for kind, scenes in KINDS.items() for name in scenes if (kind, name) in wide.index]
-    cells = wide.loc[order, list(METHODS)].map(list(COLOURS).index).to_numpy()
+    red_green_blue = {verdict: [int(colour[k : k + 2], 16) for k in (1, 3, 5)] for verdict, colour in COLOURS.items()}
+    cells = [[red_green_blue[verdict] for verdict in row] for row in wide.loc[order, list(METHODS)].to_numpy()]
     with sheet(path, 0.16 * len(order) + 1.5) as figure:
         panel = figure.subplots()
-        from matplotlib.colors import ListedColormap
-
-        panel.pcolormesh(cells, cmap=ListedColormap(list(COLOURS.values())), vmin=0, vmax=2, edgecolors="w")
-        panel.invert_yaxis()
+        panel.imshow(cells, aspect="auto", interpolation="nearest", extent=(0, len(METHODS), len(order), 0))
+        panel.grid(False)
+        panel.hlines(np.arange(len(order)), 0, len(METHODS), "w")
+        panel.vlines(np.arange(len(METHODS)), 0, len(order), "w")
         panel.set_xticks(np.arange(len(METHODS)) + 0.5, METHODS, rotation=40, ha="right")
         panel.set_yticks(np.arange(len(order)) + 0.5, [name for _, name in order], fontsize=NOTE)
     return path
