@@ -137,9 +137,14 @@ def sweeps_of(sweep: Callable[..., int]) -> Callable[..., int]:
     return sweep_often
 
 
-def pbd_of(visit_pair: Callable[..., int]) -> Callable[..., int]:
-    """Make the step of position based dynamics in which pairs are visited like this."""
-    project_often = sweeps_of(sweep_of(visit_pair, way_onto_wall))
+project_often = sweeps_of(sweep_of(project_pair, way_onto_wall))
+project_any_often = sweeps_of(sweep_of(correct_any_pair, way_onto_wall))
+correct_often = sweeps_of(sweep_of(correct_pair, way_at_wall))
+correct_any_often = sweeps_of(sweep_of(correct_any_pair, way_at_wall))
+
+
+def pbd_of(sweep_often: Callable[..., int]) -> Callable[..., int]:
+    """Make the step of position based dynamics with these sweeps."""
 
     @inner
     def pbd(run: Stepping, t: float, h: float, x: Floats, v: Floats, after: Floats, axes: Any) -> int:
@@ -147,15 +152,14 @@ def pbd_of(visit_pair: Callable[..., int]) -> Callable[..., int]:
         system = system_at(run.system)
         code = drift_at_start(run, system, t, x)
         if code == OK:
-            code = project_often(run, t + h, Move(h, x, v, run.rate), after, 0.0, axes)
+            code = sweep_often(run, t + h, Move(h, x, v, run.rate), after, 0.0, axes)
         return int(code)
 
     return pbd
 
 
-def xpbd_of(visit_pair: Callable[..., int]) -> Callable[..., int]:
-    """Make the step of extended position based dynamics."""
-    correct_often = sweeps_of(sweep_of(visit_pair, way_at_wall))
+def xpbd_of(sweep_often: Callable[..., int]) -> Callable[..., int]:
+    """Make the step of extended position based dynamics with these sweeps."""
 
     @inner
     def xpbd(run: Stepping, t: float, h: float, x: Floats, v: Floats, after: Floats, axes: Any) -> int:
@@ -171,7 +175,7 @@ def xpbd_of(visit_pair: Callable[..., int]) -> Callable[..., int]:
                 return code
             for r in range(system.program.multiplier.size):
                 system.program.multiplier[r] = 0.0
-            code = correct_often(run, t + h, Move(h, x, v, run.rate), after, run.settings.compliance / h, axes)
+            code = sweep_often(run, t + h, Move(h, x, v, run.rate), after, run.settings.compliance / h, axes)
             if code != STALE:
                 return code
             for f in range(families.form.size):
@@ -200,8 +204,8 @@ def penalty(run: Stepping, t: float, h: float, x: Floats, v: Floats, after: Floa
     return code
 
 
-_pbd, _xpbd, _penalty = loop_of(pbd_of(project_pair)), loop_of(xpbd_of(correct_pair)), loop_of(penalty)
-_pbd_of_any, _xpbd_of_any = loop_of(pbd_of(correct_any_pair)), loop_of(xpbd_of(correct_any_pair))
+_pbd, _xpbd, _penalty = loop_of(pbd_of(project_often)), loop_of(xpbd_of(correct_often)), loop_of(penalty)
+_pbd_of_any, _xpbd_of_any = loop_of(pbd_of(project_any_often)), loop_of(xpbd_of(correct_any_often))
 
 
 @partial(kernel, references=False)
