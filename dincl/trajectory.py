@@ -172,11 +172,12 @@ class Trajectory:
     def forces(self, t: ArrayLike) -> Forces | tuple[Forces, ...]:
         """Compute the contact forces at one time, or at several increasing ones, (K,): see ``Forces``.
 
-        x' = F + sum_k multiplier_k grad g_k, multiplier >= 0. For ``EventDriven`` x' is the velocity before t (after
-        it at the start). Time steps have forces of the step that ends at or after t: those nearest to
-        (x_{k+1} - x_k)/h - F(t_k, x_k) with the gradients at x_{k+1}. For ``SecondOrderPBD`` they are those of x'' = F
-        + sum_k multiplier_k grad g_k; an impact is a force of h times its length. Multipliers of dependent contacts, as
-        in a packing, are not unique, though their sum is: the ones with the least sum of squares are returned.
+        x' = F + sum_k multiplier_k grad g_k, multiplier >= 0, in units of F; with mobilities x' = B (F + sum ...). For
+        ``EventDriven`` x' is the velocity before t (after it at the start). Time steps have forces of the step that
+        ends at or after t: those nearest to (x_{k+1} - x_k)/h - F(t_k, x_k) with the gradients at x_{k+1}. For
+        ``SecondOrderPBD`` they are those of x'' = F + sum_k multiplier_k grad g_k; an impact that changes a velocity by
+        v is a force v/h. Multipliers of dependent contacts, as in a packing, are not unique, though their sum is: the
+        ones with the least sum of squares are returned.
 
         Raises
         ------

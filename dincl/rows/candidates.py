@@ -46,7 +46,7 @@ def find_candidates(rows: RowTable, sets: Sets, t: float, x: Floats, radius: flo
         if row.kind == DISTANCE and row.sign > 0.0 and row.j >= 0:
             square, least = 0.0, row.length + margin
             for k in range(d):
-                arrow = arrow_of(rows, sets, r, x, k)
+                arrow = x[row.i * d + k] - x[row.j * d + k] if row.plain != 0 else arrow_of(rows, sets, r, x, k)
                 square += arrow * arrow
             close = square <= least * least
         else:

@@ -21,19 +21,19 @@ DISPLACEMENTS, GRADIENTS, VELOCITIES = range(1, 4)
 
 call_sets = call(SETS)
 
-ROW = np.dtype(
+ROW = np.dtype(  # one cache line
     [
-        ("kind", np.int64),
-        ("family", np.int64),  # the index of its constraint
-        ("i", np.int64),  # the first particle, and the second or -1; of a row of Python its place among these rows
-        ("j", np.int64),
-        ("length", np.float64),  # L of sign (|X_i - X_j| - L), b of a.x - b
+        ("kind", np.int16),
+        ("plain", np.int16),  # of a distance: whether both scales are 1 and nothing is periodic
+        ("family", np.int32),  # the index of its constraint
+        ("i", np.int32),  # the first particle, and the second or -1; of a row of Python its place among these rows
+        ("j", np.int32),
+        ("length", np.float64),  # L of sign (|s_i X_i - s_j X_j| - L), b of a.x - b
         ("sign", np.float64),
         ("square", np.float64),  # |a|^2, or |grad g|^2 of a distance
-        ("one", np.float64),  # of a distance: the scales of X_i and X_j
-        ("other", np.float64),
-        ("plain", np.int64),  # whether both scales are 1 and nothing is periodic
         ("lipschitz", np.float64),  # how fast g changes at most while no particle moves faster than 1
+        ("one", np.float64),  # of a distance: the scales s_i and s_j
+        ("other", np.float64),
     ]
 )
 TIMED_SETS: TimedSets = empty(TimedSets)._replace(row=np.zeros(0, dtype=ROW))
@@ -272,6 +272,11 @@ def evaluate_distance(rows: RowTable, sets: Sets, r: int, x: Floats, gradient: F
     if length == 0.0 and row.sign > 0.0:
         return np.nan
     scale = row.sign / length if length > 0.0 else 0.0
+    if row.plain != 0 and row.j >= 0:  # the usual case, a tenth of the time of a run
+        for k in range(d):
+            slope = scale * (x[row.i * d + k] - x[row.j * d + k])
+            gradient[first + k], gradient[first + d + k] = slope, -slope
+        return float(row.sign * (length - row.length))
     for k in range(d):
         slope = scale * arrow_of(rows, sets, r, x, k)
         gradient[first + k] = row.one * slope

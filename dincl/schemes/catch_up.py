@@ -81,9 +81,9 @@ def bind(problem: Problem, projection: Projection, *, linearised: bool, midpoint
     """Bind a catch-up scheme: to compiled steps if its projection is compiled, too, else to steps in Python."""
     if not isinstance(projection, ActiveSet):
         return CatchUpStepper(problem, projection, linearised=linearised, midpoint=midpoint)
-    from dincl.steps.catch_up import run_catch_up
+    from dincl.steps.catch_up import run_catch_up, run_linearised
     from dincl.steps.loop import Settings
     from dincl.steps.stepper import CompiledStepper
 
-    settings = Settings(exact=not linearised, midpoint=midpoint)
-    return CompiledStepper.projecting(problem, run_catch_up, projection, settings)
+    kernel, settings = run_linearised if linearised else run_catch_up, Settings(exact=not linearised, midpoint=midpoint)
+    return CompiledStepper.projecting(problem, kernel, projection, settings)

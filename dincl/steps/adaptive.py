@@ -35,7 +35,7 @@ from dincl.rows.table import CALLBACK, DISPLACEMENTS, GRADIENTS, call_python, ga
 from dincl.solvers.envelope_factor import add_row, row_dot
 from dincl.steps.catch_up import drift_step
 from dincl.steps.loop import Stepping, stepping_at
-from dincl.steps.programs import list_sorted, project
+from dincl.steps.programs import list_sorted, project_onto_linearisation
 from dincl.system.arrays import (
     DRIFT,
     NOT_A_NUMBER,
@@ -298,7 +298,7 @@ def adaptive_step(
         return PYTHON, 0.0, 0.0
     search = system.near.number[1]
     note_pushing(system, kept)
-    code = project(system, t, start, 2.0 * length, t + h, False, max(tol, np.sqrt(tol * length)))
+    code = project_onto_linearisation(system, t, start, 2.0 * length, t + h, max(tol, np.sqrt(tol * length)))
     if code != OK:
         return code, 0.0, 0.0
     error = 0.0
@@ -318,7 +318,7 @@ def adaptive_step(
         middle[k] = 0.5 * (start[k] + z[k])
     code = drift_step(system, t + 0.5 * h, middle, h, start, run.rate)
     if code == OK:
-        code = project(system, t + 0.5 * h, middle, 2.0 * length, t + h, False, tol)
+        code = project_onto_linearisation(system, t + 0.5 * h, middle, 2.0 * length, t + h, tol)
     if code != OK:
         return code, 0.0, 0.0
     error = max(error, farthest(z, kept.middle, d))

@@ -1,5 +1,7 @@
 """Nearest points of S(t) in compiled code, by least-distance programs of the near rows."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from dincl.compiled import inner
@@ -32,79 +34,106 @@ ACROSS = 1e-8
 FAILED_LIST, SAME_LIST, NEW_LIST = range(3)
 
 
-@inner
-def project(
-    system: SystemArrays, t: float, around: Floats, radius: float, later: float, exact: bool, tol: float
-) -> int:
-    """Project y of a system onto S(t), or onto its linearisation: OK or why not.
+def project_of(solve: Callable[..., int]) -> Callable[..., int]:
+    """Make the projection of y of a system, which ``solve`` does with the listed rows.
 
-    Parameters
-    ----------
-    system : SystemArrays
-        It holds y, and then z and the multipliers.
-    t : float
-        The time of the set.
-    around : (n,)
-        Where the search begins, and where the set is linearised unless ``exact``.
-    radius : float
-        Rows are listed that can be violated within this distance of ``around`` [length].
-    later : float
-        The linearisation is carried to this time, each row with its set.
-    exact : bool
-        Whether to project onto S(t) and not onto its linearisation.
-    tol : float
-        The residual allowed [length].
+    Only kernels that need them are compiled with repeated linearisations.
     """
-    d = system.sets.shift.shape[1]
-    carried = carry(system, t, around, later)
-    if call_python(system.sets, t, around, DISPLACEMENTS) != 0:
-        return SETS
-    for _ in range(MOST_SEARCHES):
-        if not list_sorted(system, t, around, radius, ROW_MARGIN):
-            return PYTHON
-        code = solve(system, t, around, later, exact, tol)
-        if code != OK:
-            return code
-        distance = farthest(system.program.z, around, d) + carried
-        if distance <= radius:
-            return OK if system.sets.failed[0] == 0 else SETS
-        radius = 2.0 * distance
-    return TOO_FAR
+
+    @inner
+    def project(system: SystemArrays, t: float, around: Floats, radius: float, later: float, tol: float) -> int:
+        """Project y: OK or why not; the system then holds z and the multipliers.
+
+        Parameters
+        ----------
+        system : SystemArrays
+            It holds y, and then z and the multipliers.
+        t : float
+            The time of the set.
+        around : (n,)
+            Where the search begins, and where a linearisation is made.
+        radius : float
+            Rows are listed that can be violated within this distance of ``around`` [length].
+        later : float
+            A linearisation is carried to this time, each row with its set.
+        tol : float
+            The residual allowed [length].
+        """
+        d = system.sets.shift.shape[1]
+        carried = carry(system, t, around, later)
+        if call_python(system.sets, t, around, DISPLACEMENTS) != 0:
+            return SETS
+        for _ in range(MOST_SEARCHES):
+            if not list_sorted(system, t, around, radius, ROW_MARGIN):
+                return PYTHON
+            code = solve(system, t, around, later, tol)
+            if code != OK:
+                return int(code)
+            distance = farthest(system.program.z, around, d) + carried
+            if distance <= radius:
+                return OK if system.sets.failed[0] == 0 else SETS
+            radius = 2.0 * distance
+        return TOO_FAR
+
+    return project
 
 
 @inner
-def solve(system: SystemArrays, t: float, around: Floats, later: float, exact: bool, tol: float) -> int:
-    """Project with the listed rows; onto a curved set by linearising again at the point reached, for the same y."""
-    program, near, factor = system.program, system.near, system.factor
-    if exact:
-        violation = violation_of_y(system, t)
-        if violation <= NEGLIGIBLE * tol:
-            for k in range(program.z.size):
-                program.z[k] = program.y[k]
-            code = linearise_near(system, t, program.z) if violation > 0.0 else OK
-            return check_wedges(system, tol, False) if violation > 0.0 and code == OK else code
-        begin_search(system, around)
-    code = linearise_set(system, t, around, later)
-    residual, called = 0.0, 0.0
-    for _ in range(MOST_RELINEARISATIONS if exact else 1):
+def solve_linearised(system: SystemArrays, t: float, around: Floats, later: float, tol: float) -> int:
+    """Project onto the listed rows, linearised once."""
+    code, residual = linearise_set(system, t, around, later), 0.0
+    if code == OK:
+        code = nearest_of_near(system)
+    if code == OK:
+        residual = residual_of_near(system)
+    return end_projection(system, code, residual, tol)
+
+
+@inner
+def solve_exactly(system: SystemArrays, t: float, around: Floats, later: float, tol: float) -> int:
+    """Project onto the set of the listed rows by linearising again at the point reached, for the same y."""
+    program = system.program
+    violation = violation_of_y(system, t)
+    if violation <= NEGLIGIBLE * tol:
+        for k in range(program.z.size):
+            program.z[k] = program.y[k]
+        code = linearise_near(system, t, program.z) if violation > 0.0 else OK
+        return check_wedges(system, tol, False) if violation > 0.0 and code == OK else code
+    begin_search(system, around)
+    code, residual = linearise_set(system, t, around, later), 0.0
+    for _ in range(MOST_RELINEARISATIONS):
         if code == OK:
-            code = nearest(system.rows, near.row, near.number[0], program, factor, 0.0)
-            called = 1.0 if factor.number[0] > 0 else 0.0
-        if exact:
-            end_program(system)
-        if code == OK and exact:
+            code = nearest_of_near(system)
+        end_program(system)
+        if code == OK:
             code = linearise_near(system, t, program.z)
         if code == OK:
             residual = residual_of_near(system)
         if code != OK or residual <= tol:
             break
-        if exact:
-            bend(system)
+        bend(system)
+    return end_projection(system, code, residual, tol)
+
+
+@inner
+def nearest_of_near(system: SystemArrays) -> int:
+    """Find the nearest point of the listed rows, as they are linearised."""
+    near, program, factor = system.near, system.program, system.factor
+    return int(nearest(system.rows, near.row, near.number[0], program, factor, 0.0))
+
+
+@inner
+def end_projection(system: SystemArrays, code: int, residual: float, tol: float) -> int:
+    """Note the residual of a projection, and whether there was one; return its code, or MISSED or WEDGE."""
+    program = system.program
     program.answer[1] = residual
-    program.answer[2] += called
+    program.answer[2] += 1.0 if code == OK and system.factor.number[0] > 0 else 0.0
     if code == OK:
         code = check_wedges(system, tol, True) if residual <= tol else MISSED
     return code
+
+
+project_onto_set, project_onto_linearisation = project_of(solve_exactly), project_of(solve_linearised)
 
 
 @inner

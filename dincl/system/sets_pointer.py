@@ -139,8 +139,9 @@ class SetsPointer(PythonFunction):
                     table = table_of_displacement(f, partial(self._displaced, f), pieces, size)
                 elif pieces and len(self._blocks[f]) and not system.near.search:
                     table = table_of_rows(f, partial(self._tabulated, f), pieces, size, self._starts[f], system.rows)
-                    first = self._tabulated(f, pieces[0][0])
-                    if table is not None and first is not None:  # some numbers do not change from here on
+                    # In the table are the numbers of time 0, of which some may not change from a later start on.
+                    first = self._tabulated(f, pieces[0][0]) if pieces[0][0] > 0.0 else None
+                    if table is not None and first is not None:
                         write_numbers(system.rows, slice(*self._starts[f : f + 2]), first)
                 else:
                     continue

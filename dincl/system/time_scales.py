@@ -8,6 +8,7 @@ of the slope. Without one the piece is cut in two.
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from contextlib import suppress
 from functools import cache, partial
 from heapq import heappop, heappush
@@ -348,13 +349,13 @@ class _Search:
 
         A part of the run is resolved by one polynomial that leaves no more than rounding or ``unresolved``.
         """
-        found: list[Interval] = []
+        found, ordered = list[Interval](), sorted(self._smooth)
         rough = [piece for *_, piece in self._waiting]
         for a, b in self._edges():
             if b - a <= SHORT * self._length:
                 continue
             within = [piece for piece in rough if a <= piece.a < b]
-            smooth = sorted(piece for piece in self._smooth if a <= piece[0] < b)
+            smooth = ordered[bisect_left(ordered, (a,)) : bisect_left(ordered, (b,))]
             found += self._merged(a, b, smooth, unresolved) if not within else [(v, v - u) for u, v in smooth]
             for piece in within:
                 times = piece.times if at_nodes else np.array([piece.a, piece.b])
@@ -379,9 +380,9 @@ class _Search:
 
         Returns none if a piece is not resolved.
         """
-        found: list[Interval] = []
+        found, ordered = list[Interval](), sorted(self._smooth)
         for a, b in self._edges():
-            within = sorted(piece for piece in self._smooth if a <= piece[0] < b)
+            within = ordered[bisect_left(ordered, (a,)) : bisect_left(ordered, (b,))]
             if len(within) > 1 and len(self._values) < self._most:
                 whole = self._looked_at(a, b)
                 if whole.ratio <= 1.0 and self._missed(whole) <= BETWEEN * ROUNDING * np.max(self._largest):

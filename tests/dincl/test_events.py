@@ -3,226 +3,25 @@
 Each case has an exact solution. The stated error is at least the true one and at most the one asked for.
 """
 
-from collections.abc import Callable
-from typing import NamedTuple
-
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
 import dincl
 from dincl import scenes
-from dincl.drifts import constant
-from tests.dincl.hard_problems import hard_problem
 from tests.dincl.random_scenes import random_scene
 from tests.dincl.test_schemes import EXACT
+from verification.methods.hard.drawn import drawn
+from verification.methods.hard.scenes import RIGHT, SCENES, TOGETHER, jump, problem, wall
 
-RIGHT = constant((1.0,))
-HEXAGON = np.array([[0, 0], *([np.cos(a), np.sin(a)] for a in np.arange(6) * np.pi / 3)])
+JUMPS = {name: make for name, make in SCENES["sets that jump"].items() if name.startswith("jump: ")}
+CASES = {name: make for scenes in SCENES.values() for name, make in scenes.items() if name not in JUMPS}
+# Event-driven runs give up: the wall rests on the disc, and its speed grows from far below rounding.
+REFUSED = {"struck at rest"}
 
 
 def farthest(x, y):
     return np.sqrt(((x - y) ** 2).sum(axis=-1)).max(axis=-1)
-
-
-def turned(x, angle):
-    c, s = np.cos(angle), np.sin(angle)
-    return x @ np.array([[c, s], [-s, c]])
-
-
-def problem(x0, drift, *sets):
-    return dincl.Problem(x0, drift if callable(drift) else constant(drift), sets)
-
-
-def wall(path, normal=(1.0,), radius=0.0):
-    """A wall on a path of numbers."""
-    return dincl.Moving(dincl.HalfSpace(normal, 0.0, radius), lambda t: path(t) * np.array(normal))
-
-
-class Case(NamedTuple):
-    """A problem, output times, the exact states there (K, N, d), and the kinds of its events if they are counted."""
-
-    problem: dincl.Problem
-    t: list[float]
-    exact: object
-    kinds: str | None = None  # c for contact, r for release
-    tols: tuple[float, ...] = (1e-4, 1e-10)
-
-
-def thrown(d, radius):
-    e = np.eye(d)[0]
-    made = problem([-0.5 * e, 0.47 * e], [e, -e], dincl.NonOverlap(radius))
-    return Case(made, [1.0], [np.outer([-0.015 - radius, -0.015 + radius], e)], "c")
-
-
-def wedge(angle):
-    walls = [dincl.HalfSpace((s * np.cos(angle), np.sin(angle))) for s in (1, -1)]
-    return Case(problem([[0.0, 1.0]], (0.0, -1.0), *walls), [0.3, 3.0], [[[0.0, 0.7]], [[0.0, 0.0]]], "cc")
-
-
-def passing(radius):
-    """The tangent of a far pair bars a half space: a long step would stop the disc before its partner."""
-    start = [[0.0, 3 * radius], [0.5, 0.0]]
-    made = problem(start, [[1.0, 0.0], [0.0, 0.0]], dincl.NonOverlap(radius))
-    return Case(made, [1.0], [[[1.0, 3 * radius], [0.5, 0.0]]], "")
-
-
-def grazing(height):
-    """Met at sin(a) = half left of the top, slid up with a' = -cos(a) for the time artanh(half), left at the top."""
-    half = np.sqrt(max(0.0, 1 - (1 + height) ** 2))
-    end = [2 + half - np.arctanh(half), max(1 + height, 1.0)]
-    made = problem([[-2.0, 1 + height]], (1.0, 0.0), dincl.OutsideBall((0, 0), 1.0))
-    return Case(made, [4.0], [[end]], "cr" if height < 0 else "")
-
-
-def corner():
-    """A point slides down a floor inclined by 30 degrees until a wall, which leans over, takes it off the floor."""
-    slope, normal = (np.array(v) for v in ([np.cos(np.pi / 6), -0.5], [0.5, np.cos(np.pi / 6)]))
-    lean, drift, at = np.array([-np.cos(0.9), np.sin(0.9)]), slope - 0.3 * normal, 0.337 * slope
-    made = problem([[0.0, 0.0]], drift, dincl.HalfSpace(normal), dincl.HalfSpace(lean, lean @ at))
-    along = drift - (lean @ drift) * lean
-    return Case(made, [0.3, 0.7, 1.0], [[0.3 * slope]] + [[at + (t - 0.337) * along] for t in (0.7, 1.0)])
-
-
-def turns(times):
-    """A particle is blown to and fro against a wall at 0."""
-    made = problem([[0.2]], lambda t, x: [[(-1.0) ** np.searchsorted(times, t, "right")]], dincl.HalfSpace([1.0]))
-    x = 0.2
-    for k, length in enumerate(np.diff([0.0, *times, 1.5])):
-        x = max(x + (-1.0) ** k * length, 0.0)
-    return Case(made, [1.5], [[[x]]])
-
-
-def stacked(d, n):
-    """Under 8 (t - 1/2)^3 (1 + d_i) from t = 1/2 on the faster ones push the others by parts of d."""
-    t, z, weight = np.array([0.5, 0.75, 1.0]), np.arange(n)[:, None] + 0.5, 1 + d * np.arange(n)[::-1, None]
-    made = problem(z, lambda t, x: 8 * (t - 0.5) ** 3 * weight, dincl.NonOverlap(0.5), dincl.HalfSpace([1.0], 0.0, 0.5))
-    return Case(made, t, z + 2 * weight.mean() * np.maximum(t - 0.5, 0)[:, None, None] ** 4)
-
-
-def squeezed(n, gap, way):
-    """A wall pushes n discs against another one, where they just fit, and stops at t = 1/2."""
-    x0 = 0.5 + (1 + gap) * np.arange(n)[:, None]
-    sets = dincl.HalfSpace([-1.0], -(x0[-1, 0] + 0.5 + gap), 0.5), wall(lambda t: way * min(1.0, 2 * t), radius=0.5)
-    made = problem(x0, lambda t, x: 1 + 0.3 * np.cos(4 * t) - 0.2 * x, dincl.NonOverlap(0.5), *sets)
-    return Case(made, [0.5, 0.75, 1.0], [way + 0.5 + np.arange(n)[:, None]] * 3, None, (1e-6,))
-
-
-def let_go(low):
-    """A push that is negative for a moment, between the parts of a step at which it is looked at."""
-    least = 1e-4
-    made = problem([[0.0]], lambda t, x: np.full((1, 1), least - (t - low) ** 2), dincl.HalfSpace([1.0]))
-    return Case(made, [low, 1.0], [[[2 / 3 * least**1.5]], [[0.0]]], "rc")
-
-
-def there_and_back(way):
-    """A step that ends where it began, x = t (1 - t), meets a wall on the way and rests until t = 1/2."""
-    made = problem([[0.0]], lambda t, x: np.full((1, 1), 1 - 2 * t), dincl.HalfSpace([-1.0], -way))
-    return Case(made, [1.0], [[[way - 0.25]]], "cr")
-
-
-def floor_that_jumps():
-    """Three discs on a floor that jumps to 0.3, then to -1; they fall together and land again."""
-    floor = dincl.HalfSpace((1.0,), lambda t: 0.0 if t < 0.2 else 0.3 if t < 0.5 else -1.0, 0.5)
-    z, t = 0.5 + np.arange(3.0)[:, None], [0.1, 0.3, 0.6, 1.0, 2.0]
-    return Case(problem(z, (-2.0,), dincl.NonOverlap(0.5), floor), t, [z + low for low in (0.0, 0.3, 0.1, -0.7, -1.0)])
-
-
-def three_jumps():
-    """A point that slides on a floor leaves it, as a wall and a ball also jump away, until all come back."""
-    gone = lambda t: 0.4 < t <= 1.2  # noqa: E731
-    sets = [
-        dincl.HalfSpace((0.0, 1.0), lambda t: -7.0 if gone(t) else 0.0),
-        dincl.HalfSpace((-1.0, 0.0), lambda t: -7.0 if gone(t) else -0.5),
-        dincl.InsideBall((0.0, 0.0), lambda t: 20.0 if gone(t) else 3.0),
-    ]
-    states = [[[0.45, 0.0]], [[0.5, 0.0]], [[0.6, -0.2]], [[1.3, -1.6]], [[0.5, 0.0]]]
-    return Case(problem([[0.25, 0.0]], (1.0, -2.0), *sets), [0.2, 0.4, 0.5, 1.2, 1.3], states)
-
-
-def pulse(width):
-    """A wall that strikes once, to 2, in a part of the run."""
-    stroke = lambda t: 2.0 * np.exp(-(((t - 0.713) / width) ** 2))  # noqa: E731
-    return Case(problem([[0.5]], (0.0,), wall(stroke)), [4.0], [[[2.0]]])
-
-
-def gust(width):
-    """A pulse of the drift of area 1."""
-    strength = lambda t: np.exp(-(((t - 0.713) / width) ** 2)) / width / np.sqrt(np.pi)  # noqa: E731
-    return Case(problem([[0.5]], lambda t, x: 0 * x + strength(t)), [2.0], [[[1.5]]])
-
-
-def shaker():
-    return Case(problem([[0.5, 0.0]], (0.0, 0.0), wall(lambda t: 0.6 * np.sin(t), (1, 0))), [100.0], [[[0.6, 0.0]]])
-
-
-def flying_ball():
-    ball = dincl.OutsideBall(lambda t: (-1.0 + 5.0 * t,), 0.01)
-    return Case(problem([[0.0]], (0.0,), ball), [1.0], [[[4.01]]], "c")
-
-
-def bead():
-    """It falls inside of an ellipse and comes to rest where the normal (x/2, 2y) is the drift (1, 0.3)."""
-    inside = dincl.Smooth(lambda x: 1 - x[:, 0] ** 2 / 4 - x[:, 1] ** 2)
-    return Case(problem([[0.1, 0.2]], (1.0, 0.3), inside), [60.0], [np.array([[2.0, 0.15]]) / np.sqrt(1.0225)], "c")
-
-
-CASES: dict[str, Callable[[], Case]] = {
-    **{f"thrown in {d}-D, radius {r}": lambda d=d, r=r: thrown(d, r) for d in (1, 2, 3) for r in (0.1, 1e-4)},
-    **{f"wedge {a}": lambda a=a: wedge(a) for a in (0.1, 1e-3, 1e-6)},
-    **{f"passing {r}": lambda r=r: passing(r) for r in (1e-2, 1e-4)},
-    **{f"grazing {h}": lambda h=h: grazing(h) for h in (1e-9, 0.0, -1e-13, -1e-6, -1e-2)},
-    **{f"stacked {n}, {d}": lambda n=n, d=d: stacked(d, n) for n in (2, 5) for d in (1e-8, 1e-12)},
-    **{f"squeezed {n}": lambda n=n, g=g: squeezed(n, g, n * g) for n, g in ((2, 0.5), (3, 0.1))},
-    **{f"let go {low}": lambda low=low: let_go(low) for low in (0.3, 0.63)},
-    **{f"there and back {way}": lambda way=way: there_and_back(way) for way in (0.2, 0.249)},
-    **{f"pulse {width}": lambda width=width: pulse(width) for width in (0.05, 0.01)},
-    "corner": corner,
-    "turns": lambda: turns([0.31, 0.77, 1.23]),
-    "one turn": lambda: turns([0.7137]),
-    "floor that jumps": floor_that_jumps,
-    "three jumps": three_jumps,
-    "gust": lambda: gust(0.03),
-    "shaker": shaker,
-    "flying ball": flying_ball,
-    "bead": bead,
-    "kink": lambda: Case(problem([[0.2]], (0.0,), wall(lambda t: 1 - abs(t - 1))), [0.5, 3.0], [[[0.5]], [[1.0]]]),
-    "with a wall": lambda: Case(
-        problem([[0.0]], lambda t, x: np.full((1, 1), 1 - 3 * max(0.0, t - 0.5) ** 2), wall(lambda t: t)),
-        [0.5, 1.0],
-        [[[0.5]], [[1.0]]],
-        "",
-    ),
-    "pressed, then blown": lambda: Case(
-        problem(
-            [[0.5], [1.5]],
-            lambda t, x: (-1.0 if t < 0.3 else 1.0) * np.array([[1.0], [2.0]]),
-            dincl.NonOverlap(0.5),
-            dincl.HalfSpace([1.0], 0.0, 0.5),
-        ),
-        [0.3, 1.0],
-        [[[0.5], [1.5]], [[1.2], [2.9]]],
-        "rr",
-    ),
-    "turning lattice": lambda: Case(
-        problem(HEXAGON, lambda t, x: turned(x, np.pi / 2) - x, dincl.NonOverlap(0.5)),
-        [3.0],
-        [turned(HEXAGON, 3.0)],
-        "",
-    ),
-    "opening lattice": lambda: Case(
-        problem(HEXAGON, lambda t, x: (t - 1) * x, dincl.NonOverlap(0.5)),
-        [1.0, 2.0],
-        [HEXAGON, HEXAGON * np.exp(0.5)],
-        "r" * 12,
-    ),
-    "closing lattice": lambda: Case(
-        problem(2 * HEXAGON, lambda t, x: -x, dincl.NonOverlap(0.5)),
-        [0.5, 3.0],
-        [2 * np.exp(-0.5) * HEXAGON, HEXAGON],
-        "c" * 12,
-    ),
-}
 
 
 @pytest.mark.slow_with("shaker", "pulse", "jumps", "flying", "kink", "with a wall", "squeezed")
@@ -231,7 +30,10 @@ def test_cases_with_exact_solutions(name):
     """By event-driven runs at two tolerances, with their events."""
     case = CASES[name]()
     for tol in case.tols:
-        path = dincl.solve(case.problem, dincl.EventDriven(tol), case.t)
+        path = dincl.solve(case.problem, dincl.EventDriven(tol), case.t, throw=False)
+        assert bool(path.status) != (name in REFUSED), path.detail
+        if not path.status:
+            continue
         assert (farthest(path.x, np.array(case.exact)) <= path.error).all()
         assert path.error.max() <= tol
         assert path.violation().max() <= 1e-11
@@ -249,7 +51,9 @@ def test_cases_by_adaptive_steps(name):
     assert farthest(path.x, np.array(case.exact)).max() <= path.error.max() <= 1e-3
     path = dincl.solve(case.problem, dincl.AdaptiveCatchUp(1e-4), case.t, throw=False)
     assert path.status or name == "bead"
-    assert not path.status or farthest(path.x, np.array(case.exact)).max() <= 1e-3
+    # The tolerance is of a step; of the pendulum many steps of one sign are left in the middle of its way.
+    most = 2e-3 if name == "pendulum" else 1e-3
+    assert not path.status or farthest(path.x, np.array(case.exact)).max() <= most
 
 
 @pytest.mark.slow_with("sweeping_interval", "drum", "closing_walls", "growing_discs")
@@ -303,37 +107,11 @@ def test_times_of_events_are_those_of_closed_forms():
         assert event.t == pytest.approx(brentq(gap, 0.0, 1.0, xtol=1e-15), abs=1e-11)
 
 
-def jump(before, after, at=0.6):
-    return lambda t: before if t <= at else after
-
-
-APART, TOGETHER = constant([[-1.0], [1.0]]), constant([[1.0], [-1.0]])
-# At t = 0.75, after a jump at 0.6 of a set in whose contact a point rests, or onto a point.
-JUMPS = {
-    "ball grows": ([[0.0]], RIGHT, dincl.InsideBall((0.0,), jump(0.5, 90.0)), [0.65]),
-    "obstacle shrinks": ([[0.0]], RIGHT, dincl.OutsideBall((1.5,), jump(1.0, 0.1)), [0.65]),
-    "obstacle moves": ([[0.0]], RIGHT, dincl.OutsideBall(jump((1.5,), (9.0,)), 1.0), [0.65]),
-    "discs shrink": ([[0.0], [1.2]], TOGETHER, dincl.NonOverlap(jump([0.5, 0.5], [0.1, 0.5])), [0.25, 0.95]),
-    "longer thread": ([[0.0], [0.8]], APART, dincl.MaxDistance([(0, 1)], jump(1.0, 50.0)), [-0.25, 1.05]),
-    "smaller radius at a wall": ([[0.0]], RIGHT, dincl.HalfSpace((-1.0,), -0.7, jump(0.2, 0.0)), [0.65]),
-    "wall goes": ([[0.0]], RIGHT, dincl.HalfSpace((-1.0,), jump(-0.5, -100.5)), [0.65]),
-    "path of a wall": ([[0.0]], RIGHT, dincl.Moving(dincl.HalfSpace((-1.0,), -0.5), jump((0.0,), (3.0,))), [0.65]),
-    "function": ([[0.0]], RIGHT, dincl.Smooth(lambda t, x: jump(0.5, 100.0)(t) - x[:, 0]), [0.65]),
-    "ball shrinks": ([[0.0]], RIGHT, dincl.InsideBall((0.0,), jump(9.0, 0.25)), [0.25]),
-    "obstacle grows": ([[0.0]], RIGHT, dincl.OutsideBall((1.5,), jump(0.1, 1.25)), [0.25]),
-    "discs grow": ([[0.0], [1.2]], constant((0.0,)), dincl.NonOverlap(jump(0.5, 1.0)), [-0.4, 1.6]),
-    "shorter thread": ([[0.0], [0.8]], APART, dincl.MaxDistance([(0, 1)], jump(9.0, 0.4)), [0.2, 0.6]),
-    "larger radius at a wall": ([[0.0]], RIGHT, dincl.HalfSpace((-1.0,), -2.0, jump(0.2, 1.75)), [0.25]),
-    "wall catches up": ([[0.0]], RIGHT, dincl.HalfSpace((1.0,), jump(-5.0, 2.0)), [2.15]),
-    "path onto it": ([[0.0]], RIGHT, dincl.Moving(dincl.HalfSpace((-1.0,), -5.0), jump((0.0,), (-4.5,))), [0.5]),
-    "function onto it": ([[0.0]], RIGHT, dincl.Smooth(lambda t, x: jump(5.0, 0.25)(t) - x[:, 0]), [0.25]),
-}
-
-
 @pytest.mark.parametrize("name", JUMPS)
 def test_a_set_that_jumps(name):
-    x0, drift, one, exact = JUMPS[name]
-    path = dincl.solve(problem(x0, drift, one), dincl.EventDriven(1e-7), [0.3, 0.6, 0.75])
+    case = JUMPS[name]()
+    exact = np.ravel(case.exact)
+    path = dincl.solve(case.problem, dincl.EventDriven(1e-7), [0.3, 0.6, 0.75])
     assert np.abs(path.final.ravel() - exact).max() <= 1e-12
     assert path.violation().max() <= 1e-12
     if exact[0] in (0.65, -0.25) or (len(exact) == 2 and exact[1] == 0.95):
@@ -611,16 +389,14 @@ def test_random_walls_that_jump_agree_with_short_steps():
 
 def states_with_bound(seed):
     """The worst error of a run over what it states, and of how many a reference was there."""
-    hard = hard_problem(seed)
-    t = np.linspace(0, hard.end, 9)[1:]
-    path = dincl.solve(hard.problem, dincl.EventDriven(hard.tol), t, throw=False)
-    for tol in (1e-12 * hard.scale, min(1e-2 * hard.tol, 1e-8 * hard.scale)):
-        exact, bound = hard.solved_in_parts(t, tol)
-        if np.isfinite(bound):
-            break
-    if not path.status or not np.isfinite(bound):
+    try:
+        hard = drawn(seed)
+    except dincl.InvalidProblem:
         return 0.0, False
-    return float((farthest(path.x, exact) / (path.error + 2 * bound)).max()), True
+    path = dincl.solve(hard.problem, dincl.EventDriven(hard.tols[0] * hard.size), hard.t, throw=False)
+    if not path.status:
+        return 0.0, False
+    return float((farthest(path.x, hard.exact) / (path.error + 2 * hard.bound * hard.size)).max()), True
 
 
 # Some in which the stated error was too small, and others; without one whose first part ends where two walls leave no

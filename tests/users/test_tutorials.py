@@ -66,7 +66,7 @@ def moving_sets(found):
 
 def as_you_have_it(found):
     assert found["forces"].load(1).tolist() == pytest.approx([0.0, 3.0])
-    assert found["path"].final[0, 0] == pytest.approx(2 * (1.1 - 1 / 3))
+    assert found["driven"].final[0, 0] == pytest.approx(2 * (1.1 - 1 / 3))
     assert abs(found["rest"].x - found["whole"].x).max() < 1e-9
 
 

@@ -6,9 +6,10 @@ from collections.abc import Callable
 
 from dincl.study import Study
 from verification.methods import large_steps, orders, proved, references, strengths
+from verification.methods.chart import programs, work_precision
 from verification.methods.chart import references as charted
-from verification.methods.chart import work_precision
 from verification.methods.decisions import study as decisions
+from verification.methods.hard import study as hard
 from verification.methods.stability import catalogue as stability
 
 # Name -> the function ``study(smallest=False)``; the smallest form has some of the runs of the complete one.
@@ -22,5 +23,7 @@ STUDIES: dict[str, Callable[..., Study]] = {
     **stability.STUDIES,
     "work_references": charted.study,
     "work_precision": work_precision.study,
+    "programs": programs.study,
     "decisions": decisions.study,
+    "hard_scenes": hard.study,
 }

@@ -25,7 +25,7 @@ TIMES = np.arange(0.25, 3.01, 0.25)
 STALE = pytest.mark.xfail(reason="to be made again on a quiet machine before 0.10", strict=True)
 
 
-@pytest.mark.slow_with("orders", "proved_scenes", "proved_random", "work_", "events", "decisions")
+@pytest.mark.slow_with("orders", "proved_scenes", "proved_random", "work_", "hard", "programs", "decisions")
 @pytest.mark.parametrize(
     "name", [pytest.param(n, marks=[STALE] if n in ("decisions", "work_precision") else []) for n in STUDIES]
 )

@@ -85,13 +85,6 @@ def test_equilibrium_of_pbd_in_a_row(n):
         assert cases.equilibrium(n, dt, sweeps=4)[-1] < cases.equilibrium(n, dt)[-1] / 2
 
 
-def test_crowd_collapses_under_a_single_sweep():
-    path = {n: dincl.solve(crowd.crowd(300), dincl.PBD(dt=0.1, sweeps=n), t=3.0) for n in (1, 16)}
-    true = crowd.densest(300)
-    assert crowd.gyration(path[1].final) < 0.5 * true < 0.85 * true < crowd.gyration(path[16].final)
-    assert path[1].violation()[-1] > 0.9
-
-
 def test_densest_heap():
     # Four discs: a rhombus; seven: a disc and its ring; ten: a double hexagon around a bond, sum |x|^2 = 13.5. A heap
     # of many is a round disc, R / sqrt(2).

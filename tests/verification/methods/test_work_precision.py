@@ -15,16 +15,10 @@ from verification.methods.chart import references, work_precision
 from verification.methods.chart.references import SCENES, known
 from verification.methods.methods import (
     ADAPTIVE,
-    CATCH_UP_ACTIVE,
-    CATCH_UP_DAQP,
     CHARTED,
     CHIPMUNK,
     EVENT_DRIVEN,
-    LINEARISED_ACTIVE,
-    LINEARISED_DAQP,
     LSODA,
-    MIDPOINT,
-    MIDPOINT_ACTIVE,
     PBD,
     PBD_16,
 )
@@ -92,19 +86,6 @@ def test_smallest_runs_come_out_as_they_ship(method):
     assert (both["status"] == "SUCCESS").all()
     for column in ("largest", "final", "overlap"):
         assert both[column].to_numpy() == pytest.approx(both[f"{column}_kept"].to_numpy(), rel=1e-3, abs=1e-9)
-
-
-@pytest.mark.parametrize(
-    ("method", "like"),
-    [(LINEARISED_ACTIVE, LINEARISED_DAQP), (CATCH_UP_ACTIVE, CATCH_UP_DAQP), (MIDPOINT_ACTIVE, MIDPOINT)],
-    ids=lambda method: method.name,
-)
-def test_the_active_set_is_on_the_chart(method, like):
-    assert method in CHARTED
-    assert pickle.loads(pickle.dumps(method)) is method
-    ours, theirs = method.make(0.01), like.make(0.01)
-    assert type(ours) is type(theirs)
-    assert ours.projection == dincl.ActiveSet(theirs.projection.tol)
 
 
 def test_who_cannot_run_says_why():

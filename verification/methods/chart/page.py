@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from verification.methods.chart import work_precision
+from verification.methods.chart import programs, work_precision
 from verification.methods.chart.work_precision import COSTS, charts
 from verification.methods.decisions import section as decisions
 from verification.methods.methods import METHODS
@@ -22,6 +22,7 @@ def run(context: Context) -> None:
     """Complete the references and the studies; keep what they say."""
     context.rows("work_references")
     context.keep("work_winners", work_precision.winners(context.rows(STUDY)))
+    context.keep("program_costs", programs.costs(context.rows("programs")))
     decisions.run(context)
 
 
@@ -39,6 +40,8 @@ def show(context: Context) -> None:
         mine, won = (table[table["scene"] == name] for table in (tables[STUDY], winners))
         context.draw(f"work_precision_{name}", draw_scene, mine)
         context.show(f"cheapest_{name}", context.headed(STUDY, won), "work_winners")
+    context.draw("programs", programs.draw, tables["programs"])
+    context.show("programs", context.headed("programs", tables["program_costs"]), "program_costs")
     decisions.show(context)
 
 

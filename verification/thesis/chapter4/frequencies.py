@@ -10,13 +10,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 
 from tissue.study.estimates import POWER
-from verification.claims import Comparison, Evidence, Interval, Table, Tables
+from verification.claims import Claim, Comparison, Evidence, Interval, Table, Tables, claim
 from verification.thesis.chapter4.ensembles import PRESETS, preset_of
 from verification.thesis.chapter4.groups import EVENTS
 from verification.thesis.chapter4.ratios import ProportionContrast, Ratio, as_ratio, difference, quantile
@@ -46,10 +46,29 @@ class Sized(NamedTuple):
     runs: int | None
 
 
-def in_readings(compare: Callable[[str], Evidence], decides: str = OUTCOMES) -> Evidence:
+Compared = Evidence | Sequence[Sized]
+
+
+def in_readings(compare: Callable[[str], Compared], decides: str = OUTCOMES) -> Evidence:
     """Return the evidence of the reading that decides, with the evidence of all; ``compare`` is given the preset."""
-    found = {preset: compare(preset) for preset in READINGS}
+    made = {preset: compare(preset) for preset in READINGS}
+    found = {preset: each if isinstance(each, Evidence) else evidence(each) for preset, each in made.items()}
     return replace(found[decides], readings={name: found[preset] for preset, name in READINGS.items()})
+
+
+def claim_in_readings(
+    id: str, statement: str, decides: str = OUTCOMES, **details: Any
+) -> Callable[[Callable[[Tables, str], Compared]], Claim]:
+    """State a claim, as ``claim`` does, above a function of the tables and the preset of a reading."""
+
+    def stated(compare: Callable[[Tables, str], Compared]) -> Claim:
+        def check(tables: Tables) -> Evidence:
+            return in_readings(lambda preset: compare(tables, preset), decides)
+
+        line = f"{compare.__module__}:{compare.__code__.co_firstlineno}"
+        return claim(id, statement, stated_at=line, **details)(check)
+
+    return stated
 
 
 def evidence(printed: Sequence[Sized], corrected: Sequence[Sized] = (), remark: str = "") -> Evidence:

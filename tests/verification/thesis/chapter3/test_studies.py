@@ -124,12 +124,6 @@ def test_heights_are_those_of_the_simulation():
     assert mine == pytest.approx([1.0, height(run.frames[2]) / 8, height(run.frames[4]) / 8], rel=1e-12)
 
 
-def test_substeps_keep_the_step_over_the_damping():
-    assert growth.substeps_of("thesis", 0.15, 1 / 60) == (20, 40)
-    assert growth.substeps_of("thesis", 0.025, 1 / 60) == (20, 240)
-    assert growth.substeps_of("published", 0.2, 1 / 60) == (40,)
-
-
 def test_the_damping_that_doubles():
     rows = []
     for seed in range(3):
@@ -148,19 +142,6 @@ def test_the_damping_that_doubles():
     assert np.isnan(ratios.loc[(20, 0.025), "ratio"])
     assert ratios.loc[(80, 0.1), "ratio"] == pytest.approx(2 - np.log(0.1 / 0.041) / 3, abs=1e-3)
     assert np.isnan(growth.doubling(made.assign(ratio=made["ratio"] - 1))["mu"]).all()
-
-
-def test_what_the_text_says_of_growth():
-    # After 12 h: energies as printed grow faster, a smaller damping, too; with 20 substeps it loses cells.
-    ratio = {}
-    for name, mu in (("thesis", 0.2), ("published", 0.2), ("published", 0.05)):
-        run = simulated(name, 0, 12, **{"numerics.mu": f"{mu} h", "numerics.substeps": 40})
-        ratio[name, mu] = height(run.final) / 8
-    assert ratio["thesis", 0.2] > 1.1 > ratio["published", 0.2]
-    assert ratio["published", 0.05] > 1.1 * ratio["published", 0.2]
-    rows = growth.grown({"preset": "thesis", "mu": 0.025, "substeps": 20}, 1)
-    assert rows[-1]["status"] != SUCCESS
-    assert np.isnan(rows[-1]["ratio"])
 
 
 # Stability

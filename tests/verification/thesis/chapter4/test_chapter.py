@@ -10,11 +10,11 @@ from tests.executors import Here
 from tissue.pictures.charts import OUTCOMES
 from verification.site.agreement import compare_studies
 from verification.site.store import shipped
-from verification.thesis.chapter4 import differences, figures, printed
+from verification.thesis.chapter4 import figures, printed
 from verification.thesis.chapter4 import page as chapter
-from verification.thesis.chapter4.claims import s3_1_counts, s4_1_isolated
+from verification.thesis.chapter4.claims import s4_1_isolated
 from verification.thesis.chapter4.ensembles import NAMES, PRESETS, ensemble, preset_of
-from verification.thesis.chapter4.questions import QUESTIONS, answered
+from verification.thesis.chapter4.questions import answered
 from verification.thesis.studies import STUDIES
 
 EMT = [name for name in STUDIES if name.startswith("emt_")]
@@ -72,32 +72,6 @@ def test_figures_are_drawn(number: int, tmp_path, monkeypatch) -> None:
         assert line.get_ydata() == pytest.approx(100 * rows["value"].to_numpy())
 
 
-def test_readings_stand_beside_each_other() -> None:
-    (programs, _), (isolated, _) = chapter.programs(tables()), chapter.isolated(tables())
-    assert list(programs) == ["Scenario", *chapter.LABELS.values()]
-    rows = tables()["emt_ratios"].query("study == 'figure15_published' and scenario == '[Bx] no INM'")
-    value = rows.set_index("what").loc["basal", "value"]
-    row = programs.set_index("Scenario").loc["[Bx] no INM"]
-    assert row["Published program"].startswith(f"{100 * value:.1f} % [")
-    assert len(programs) == 44
-    cells = isolated.iloc[:, 3:].to_numpy().ravel()
-    assert sum(text.count("off by") for text in cells) == (~tables()["emt_printed"]["agrees"]).sum()
-
-
-@pytest.mark.slow
-def test_no_comparison_is_lost() -> None:
-    (whole, _), (parts, _) = chapter.questions(tables()), chapter.compared_parts(tables())
-    assert whole[""].tolist() == list(QUESTIONS)
-    assert len(parts) == len(tables()["emt_answers"][["id", "compared"]].drop_duplicates())
-
-
-def test_effects_are_shown_by_row_and_ratio() -> None:
-    shown, _ = chapter.effects(tables())
-    alone = shown[~shown["Changed"].str.contains(" with ")].set_index("Changed")
-    assert list(alone.index) == [*differences.ROWS, differences.COUNTING]
-    assert alone.loc["energy of the cytoskeleton", "[A] leaves basally"].startswith("+28 [")
-
-
 def test_the_correction_of_the_printed_ratios_has_the_effects_of_the_table() -> None:
     main = tables()["emt_effects"].query("`with` == ''")
     points = (100 * main["effect"]).round().astype(int).abs()
@@ -115,13 +89,6 @@ def test_the_correction_of_the_printed_ratios_has_the_effects_of_the_table() -> 
 def test_control_cells_rarely_leave() -> None:
     rows = tables()["emt_in_time"].query("what == 'control cells, apical'")
     assert (rows["count"] / rows["of"]).max() < 0.01
-
-
-def test_the_footnote_of_orders() -> None:
-    """34 orders by another way of counting: a selection of k events has k! orders, half of them with P after B."""
-    count = 3 + 6 + 6  # of one, two and three of A, B, S
-    count += 1 + 2 * 3 + 12  # with B and P: of two, three and four events
-    assert len(s3_1_counts._orders()) == count == 34
 
 
 def test_names_of_ensembles_tell_the_reading() -> None:

@@ -9,7 +9,7 @@ import pytest
 import dincl
 from dincl.minimise import DampedArrowHurwicz as OnAProblem
 from dincl.minimise import RelativeMove, minimise
-from tests.tissue.states import cells, divided, layers, numbers, tissue
+from tests.tissue.states import cells, layers, numbers, tissue
 from tissue.model.energy import energy, forces
 from tissue.rules.slice import in_plane
 from tissue.runs.group import Group
@@ -106,20 +106,6 @@ def test_the_kernel_is_the_method(case, rng):
     assert (reached.status, reached.iterations) == (dincl.Status.NOT_CONVERGED, 400)
     assert reached.violation == pytest.approx(broken(expected, network, given), abs=1e-10)
     assert reached.energy == pytest.approx(energy(expected, network, given), rel=1e-11)
-
-
-@pytest.mark.slow
-def test_daughters_fly_apart_and_keep_their_multiplier():
-    """So hard a push takes a pair out of the list of near ones while its multiplier pulls it back."""
-    state, given = divided(cells(20, 1), 7), numbers()
-    gaps = []
-    for count in range(50, 401, 50):
-        steps = steps_of(count, beta=2.0, gamma=1e-5)
-        expected, multipliers, _ = literal(state, layers(21), given, TABLE_4._replace(**steps))
-        assert distance(found(state, layers(21), given, **steps).cells, expected) < 1e-11
-        gap = math.hypot(expected.x[8] - expected.x[7], expected.y[8] - expected.y[7]) - 2 * state.radius[7]
-        gaps.append((gap, multipliers[0][8 * 7 // 2 + 7] > 0))
-    assert max(gap for gap, pushes in gaps if pushes) > 0.3  # three times what is listed as near
 
 
 def test_agrees_with_dincl():

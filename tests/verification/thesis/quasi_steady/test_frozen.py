@@ -122,13 +122,6 @@ def division():
     return split, middle, frozen_problem(feasible, layers(N + 1), given)
 
 
-@pytest.mark.slow
-def test_right_after_a_division_there_is_no_solution(division):
-    state, left, _ = division
-    with pytest.raises(dincl.InvalidProblem, match=f"NonOverlap by 0.647 at particle {left + 1} and {left}"):
-        frozen_problem(state, layers(N + 1), numbers())
-
-
 def test_made_feasible_is_locally_the_nearest_state(division):
     """The move is a combination with weights >= 0 of the gradients of constraints that are active: Definition 1.24."""
     state, _, problem = division
@@ -151,13 +144,6 @@ def test_a_feasible_state_stays_where_it_is():
     state = cells(10, 6)
     found = made_feasible(state, layers(10), numbers(), IPOPT)
     assert particles(found).tolist() == particles(state).tolist()
-
-
-def test_points_pass_through_each_other_and_through_nuclei():
-    """Only nuclei are discs: two cells whose apical and basal points lie inside of a nucleus."""
-    state = tissue([[0.0, 2.0], [1.0, 2.0]], [[0.05, 2.1], [0.1, 2.1]], [[0.0, 0.0], [0.0, 0.0]], radius=0.5)
-    problem = frozen_problem(state, layers(2), numbers())
-    assert len(problem.constraints[0].select(problem.x0, 1.0).i) == 1
 
 
 BAD = {

@@ -26,6 +26,7 @@ from verification.thesis.chapter4.frequencies import (
     Sized,
     alike,
     apart,
+    claim_in_readings,
     evidence,
     in_readings,
     minus,
@@ -97,7 +98,7 @@ def of_event(tables: Tables, preset: str, event: str, what: str) -> Ratio:
     return ratio_of(tables, preset, "figure10", event, what)
 
 
-@claim(
+@claim_in_readings(
     "c4.protrusions",
     "Far more isolated cells leave basally with protrusions than by any other single event.",
     source="section 4.1.1, Figure 10; introduction, Part II",
@@ -106,34 +107,30 @@ def of_event(tables: Tables, preset: str, event: str, what: str) -> Ratio:
     needs=(RATIOS,),
     chosen="far more: by at least half of all cells",
 )
-def _protrusions(tables: Tables) -> Evidence:
-    def lead(preset: str, event: str) -> ProportionContrast:
+def _protrusions(tables: Tables, preset: str) -> list[Sized]:
+    def lead(event: str) -> ProportionContrast:
         return minus(of_event(tables, preset, each, "basal") for each in ("[BP]", event))
 
-    return in_readings(
-        lambda preset: evidence(
-            [more(f"basal extrusion, [BP] minus {event}", lead(preset, event), HALF) for event in ("[A]", "[B]", "[S]")]
-        )
-    )
+    return [more(f"basal extrusion, [BP] minus {event}", lead(event), HALF) for event in ("[A]", "[B]", "[S]")]
 
 
-@claim(
+@claim_in_readings(
     "c4.remain",
     "More than half of the cells with [B], and of those with [S], are not above or below the others.",
     source="Figure 10",
     quote="For loss of basal adhesion [B] and loss of straightness [S], cells remain mostly between the control cells.",
     needs=(RATIOS,),
 )
-def _remain(tables: Tables) -> Evidence:
-    def remain(preset: str, event: str) -> Sized:
+def _remain(tables: Tables, preset: str) -> list[Sized]:
+    def remain(event: str) -> Sized:
         out, below = (of_event(tables, preset, event, what) for what in ("apical", "below"))
         left = Ratio(out.of - out.count - below.count, out.of)
         return share(f"cells with {event} neither above the tissue nor below all control cells", left, HALF)
 
-    return in_readings(lambda preset: evidence([remain(preset, event) for event in ("[B]", "[S]")]))
+    return [remain(event) for event in ("[B]", "[S]")]
 
 
-@claim(
+@claim_in_readings(
     "c4.mostly-basally",
     "Of the cells that [A] drives out of the tissue most leave basally.",
     source="sections 4.1, 4.1.2",
@@ -150,20 +147,16 @@ def _remain(tables: Tables) -> Evidence:
     ),
     needs=(RATIOS,),
 )
-def _mostly_basally(tables: Tables) -> Evidence:
+def _mostly_basally(tables: Tables, preset: str) -> Evidence:
     """No cell has two of the outcomes, so they are compared among the cells that have one of both."""
-
-    def compare(preset: str) -> Evidence:
-        basal, apical, below = (of_event(tables, preset, "[A]", what) for what in ("basal", "apical", "below"))
-        return evidence(
-            [share("cells with [A] that leave, basally", of_both(basal, apical), HALF)],
-            [
-                share("cells with [A] apically extruded or below all others, below", of_both(below, apical), HALF),
-                share("cells with [A] that leave, apically", of_both(apical, basal), HALF),
-            ],
-        )
-
-    return in_readings(compare)
+    basal, apical, below = (of_event(tables, preset, "[A]", what) for what in ("basal", "apical", "below"))
+    return evidence(
+        [share("cells with [A] that leave, basally", of_both(basal, apical), HALF)],
+        [
+            share("cells with [A] apically extruded or below all others, below", of_both(below, apical), HALF),
+            share("cells with [A] that leave, apically", of_both(apical, basal), HALF),
+        ],
+    )
 
 
 def of_both(first: Ratio, second: Ratio) -> Ratio:
@@ -171,7 +164,7 @@ def of_both(first: Ratio, second: Ratio) -> Ratio:
     return Ratio(first.count, first.count + second.count)
 
 
-@claim(
+@claim_in_readings(
     "c4.apical",
     "Isolated cells with [A], [B] or [BP] leave apically, too, those with [BP] rarely.",
     source="sections 4.1.1, 4.1.3",
@@ -179,23 +172,19 @@ def of_both(first: Ratio, second: Ratio) -> Ratio:
     needs=(RATIOS,),
     chosen=f"too: {SOME:.0%} of the cells, at least; a small number: up to {FEW:.0%}",
 )
-def _apical(tables: Tables) -> Evidence:
+def _apical(tables: Tables, preset: str) -> list[Sized]:
     most = {"[A]": math.inf, "[B]": math.inf, "[BP]": FEW}
-    return in_readings(
-        lambda preset: evidence(
-            [
-                share(f"apical extrusion, {event}", of_event(tables, preset, event, "apical"), SOME, high)
-                for event, high in most.items()
-            ]
-        )
-    )
+    return [
+        share(f"apical extrusion, {event}", of_event(tables, preset, event, "apical"), SOME, high)
+        for event, high in most.items()
+    ]
 
 
 def _counted(row: pd.Series) -> Ratio:
     return Ratio(int(row["count"]), int(row["of"]))
 
 
-@claim(
+@claim_in_readings(
     "c4.timing-isolated",
     "An isolated cell leaves basally as often whether [A] is early and [B] late, or the other way round.",
     source="section 4.3, Table 3",
@@ -214,20 +203,16 @@ def _counted(row: pd.Series) -> Ratio:
     chosen=f"the programs of Table 3 with the longest delays; alike: within {ALIKE:.0%} of the cells; "
     "the end of the runs, and 24 h after [A]",
 )
-def _timing(tables: Tables) -> Evidence:
+def _timing(tables: Tables, preset: str) -> Evidence:
     """Whether the end shows a difference, and whether counting from [A] on makes it smaller."""
     table = tables[IN_TIME]
     later = table[(table["what"] == "basal") & (table["time_h"] == table["a_h"] + SINCE_A)]
     rows = later.set_index(["study", "scenario"])
-
-    def compare(preset: str) -> Evidence:
-        at_end = minus(ratio_of(tables, preset, "figure14", name, "basal") for name in PROGRAMS)
-        since = minus(_counted(rows.loc[("figure14" + PRESETS[preset], name)]) for name in PROGRAMS)
-        smaller = apart("the same, end minus 24 h after [A]", at_end.interval(CLAIM_LEVEL), since.interval(CLAIM_LEVEL))
-        what = "basal extrusion at the end, [A☒B] minus [B☒A]"
-        return evidence([alike(what, at_end)], [more(what, at_end), smaller])
-
-    return in_readings(compare)
+    at_end = minus(ratio_of(tables, preset, "figure14", name, "basal") for name in PROGRAMS)
+    since = minus(_counted(rows.loc[("figure14" + PRESETS[preset], name)]) for name in PROGRAMS)
+    smaller = apart("the same, end minus 24 h after [A]", at_end.interval(CLAIM_LEVEL), since.interval(CLAIM_LEVEL))
+    what = "basal extrusion at the end, [A☒B] minus [B☒A]"
+    return evidence([alike(what, at_end)], [more(what, at_end), smaller])
 
 
 # By so much [S] may change a ratio if it is 'mostly irrelevant'.
@@ -239,72 +224,58 @@ def of_still(tables: Tables, preset: str, event: str, what: str) -> Ratio:
     return ratio_of(tables, preset, "figure12", f"{event} no INM", what)
 
 
-@claim(
+@claim_in_readings(
     "c4.without-inm",
     "An isolated cell with [A] or [B] leaves more often basally and less often apically without INM.",
     source="section 4.2.1",
     quote="Stopped INM leads to more basal and less apical extrusion.",
     needs=(RATIOS,),
 )
-def _without_inm(tables: Tables) -> Evidence:
-    def compare(preset: str) -> Evidence:
-        found = []
-        for event in ("[A]", "[B]"):
-            for what, order, sign in (("basal", "without minus with INM", 1), ("apical", "with minus without INM", -1)):
-                sides = (of_still(tables, preset, event, what), of_event(tables, preset, event, what))
-                found.append(more(f"{what} extrusion, {event}, {order}", minus(sides[::sign])))
-        return evidence(found)
-
-    return in_readings(compare)
+def _without_inm(tables: Tables, preset: str) -> list[Sized]:
+    found = []
+    for event in ("[A]", "[B]"):
+        for what, order, sign in (("basal", "without minus with INM", 1), ("apical", "with minus without INM", -1)):
+            sides = (of_still(tables, preset, event, what), of_event(tables, preset, event, what))
+            found.append(more(f"{what} extrusion, {event}, {order}", minus(sides[::sign])))
+    return found
 
 
-@claim(
+@claim_in_readings(
     "c4.inm-swaps",
     "Without INM [B] extrudes more cells basally than [A], with INM fewer.",
     source="Figure 12",
     quote="Suddenly, [B] leads to much more basal extrusion compared to [A]. With INM it was the other way around.",
     needs=(RATIOS,),
 )
-def _swapped(tables: Tables) -> Evidence:
-    def compare(preset: str) -> Evidence:
-        still = minus(of_still(tables, preset, event, "basal") for event in ("[B]", "[A]"))
-        moving = minus(of_event(tables, preset, event, "basal") for event in ("[A]", "[B]"))
-        return evidence(
-            [
-                more("basal extrusion without INM, [B] minus [A]", still),
-                more("basal extrusion with INM, [A] minus [B]", moving),
-            ]
-        )
-
-    return in_readings(compare)
+def _swapped(tables: Tables, preset: str) -> list[Sized]:
+    still = minus(of_still(tables, preset, event, "basal") for event in ("[B]", "[A]"))
+    moving = minus(of_event(tables, preset, event, "basal") for event in ("[A]", "[B]"))
+    return [
+        more("basal extrusion without INM, [B] minus [A]", still),
+        more("basal extrusion with INM, [A] minus [B]", moving),
+    ]
 
 
-@claim(
+@claim_in_readings(
     "c4.drift",
     "A cell that stops INM comes to lie below all others more often, without an event and with [S].",
     source="Figure 12, section 4.2.1",
     quote="the basal positioning increases even for EMT cells which only stop INM … or only perform [S]",
     needs=(RATIOS,),
 )
-def _drift(tables: Tables) -> Evidence:
+def _drift(tables: Tables, preset: str) -> list[Sized]:
     """A cell without any event, and one with [S] alone."""
-
-    def compare(preset: str) -> Evidence:
-        with_inm = {
-            "no EMT": ratio_of(tables, preset, "figure15", "no EMT", "below"),
-            "[S]": of_event(tables, preset, "[S]", "below"),
-        }
-        return evidence(
-            [
-                more(
-                    f"below all control cells, {event}, without minus with INM",
-                    minus((of_still(tables, preset, event, "below"), ratio)),
-                )
-                for event, ratio in with_inm.items()
-            ]
+    with_inm = {
+        "no EMT": ratio_of(tables, preset, "figure15", "no EMT", "below"),
+        "[S]": of_event(tables, preset, "[S]", "below"),
+    }
+    return [
+        more(
+            f"below all control cells, {event}, without minus with INM",
+            minus((of_still(tables, preset, event, "below"), ratio)),
         )
-
-    return in_readings(compare)
+        for event, ratio in with_inm.items()
+    ]
 
 
 def by_straightness(tables: Tables, preset: str) -> list[Sized]:
@@ -318,7 +289,7 @@ def by_straightness(tables: Tables, preset: str) -> list[Sized]:
     return found
 
 
-@claim(
+@claim_in_readings(
     "c4.straightness",
     "A cell with [S] leaves hardly more often than one without any event.",
     source="section 4.2.2",
@@ -327,11 +298,11 @@ def by_straightness(tables: Tables, preset: str) -> list[Sized]:
     chosen=f"mostly irrelevant: a change of less than {LITTLE:.0%} of the cells; [S] sets α^axb to 0 with the printed "
     "and with the corrected energies, to 1 of 15 in the published program",
 )
-def _straightness(tables: Tables) -> Evidence:
-    return in_readings(lambda preset: evidence(by_straightness(tables, preset)))
+def _straightness(tables: Tables, preset: str) -> list[Sized]:
+    return by_straightness(tables, preset)
 
 
-@claim(
+@claim_in_readings(
     "c4.straightness-rule",
     "[S] sets the stiffness of the bending spring to zero, and cells still behave like those without any event.",
     source="sections 2.2.3, 4.2.2",
@@ -353,10 +324,11 @@ def _straightness(tables: Tables) -> Evidence:
     rests_on=("c4.straightness",),
     chosen=f"a change of less than {LITTLE:.0%} of the cells; corrected: the published program, whose energies differ "
     "from the printed ones, too",
+    decides=MODEL,
 )
-def _straightness_rule(tables: Tables) -> Evidence:
+def _straightness_rule(tables: Tables, preset: str) -> Evidence:
     kept = by_straightness(tables, OUTCOMES)
-    return in_readings(lambda preset: evidence(by_straightness(tables, preset), kept), MODEL)
+    return evidence(by_straightness(tables, preset), kept)
 
 
 SEED = 5

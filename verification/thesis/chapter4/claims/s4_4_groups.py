@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import math
 
-from verification.claims import Correction, Effect, Evidence, Tables, claim
+from verification.claims import Correction, Effect, Evidence, Tables
 from verification.thesis.chapter4.claims.s4_1_isolated import of_event
 from verification.thesis.chapter4.frequencies import (
     GROUPS,
     RATIOS,
     Sized,
     alike,
+    claim_in_readings,
     counted,
     evidence,
-    in_readings,
     minus,
     mixed,
     more,
@@ -46,23 +46,19 @@ def programs(tables: Tables, preset: str, kind: str) -> tuple[Ratio, Ratio, Rati
     return with_p[-1], with_p[0], without[-1]
 
 
-@claim(
+@claim_in_readings(
     "c4.dominates",
     "Each program with [P] extrudes more cells basally than each without, for cells of one kind.",
     source="section 4.3, Figure 15",
     quote="we can already draw that [P] will dominate each other event (which is also confirmed later in Figure 15)",
     needs=(RATIOS,),
 )
-def _dominates(tables: Tables) -> Evidence:
+def _dominates(tables: Tables, preset: str) -> list[Sized]:
     what = "basal extrusion, weakest program with [P] minus strongest without"
-    return in_readings(
-        lambda preset: evidence(
-            [more(f"{what}, {name}", minus(programs(tables, preset, kind)[1:])) for kind, name in SIZES.items()]
-        )
-    )
+    return [more(f"{what}, {name}", minus(programs(tables, preset, kind)[1:])) for kind, name in SIZES.items()]
 
 
-@claim(
+@claim_in_readings(
     "c4.homogeneous-drop",
     "In a homogeneous group up to ten points fewer of the cells with [B☒] and without INM leave basally.",
     source="section 4.4.1, Table 4",
@@ -81,17 +77,14 @@ def _dominates(tables: Tables) -> Evidence:
     rests_on=("c4.table-4",),
     chosen="[☒] is [B☒] (c4.table-4); −10% are points",
 )
-def _drop(tables: Tables) -> Evidence:
-    def compare(preset: str) -> Evidence:
-        scenarios = ("[Bx] no INM", "[Bx] no INM, 10 cells")
-        drop = minus(ratio_of(tables, preset, "figure15", name, "basal") for name in scenarios)
-        what = "basal extrusion of [B☒] without INM, alone minus in a group"
-        return evidence([more(what, drop), alike(f"{what}, up to 10 points", drop, UP_TO)], [more(what, drop, UP_TO)])
-
-    return in_readings(compare)
+def _drop(tables: Tables, preset: str) -> Evidence:
+    scenarios = ("[Bx] no INM", "[Bx] no INM, 10 cells")
+    drop = minus(ratio_of(tables, preset, "figure15", name, "basal") for name in scenarios)
+    what = "basal extrusion of [B☒] without INM, alone minus in a group"
+    return evidence([more(what, drop), alike(f"{what}, up to 10 points", drop, UP_TO)], [more(what, drop, UP_TO)])
 
 
-@claim(
+@claim_in_readings(
     "c4.fewer-apical",
     "With [P] fewer cells leave apically than without it, by the programs with [B] of Table 4, and none with [BP].",
     source="section 5",
@@ -105,26 +98,22 @@ def _drop(tables: Tables) -> Evidence:
     ),
     needs=(RATIOS,),
 )
-def _fewer(tables: Tables) -> Evidence:
+def _fewer(tables: Tables, preset: str) -> Evidence:
     """Isolated cells with [BP]; rarer: in groups of ten, of which there are enough cells to see it."""
     pairs = (("[AxB]", "[ABP]"), ("[BxA]", "[BAP]"), ("[Bx]", "[BxP]"))
-
-    def compare(preset: str) -> Evidence:
-        rarer = [
-            more(
-                f"apical extrusion of ten cells, {' minus '.join(pair)}",
-                minus(ratio_of(tables, preset, "figure15", f"{name}, 10 cells", "apical") for name in pair),
-            )
-            for pair in pairs
-        ]
-        return evidence(
-            [share("apical extrusion, one cell with [BP]", of_event(tables, preset, "[BP]", "apical"), 0, 0)], rarer
+    rarer = [
+        more(
+            f"apical extrusion of ten cells, {' minus '.join(pair)}",
+            minus(ratio_of(tables, preset, "figure15", f"{name}, 10 cells", "apical") for name in pair),
         )
+        for pair in pairs
+    ]
+    return evidence(
+        [share("apical extrusion, one cell with [BP]", of_event(tables, preset, "[BP]", "apical"), 0, 0)], rarer
+    )
 
-    return in_readings(compare)
 
-
-@claim(
+@claim_in_readings(
     "c4.only-protrusions",
     "Nearly all cells leave basally by some programs with [P], and by none without.",
     source="section 5.1",
@@ -132,21 +121,16 @@ def _fewer(tables: Tables) -> Evidence:
     needs=(RATIOS,),
     chosen=f"such high rates, 100 % in practice: more than {NEARLY_ALL:.0%}",
 )
-def _only(tables: Tables) -> Evidence:
-    def compare(preset: str) -> Evidence:
-        found = {name: programs(tables, preset, kind) for kind, name in SIZES.items()}
-        best = max((without for _, _, without in found.values()), key=lambda each: each.value)
-        return evidence(
-            [
-                share("basal extrusion by the strongest program without [P]", best, 0.0, NEARLY_ALL),
-                *(
-                    share(f"basal extrusion by the strongest program with [P], {name}", strongest, NEARLY_ALL)
-                    for name, (strongest, _, _) in found.items()
-                ),
-            ]
-        )
-
-    return in_readings(compare)
+def _only(tables: Tables, preset: str) -> list[Sized]:
+    found = {name: programs(tables, preset, kind) for kind, name in SIZES.items()}
+    best = max((without for _, _, without in found.values()), key=lambda each: each.value)
+    return [
+        share("basal extrusion by the strongest program without [P]", best, 0.0, NEARLY_ALL),
+        *(
+            share(f"basal extrusion by the strongest program with [P], {name}", strongest, NEARLY_ALL)
+            for name, (strongest, _, _) in found.items()
+        ),
+    ]
 
 
 # Of the sentence "almost double"; and a difference that is none.
@@ -164,7 +148,7 @@ def gain(tables: Tables, preset: str, events: str, inm: str, group: str, sign: i
     return more(what, minus(sides[::sign]), least)
 
 
-@claim(
+@claim_in_readings(
     "c4.mixed-with-inm",
     (
         "Cells with INM and [A], with or without [B], leave basally less often in a mixed group than alone, and than "
@@ -175,19 +159,13 @@ def gain(tables: Tables, preset: str, events: str, inm: str, group: str, sign: i
     needs=(GROUPS, RATIOS),
     chosen=GROUP_35,
 )
-def _with_inm(tables: Tables) -> Evidence:
-    return in_readings(
-        lambda preset: evidence(
-            [
-                gain(tables, preset, events, "", group, -1)
-                for events in ("[A]", "[A] and [B]")
-                for group in (", 10 cells", "")
-            ]
-        )
-    )
+def _with_inm(tables: Tables, preset: str) -> list[Sized]:
+    return [
+        gain(tables, preset, events, "", group, -1) for events in ("[A]", "[A] and [B]") for group in (", 10 cells", "")
+    ]
 
 
-@claim(
+@claim_in_readings(
     "c4.mixed-without-inm",
     "Cells without INM leave basally more often in a mixed group than among cells with the same events.",
     source="section 4.5.2",
@@ -195,13 +173,11 @@ def _with_inm(tables: Tables) -> Evidence:
     needs=(GROUPS, RATIOS),
     chosen=GROUP_35,
 )
-def _no_inm(tables: Tables) -> Evidence:
-    return in_readings(
-        lambda preset: evidence([gain(tables, preset, events, " no INM", ", 10 cells") for events in KINDS])
-    )
+def _no_inm(tables: Tables, preset: str) -> list[Sized]:
+    return [gain(tables, preset, events, " no INM", ", 10 cells") for events in KINDS]
 
 
-@claim(
+@claim_in_readings(
     "c4.q5-mixed",
     "Of the six kinds of cells of Figures 17 to 19 more than half leave basally more often in mixed groups.",
     source="section 4.7, (Q5)",
@@ -226,20 +202,17 @@ def _no_inm(tables: Tables) -> Evidence:
     rests_on=("c4.mixed-with-inm", "c4.mixed-without-inm"),
     chosen=f"{GROUP_35}; most: more than half of [A], [B] and both, with and without INM; to gain: one point or more",
 )
-def _q5_mixed(tables: Tables) -> Evidence:
-    def compare(preset: str) -> Evidence:
-        kinds = [(events, inm) for inm in ("", " no INM") for events in KINDS]
-        gains = [gain(tables, preset, *kind, ", 10 cells", least=POINT) for kind in kinds]
-        most = counted("kinds that gain", [each.comparison for each in gains], len(kinds) // 2 + 1)
-        return evidence(
-            [Sized(most, None)],
-            [
-                gain(tables, preset, "[A]", " no INM", ", 10 cells"),
-                *(gain(tables, preset, events, "", ", 10 cells", -1) for events in ("[A]", "[A] and [B]")),
-            ],
-        )
-
-    return in_readings(compare)
+def _q5_mixed(tables: Tables, preset: str) -> Evidence:
+    kinds = [(events, inm) for inm in ("", " no INM") for events in KINDS]
+    gains = [gain(tables, preset, *kind, ", 10 cells", least=POINT) for kind in kinds]
+    most = counted("kinds that gain", [each.comparison for each in gains], len(kinds) // 2 + 1)
+    return evidence(
+        [Sized(most, None)],
+        [
+            gain(tables, preset, "[A]", " no INM", ", 10 cells"),
+            *(gain(tables, preset, events, "", ", 10 cells", -1) for events in ("[A]", "[A] and [B]")),
+        ],
+    )
 
 
 def lead(what: str, first: Ratio, second: Ratio, factor: float) -> Sized:
@@ -247,7 +220,7 @@ def lead(what: str, first: Ratio, second: Ratio, factor: float) -> Sized:
     return more(what, ProportionContrast((1.0, -factor), (first, second)))
 
 
-@claim(
+@claim_in_readings(
     "c4.almost-double",
     "Cells with [A] and without INM leave basally almost twice as often in a mixed group as alone.",
     source="section 4.5.2, Figure 18",
@@ -273,32 +246,29 @@ def lead(what: str, first: Ratio, second: Ratio, factor: float) -> Sized:
     chosen=f"the group '35 % [P]'; alone and in a homogeneous group: [A] at any time, as in the mixed one; "
     f"almost twice: {ALMOST_TWICE:g} times; no more often: by less than {LITTLE:.0%} of the cells",
 )
-def _double(tables: Tables) -> Evidence:
-    def compare(preset: str) -> Evidence:
-        mine = mixed(tables, preset, "table5_35", "[A]", " no INM")
-        alone = own(tables, preset, "[A]", " no INM", "")
-        what = "basal extrusion of [A] no INM, mixed minus"
-        return evidence(
-            [lead(f"{what} {ALMOST_TWICE:g} times alone", mine, alone, ALMOST_TWICE)],
-            [
-                weighted(f"{what} alone [points]", minus((mine, alone)), -math.inf, LITTLE),
-                gain(tables, preset, "[A]", " no INM", ", 10 cells"),
-            ],
-        )
-
-    return in_readings(compare)
+def _double(tables: Tables, preset: str) -> Evidence:
+    mine = mixed(tables, preset, "table5_35", "[A]", " no INM")
+    alone = own(tables, preset, "[A]", " no INM", "")
+    what = "basal extrusion of [A] no INM, mixed minus"
+    return evidence(
+        [lead(f"{what} {ALMOST_TWICE:g} times alone", mine, alone, ALMOST_TWICE)],
+        [
+            weighted(f"{what} alone [points]", minus((mine, alone)), -math.inf, LITTLE),
+            gain(tables, preset, "[A]", " no INM", ", 10 cells"),
+        ],
+    )
 
 
-@claim(
+@claim_in_readings(
     "c4.competition",
     "The more cells of a group have [P], the fewer of those without [P] and without INM leave basally.",
     source="Figure 19",
     quote="the presence of more protrusive cells … decreases the basal extrusion rates for cells without protrusions",
     needs=(GROUPS,),
 )
-def _competition(tables: Tables) -> Evidence:
-    def crowded_out(preset: str, events: str) -> Sized:
+def _competition(tables: Tables, preset: str) -> list[Sized]:
+    def crowded_out(events: str) -> Sized:
         few, many = (mixed(tables, preset, f"table5_{percent}", events, " no INM") for percent in (7, 63))
         return more(f"basal extrusion of {events} no INM, among 7 % [P] minus among 63 % [P]", minus((few, many)))
 
-    return in_readings(lambda preset: evidence([crowded_out(preset, events) for events in KINDS]))
+    return [crowded_out(events) for events in KINDS]

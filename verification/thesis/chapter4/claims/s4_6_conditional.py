@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from verification.claims import Correction, Effect, Evidence, Tables, Verdict, claim
+from verification.claims import Correction, Effect, Evidence, Tables, Verdict
 from verification.thesis.chapter4.ensembles import POPULATIONS, PRESETS
 from verification.thesis.chapter4.frequencies import (
     ALIKE,
@@ -21,8 +21,8 @@ from verification.thesis.chapter4.frequencies import (
     bins,
     category,
     cells_of,
+    claim_in_readings,
     evidence,
-    in_readings,
     minus,
     more,
     pooled,
@@ -57,7 +57,7 @@ def early_minus_late(tables: Tables, preset: str, event: str) -> list[tuple[str,
     ]
 
 
-@claim(
+@claim_in_readings(
     "c4.timing",
     (
         "In a mixed group early [A] extrudes more cells than late [A]; early and late [B] are alike, and so are early "
@@ -73,17 +73,12 @@ def early_minus_late(tables: Tables, preset: str, event: str) -> list[tuple[str,
     rests_on=("c4.figure-20",),
     chosen=f"the group '35 % [P]', [A] and [B] of cells without [P]; alike: within {ALIKE:.0%} of the cells",
 )
-def _timing(tables: Tables) -> Evidence:
-    def compare(preset: str) -> Evidence:
-        found = {event: early_minus_late(tables, preset, event) for event in "ABP"}
-        return evidence(
-            [more(*each) for each in found["A"]] + [alike(*each) for event in "BP" for each in found[event]]
-        )
-
-    return in_readings(compare)
+def _timing(tables: Tables, preset: str) -> list[Sized]:
+    found = {event: early_minus_late(tables, preset, event) for event in "ABP"}
+    return [more(*each) for each in found["A"]] + [alike(*each) for event in "BP" for each in found[event]]
 
 
-@claim(
+@claim_in_readings(
     "c4.onset-over-timing",
     "Basal extrusion of cells without [P] depends more on where than on when EMT begins.",
     source="section 4.6, Figures 20, 21",
@@ -91,13 +86,9 @@ def _timing(tables: Tables) -> Evidence:
     needs=(GROUPS,),
     chosen="the group '35 % [P]'",
 )
-def _onset(tables: Tables) -> Evidence:
+def _onset(tables: Tables, preset: str) -> list[Sized]:
     """How much the first interval differs from the last, by the position and by the time of [A] or [B]."""
-
-    def compare(preset: str) -> Evidence:
-        return evidence([_onset_lead(tables, preset, inm, given) for inm in KINDS for given in ("t_a_h", "t_b_h")])
-
-    return in_readings(compare)
+    return [_onset_lead(tables, preset, inm, given) for inm in KINDS for given in ("t_a_h", "t_b_h")]
 
 
 def _onset_lead(tables: Tables, preset: str, inm: str, given: str) -> Sized:
@@ -108,7 +99,7 @@ def _onset_lead(tables: Tables, preset: str, inm: str, given: str) -> Sized:
     return apart(what, onset.interval(CLAIM_LEVEL), time.interval(CLAIM_LEVEL), fewest)
 
 
-@claim(
+@claim_in_readings(
     "c4.predictor",
     "Beside protrusions nothing tells more about basal extrusion than the position at the onset.",
     source="section 4.6",
@@ -116,11 +107,11 @@ def _onset_lead(tables: Tables, preset: str, inm: str, given: str) -> Sized:
     needs=(RANKING,),
     chosen="the group '35 % [P]', all cells; what a factor tells: the loss of a classifier without it",
 )
-def _predictor(tables: Tables) -> Evidence:
-    return in_readings(lambda preset: evidence([onset_first(tables, preset)]))
+def _predictor(tables: Tables, preset: str) -> list[Sized]:
+    return [onset_first(tables, preset)]
 
 
-@claim(
+@claim_in_readings(
     "c4.most-basal",
     "Seven or eight of ten cells without [P] and without INM that begin EMT in the lowest fifth leave basally.",
     source="section 4.6, Figure 21",
@@ -129,21 +120,17 @@ def _predictor(tables: Tables) -> Evidence:
     needs=(GROUPS, RATIOS),
     chosen="the group '7 % [P]', in which the rates are highest",
 )
-def _most_basal(tables: Tables) -> Evidence:
+def _most_basal(tables: Tables, preset: str) -> list[Sized]:
     """Runs that would decide it: cells that would, over those of a run."""
     table = tables[RATIOS]
-
-    def compare(preset: str) -> Evidence:
-        found = between(tables, preset, STUDY, "onset_ab", "no INM", 0, FIFTH)
-        rates = share("basal extrusion in the most basal fifth", found, LEAST, MOST)
-        made = table.loc[table["study"] == STUDY + PRESETS[preset], "runs"].max()
-        runs = None if rates.runs is None else math.ceil(rates.runs * made / found.size)
-        return evidence([rates._replace(runs=runs)])
-
-    return in_readings(compare)
+    found = between(tables, preset, STUDY, "onset_ab", "no INM", 0, FIFTH)
+    rates = share("basal extrusion in the most basal fifth", found, LEAST, MOST)
+    made = table.loc[table["study"] == STUDY + PRESETS[preset], "runs"].max()
+    runs = None if rates.runs is None else math.ceil(rates.runs * made / found.size)
+    return [rates._replace(runs=runs)]
 
 
-@claim(
+@claim_in_readings(
     "c4.lower-half",
     "More than half of the basally extruded cells without INM began EMT at a position below 1/2.",
     source="Figure 22",
@@ -151,21 +138,16 @@ def _most_basal(tables: Tables) -> Evidence:
     needs=(GROUPS,),
     chosen="cells without [P], as the figure shows",
 )
-def _lower_half(tables: Tables) -> Evidence:
-    def compare(preset: str) -> Evidence:
-        table = bins(tables, preset, MIDDLE, "onset_ab", "no INM")
-        lower = table[table["high_edge"] <= 0.5 + 1e-9]["count"].sum()
-        return evidence(
-            [
-                share(
-                    "basally extruded cells that began in the lower half",
-                    Ratio(int(lower), int(table["count"].sum())),
-                    0.5,
-                )
-            ]
+def _lower_half(tables: Tables, preset: str) -> list[Sized]:
+    table = bins(tables, preset, MIDDLE, "onset_ab", "no INM")
+    lower = table[table["high_edge"] <= 0.5 + 1e-9]["count"].sum()
+    return [
+        share(
+            "basally extruded cells that began in the lower half",
+            Ratio(int(lower), int(table["count"].sum())),
+            0.5,
         )
-
-    return in_readings(compare)
+    ]
 
 
 # 'Get extruded': one cell in a hundred, at least. 'Favourable': the lower half of the scale, as in Figure 22.
@@ -233,19 +215,15 @@ STATED = {
 }
 
 
-def _answer(question: str) -> Callable[[Tables], Evidence]:
+def _answer(question: str) -> Callable[[Tables, str], Evidence]:
     """Return the check of an answer of section 4.7."""
-
-    def check(tables: Tables) -> Evidence:
-        return in_readings(lambda preset: answer(tables, question, preset).evidence)
-
-    return check
+    return lambda tables, preset: answer(tables, question, preset).evidence
 
 
 # Claims that the answers use.
 RESTS_ON = {"Q4": ("c4.timing",), "Q6": ("c4.without-inm",), "Q7": ("c4.predictor",), "Q8": ("c4.competition",)}
 ANSWERED = tuple(
-    claim(
+    claim_in_readings(
         f"c4.{name.lower()}",
         statement,
         source=f"section 4.7, ({name})",
@@ -281,7 +259,7 @@ def favourable(tables: Tables, preset: str) -> Ratio:
     return Ratio(alone.count, of, min(part * alone.size, of))
 
 
-@claim(
+@claim_in_readings(
     "c4.q2-inm",
     "Cells with INM leave basally if they have [P], or [A] or [B] and a favourable place.",
     source="section 4.7, (Q2)",
@@ -307,18 +285,15 @@ def favourable(tables: Tables, preset: str) -> Ratio:
     chosen=f"favourable: the lower half at the onset, in which cells with [B] are as often as those with [A];"
     f" get extruded: {SOME:.0%} of the cells, at least; each limit between [B] and [A] decides alike",
 )
-def _with_inm(tables: Tables) -> Evidence:
-    def compare(preset: str) -> Evidence:
-        others = [share(f"basal extrusion by {e}", of_kind(tables, preset, e), SOME) for e in ("[BP]", "[A]")]
-        low, by_b = favourable(tables, preset), "basal extrusion by [B] from the lower half"
-        by_onset = minus(onsets(tables, preset))
-        return evidence(
-            [*others, share(by_b, low, SOME)],
-            [
-                *others,
-                share(by_b, low, high=SOME),
-                more("basal extrusion without [P], began in the lower minus in the upper half", by_onset),
-            ],
-        )
-
-    return in_readings(compare)
+def _with_inm(tables: Tables, preset: str) -> Evidence:
+    others = [share(f"basal extrusion by {e}", of_kind(tables, preset, e), SOME) for e in ("[BP]", "[A]")]
+    low, by_b = favourable(tables, preset), "basal extrusion by [B] from the lower half"
+    by_onset = minus(onsets(tables, preset))
+    return evidence(
+        [*others, share(by_b, low, SOME)],
+        [
+            *others,
+            share(by_b, low, high=SOME),
+            more("basal extrusion without [P], began in the lower minus in the upper half", by_onset),
+        ],
+    )
