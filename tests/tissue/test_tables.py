@@ -12,7 +12,7 @@ from tissue.frames.observables import PHASES, extents, height, phases
 from tissue.runs.columns import TABLES
 from tissue.runs.run import Run
 from tissue.runs.simulate import simulate
-from tissue.runs.tables import DEPTH_LENGTHS, LAYER_COLUMNS
+from tissue.runs.tables import DEPTH_LENGTHS
 
 
 def grown(**changes):
@@ -48,7 +48,8 @@ def test_columns_are_as_described(run):
     cells = described(TABLES["table"])
     after = (one for one in TABLES["summary"] if one not in ("time_h", "folded"))
     summary = described(["time_h", "folded", *after])
-    further, of_tubes = {*DEPTH_LENGTHS, *LAYER_COLUMNS}, {"lumen_area_um2", "tissue_area_um2"}
+    bent = {f"{point}_{what}_um" for point in ("nucleus", "apical", "basal") for what in ("height", "along")}
+    further, of_tubes = {*DEPTH_LENGTHS, *bent}, {"lumen_area_um2", "tissue_area_um2"}
     tube = grown(**{"layer.shape": "circle", "layer.closed": True, "layer.side": "outside", "tissue.cells": 190})
     assert list(kinds(run.table()).items()) == [one for one in cells.items() if one[0] not in further]
     assert list(kinds(run.summary()).items()) == [one for one in summary.items() if one[0] not in of_tubes]

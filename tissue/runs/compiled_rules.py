@@ -22,18 +22,7 @@ from tissue.kernels.rules import BEGIN, LAST, PLACE, RULES, SPLITS, Rules, addre
 from tissue.plugins import POINTS, DivisionRule, EmtEvent, Force
 from tissue.state.cells import Integers
 from tissue.state.running import TissueState
-from tissue.step.user_forces import (
-    ENERGY,
-    PART,
-    PART_IN_SPACE,
-    PUSH,
-    USER_FORCES,
-    UserForces,
-    evaluate_forces,
-    evaluate_in_space,
-    follow_forces,
-    follow_in_space,
-)
+from tissue.step import user_forces as forces_of
 
 # The functions that events, rules and forces may have: how compiled code calls them, and their arguments in messages.
 FUNCTIONS: dict[str, tuple[Any, tuple[str, ...]]] = {
@@ -41,8 +30,8 @@ FUNCTIONS: dict[str, tuple[Any, tuple[str, ...]]] = {
     "last": (LAST, ("state", "i", "rest_ax", "rest_bx", "numbers")),
     "splits": (SPLITS, ("state", "i", "number", "numbers")),
     "place": (PLACE, ("state", "i", "numbers")),
-    "push": (PUSH, ("state", "on", "strength", "numbers")),
-    "energy": (ENERGY, ("state", "strength", "numbers")),
+    "push": (forces_of.PUSH, ("state", "on", "strength", "numbers")),
+    "energy": (forces_of.ENERGY, ("state", "strength", "numbers")),
 }
 # What numba says, and what it means to a user, of which the first that is found counts.
 MEANINGS = (
@@ -87,9 +76,12 @@ def rules_pointer(states: Sequence[TissueState], division: DivisionRule = BESIDE
 
 def forces_pointer(forces: Sequence[Force], *of_tissues: Any, in_space: bool) -> Any:
     """Return the forces of users; ``of_tissues``: strengths to ``blame`` of ``UserForces``."""
-    parts = (evaluate_in_space, follow_in_space) if in_space else (evaluate_forces, follow_forces)
-    addresses = (address_of(PART_IN_SPACE if in_space else PART, part) for part in parts)
-    return StructPointer(UserForces(code_of("push", forces), *of_tissues, *addresses), USER_FORCES)
+    signature: Any = forces_of.PART_IN_SPACE if in_space else forces_of.PART
+    parts: Any = (forces_of.evaluate_forces, forces_of.follow_forces)
+    if in_space:
+        parts = (forces_of.evaluate_in_space, forces_of.follow_in_space)
+    addresses = (address_of(signature, part) for part in parts)
+    return StructPointer(forces_of.UserForces(code_of("push", forces), *of_tissues, *addresses), forces_of.USER_FORCES)
 
 
 def code_of(part: str, things: Sequence[EmtEvent | DivisionRule | Force | None]) -> Integers:

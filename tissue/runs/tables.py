@@ -169,10 +169,6 @@ def _of_cells(frame: Frame, parameters: Parameters) -> Iterator[tuple[str, Any]]
     yield from ((one.column, row) for one, row in zip(VARIABLES.values(), cells.own, strict=True))
 
 
-# Where the layer bends these, too.
-LAYER_COLUMNS = tuple(f"{point}_{what}_um" for point in ("nucleus", "apical", "basal") for what in ("height", "along"))
-
-
 def curved(parameters: Parameters) -> bool:
     """Return whether the basal layer of a tissue bends, so that its cell table has heights and arclengths."""
     return parameters.layer.shape != "line"

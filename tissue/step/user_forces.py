@@ -65,17 +65,16 @@ def clear(state: TissueState) -> None:
 @inner
 def find_not_finite(state: TissueState) -> int:
     """Return a cell on which the forces are not finite, -1 if there is none."""
-    on, n, found, total = state.on, state.sizes[CELLS], -1, 0.0
+    on, n, total = state.on, state.sizes[CELLS], 0.0
     for i in range(n):
         total += on.x[i] + on.y[i] + on.ax[i] + on.ay[i] + on.bx[i] + on.by[i]
     for i in range(n if state.space.dimension == SPATIAL else 0):
         total += on.z[i] + on.az[i] + on.bz[i]
-    if not math.isfinite(total):
-        for forces in (on.x, on.y, on.ax, on.ay, on.bx, on.by, on.z, on.az, on.bz):
-            for i in range(n):
-                if not math.isfinite(forces[i]) and (found < 0 or i < found):
-                    found = i
-    return found
+    for i in range(0 if math.isfinite(total) else n):
+        in_plane = on.x[i] + on.y[i] + on.ax[i] + on.ay[i] + on.bx[i] + on.by[i]
+        if not math.isfinite(in_plane + on.z[i] + on.az[i] + on.bz[i]):
+            return i
+    return -1
 
 
 @inner

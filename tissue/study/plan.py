@@ -226,7 +226,8 @@ class TissueStudy:
     @property
     def remarks(self) -> list[str]:
         """One sentence for each event of a scenario that no run begins, as it ends before."""
-        return in_scenarios({name: too_late(one.groups(), one.t_end) for name, one in self.scenarios.items()})
+        found = ((name, too_late(one.groups(), one.t_end)) for name, one in self.scenarios.items())
+        return [f"scenario {describe(name)}: {line}" for name, lines in found for line in lines]
 
     def seeds(self, part: Part) -> list[int]:
         """Return the seed of each run of a part."""
@@ -309,14 +310,6 @@ def run_seeds(study_seed: int, scenario: str, replicates: Iterable[int]) -> list
     name = np.frombuffer(sha256(scenario.encode()).digest(), dtype="<u4").tolist()
     found = (SeedSequence([*name, study_seed], spawn_key=(replicate,)) for replicate in replicates)
     return [int(one.generate_state(1, np.uint64)[0] >> np.uint64(1)) for one in found]  # as int64 in tables
-
-
-def in_scenarios(lines: Mapping[str, list[str]]) -> list[str]:
-    """Return the lines about each scenario with its name, those about all of them once."""
-    everywhere = set.intersection(*map(set, lines.values())) if len(lines) > 1 else set()
-    common = [f"every scenario: {line}" for line in next(iter(lines.values()), []) if line in everywhere]
-    others = ((name, line) for name, found in lines.items() for line in found if line not in everywhere)
-    return common + [f"scenario {describe(name)}: {line}" for name, line in others]
 
 
 def crossed(factors: Factors) -> dict[str, dict[str, Any]]:
