@@ -33,7 +33,7 @@ ROW = np.dtype(
         ("one", np.float64),  # of a distance: the scales of X_i and X_j
         ("other", np.float64),
         ("plain", np.int64),  # whether both scales are 1 and nothing is periodic
-        ("lipschitz", np.float64),  # how fast g changes at most while no particle moves faster than 1
+        ("lipschitz", np.float64),  # how fast g changes at most while no particle and no set moves faster than 1
     ]
 )
 TIMED_SETS: TimedSets = empty(TimedSets)._replace(row=np.zeros(0, dtype=ROW))
