@@ -108,12 +108,15 @@ def contact_forces(problem: Problem, reaction: Reaction) -> Forces:
     from dincl.projection.cone import shortest_multipliers
 
     t, x, scaling = reaction.t, reaction.x, reaction.problem.scaling
-    multiplier = shortest_multipliers(reaction.value, reaction.gradients())
-    if scaling is not None:
-        x, multiplier = scaling.positions(x), multiplier / scaling.most
+    x = x if scaling is None else scaling.positions(x)
     selection = select(problem.constraints, t, x, reaction.search_radius)
     rows, names, d = selection.at(t), selection.names, x.shape[1]
     gradients, gaps = rows.jacobian(x), rows.values(x)
+    scaled = gradients if scaling is None else gradients.copy()
+    if scaling is not None:
+        scaled.data *= np.repeat(scaling.root, d)[scaled.indices]
+    multiplier = shortest_multipliers(reaction.value, scaled)
+    multiplier = multiplier if scaling is None else multiplier / scaling.most
     touching = gaps <= TOUCHING * float(np.abs(x).max()) * np.sqrt(row_squares(gradients))
     keep, first = (multiplier > 0) | touching, 0
     for block in rows.blocks:

@@ -17,8 +17,11 @@ import numpy as np
 
 from dincl.constraints.base import Constraint
 from dincl.drifts.affine import AffineDrift
+from dincl.matrices import row_squares
 from dincl.problem import Problem
+from dincl.rows.affine import AffineRows
 from dincl.rows.base import DiscPairs
+from dincl.rows.distance import DistanceRows
 from dincl.trajectory import Between
 
 if TYPE_CHECKING:
@@ -80,7 +83,7 @@ class Scaled(Constraint):
 
     def select(self, x: NDArray[np.float64], search_radius: float) -> Any:
         rows: Any = self.constraint.select(self.scaling.positions(x), search_radius)
-        return rows if self.raw else rows.scaled(self.scaling)
+        return rows if self.raw else of_movable(rows.scaled(self.scaling))
 
     def sweep_rows(self, x: NDArray[np.float64]) -> Swept:
         rows: Any = self.constraint.sweep_rows(self.scaling.positions(x))
@@ -89,13 +92,21 @@ class Scaled(Constraint):
 
     def select_at(self, t: float, x: NDArray[np.float64], search_radius: float) -> Any:
         rows: Any = self.constraint.select_at(t, self.scaling.positions(x), search_radius)
-        return rows if self.raw else rows.scaled(self.scaling)
+        return rows if self.raw else of_movable(rows.scaled(self.scaling))
 
     def rows_at(self, t: float, rows: Any, shape: tuple[int, ...]) -> Any:
         return self.constraint.rows_at(t, rows, shape).scaled(self.scaling) if self.raw else rows
 
     def change(self, t: float, later: float, x: NDArray[np.float64], search_radius: float) -> float:
         return self.constraint.change(t, later, self.scaling.positions(x), search_radius)
+
+
+def of_movable(rows: Any) -> Any:
+    """Leave out scaled rows of fixed particles alone, which do not change: rounding may violate them for good."""
+    if isinstance(rows, DistanceRows):
+        scale: Any = rows.scale
+        return rows.take(scale[:, 0] > 0 if rows.j is None else scale.any(axis=1))
+    return rows.take(row_squares(rows.matrix) > 0) if isinstance(rows, AffineRows) else rows
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,11 +149,6 @@ def in_scaled_coordinates(problem: Problem) -> tuple[Problem, Scaling]:
         scaling=scaling,
     )
     return same, scaling
-
-
-def _problem_type() -> Any:
-
-    return Problem
 
 
 @dataclass(frozen=True, eq=False)

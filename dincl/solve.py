@@ -93,12 +93,16 @@ def solve(
 
 
 def _breaks(value: ArrayLike, start: float, end: float) -> tuple[float, ...]:
-    """Return times of breaks between start and end; those at either of them need no step to end there."""
+    """Return times of breaks between start and end; one at either of them, or at another to rounding, needs no step."""
     found = np.atleast_1d(array("breaks", value))
     outside = found.size and (found.min() < start or found.max() > end)
     if found.ndim > 1 or outside or (np.diff(found) <= 0).any():
         raise InvalidProblem(f"breaks = {describe(value)}: must be increasing times from {start:.10g} to {end:.10g}")
-    return tuple(t for t in found.tolist() if start < t < end)
+    rounding, kept = 8.0 * float(np.finfo(float).eps) * end, [start]
+    for t in found.tolist():
+        if kept[-1] + rounding < t < end - rounding:
+            kept.append(t)
+    return tuple(kept[1:])
 
 
 def _run(problem: Problem, scheme: Scheme, times: NDArray[np.float64], span: Span) -> RunOutcome:

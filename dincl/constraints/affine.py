@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -43,6 +43,7 @@ class HalfSpace(Timed):
     particles: ArrayLike | None = None
     # The normal as it was given, of any length: the unit normal is rounded, and proofs need the exact one.
     given_normal: Any = field(init=False, repr=False, default=None)
+    box: Any = field(default=None, kw_only=True, repr=False)
     functions_of_time = ("normal", "offset", "radius")
 
     def __post_init__(self) -> None:
@@ -61,6 +62,8 @@ class HalfSpace(Timed):
         object.__setattr__(self, "given_normal", normal)
         object.__setattr__(self, "offset", number("offset", self.offset))
         object.__setattr__(self, "radius", lengths("radius", self.radius, positive=False))
+        if self.box is not None and unit.shape == self.box.shape and unit[self.box > 0].any():
+            raise InvalidProblem(f"normal = {describe(normal)}: a wall must not cross an axis that repeats")
 
     def check(self, count: int, d: int) -> None:
         now = self.at(0.0)
@@ -73,10 +76,8 @@ class HalfSpace(Timed):
         return for_members("radius", self.radius, self.particles, count)
 
     def in_box(self, box: NDArray[np.float64]) -> HalfSpace:
-        normal = np.asarray(self.at(0.0).normal)
-        if normal.shape == box.shape and normal[box > 0].any():
-            raise InvalidProblem(f"normal = {describe(self.normal)}: a wall must not cross an axis that repeats")
-        return self
+        replace(self.at(0.0), box=box)  # refuses a wall that crosses an axis that repeats
+        return replace(self, box=box) if self.timed else self
 
     def longest_length(self, d: int) -> float:
         now = self.at(0.0)

@@ -7,7 +7,7 @@ from dincl.events.event_functions import CLOSING, GAP, MOTION, RELEASE, event_fu
 from dincl.events.runge_kutta import EPS
 from dincl.events.workspace import ACTIVE, CLOSED, TOUCHING, EventWorkspace
 from dincl.neighbours import EVENT_MARGIN, TOO_WIDE
-from dincl.rows.table import DISTANCE, VELOCITIES, call_python, gap, is_timed, linearise
+from dincl.rows.table import DISTANCE, VELOCITIES, call_python, gap, is_timed, linearise, scaled_length
 from dincl.solvers.envelope_factor import row_dot
 from dincl.steps.programs import carry, list_sorted
 from dincl.system.arrays import OK, system_at
@@ -169,7 +169,8 @@ def first_event(run: EventWorkspace) -> tuple[float, int]:
         if is_timed(sets, rows.row[r]):
             call_python(sets, state.t, x, VELOCITIES)
         value = gap(rows, sets, r, x)
-        if value <= rows.row[r].lipschitz * radius + touching:
+        # The gap is one over the length of the gradient, but the Lipschitz constant is that of g.
+        if value <= rows.row[r].lipschitz * radius / scaled_length(rows, sets, r) + touching:
             # Rounding makes a gap smaller, and of a closed row between active ones so does the integrator.
             below = max(touching, state.tol) if run.contact[r] == CLOSED else touching
             state.level = min(value - below, 0.0)

@@ -21,10 +21,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class AffineRows(RowsOfOneKind):
-    """g(x) = A x - bound >= 0 with x flattened; A sparse, bound of shape (m,)."""
+    """g(x) = A x - bound >= 0 with x flattened; A sparse, bound of shape (m,).
+
+    ``lipschitz`` (m,) is how fast g changes at most while no particle and no set moves faster than 1, None for that of
+    A: of scaled rows sets move as before, also those that hold back a heavy particle.
+    """
 
     matrix: csr_array
     bound: NDArray[np.float64]
+    lipschitz: NDArray[np.float64] | None = None
     affine = True
 
     def __len__(self) -> int:
@@ -37,16 +42,18 @@ class AffineRows(RowsOfOneKind):
         return self.matrix
 
     def take(self, keep: NDArray[np.bool_]) -> AffineRows:
-        return self if keep.all() else AffineRows(self.matrix[keep], self.bound[keep])
+        lipschitz = None if self.lipschitz is None else self.lipschitz[keep]
+        return self if keep.all() else AffineRows(self.matrix[keep], self.bound[keep], lipschitz)
 
     def shifted(self, displacement: NDArray[np.float64]) -> AffineRows:
         everywhere = np.tile(displacement, self.matrix.shape[1] // len(displacement))
         return replace(self, bound=self.bound + self.matrix @ everywhere)
 
     def scaled(self, scaling: Scaling) -> AffineRows:
-        matrix = self.matrix.copy()
-        matrix.data *= np.repeat(scaling.root, scaling.origin.shape[1])[matrix.indices]
-        return AffineRows(matrix, self.bound - applied(self.matrix, scaling.origin.ravel()))
+        matrix, d = self.matrix.copy(), scaling.origin.shape[1]
+        matrix.data *= np.repeat(scaling.root, d)[matrix.indices]
+        bound = self.bound - applied(self.matrix, scaling.origin.ravel())
+        return AffineRows(matrix, bound, lipschitz_constants(self.matrix, d))
 
     def keys(self) -> NDArray[np.int64]:
         starts = self.matrix.indptr
@@ -59,17 +66,22 @@ class AffineRows(RowsOfOneKind):
     def tabulated(self, d: int) -> TableRows:
         from dincl.rows.table import AFFINE
 
-        matrix, m = self.matrix, len(self)
-        row_of, square = np.repeat(np.arange(m), np.diff(matrix.indptr)), row_squares(matrix)
+        matrix = self.matrix
+        square = row_squares(matrix)
         # A normal of length 1 up to rounding counts as one of length 1, so that nothing is divided by its length.
         square[np.abs(square - 1) <= 4 * np.finfo(float).eps] = 1.0
-        # If no particle moves faster than 1, a . x changes at most by sum_i |a_i|, with a_i the part of particle i.
-        count = matrix.shape[1] // d
-        parts, part_of = np.unique(row_of * count + matrix.indices // d, return_inverse=True)
-        lengths = np.sqrt(np.bincount(part_of, matrix.data**2))
-        lipschitz = np.bincount(parts // count, lengths, minlength=m)
+        lipschitz = lipschitz_constants(matrix, d) if self.lipschitz is None else self.lipschitz
         numbers = {"kind": AFFINE, "j": -1, "length": self.bound, "square": square, "lipschitz": lipschitz}
         return TableRows(numbers, np.diff(matrix.indptr), matrix.indices.astype(np.int64), matrix.data)
+
+
+def lipschitz_constants(matrix: csr_array, d: int) -> NDArray[np.float64]:
+    """Compute sum_i |a_i| of each row a, with a_i the part of particle i: no x moves faster than 1, a . x than this."""
+    m, count = matrix.shape[0], matrix.shape[1] // d
+    row_of = np.repeat(np.arange(m), np.diff(matrix.indptr))
+    parts, part_of = np.unique(row_of * count + matrix.indices // d, return_inverse=True)
+    lengths = np.sqrt(np.bincount(part_of, matrix.data**2))
+    return np.bincount(parts // count, lengths, minlength=m)
 
 
 class HeightRows(AffineRows):

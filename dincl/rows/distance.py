@@ -125,7 +125,8 @@ class DistanceRows(RowsOfOneKind):
             "length": self.length,
             "sign": self.sign,
             "square": (scale**2).sum(axis=1),
-            "lipschitz": scale.sum(axis=1),
+            # Scaled particles move less, but sets as before.
+            "lipschitz": float(ends),
             "one": scale[:, 0],
             "other": scale[:, -1],
             "plain": self.scale is None and self.box is None,

@@ -31,7 +31,7 @@ ROW = np.dtype(  # one cache line
         ("length", np.float64),  # L of sign (|s_i X_i - s_j X_j| - L), b of a.x - b
         ("sign", np.float64),
         ("square", np.float64),  # |a|^2, or |grad g|^2 of a distance
-        ("lipschitz", np.float64),  # how fast g changes at most while no particle moves faster than 1
+        ("lipschitz", np.float64),  # how fast g changes at most while no particle and no set moves faster than 1
         ("one", np.float64),  # of a distance: the scales s_i and s_j
         ("other", np.float64),
     ]

@@ -145,12 +145,13 @@ def write_rates(timed: TimedSets, rate: Floats, x: Floats, d: int) -> None:
                 slope += timed.weight[weight + j] * timed.slope[one.function + j]
             if r != last:
                 last, rate[r] = r, 0.0
+            length = np.sqrt(row.square) if row.square > 0.0 else 1.0  # as for gaps
             if number.kind == LENGTH:
-                rate[r] -= slope * (row.sign if row.kind == DISTANCE else 1.0 / np.sqrt(row.square))
+                rate[r] -= slope * (row.sign if row.kind == DISTANCE else 1.0 / length)
             elif number.kind == COEFFICIENT and row.kind == DISTANCE:
                 rate[r] -= slope * along(timed, r, number.place, x, d)
             elif number.kind == COEFFICIENT:
-                rate[r] += slope * x[number.column] / np.sqrt(row.square)
+                rate[r] += slope * x[number.column] / length
 
 
 @inner

@@ -253,7 +253,7 @@ def _apart(one: RunOutcome, other: RunOutcome) -> Floats:
 def distance_outside(problem: Problem, times: NDArray[np.float64], x: NDArray[np.float64]) -> float:
     """Return a lower bound of max_i |X_i - exact| over all times, to first order: a solution stays in the set.
 
-    It is max_k (-g_k) / sum_i |grad_i g_k|.
+    It is max_k (-g_k) / sum_i |grad_i g_k|, and max_k (-g_k) of rows that no particle can mend.
     """
     largest = 0.0
     for t, state in zip(times, x, strict=True):
@@ -268,5 +268,5 @@ def distance_outside(problem: Problem, times: NDArray[np.float64], x: NDArray[np
             pairs, place = np.unique(particles, return_inverse=True)  # of a row and a particle
             gradients = np.sqrt(np.bincount(place, jacobian.data**2))
             slopes = np.bincount(pairs // len(state), gradients, len(depth))
-            largest = max(largest, float((depth[slopes > 0] / slopes[slopes > 0]).max(initial=0.0)))
+            largest = max(largest, float((depth / np.where(slopes > 0, slopes, 1.0)).max()))
     return largest

@@ -201,14 +201,14 @@ def _advance_until(
     times: NDArray[np.float64],
 ) -> tuple[Reached, tuple[float, StepState] | None]:
     """Make steps, some in one call, and look at the state after each; return the last one, and where it stopped."""
-    most, k = max(WATCHED // len(state.x), 1), 0
+    most, k, made = max(WATCHED // len(state.x), 1), 0, 0
     try:
         while k < on.steps:
             end = min(k + most, on.steps)
             ends = Output(np.arange(k, end), np.ones(end - k), state)
             reached = stepper.advance(on, k, end, state, ends)
             for q in range(reached.k - k):
-                state, after = ends.stored(q), StepState(ends.x[q])
+                state, after, made = ends.stored(q), StepState(ends.x[q]), k + q
                 if watch.crossed(on.time(k + q + 1), after.x):
                     line = _Line(on.time(k + q), on.h, state, after)
                     t = watch.locate(line.start, on.time(k + q + 1), line.at)
@@ -220,7 +220,7 @@ def _advance_until(
             if reached.failure is not None:
                 return reached, None
     except StepFailure as failure:
-        return Reached(k, state, failure), None
+        return Reached(made, state, failure), None
     return Reached(k, state), None
 
 

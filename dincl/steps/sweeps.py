@@ -121,7 +121,8 @@ def project_rows(
             # The linearisation of these rows has the same nearest point.
             value = evaluate_row(rows, sets, r, x, gradient)
             code = OK if value == value else COINCIDENT
-            add_row(rows, r, gradient, -value / row.square, x)
+            if row.square > 0.0:  # none of its particles is fixed, or not all
+                add_row(rows, r, gradient, -value / row.square, x)
         elif value < 0.0:
             code = project_curved(system, r, t, x)
         if code != OK:
