@@ -81,7 +81,7 @@ def lipschitz_constants(matrix: csr_array, d: int) -> NDArray[np.float64]:
     row_of = np.repeat(np.arange(m), np.diff(matrix.indptr))
     parts, part_of = np.unique(row_of * count + matrix.indices // d, return_inverse=True)
     lengths = np.sqrt(np.bincount(part_of, matrix.data**2))
-    return np.bincount(parts // count, lengths, minlength=m)
+    return np.bincount(parts // count, lengths, minlength=m).astype(np.float64)
 
 
 class HeightRows(AffineRows):
