@@ -219,6 +219,50 @@ def test_a_fixed_disc_is_an_obstacle_also_one_that_grows_or_is_carried(scheme):
     assert one.violation().max() < near
 
 
+PUSHED = [*SCHEMES[:3], *SCHEMES[4:7], dincl.AdaptiveCatchUp(1e-4), *SCHEMES[-2:]]
+PUSHING = {
+    "a wall that rises": (lambda: dincl.HalfSpace((0, 1), lambda t: 0.5 * t, 0.4, particles=[0]), 0.9),
+    "a wall that is carried": (lambda: dincl.Moving(dincl.HalfSpace((0, 1), 0.0, 0.4), lambda t: (0.0, 0.5 * t)), 0.9),
+    "an obstacle that grows": (lambda: dincl.OutsideBall((0.0, -0.5), lambda t: 0.9 + 0.5 * t, [0]), 0.9),
+    "a container that shrinks": (lambda: dincl.InsideBall((0.0, 0.0), lambda t: 0.9 - 0.5 * t, [0]), 0.4),
+}
+
+
+@pytest.mark.parametrize("name", PUSHING)
+@pytest.mark.parametrize("scheme", PUSHED, ids=lambda one: type(one).__name__)
+def test_a_set_that_moves_pushes_a_heavy_particle_and_cannot_push_a_fixed_one(scheme, name):
+    make, height = PUSHING[name]
+    x0, drift = [[0.0, 0.5], [3.0, 30.0]], constant([(0.0, 0.0), (3.0, 0.0)])
+    path = dincl.solve(dincl.Problem(x0, drift, [make()], mobility=[1e-6, 1.0]), scheme, 1.0)
+    assert np.abs(path.final - [[0.0, height], [6.0, 30.0]]).max() < 1e-4
+    path = dincl.solve(dincl.Problem(x0, drift, [make()], mobility=[0.0, 1.0]), scheme, 1.0, throw=False)
+    assert path.final[0].tolist() == x0[0]
+    swept = isinstance(scheme, (dincl.PBD, dincl.XPBD))  # these only state by how much
+    assert path.violation().max() > 0.09 if swept else not path.status
+    assert path.t[-1] == 1.0 if swept else path.t[-1] < 0.9
+
+
+@pytest.mark.parametrize("scheme", PUSHED, ids=lambda one: type(one).__name__)
+def test_rounding_between_a_fixed_particle_and_a_wall_does_not_matter(scheme):
+    sets = [dincl.HalfSpace((0, 1), 0.2, radius=0.1), dincl.NonOverlap(0.2)]
+    problem = dincl.Problem([[0.0, 0.3], [0.0, 0.75]], constant((0.0, -1.0)), sets, mobility=[0.0, 1.0])
+    path = dincl.solve(problem, scheme, 1.0)
+    assert 0.0 < problem.violation(0.0, problem.x0) < 1e-16
+    assert np.abs(path.final - [[0.0, 0.3], [0.0, 0.7]]).max() < 0.05
+    forces = path.forces(1.0)
+    assert np.abs(forces.multiplier[forces.constraint == 1] - 1.0).max() < 1e-2
+    assert (forces.constraint == 0).sum() == 1  # the fixed one touches the wall, too
+
+
+def test_a_wall_must_not_turn_across_an_axis_that_repeats():
+    wall = dincl.HalfSpace(lambda t: (0.0 if t < 0.5 else t, 1.0), -1.0)
+    problem = dincl.Problem([[0.0, 0.0]], constant((0.0, -1.0)), [wall], box=(10.0, None))
+    for scheme in (dincl.PBD(0.1), dincl.EventDriven(1e-6)):
+        path = dincl.solve(problem, scheme, 1.0, throw=False)
+        assert path.status is dincl.Status.CONSTRAINT_FAILED
+        assert "must not cross an axis that repeats" in path.detail
+
+
 def test_second_order_pbd_takes_velocities_of_the_user():
     problem = dincl.Problem([[0.0, 1.0], [5.0, 1.0]], constant((0.0, -2.0)), mobility=[0.25, 0.0])
     path = dincl.solve(problem, dincl.SecondOrderPBD(1e-3, v0=[[1.0, 2.0], [3.0, 3.0]]), [1.0])

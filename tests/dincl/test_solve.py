@@ -367,6 +367,24 @@ def test_steps_end_at_named_breaks(name, drift):
 
 
 @every_scheme
+def test_breaks_that_agree_to_rounding_are_one(name):
+    for breaks in ([1e-17, 0.5, 1.0 - 1e-16], [0.5 - 1e-16, 0.5 + 1e-16], [0.5 + 1e-15, 0.5 + 2e-15]):
+        path = dincl.solve(fall(), SCHEMES[name], t=[0.5, 1.0], breaks=breaks)
+        assert path.t.tolist() == [0.5, 1.0]
+        np.testing.assert_allclose(path.x, dincl.solve(fall(), SCHEMES[name], t=[0.5, 1.0], breaks=[0.5]).x, atol=1e-9)
+
+
+@every_scheme
+def test_where_until_fails_the_state_is_that_of_its_time(name):
+    for t in ([2.0], [0.3, 2.0]):
+        path = dincl.solve(fall(), SCHEMES[name], t, until=lambda t, x: np.nan if t > 0.6 else 1.0, throw=False)
+        assert path.status is dincl.Status.FUNCTION_FAILED
+        assert path.t[-1] > 0.5
+        np.testing.assert_allclose(path.final, dincl.solve(fall(), SCHEMES[name], path.t[-1]).final, atol=0.02)
+        np.testing.assert_allclose(path(0.3), dincl.solve(fall(), SCHEMES[name], 0.3).final, atol=0.02)
+
+
+@every_scheme
 def test_parts_between_breaks_are_runs_of_their_own(name):
     whole = dincl.solve(of_time(), SCHEMES[name], t=[0.5, 1.0, 1.7], breaks=[0.777])
     half = dincl.solve(of_time(), SCHEMES[name], t=[0.5, 0.777])
