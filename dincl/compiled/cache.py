@@ -127,8 +127,8 @@ class CodeCache:
     def _file(self, sig: Any, processor: tuple[str, str, str]) -> str:
         types = getattr(sig, "args", sig)
         text = repr(([str(kind) for kind in types], processor))
-        if not is_ours(self._function):  # which alone may read names that are added
-            text += repr([name for kind in types for name in names_in(kind)])
+        if not is_ours(self._function):  # which alone may read names that are added, and whose errors name its file
+            text += repr([self._function.__code__.co_filename, [name for kind in types for name in names_in(kind)]])
         key = sha256(text.encode() + reach(self._function)[0]).hexdigest()[:24]
         return f"{self._name}-{key}.code"
 
