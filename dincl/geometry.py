@@ -14,7 +14,6 @@ from dincl.checks import instance, number, shaped
 from dincl.constraints.selection import select
 from dincl.errors import InvalidProblem, ProjectionFailed, StepFailure
 from dincl.matrices import combined, divided, row_squares
-from dincl.mobility import scaling_of
 from dincl.norms import length, longest
 from dincl.problem import Problem
 from dincl.projection.cone import TOLERANCE, nearest, split
@@ -221,6 +220,8 @@ def tangent_velocity(
 
     Source: (1.24), (1.26), (1.27).
     """
+    from dincl.mobility import scaling_of
+
     time, state, allowed = _checked(problem, t, x, tol)
     step = number("spacing", spacing, positive=True)
     target = None if u is None else shaped("u", u, problem.x0.shape)
