@@ -169,7 +169,7 @@ def support(
 
 @dataclass(frozen=True, eq=False)
 class TangentVelocity:
-    """v = u + sum_k multipliers_k grad g_k.
+    """v = u + sum_k multipliers_k grad g_k, with mobilities u + B sum_k multipliers_k grad g_k.
 
     Attributes
     ----------
@@ -195,7 +195,8 @@ def tangent_velocity(
     """Compute argmin |v - u| over v with grad g_k . v >= b_k for all active rows k: the velocity of the slow solution.
 
     b_k = grad g_k . c' with the velocity c' of the set of row k, 0 for sets that do not move. Where the solution of
-    the inclusion has a right derivative, u = F(t, x) gives it.
+    the inclusion has a right derivative, u = F(t, x) gives it. With mobilities distances are those of the metric of
+    B^-1, particles of mobility 0 stay, and u = B F(t, x) gives it.
 
     Parameters
     ----------
@@ -204,7 +205,7 @@ def tangent_velocity(
     t, x
         Time >= 0 [time]; point of S(t), shape (N, d) [length].
     u
-        The velocity to project, shape (N, d); None: F(t, x) [length / time].
+        The velocity to project, shape (N, d); None: F(t, x), or B F(t, x) [length / time].
     tol
         Rows with |g_k| <= tol |grad g_k| are active [length].
     spacing
@@ -219,20 +220,27 @@ def tangent_velocity(
 
     Source: (1.24), (1.26), (1.27).
     """
+    from dincl.mobility import scaling_of
+
     time, state, allowed = _checked(problem, t, x, tol)
     step = number("spacing", spacing, positive=True)
     target = None if u is None else shaped("u", u, problem.x0.shape)
     with _projection_failures():
-        target = problem.velocity(time, state) if target is None else target
+        mobility = np.ones(len(state)) if problem.mobility is None else problem.mobility
+        target = mobility[:, None] * problem.velocity(time, state) if target is None else target
         rows, gradients = active_rows(problem, time, state, allowed)
         lengths = _lengths(gradients)
         unit = divided(gradients, lengths)
         least = rows.least_speeds(time, state, unit, step)
+        # In coordinates in which all particles are equally mobile.
+        scaling = scaling_of(state, mobility)
+        unit.data *= np.repeat(scaling.root, state.shape[1])[unit.indices]
+        scaled = _lengths(unit)
+        unit, least, target = divided(unit, scaled), least / scaled, scaling.velocities(target)
         size = max(longest(target), float(np.abs(least).max(initial=0.0)))
         found = nearest(AffineRows(unit, least), target.ravel(), size)
-    return TangentVelocity(
-        found.rest.reshape(target.shape), found.multipliers / lengths, rows.names, size * found.residual
-    )
+    velocity, multipliers = scaling.root[:, None] * found.rest.reshape(target.shape), found.multipliers
+    return TangentVelocity(velocity, multipliers / lengths / scaled / scaling.most, rows.names, size * found.residual)
 
 
 def cone_at(problem: Problem, t: float, x: NDArray[np.float64], tol: float) -> NormalCone:

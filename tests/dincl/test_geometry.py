@@ -166,3 +166,13 @@ def test_failures_have_a_status(call, status):
     with pytest.raises(dincl.ProjectionFailed) as failed:
         call(discs(TRIANGLE, lambda t, x: x * math.sqrt(0.5 - t)))
     assert failed.value.status is status
+
+
+def test_tangent_velocities_are_those_of_the_metric_of_the_inverse_mobility():
+    """Two discs that touch move as one, with sum F / sum 1 / b; one of mobility 0 holds the other up."""
+    for mobility, velocity, force in (((1.0, 3.0), 0.75, 0.25), ((1.0, 0.0), 0.0, 1.0), (None, 0.5, 0.5)):
+        drift = dincl.drifts.constant([[1.0], [0.0]])
+        problem = dincl.Problem([[0.0], [1.0]], drift, [dincl.NonOverlap(0.5)], mobility=mobility)
+        found = tangent_velocity(problem, 0.0, problem.x0, tol=1e-9)
+        assert found.velocity.ravel() == pytest.approx([velocity, velocity], abs=1e-9)
+        assert found.multipliers == pytest.approx([force], abs=1e-9)
