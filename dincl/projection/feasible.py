@@ -109,7 +109,8 @@ def project(
     Parameters
     ----------
     problem
-        Whose constraints are meant; or a list of constraints alone, for which no feasible start is needed.
+        Whose constraints are meant, not its mobilities; or a list of constraints alone, for which no feasible start is
+        needed.
     y
         Point to project, shape (N, d) [length].
     projection

@@ -126,7 +126,7 @@ def write_timed(timed: TimedSets, sets: Sets, t: float, x: Floats, n: int, reque
     if request > 0:
         place_sets(timed, sets.shift, sets.speed, t)
     if request == VELOCITIES:
-        write_rates(timed, sets.rate, x, d)
+        write_rates(timed, sets.rate, x, d, sets.box)
     if request <= DISPLACEMENTS and timed.compares != 0:
         write_changes(timed, sets.change, sets.since[0], x, n, d)
     return 0

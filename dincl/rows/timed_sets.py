@@ -133,7 +133,7 @@ def write_numbers(timed: TimedSets, g: int) -> None:
 
 
 @inner
-def write_rates(timed: TimedSets, rate: Floats, x: Floats, d: int) -> None:
+def write_rates(timed: TimedSets, rate: Floats, x: Floats, d: int, box: Floats) -> None:
     """Write (dg/dt) / |grad g| of the rows of sets that are not translated, at x."""
     for g in range(timed.sets.size):
         one, last = timed.sets[g], -1
@@ -146,10 +146,12 @@ def write_rates(timed: TimedSets, rate: Floats, x: Floats, d: int) -> None:
             if r != last:
                 last, rate[r] = r, 0.0
             length = np.sqrt(row.square) if row.square > 0.0 else 1.0  # as for gaps
+            if row.kind == DISTANCE and row.plain != 0:
+                length = 1.0
             if number.kind == LENGTH:
-                rate[r] -= slope * (row.sign if row.kind == DISTANCE else 1.0 / length)
+                rate[r] -= slope * (row.sign if row.kind == DISTANCE else 1.0) / length
             elif number.kind == COEFFICIENT and row.kind == DISTANCE:
-                rate[r] -= slope * along(timed, r, number.place, x, d)
+                rate[r] -= slope * along(timed, r, number.place, x, d, box) / length
             elif number.kind == COEFFICIENT:
                 rate[r] += slope * x[number.column] / length
 
@@ -203,11 +205,19 @@ def change_of(timed: TimedSets, g: int, x: Floats, radius: float) -> float:
 
 
 @inner
-def along(timed: TimedSets, r: int, place: int, x: Floats, d: int) -> float:
-    """Compute the component of the unit gradient of a distance to a fixed point that belongs to this coefficient."""
-    row, first, square = timed.row[r], timed.first[r], 0.0
+def along(timed: TimedSets, r: int, place: int, x: Floats, d: int, box: Floats) -> float:
+    """Compute the component of the unit arrow of a distance, times its sign, that belongs to this coefficient.
+
+    ``dincl.rows.table.arrow_of`` is the same for rows of sets that rest or are translated.
+    """
+    row, first, square, component = timed.row[r], timed.first[r], 0.0, 0.0
     for k in range(d):
-        arrow = x[row.i * d + k] - timed.coefficient[first + k]
+        arrow = row.one * x[row.i * d + k] - timed.coefficient[first + k]
+        if row.j >= 0:
+            arrow -= row.other * x[row.j * d + k]
+        if box.size > 0 and box[k] > 0.0:
+            arrow -= box[k] * np.rint(arrow / box[k])
         square += arrow * arrow
-    arrow = x[row.i * d + place - first] - timed.coefficient[place]
-    return float(row.sign * arrow / np.sqrt(square)) if square > 0.0 else 0.0
+        if first + k == place:
+            component = arrow
+    return float(row.sign * component / np.sqrt(square)) if square > 0.0 else 0.0

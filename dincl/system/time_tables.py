@@ -64,13 +64,10 @@ def table_of_rows(
 ) -> TimeTable | None:
     """Tabulate the numbers of the rows of a set, which begin at row ``first`` of the table.
 
-    None if compiled code does not know their kind, if coordinates are scaled or periodic, or if there are too many
-    numbers, panels or functions.
+    None if compiled code does not know their kind, or if there are too many numbers, panels or functions.
     """
     part = rows_at(pieces[0][0])
     if part is None or not len(part.entries) or not np.isin(part.numbers["kind"], (AFFINE, DISTANCE)).all():
-        return None
-    if not np.all(part.numbers.get("plain", True)):
         return None
     m, lengths = len(part.entries), bool(np.all(part.numbers["kind"] == DISTANCE))
 

@@ -263,6 +263,20 @@ def test_a_wall_must_not_turn_across_an_axis_that_repeats():
         assert "must not cross an axis that repeats" in path.detail
 
 
+@pytest.mark.parametrize("box", [False, True])
+@pytest.mark.parametrize("d", [2, 3])
+def test_sets_that_are_functions_of_time_are_tabulated_with_mobilities_and_boxes_too(d, box):
+    problem = crowd(d, 27, d, box=box)
+    grow = [dincl.NonOverlap(lambda t: 0.5 + 0.01 * np.sin(3.0 * t))]
+    drift = constant(problem.velocity(0.0, problem.x0) / 20.0)
+    problem = dincl.Problem(problem.x0, drift, grow, mobility=problem.mobility, box=problem.box)
+    path = dincl.solve(problem, dincl.EventDriven(1e-7), [0.2, 0.4])
+    other = dincl.solve(problem, dincl.MidpointCatchUp(2e-4, dincl.ActiveSet(1e-11)), [0.2, 0.4])
+    assert path.stats.callbacks == other.stats.callbacks == 0
+    assert len(path.events) > 5
+    assert np.abs(path.x - other.x).max() < 5e-4
+
+
 def test_second_order_pbd_takes_velocities_of_the_user():
     problem = dincl.Problem([[0.0, 1.0], [5.0, 1.0]], constant((0.0, -2.0)), mobility=[0.25, 0.0])
     path = dincl.solve(problem, dincl.SecondOrderPBD(1e-3, v0=[[1.0, 2.0], [3.0, 3.0]]), [1.0])
