@@ -185,5 +185,5 @@ def test_a_density_is_pushed_forward_in_one_dimension_and_keeps_its_mass():
         )
         assert flow.weights @ f(x) == pytest.approx(expected, abs=1e-6)
     assert pickle.loads(pickle.dumps(law)).density([[1.2]]) == law.density([[1.2]])
-    with pytest.raises(InvalidProblem, match="both must be 1"):
+    with pytest.raises(InvalidProblem, match="nx = 2: must be 1"):
         mf.push_forward(model, SQUARE, start, flow.y[0])
