@@ -144,7 +144,7 @@ def test_chapter_writes_its_charts_from_its_tables(tmp_path, monkeypatch):
     assert len(pictures) == 3 + len(scenes)  # profiles, programs of others
     assert all(path.stat().st_size > 1000 for path in pictures)
     shown = {f"decisions_{name}" for name in ("profile", "promise", "cost")}
-    assert set(context.grids) == shown | {"cheapest"} | {f"cheapest_{name}" for name in scenes}
+    assert set(context.grids) == shown | {"cheapest", "programs"} | {f"cheapest_{name}" for name in scenes}
     python = {"lsoda", "chipmunk", "catch_up_ipopt", "midpoint_cg", "moreau_jean_daqp"}
     python |= {"catch_up_daqp", "linearised_clarabel", "linearised_daqp", "linearised_piqp"}
     names = {method.label: method.name for method in CHARTED}
