@@ -132,6 +132,8 @@ def view(
     if not frames:
         raise InvalidProblem("frames is empty: must have one, to be drawn")
     chosen = frames[-1:] if kind == ".png" else frames
+    for frame in chosen:
+        _sheets(frame)  # refuses what cannot be drawn before anything is imported
     write_images(_rendered(chosen, parameters, watch), len(chosen), path)
 
 
