@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
     from dincl.constraints.base import Swept
     from dincl.forces import Reaction
+    from dincl.rows.base import RowsOfOneKind
     from dincl.schemes.base import Span
     from dincl.trajectory import RunOutcome
 
@@ -81,24 +82,27 @@ class Scaled(Constraint):
     def parameters(self, t: float, x: NDArray[np.float64]) -> NDArray[np.float64] | None:
         return self.constraint.parameters(t, self.scaling.positions(x))
 
-    def select(self, x: NDArray[np.float64], search_radius: float) -> Any:
-        rows: Any = self.constraint.select(self.scaling.positions(x), search_radius)
-        return rows if self.raw else of_movable(rows.scaled(self.scaling))
+    def select(self, x: NDArray[np.float64], search_radius: float) -> RowsOfOneKind:
+        return self._scaled(self.constraint.select(self.scaling.positions(x), search_radius))
 
     def sweep_rows(self, x: NDArray[np.float64]) -> Swept:
         rows: Any = self.constraint.sweep_rows(self.scaling.positions(x))
         found: Swept = rows if self.raw and not isinstance(rows, DiscPairs) else rows.scaled(self.scaling)
         return found
 
-    def select_at(self, t: float, x: NDArray[np.float64], search_radius: float) -> Any:
-        rows: Any = self.constraint.select_at(t, self.scaling.positions(x), search_radius)
-        return rows if self.raw else of_movable(rows.scaled(self.scaling))
+    def select_at(self, t: float, x: NDArray[np.float64], search_radius: float) -> RowsOfOneKind:
+        return self._scaled(self.constraint.select_at(t, self.scaling.positions(x), search_radius))
 
     def rows_at(self, t: float, rows: Any, shape: tuple[int, ...]) -> Any:
         return self.constraint.rows_at(t, rows, shape).scaled(self.scaling) if self.raw else rows
 
     def change(self, t: float, later: float, x: NDArray[np.float64], search_radius: float) -> float:
         return self.constraint.change(t, later, self.scaling.positions(x), search_radius)
+
+    def _scaled(self, rows: RowsOfOneKind) -> RowsOfOneKind:
+        """Scale selected rows, unless they are raw."""
+        found: RowsOfOneKind = rows if self.raw else of_movable(rows.scaled(self.scaling))
+        return found
 
 
 def of_movable(rows: Any) -> Any:
@@ -120,8 +124,9 @@ class ScaledDrift:
         x = self.scaling.positions(z)
         x.flags.writeable = False
         found = self.drift(t, x)
-        scaled = np.asarray(found, dtype=np.float64) if np.shape(found) == z.shape else found
-        return scaled * (self.scaling.most * self.scaling.root)[:, None] if np.shape(found) == z.shape else found
+        if np.shape(found) != z.shape:  # refused where it is checked
+            return found
+        return np.asarray(found, dtype=np.float64) * (self.scaling.most * self.scaling.root)[:, None]
 
 
 def scaled_drift(drift: Any, scaling: Scaling) -> Any:

@@ -119,7 +119,7 @@ class Selection:
 
 def row_lengths(rows: RowsOfOneKind, x: NDArray[np.float64]) -> NDArray[np.float64]:
     """Compute |grad g_k|, by which gaps are scaled; 1 for distances that are lengths, and where it vanishes."""
-    if isinstance(rows, DistanceRows) and rows.scale is None and rows.box is None:
+    if isinstance(rows, DistanceRows) and rows.plain:
         return np.ones(len(rows))
     lengths = np.sqrt(row_squares(rows.jacobian(x)))
     return np.where(lengths > 0, lengths, 1.0)

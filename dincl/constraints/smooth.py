@@ -107,21 +107,24 @@ class Smooth(Constraint):
         return self.at(t).select(x, 0.0).values(x) if self.timed else None
 
     def select(self, x: NDArray[np.float64], search_radius: float) -> SmoothRows:
-        derivative: Any = self.jacobian
-        if self.equality:
-            return all_rows(partial(both_signs, self.g), partial(both_signs, derivative), x, negated=True)
-        return all_rows(self.g, derivative, x)
+        return all_rows(*self._functions, x, negated=self.equality)
 
     def select_at(self, t: float, x: NDArray[np.float64], search_radius: float) -> SmoothRows:
         return self.at(t).select(x, search_radius)
 
     def rows_at(self, t: float, rows: Any, shape: tuple[int, ...]) -> Any:
-        now: Any = self.at(t)
         if not self.timed:
             return rows
+        g, derivative = self.at(t)._functions
+        return replace(rows, g=g, derivative=derivative)
+
+    @property
+    def _functions(self) -> tuple[Callable[..., Any], Callable[..., Any]]:
+        """The functions of all rows and of their gradients."""
+        derivative: Any = self.jacobian
         if self.equality:
-            return replace(rows, g=partial(both_signs, now.g), derivative=partial(both_signs, now.jacobian))
-        return replace(rows, g=now.g, derivative=now.jacobian)
+            return partial(both_signs, self.g), partial(both_signs, derivative)
+        return self.g, derivative
 
     def __repr__(self) -> str:
         how = self.jacobian.method if isinstance(self.jacobian, NumericalJacobian) else "given"

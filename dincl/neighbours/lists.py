@@ -16,7 +16,7 @@ from dincl.compiled.arrays import Floats, Offsets, empty
 from dincl.compiled.calls import SETS
 from dincl.compiled.structs import reader
 from dincl.neighbours import ALL_PAIRS, FEWEST_SWEEPS, MOST_SWEEPS
-from dincl.rows.formulas import square_distance
+from dincl.rows.formulas import square_distance, to_image
 
 # Places in ``number``: sweeps since the list was made; lists made; candidates and corrections in all sweeps; two discs
 # whose centres coincide; 1 if the list is to be made anew; its pairs.
@@ -159,9 +159,7 @@ def arrow_between(x: Floats, pairs: PairList, i: int, j: int, k: int, d: int) ->
     """Compute component k of the arrow from disc j to disc i in scaled coordinates, the shortest to an image."""
     one, other = i * d + k, j * d + k
     arrow = (pairs.origin[one] - pairs.origin[other]) + (pairs.scale[i] * x[one] - pairs.scale[j] * x[other])
-    if pairs.box[k] > 0.0:
-        arrow -= pairs.box[k] * np.rint(arrow / pairs.box[k])
-    return float(arrow)
+    return float(to_image(arrow, pairs.box[k]))
 
 
 @inner

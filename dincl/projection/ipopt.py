@@ -175,7 +175,7 @@ class _Polynomial(NamedTuple):
 
 def _polynomial(rows: RowsOfOneKind, y: NDArray[np.float64], scale: float) -> _Polynomial | None:
     """Return g / s of affine rows, and sign (|X_i - X_j|^2 - L^2) / (2 L s); None if g itself is to be called."""
-    if isinstance(rows, DistanceRows) and rows.scale is None and rows.box is None:
+    if isinstance(rows, DistanceRows) and rows.plain:
         twice, values = 2.0 * rows.length, rows.squared_values(rows.values(y), rows.squared_steepness(y))
         linear = divided(rows.squared_jacobian(y), twice)
         return _Polynomial(values / (twice * scale), linear, rows.sign * scale / twice, rows.i, rows.j)
@@ -186,7 +186,7 @@ def _polynomial(rows: RowsOfOneKind, y: NDArray[np.float64], scale: float) -> _P
 
 def _steepness(rows: RowsOfOneKind, x: NDArray[np.float64]) -> NDArray[np.float64]:
     """Compute the length of the gradient of the polynomial over that of g / s at x, shape (m,)."""
-    if isinstance(rows, DistanceRows) and rows.scale is None and rows.box is None:
+    if isinstance(rows, DistanceRows) and rows.plain:
         return rows.squared_steepness(x) / (2.0 * rows.length)
     return np.ones(len(rows))
 

@@ -45,6 +45,11 @@ class DistanceRows(RowsOfOneKind):
         return bool(np.all(self.sign < 0)) and self.box is None
 
     @property
+    def plain(self) -> bool:
+        """Whether both scales are 1 and nothing is periodic."""
+        return self.scale is None and self.box is None
+
+    @property
     def equal(self) -> bool:
         """Whether the second half of the rows are the negatives of the first half."""
         half = len(self) // 2
@@ -129,7 +134,7 @@ class DistanceRows(RowsOfOneKind):
             "lipschitz": float(ends),
             "one": scale[:, 0],
             "other": scale[:, -1],
-            "plain": self.scale is None and self.box is None,
+            "plain": self.plain,
         }
         return TableRows(numbers, np.full(len(self), ends * d), self._columns(d).ravel(), coefficient.ravel())
 

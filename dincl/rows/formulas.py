@@ -7,6 +7,8 @@ in ``other``. ``axes`` has the length d; as a tuple its length is known to the c
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
 from dincl.compiled import c_function, inner, kernel
 from dincl.compiled.arrays import Floats
 from dincl.compiled.calls import DRIFT
@@ -21,6 +23,12 @@ def square_distance(x: Floats, i: int, other: Floats, j: int, axes: Any) -> floa
         arrow = x[i + k] - other[j + k]
         square += arrow * arrow
     return square
+
+
+@inner
+def to_image(arrow: float, period: float) -> float:
+    """Return a component of the arrow to the nearest image, for a period of its axis; 0: it does not repeat."""
+    return float(arrow - period * np.rint(arrow / period)) if period > 0.0 else arrow
 
 
 def row_formula(function: Callable[..., int]) -> Any:

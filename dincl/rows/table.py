@@ -11,7 +11,7 @@ from dincl.compiled.arrays import Floats, Offsets, Table, empty
 from dincl.compiled.calls import DOUBLES, SETS, signature
 from dincl.compiled.structs import reader, struct_type
 from dincl.drifts.functions import call_drift
-from dincl.rows.formulas import square_distance
+from dincl.rows.formulas import square_distance, to_image
 from dincl.rows.timed_sets import TimedSets, place_sets, write_changes, write_rates
 
 # Kinds of rows: distances, affine rows, rows that Python evaluates, rows of a compiled formula.
@@ -169,9 +169,7 @@ def arrow_of(rows: RowTable, sets: Sets, r: int, x: Floats, k: int) -> float:
     other = rows.coefficient[rows.start[r] + k]
     other += row.other * x[row.j * d + k] if row.j >= 0 else sets.shift[row.family, k]
     arrow = row.one * x[row.i * d + k] - other
-    if sets.box.size > 0 and sets.box[k] > 0.0:
-        arrow -= sets.box[k] * np.rint(arrow / sets.box[k])
-    return float(arrow)
+    return float(to_image(arrow, sets.box[k]) if sets.box.size > 0 else arrow)
 
 
 @inner

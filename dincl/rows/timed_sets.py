@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from dincl.compiled import inner
 from dincl.compiled.arrays import Floats, Offsets
+from dincl.rows.formulas import to_image
 
 # Terms of a series.
 TERMS = 18
@@ -215,8 +216,8 @@ def along(timed: TimedSets, r: int, place: int, x: Floats, d: int, box: Floats) 
         arrow = row.one * x[row.i * d + k] - timed.coefficient[first + k]
         if row.j >= 0:
             arrow -= row.other * x[row.j * d + k]
-        if box.size > 0 and box[k] > 0.0:
-            arrow -= box[k] * np.rint(arrow / box[k])
+        if box.size > 0:
+            arrow = to_image(arrow, box[k])
         square += arrow * arrow
         if first + k == place:
             component = arrow
