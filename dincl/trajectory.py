@@ -160,7 +160,7 @@ class Trajectory:
         return np.array([self._residual(one) for one in self.between.reactions(self.t)])
 
     def _residual(self, reaction: Reaction | None) -> float:
-        from dincl.projection.cone import distance_to_cone
+        from dincl.geometry import distance_to_cone
 
         if reaction is None or reaction.second_order:
             return np.inf
