@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -12,7 +12,6 @@ from dincl.checks import array, describe, integer
 from dincl.errors import InvalidProblem, ProjectionFailed, StepFailure
 from dincl.extras import needs
 from dincl.forces import Forces, Reaction, contact_forces
-from dincl.problem import check_pickles
 from dincl.shapes import radii
 
 if TYPE_CHECKING:
@@ -132,11 +131,6 @@ class Trajectory:
     error: NDArray[np.float64] | None = None
     velocity: NDArray[np.float64] | None = None
     t0: float = 0.0
-
-    def __getstate__(self) -> dict[str, Any]:
-        """Return the state to pickle; PicklingError names a part that cannot be pickled."""
-        check_pickles("scheme", self.scheme)
-        return self.__dict__
 
     @property
     def final(self) -> NDArray[np.float64]:
