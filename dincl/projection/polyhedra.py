@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dincl.checks import array, describe, shaped
-from dincl.conversions import as_array, attempt
+from dincl.checks import array, as_array, attempt, describe, shaped
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.matrices import divided, from_rows, row_squares
 from dincl.matrices.definite import Factor, factorised, pivoted_cholesky
