@@ -68,7 +68,7 @@ def as_array(value: Any) -> NDArray[Any]:
 def _one(value: Any) -> float:
     """Return a single real number as a float, a fraction or a long whole number, too; NaN for anything else."""
     found = plain(value)
-    if found is None and isinstance(value, Real) and type(value) is not bool:
+    if found is None and not isinstance(value, bool) and isinstance(value, Real):
         found = attempt(lambda given: np.array(float(given)), value)
     return math.nan if found is None or found.ndim else float(found)
 
