@@ -44,11 +44,9 @@ if TYPE_CHECKING:
 TOLERANCE, MANY = 1e-9, 300
 # The part of the tolerance for the back end; the way back into the coordinates of the user adds rounding.
 SHARE = 0.5
-# Eigenvalues above minus this are rounding in a W with ones in its diagonal, as are parts of rows of length 1.
+# Eigenvalues above minus this are rounding in a W with ones in its diagonal, as are skew parts, and parts of rows of
+# length 1.
 ROUNDING = 1e-10
-# A skew part of W up to this is moved into q with the last multipliers, at most this often: each time it shortens the
-# error by about its own size.
-SKEW, MOST_REPETITIONS = 1e-3, 20
 # Rows of dense matrices that are made at once, and rows that a message names.
 BLOCK, NAMED = 256, 10
 
@@ -278,8 +276,7 @@ class Lcp(_Program):
     Parameters
     ----------
     W
-        Shape (m, m), an array or a sparse matrix. A skew part of up to a thousandth of the entries is allowed, as
-        gyroscopic terms leave it, and obeyed.
+        Shape (m, m), an array or a sparse matrix, which is treated as an array.
     q
         Shape (m,).
 
@@ -296,29 +293,29 @@ class Lcp(_Program):
         q = shaped("q", self.q, (None,))
         W = _matrix("W", self.W, (len(q), len(q)))
         self.__dict__.update(W=W, q=q, equal=np.zeros(len(q), dtype=np.bool_))
-        even, skew = self._scaled
         refused = ": must be symmetric and positive semidefinite, else the problem is no projection"
-        i, j = np.unravel_index(int(abs(skew).argmax()), skew.shape)
-        if skew[i, j] > SKEW or skew[j, i] > SKEW:
+        skew = np.abs(self._scaled - self._scaled.T)
+        i, j = np.unravel_index(int(skew.argmax()), skew.shape)
+        if skew[i, j] > ROUNDING:
             raise InvalidProblem(f"W[{i}, {j}] = {W[i, j]:g}, W[{j}, {i}] = {W[j, i]:g}{refused}")
         try:
-            factorised(even + ROUNDING * np.eye(len(q)))
+            factorised(self._scaled + ROUNDING * np.eye(len(q)))
         except np.linalg.LinAlgError:
             raise InvalidProblem(f"W is not positive semidefinite{refused}") from None
 
     @cached_property
-    def _scaled(self) -> tuple[Floats, Floats]:
-        """The symmetric and the skew part of W for rows of length 1."""
+    def _scaled(self) -> Floats:
+        """W for rows of length 1."""
         lengths = self._start()[0]
-        whole = (self.W if isinstance(self.W, np.ndarray) else self.W.toarray()) / lengths / lengths[:, None]
-        return (whole + whole.T) / 2, (whole - whole.T) / 2
+        scaled: Floats = (self.W if isinstance(self.W, np.ndarray) else self.W.toarray()) / lengths / lengths[:, None]
+        return scaled
 
     @cached_property
     def _rows(self) -> csr_array:
         """A with A A^T = W, for rows of length 1, and as many columns as the rank."""
         from scipy.sparse import csr_array
 
-        low, order = pivoted_cholesky(self._scaled[0])
+        low, order = pivoted_cholesky(self._scaled)
         rows = np.empty_like(low)
         rows[order] = low
         return csr_array(rows)
@@ -333,27 +330,17 @@ class Lcp(_Program):
         return gaps, gaps, np.zeros(0)
 
     def _search(self, how: Projection, least: Floats) -> tuple[Floats, int]:
-        """Project with the factor of W, again and again with the skew part of the last multipliers."""
-        (even, skew), solver, work = self._scaled, how.solver(), 0
-        origin = np.zeros((self._rows.shape[1], 1))
-        tilted, weights = np.abs(skew).max() > ROUNDING, np.zeros(len(least))
-        for _ in range(MOST_REPETITIONS if tilted else 1):
-            now = least - skew @ weights if tilted else least
-            try:
-                # ``nearest`` would also look for wedges, in which u is inaccurate, but u is not the answer.
-                found = solver.compute(AffineRows(self._rows, now), origin, origin, weights)
-                weights, left = _on_active_gram(even, now, found.multipliers, how.tol)
-                if not left <= how.tol:
-                    raise missed(solver.name, left, how.tol)
-            except StepFailure as failure:
-                if tilted:  # that there is no point without the skew part proves nothing
-                    detail = f"Without the skew part of W: {failure.detail}"
-                    raise StepFailure(Status.NOT_CONVERGED, detail) from failure
-                raise _named(why_unsolved(failure, self._rows, now, 1.0), self._rows, now) from failure
-            work += found.iterations
-            if np.abs(np.minimum(weights, even @ weights + skew @ weights - least)).max() <= how.tol:
-                break
-        return weights, work
+        """Project with the factor of W; the multipliers are completed with W itself."""
+        solver, origin = how.solver(), np.zeros((self._rows.shape[1], 1))
+        try:
+            # ``nearest`` would also look for wedges, in which u is inaccurate, but u is not the answer.
+            found = solver.compute(AffineRows(self._rows, least), origin, origin, np.zeros(len(least)))
+            weights, left = _on_active_gram(self._scaled, least, found.multipliers, how.tol)
+            if not left <= how.tol:
+                raise missed(solver.name, left, how.tol)
+        except StepFailure as failure:
+            raise _named(why_unsolved(failure, self._rows, least, 1.0), self._rows, least) from failure
+        return weights, found.iterations
 
 
 def _on_active_gram(gram: Floats, least: Floats, multipliers: Floats, tol: float) -> tuple[Floats, float]:
