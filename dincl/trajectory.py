@@ -67,18 +67,31 @@ class Between(ABC):
 
 @dataclass(frozen=True, eq=False)
 class RunOutcome:
-    """Result of a scheme: a ``Trajectory`` without the problem and the scheme that it belongs to.
+    """Result of a scheme.
 
     Attributes
     ----------
-    t, x, status, detail, stats, events, error, velocity
-        As in ``Trajectory``.
+    t
+        Output times, shape (K,); after a failure, or a stop by ``until``, those that were reached, and last the time of
+        the last state.
+    x
+        States, shape (K, N, d).
+    status, detail
+        How the run ended, and the particulars in words ("" on success).
+    stats
+        The counted work.
     between
         The states between the output times, and the residuals.
+    events
+        Contacts and releases in the order of time; empty for time steps, which do not look for them.
+    error
+        Estimated error max_i |X_i - exact| at the output times, shape (K,); None from schemes that make no estimate.
     failure
         The error that ended the run early, the cause of that which solve raises.
     scheme
         The scheme that was taken, of a scheme that chooses one.
+    velocity
+        At the last time, of second-order schemes, shape (N, d).
     """
 
     t: NDArray[np.float64]
@@ -94,42 +107,12 @@ class RunOutcome:
     velocity: NDArray[np.float64] | None = None
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Trajectory:
-    """The solution at the output times.
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class Trajectory(RunOutcome):
+    """The solution at the output times: the outcome of a run, of its ``problem``, from the time ``t0`` on."""
 
-    Attributes
-    ----------
-    t
-        Output times, shape (K,); after a failure, or a stop by ``until``, those that were reached, and last the time of
-        the last state.
-    x
-        States, shape (K, N, d).
-    status, detail
-        How the run ended, and the particulars in words ("" on success).
-    stats
-        The counted work.
-    events
-        Contacts and releases in the order of time; empty for time steps, which do not look for them.
-    error
-        Estimated error max_i |X_i - exact| at the output times, shape (K,); None from schemes that make no estimate.
-    velocity
-        At the last time, of second-order schemes, shape (N, d).
-    t0
-        Time of the start.
-    """
-
-    t: NDArray[np.float64]
-    x: NDArray[np.float64]
-    status: Status
-    detail: str
-    stats: Work
     problem: Problem
     scheme: Scheme
-    between: Between
-    events: tuple[Event, ...] = ()
-    error: NDArray[np.float64] | None = None
-    velocity: NDArray[np.float64] | None = None
     t0: float = 0.0
 
     @property
