@@ -1,32 +1,24 @@
 """What holds of a run of any tissue: alone, in company, in threads and from each saved state it has the same bits."""
 
 import pickle
-import shutil
-import sys
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-import tissue
 from dincl.errors import InvalidProblem
 from dincl.status import Status
 from tests.tissue.bits import same, same_end
-from tests.tissue.own_forces.users import LAYERS as OF_FORCES
 from tests.tissue.space.in_space import SURFACES, of_surface
+from tests.tissue.users import LAYERS, LIVELY, SHORT, own_module
 from tissue.files.parameters import preset
 from tissue.frames.frame import Frame
-from tissue.plugins import registry
 from tissue.runs.simulate import simulate, simulate_many
 
 # A run that goes on later may end before an event.
 pytestmark = pytest.mark.filterwarnings("ignore:.* never begins")
 
-# Every cell divides in these hours; one event after the other begins, some before and some after each saved state.
-LIVELY = {"cell.min_cycle": "1 h", "cell.max_cycle": "3 h", "cell.g2": "0.4 h", "cell.mitosis": "0.4 h"}
 EMT = {"emt.cells": 5, "emt.inm": 0.5, "emt.a": "0 h to 3 h", "emt.b": "0.5 h to 2 h", "emt.s": "1 h", "emt.p": "2 h"}
-SMALL = {"numerics.t_end": "4 h", "numerics.keep": "1 h", "tissue.cells": 30, "tissue.width": "8 R_soft"}
 LEAVING = {"cells": 3, "place": 0.9, "divides": False, "inm": 0.5, "a": "2 h", "alpha_ax": 3}
 QUICK = {"cells": 6, "place": "scattered", "min_cycle": "1 h", "max_cycle": "1.5 h", "g2": "0.2 h", "b": "1 h"}
 BIG = {"cells": 6, "place": 0.2, "soft_radius": "7 um", "alpha_xx": 4, "max_basal_distance": "2/3 R_soft"}
@@ -45,7 +37,7 @@ SLICES = {
     "tube": EMT | TUBE | {"layer.side": "outside"},
 }
 FORCES = {"forces.wall": 2.0, "forces.straight": 3.0}
-USERS = {f"forces on a {name}": EMT | FORCES | layer for name, layer in OF_FORCES.items()}
+USERS = {f"forces on a {name}": EMT | FORCES | layer for name, layer in LAYERS.items()}
 USERS["an event and a rule"] = {"emt.cells": 4, "emt.squeeze": "2 h", "emt.a": "1 h", "division.rule": "always"}
 IN_SPACE = {
     "emt__cells": 3,
@@ -60,22 +52,8 @@ NAMES = [f"{name}, {of}" for name in ("thesis", "published") for of in SLICES] +
 
 @pytest.fixture(scope="module", autouse=True)
 def modules(tmp_path_factory):
-    """Modules of users; nothing of them is left."""
-    kinds = (tissue.Force, tissue.EmtEvent, tissue.Observable, tissue.DivisionRule)
-    before, folder = [dict(registry(kind)) for kind in kinds], tmp_path_factory.mktemp("own")
-    for kind in kinds:
-        registry(kind).clear()
-    here = Path(__file__).parent
-    files = {folder / "forces_of_contract.py": here / "own_forces" / "module.py"}
-    files |= {folder / "events_of_contract.py": here / "own_squeeze.py"}
-    for copy, file in files.items():
-        shutil.copy(file, copy)
-    yield [str(file) for file in files]
-    for kind, things in zip(kinds, before, strict=True):
-        registry(kind).clear()
-        registry(kind).update(things)
-    for file in files:
-        sys.modules.pop(file.stem, None)
+    with own_module(tmp_path_factory.mktemp("own"), "module_of_contract") as file:
+        yield [str(file)]
 
 
 @pytest.fixture(params=NAMES)
@@ -83,7 +61,7 @@ def parameters(request, modules):
     if request.param in SURFACES:
         return of_surface(request.param, **IN_SPACE)
     name, _, of = request.param.partition(", ")
-    given = preset(name if of else "published").changed({**SMALL, **LIVELY, "tissue.two_daughters": 0.5})
+    given = preset(name if of else "published").changed({**SHORT, **LIVELY, "tissue.two_daughters": 0.5})
     return given.changed(SLICES[of] if of else {"own.modules": modules, **USERS[name]})
 
 
@@ -127,7 +105,7 @@ def test_side_by_side_each_with_parameters_of_its_own(parameters):
 
 def test_parameters_of_runs_side_by_side_must_have_the_same_times():
     """One for each seed, and the message says what differs."""
-    given = preset("published").changed(SMALL)
+    given = preset("published").changed(SHORT)
     for several, seeds, says in (
         (
             [given, given.changed({"numerics.t_end": "5 h"})],
