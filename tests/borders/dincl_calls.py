@@ -72,53 +72,23 @@ def complementary(W, q, projection=None):
 
 
 # Right values by the names of arguments; some functions have others.
-POOL = {
-    "problem": PROBLEMS,
-    "scheme": SCHEMES,
-    "projection": PROJECTIONS,
-    "minimiser": MINIMISERS,
-    "stop": STOPS,
-    "x0": X0,
-    "x": X0,
-    "y": X0,
-    "u": X0,
-    "v0": X0,
-    "direction": X0,
-    "drift": DRIFTS,
-    "constraints": LISTS,
-    **dict.fromkeys(("dt", "tol", "eps", "alpha", "beta", "gamma", "damping", "dtau", "step", "strength"), POSITIVE),
-    "length": POSITIVE,
-    "spacing": (0.1, 0.25, 1e-2),
-    "exponent": (1, 2),
-    "limit": (50, 500),
-    "at": (0.05, 0.25),
-    **dict.fromkeys(("sweeps", "n", "seed"), NATURAL),
-    "offset": NUMBER,
-    "t": NUMBER,
-    "radius": RADIUS,
-    "distance": RADIUS,
-    "rate": (1.0, [1.0, 2.0]),
-    "throw": (True, False),
-    "squared": (True, False),
-    "among": ([0, 1], None),
-    "normal": ((0, 1), [1.0, 2.0]),
-    "pairs": ([(0, 1)],),
-    "chain": ([0, 1], [2, 0, 1]),
-    "axis": (0, 1),
-    "centre": ((0.0, 1.0), 0),
-    "velocity": ((0.0, 1.0), X0[0]),
-    "g": (FLOOR.g,),
-    "jacobian": (FLOOR.jacobian,),
-    "constraint": SETS,
-    "path": (lambda t: np.array([0.0, 0.1 * t]), lambda t: (0.0, 0.0)),
-    "c": ([0.0, 1.0], (3, -1)),
-    "b": ([1.0], [1.0, 2.0], [0.0, -1.0]),
-    "A": (np.ones((1, 2)), [[1.0, 2.0], [3.0, 4.0]], csr_array([[0.0, 1.0], [1.0, 0.0]]), [[0.0, 0.0]]),
-    "equal": (None, [True], [True, False]),
-    "q": ([-1.0], [1.0, -2.0], (-1, -1)),
-    "metric": (None, np.diag([1.0, 2.0]), csr_array([[2.0, 1.0], [1.0, 2.0]])),
-    "W": ([[1.0]], np.diag([1.0, 2.0]), csr_array([[1.0, 1.0], [1.0, 1.0]]), [[0.0, 0.0], [0.0, 1.0]]),
+POOL = {"problem": PROBLEMS, "scheme": SCHEMES, "projection": PROJECTIONS, "minimiser": MINIMISERS, "stop": STOPS}
+POOL |= {"x0": X0, "x": X0, "y": X0, "u": X0, "v0": X0, "direction": X0, "drift": DRIFTS, "constraints": LISTS}
+POOL |= {
+    **dict.fromkeys(("dt", "tol", "eps", "alpha", "beta", "gamma", "damping", "dtau", "step", "strength"), POSITIVE)
 }
+POOL |= {"length": POSITIVE, "spacing": (0.1, 0.25, 1e-2), "exponent": (1, 2), "limit": (50, 500), "at": (0.05, 0.25)}
+POOL |= {**dict.fromkeys(("sweeps", "n", "seed"), NATURAL), "offset": NUMBER, "t": NUMBER, "radius": RADIUS}
+POOL |= {"distance": RADIUS, "rate": (1.0, [1.0, 2.0]), "throw": (True, False), "squared": (True, False)}
+POOL |= {"among": ([0, 1], None), "normal": ((0, 1), [1.0, 2.0]), "pairs": ([(0, 1)],), "chain": ([0, 1], [2, 0, 1])}
+POOL |= {"axis": (0, 1), "centre": ((0.0, 1.0), 0), "velocity": ((0.0, 1.0), X0[0]), "g": (FLOOR.g,)}
+POOL |= {"jacobian": (FLOOR.jacobian,), "constraint": SETS}
+POOL |= {"path": (lambda t: np.array([0.0, 0.1 * t]), lambda t: (0.0, 0.0)), "c": ([0.0, 1.0], (3, -1))}
+POOL |= {"b": ([1.0], [1.0, 2.0], [0.0, -1.0])}
+POOL |= {"A": (np.ones((1, 2)), [[1.0, 2.0], [3.0, 4.0]], csr_array([[0.0, 1.0], [1.0, 0.0]]), [[0.0, 0.0]])}
+POOL |= {"equal": (None, [True], [True, False]), "q": ([-1.0], [1.0, -2.0], (-1, -1))}
+POOL |= {"metric": (None, np.diag([1.0, 2.0]), csr_array([[2.0, 1.0], [1.0, 2.0]]))}
+POOL |= {"W": ([[1.0]], np.diag([1.0, 2.0]), csr_array([[1.0, 1.0], [1.0, 1.0]]), [[0.0, 0.0], [0.0, 1.0]])}
 CENTRE, TIMES = {"centre": ((0, 1), [0.0])}, {"t": ([1.0], [0.1, 0.3], 0.5, [0.0, 0.2])}
 AT, ANY = {"t": (0.0, 1.0), "tol": (1e-9, 0.6)}, {"projection": (None, *PROJECTIONS)}
 CALLS = calls(

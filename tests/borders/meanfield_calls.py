@@ -101,46 +101,14 @@ def pushed_forward(model, density, y0, y):
 
 
 # Right values by the names of arguments; some functions have others.
-POOL = {
-    "g": G,
-    "W0": W,
-    "W1": W,
-    "V": V,
-    "pdf": PDFS,
-    "sampler": SAMPLERS,
-    "a": MEASURES,
-    "b": MEASURES,
-    **dict.fromkeys(("m", "k0", "k1"), (0.5, 1, 2.0)),
-    "nx": (1,),
-    "ny": (1,),
-    "y_rest": (1.0,),
-    "amplitude": (0.5, 0.0),
-    "X": POINTS,
-    "x": POINTS,
-    "y": MACRO,
-    "y0": MACRO,
-    "v": VELOCITY,
-    "v0": VELOCITY,
-    "start": STARTS,
-    "density": DENSITIES,
-    "moments0": MOMENTS,
-    "t": ([0.1], [0.0, 0.2], [0.1, 0.3]),
-    "tol": (1e-4, 1e-6),
-    "throw": (True, False),
-    "cells": (8, 16),
-    "bounds": (None, [-1.0, 3.0]),
-    "n": (1, 2, 3, 5),
-    "rng": (np.random.default_rng(0),),
-    "lower": (0.0, (0.0, -1.0)),
-    "upper": (1.0, (1.0, 1.0)),
-    "breaks": ((), [0.5]),
-    "model": MODELS,
-    "mean": (0.0, (0.0, 1.0)),
-    "deviation": (0.5, (0.5, 1.0)),
-    "centre": (0.0, (0.0, 1.0)),
-    "radius": (0.5, 1.0),
-    "p": ([0.25, 0.5], [0.0]),
-}
+POOL = {"g": G, "W0": W, "W1": W, "V": V, "pdf": PDFS, "sampler": SAMPLERS, "a": MEASURES, "b": MEASURES}
+POOL |= {**dict.fromkeys(("m", "k0", "k1"), (0.5, 1, 2.0)), "nx": (1,), "ny": (1,), "y_rest": (1.0,)}
+POOL |= {"amplitude": (0.5, 0.0), "X": POINTS, "x": POINTS, "y": MACRO, "y0": MACRO, "v": VELOCITY, "v0": VELOCITY}
+POOL |= {"start": STARTS, "density": DENSITIES, "moments0": MOMENTS, "t": ([0.1], [0.0, 0.2], [0.1, 0.3])}
+POOL |= {"tol": (1e-4, 1e-6), "throw": (True, False), "cells": (8, 16), "bounds": (None, [-1.0, 3.0])}
+POOL |= {"n": (1, 2, 3, 5), "rng": (np.random.default_rng(0),), "lower": (0.0, (0.0, -1.0))}
+POOL |= {"upper": (1.0, (1.0, 1.0)), "breaks": ((), [0.5]), "model": MODELS, "mean": (0.0, (0.0, 1.0))}
+POOL |= {"deviation": (0.5, (0.5, 1.0)), "centre": (0.0, (0.0, 1.0)), "radius": (0.5, 1.0), "p": ([0.25, 0.5], [0.0])}
 SIMPLE = {"model": MODELS[:2]}
 CALLS = calls(
     POOL,

@@ -187,48 +187,20 @@ THINGS = (
     tissue.DivisionRule("mine", "mine", "a test", own.splits, own.place),
 )
 # Right values by the names of arguments; some functions have others.
-POOL = {
-    "parameters": PARAMETERS,
-    "changes": CHANGES,
-    "seed": (0, 1),
-    "seeds": ([0], (1, 2), range(3), [5, -1]),
-    "throw": (True, False),
-    "watch": (None, lambda t: t),
-    "strength": (0, 0.5, 1, 1e5),
-    "t": (None, 0.2, 0),
-    "start": (None, FRAMES[1], [FRAMES[0]], FRAMES[:2]),
-    "push": own.PUSHES,
-    "energy": own.ENERGIES,
-    "begin": own.BEGINS,
-    "last": own.LASTS,
-    "measure": own.MEASURES,
-    "splits": own.SPLITS,
-    "place": own.PLACES,
-    "after": (None, "a", "b"),
-    "unit": ("", "um", "h"),
-    "time": ("0.1 h", "0.1 h to 0.3 h", "0.2 h, 50 %", "never"),
-    "name": ("generated", "x2"),
-    "meaning": ("what it means", ""),
-    "source": ("what it means", ""),
-    "thing": THINGS,
-    "other": THINGS,
-    "force": THINGS[:1],
-    "run": RUNS,
-    "ax": (None,),
-    "replicate": (0, 1),
-    "study": (FOLDER / "study.toml",),
-    "out": (FOLDER / "results",),
-    "executor": (None,),
-    "scenario": ("B", "AB"),
-    "outcome": ("basal", "height_um"),
-    "path": ("built.npz", FOLDER / "again.npz", FOLDER / "no" / "folder.npz", FOLDER),
-    "file": ("run.gif", FOLDER / "run.webp", "run.txt", FOLDER),
-    "folder": (FOLDER / "results", str(FOLDER / "results"), FOLDER),
-    "cells": tuple(frame.cells for frame in FRAMES),
-    "layers": tuple(frame.layers for frame in FRAMES),
-    "curve": (FRAMES[0].curve, TUBE.curve()),
-    "checkpoint": (FRAMES[0].checkpoint, FRAMES[3].checkpoint, None),
-}
+POOL = {"parameters": PARAMETERS, "changes": CHANGES, "seed": (0, 1), "seeds": ([0], (1, 2), range(3), [5, -1])}
+POOL |= {"throw": (True, False), "watch": (None, lambda t: t), "strength": (0, 0.5, 1, 1e5), "t": (None, 0.2, 0)}
+POOL |= {"start": (None, FRAMES[1], [FRAMES[0]], FRAMES[:2]), "push": own.PUSHES, "energy": own.ENERGIES}
+POOL |= {"begin": own.BEGINS, "last": own.LASTS, "measure": own.MEASURES, "splits": own.SPLITS, "place": own.PLACES}
+POOL |= {"after": (None, "a", "b"), "unit": ("", "um", "h")}
+POOL |= {"time": ("0.1 h", "0.1 h to 0.3 h", "0.2 h, 50 %", "never"), "name": ("generated", "x2")}
+POOL |= {"meaning": ("what it means", ""), "source": ("what it means", ""), "thing": THINGS, "other": THINGS}
+POOL |= {"force": THINGS[:1], "run": RUNS, "ax": (None,), "replicate": (0, 1), "study": (FOLDER / "study.toml",)}
+POOL |= {"out": (FOLDER / "results",), "executor": (None,), "scenario": ("B", "AB"), "outcome": ("basal", "height_um")}
+POOL |= {"path": ("built.npz", FOLDER / "again.npz", FOLDER / "no" / "folder.npz", FOLDER)}
+POOL |= {"file": ("run.gif", FOLDER / "run.webp", "run.txt", FOLDER)}
+POOL |= {"folder": (FOLDER / "results", str(FOLDER / "results"), FOLDER)}
+POOL |= {"cells": tuple(frame.cells for frame in FRAMES), "layers": tuple(frame.layers for frame in FRAMES)}
+POOL |= {"curve": (FRAMES[0].curve, TUBE.curve()), "checkpoint": (FRAMES[0].checkpoint, FRAMES[3].checkpoint, None)}
 ARRAYS = ("x", "id", "divides", "emt", "radius")
 REPLACED = {"value": tuple(getattr(FRAMES[3].cells, name) for name in ARRAYS)}
 CALLS = calls(
