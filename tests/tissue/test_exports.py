@@ -22,7 +22,6 @@ STUDY = """title = "small"
 base = "published"
 replicates = 2
 seed = 7
-trajectories = [1]
 overrides = {numerics = {t_end = "2 h"}, emt = {cells = 2}, tissue = {cells = 20}}
 [scenarios.A]
 emt.a = "1 h"
@@ -69,9 +68,9 @@ def test_a_study_says_what_its_columns_mean(tmp_path):
     (tmp_path / "study.toml").write_text(STUDY, "utf-8")
     results = tissue.run_study(tmp_path / "study.toml", tmp_path / "out")
     found = pd.read_csv(tmp_path / "out" / "columns.csv", keep_default_na=False)
-    assert set(found["table"]) == {"runs", "cells", "trajectories"}
+    assert set(found["table"]) == {"runs", "cells"}
     assert found["meaning"].all()
-    for kind in ("runs", "cells", "trajectories"):
+    for kind in ("runs", "cells"):
         file = next((tmp_path / "out" / kind / "scenario=A").glob("*.parquet"))
         schema = pq.read_schema(file)
         about = {key.decode(): value.decode() for key, value in schema.metadata.items()}

@@ -34,8 +34,8 @@ Out = Annotated[Path, typer.Option(help="Folder of the results: new, empty, or o
 def study(file: File, out: Out) -> None:
     """Make all runs of a study that are not in its folder yet, on this machine's cores.
 
-    A study file has title, base, replicates and seed, then scenarios or factors, and on request overrides, paired,
-    trajectories and compare; the tutorial "An EMT study" shows each. The keys of overrides and scenarios are
+    A study file has title, base, replicates and seed, then scenarios or factors, and on request overrides, paired and
+    compare; the tutorial "An EMT study" shows each. The keys of overrides and scenarios are
     those that "tissue parameters" lists. After any interruption the same command goes on.
 
     Exit codes: 0 all runs are stored, failed ones with their status; 2 bad input; 3 the study could not go on, as on a

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 import tissue
 from tests.browser import WIDTHS, fits, launched, visit
 from tests.tissue.space.in_space import of_surface
-from tests.tissue.study.figures_stand_in import COMPARE, FACTORS, HEAD, INTERACTION, outcomes
+from tests.tissue.study.stand_in import COMPARE, FACTORS, HEAD, INTERACTION, random_outcomes
 from tissue.cli.app import app
 from tissue.frames.section import section
 from tissue.pictures.charts import OUTCOMES, WIDTH, ratios_in_time
@@ -41,7 +41,7 @@ TITLE = 'title = "Does the time matter, and more inside?"'
 @pytest.fixture(autouse=True)
 def quick(monkeypatch, tmp_path):
     """Random outcomes, in a folder of their own; small movies."""
-    monkeypatch.setattr("tissue.study.outcomes.outcomes", outcomes)
+    monkeypatch.setattr("tissue.study.outcomes.outcomes", random_outcomes)
     monkeypatch.setattr(page, "PICTURES", 2)
     monkeypatch.setattr(page, "DPI", 30)
     monkeypatch.chdir(tmp_path)
