@@ -2,7 +2,6 @@
 
 import json
 import re
-from importlib.util import find_spec
 
 import numpy as np
 import pandas as pd
@@ -104,30 +103,6 @@ def test_xarray_has_labels_and_units(slice_run, tmp_path):
         assert found.attrs["seed"] == "3"
         assert tissue.preset("published").cell.soft_radius.value == 5.0
         assert "base = " not in found.attrs["parameters"]
-
-
-@pytest.mark.skipif(find_spec("anndata") is None, reason="the extra anndata is not installed: it needs pandas 2")
-@pytest.mark.filterwarnings("ignore")  # of anndata with pandas 3
-def test_anndata_has_cells_and_networks(slice_run, sheet_run, tmp_path):
-    import anndata
-
-    for name, run in (("slice", slice_run), ("sheet", sheet_run)):
-        run.to_anndata().write_h5ad(tmp_path / f"{name}.h5ad")
-        found, table = anndata.read_h5ad(tmp_path / f"{name}.h5ad"), run.table()
-        table = table[table["time_h"] == run.final.t]
-        assert found.obs_names.tolist() == table["id"].astype(str).tolist()
-        np.testing.assert_array_equal(found[:, "age_h"].X[:, 0], table["age_h"])
-        assert found.var.loc["age_h", "unit"] == "h"
-        assert found.obs["events"].tolist() == table["events"].tolist()
-        assert found.obsm["spatial"].shape == (len(table), 3 if name == "sheet" else 2)
-        assert found.uns["seed"] == str(run.seed)
-    edges = sheet_run.networks().query("layer == 'apical' and time_h == @sheet_run.final.t")
-    matrix = found.obsp["apical_rest_um"]
-    assert matrix.nnz == 2 * len(edges)
-    first = edges.iloc[0]
-    i, j = (found.obs_names.get_loc(str(first[name])) for name in ("id", "other_id"))
-    assert matrix[i, j] == matrix[j, i] == first["rest_um"]
-    assert found.obsp["basal_neighbours"].sum() == 2 * len(sheet_run.final.sheets.basal.edges)
 
 
 def test_networks_are_those_of_the_frames(slice_run, sheet_run):
