@@ -35,7 +35,7 @@ RUN = dincl.solve(PROBLEMS[1], SCHEMES[0], [0.5, 1.0])
 def asked(problem, t, x, tol, u):
     """All that a normal cone is asked."""
     cone = geometry.normal_cone(problem, t, x, tol)
-    return [cone.distance(u), cone.multipliers(u), cone.tangent_part(u), cone.contains(u), cone.inverse_triangle()]
+    return [cone.distance(u), cone.multipliers(u), cone.tangent_part(u)]
 
 
 def solved(drift, constraints, scheme):
@@ -77,7 +77,7 @@ POOL |= {"x0": X0, "x": X0, "y": X0, "u": X0, "v0": X0, "direction": X0, "drift"
 POOL |= {
     **dict.fromkeys(("dt", "tol", "eps", "alpha", "beta", "gamma", "damping", "dtau", "step", "strength"), POSITIVE)
 }
-POOL |= {"length": POSITIVE, "spacing": (0.1, 0.25, 1e-2), "exponent": (1, 2), "limit": (50, 500), "at": (0.05, 0.25)}
+POOL |= {"length": POSITIVE, "exponent": (1, 2), "limit": (50, 500), "at": (0.05, 0.25)}
 POOL |= {**dict.fromkeys(("sweeps", "n", "seed"), NATURAL), "offset": NUMBER, "t": NUMBER, "radius": RADIUS}
 POOL |= {"distance": RADIUS, "rate": (1.0, [1.0, 2.0]), "throw": (True, False), "squared": (True, False)}
 POOL |= {"among": ([0, 1], None), "normal": ((0, 1), [1.0, 2.0]), "pairs": ([(0, 1)],), "chain": ([0, 1], [2, 0, 1])}
@@ -101,6 +101,6 @@ CALLS = calls(
     *(drifts.constant, drifts.attraction, drifts.swirl, (dincl.solve, TIMES), solved, late, carried),
     *((smooth, {"projection": PROJECTIONS[:3]}), (RUN, {"t": (0.7, [0.1, 0.2])})),
     *(dincl.project, dincl.minimise, (nearest, ANY), (complementary, ANY)),
-    *((geometry.normal_cone, AT), (asked, AT), (geometry.tangent_velocity, AT), (geometry.support, AT)),
+    *((geometry.normal_cone, AT), (asked, AT), (geometry.support, AT)),
     *(scenes.pile, scenes.ball_pile, dincl.shapes.radii, dincl.shapes.shapes_at),
 )
