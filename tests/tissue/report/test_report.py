@@ -17,7 +17,7 @@ from tissue.frames.section import section
 from tissue.pictures.charts import OUTCOMES, ratios_in_time
 from tissue.pictures.sheet import webp
 from tissue.report import page
-from tissue.report.effects import effect_figure
+from tissue.report.figures import effect_figure
 from tissue.report.page import figures, write_page
 from tissue.study.answers import answer_table, scenario_means
 from tissue.study.outcomes import outcomes as true_outcomes
