@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.tissue.kernel_calls import aged, both, compared, freed, generators, upright, with_emt
+from tests.tissue.kernel_calls import aged, freed, generators, steps, upright, with_emt
 from tests.tissue.space.in_space import of_surface
 from tests.tissue.states import layers, numbers
 from tissue.events.known import bit
@@ -47,19 +47,27 @@ def dividing(n, seed, layers_of=layers):
 
 @pytest.mark.parametrize("network", [layers, freed])
 @pytest.mark.parametrize("seed", range(3))
-def test_kernels_and_twins(network, seed):
-    end = compared(dividing(24, seed, network), GIVEN, 8, seed)
-    mine = end.cells.emt >= 0
-    assert mine.sum() > 12
-    assert sorted(end.cells.emt[mine]) == list(range(mine.sum())) == list(range(len(end.emt.side)))
+def test_all_cells_of_a_family_have_its_events(network, seed):
+    state = dividing(24, seed, network)
+    end = steps(state, 0, 8, GIVEN, *generators(seed))
+    mine = np.flatnonzero(end.cells.emt >= 0)
+    assert len(mine) > 12
+    assert sorted(end.cells.emt[mine]) == list(range(len(mine))) == list(range(len(end.emt.side)))
+    mothers = dict(zip(end.cells.id.tolist(), end.cells.mother.tolist(), strict=True))
+    for i in mine:
+        first = end.cells.id[i]
+        while first >= 24:
+            first = mothers[first]
+        times = state.emt.at[:, state.cells.emt[first]]
+        np.testing.assert_array_equal(end.emt.at[:, end.cells.emt[i]], times)
+        assert end.cells.events[i] == sum(1 << k for k in np.flatnonzero(times <= 0.8))
 
 
-@both
-def test_daughters_have_what_their_mother_has(model):
+def test_daughters_have_what_their_mother_has():
     """Before, between and after the events: whatever she has lost, and what she will."""
     state = with_emt(upright(4, birth=-11.9), [1, 2], a=0.1, b=0.3)
     state.cells.divides[:], state.cells.cycle[:] = True, [50.0, 12.0, 12.2, 50.0]
-    end = model.steps(state, 0, 4, GIVEN._replace(variance=0.0, min_cycle=90.0, max_cycle=90.0), *generators(0))
+    end = steps(state, 0, 4, GIVEN._replace(variance=0.0, min_cycle=90.0, max_cycle=90.0), *generators(0))
     mine = np.flatnonzero(end.cells.emt >= 0)
     assert mine.tolist() == [1, 2, 3, 4]
     assert end.cells.mother[mine].tolist() == [-1, 1, -1, 2]

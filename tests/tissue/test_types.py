@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.tissue.bits import same
-from tests.tissue.kernel_calls import aged, compared, freed, with_emt
+from tests.tissue.kernel_calls import aged, freed, generators, ruled, steps, with_emt
 from tests.tissue.states import layers, numbers
 from tissue.events.known import row
 from tissue.files.parameters import preset
@@ -60,19 +60,31 @@ def mixed(n, seed, layers_of=layers):
     return with_emt(state, np.flatnonzero(kind == NAMED + 2)[:4], a=0.25, b=0.35, s=0.25, p=0.45)
 
 
-# Kernels and twins
+# Rules
 
 
 @pytest.mark.parametrize("network", [layers, freed])
 @pytest.mark.parametrize("seed", range(3))
 def test_each_cell_has_the_numbers_of_its_type(network, seed):
+    """After the rules it is what it is in a tissue where all have these numbers; daughters are of her type."""
     state = mixed(24, seed, network)
-    end = compared(state, GIVEN, 8, seed, OWN)
+    cells = state.cells._replace(kind=np.zeros(24, np.int64))
+    after = ruled(state, 0.25, GIVEN._replace(variance=0.0, two_daughters=0.0), seed, OWN).cells
+    for kind, own in enumerate((GIVEN, GIVEN, *OWN)):
+        numbers_of_all = own._replace(variance=0.0, two_daughters=0.0)
+        alone = ruled(state._replace(cells=cells), 0.25, numbers_of_all, seed).cells
+        mine = (state.cells.kind == kind) & (after.birth < 0.0)
+        for name in set(after._fields) - {"kind", "rest_aa", "cycle"}:
+            np.testing.assert_array_equal(getattr(after, name)[..., mine], getattr(alone, name)[..., mine], name)
+    end = steps(state, 0, 8, GIVEN, *generators(seed), OWN)
     born = end.cells.id >= len(state.cells.x)
     assert born.any()
-    mothers = dict(zip(end.cells.id, end.cells.kind, strict=True))
-    assert all(mothers[end.cells.mother[i]] == end.cells.kind[i] for i in np.flatnonzero(born))
+    kinds = dict(zip(end.cells.id, end.cells.kind, strict=True))
+    assert all(kinds[end.cells.mother[i]] == end.cells.kind[i] for i in np.flatnonzero(born))
     assert (end.cells.events[end.cells.emt >= 0] > 0).all()
+    quick = end.cells.cycle[born & (end.cells.kind == NAMED + 1)]
+    assert (quick >= 0.4).all()
+    assert (quick <= 0.9).all()
 
 
 # Runs
