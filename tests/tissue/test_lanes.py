@@ -1,4 +1,4 @@
-"""Lanes compute in eight places what NumPy computes in one, and a number alone the same bits; random numbers of lanes."""
+"""Lanes compute in eight places what NumPy computes in one, and a number alone the same bits; random numbers."""
 
 from functools import partial
 

@@ -452,16 +452,38 @@ def test_those_that_constrict_together_stay_together(cells, times, layer, found)
     assert (state.cells.stiff_ax == before.cells.stiff_ax).all()
 
 
+def ring(state):
+    """The same cells, 3 apart, on a circle with the tissue outside; and as kernels have it."""
+    n = len(state.cells.x)
+    curve, along = ellipse(3.0 * n, 1.0, inside=False, ring=True), 3.0 * np.arange(n) - 1.5 * (n - 1)
+    (x, y), (ax, ay), (bx, by) = (curve.above(along, np.full(n, height)) for height in (4.0, 8.0, 0.0))
+    state = state._replace(cells=state.cells._replace(x=x, y=y, ax=ax, ay=ay, bx=bx, by=by, along=along))
+    return state, held(state, curve=curve_numbers(curve)), curve
+
+
+def rule(ring, numbers=STILL):
+    """The tissue after the rules of t = 0 on a ring."""
+    apply_rules(ring, 0.0, numbers_pointer(numbers), rules_pointer([ring]), *generators(0))
+    return taken(ring)
+
+
+def test_daughters_on_a_ring_part_along_it():
+    """All points by the offset along the tangent at the basal point, which stays on the circle."""
+    state, made, curve = ring(upright(12, birth=np.where(np.arange(12) == 2, -12.0, 0.0)))
+    before, after = state.cells, rule(made, ALWAYS._replace(offset=0.1)).cells
+    _, (along_x, along_y), _ = curve.evaluate(before.along[[2]])
+    for name, along in {"x": along_x, "y": along_y, "ax": along_x, "ay": along_y}.items():
+        found = getattr(after, name)[[2, 3]] - getattr(before, name)[2]
+        np.testing.assert_allclose(found, [-0.1 * along[0], 0.1 * along[0]], rtol=1e-13)
+    np.testing.assert_allclose(after.along[[2, 3]], before.along[2] + [-0.1, 0.1], rtol=1e-15)
+    np.testing.assert_allclose((after.bx, after.by), curve.evaluate(after.along)[0], rtol=0, atol=1e-10)
+
+
 @pytest.mark.parametrize("cells", [[0, 1, 2], [4, 5, 6], [9, 10, 11]])
 def test_a_gap_in_a_ring_is_closed_wherever_it_is(cells):
     """At its beginning, too, the neighbours are joined, and those that constrict together are one chain."""
-    curve, along = ellipse(36.0, 1.0, inside=False, ring=True), 3.0 * np.arange(12) - 16.5
-    state = with_emt(upright(12, rest_aa=0.5), cells, ac=0.0)
-    (x, y), (ax, ay), (bx, by) = (curve.above(along, np.full(12, height)) for height in (4.0, 8.0, 0.0))
-    state = state._replace(cells=state.cells._replace(x=x, y=y, ax=ax, ay=ay, bx=bx, by=by, along=along))
-    ring = held(state, curve=curve_numbers(curve))
-    apply_rules(ring, 0.0, numbers_pointer(STILL), rules_pointer([ring]), *generators(0))
-    after = taken(ring)
+    state, made, _ = ring(with_emt(upright(12, rest_aa=0.5), cells, ac=0.0))
+    ax, ay, after = state.cells.ax, state.cells.ay, rule(made)
     left, right = (cells[0] - 1) % 12, (cells[-1] + 1) % 12
     assert chains(after) == [cells]
     assert after.cells.rest_aa[left] == pytest.approx(np.hypot(ax[right] - ax[left], ay[right] - ay[left]), rel=1e-15)

@@ -16,6 +16,7 @@ from tests.tissue import states
 from tests.tissue.kernel_calls import Tissue, generators
 from tests.tissue.space.calls import SURFACES, make_substeps, random_tissue
 from tests.tissue.space.in_space import of_surface, parameters
+from tests.tissue.space.tissues import feet
 from tests.twins.tissue import SpaceTissue, Steps, distance, mapped
 from tissue.events.known import row, settled
 from tissue.files.groups import first_of
@@ -26,7 +27,6 @@ from tissue.runs.simulate import simulate
 from tissue.state.basal_curve import curve_numbers, ellipse
 from tissue.state.cells import CONTROL, NAMED, CellLayers, Emt, emt_cells
 from tissue.state.running import STRAIGHT
-from tissue.state.surface import laid
 
 # All cells divide at the age of 1 h, and no number is drawn that matters; hard discs are small, neighbours are free.
 GIVEN = states.numbers(
@@ -250,7 +250,7 @@ MAPS = {
 
 @pytest.mark.parametrize("name", MAPS)
 def test_steps_go_with_the_symmetries(name):
-    """To rounding: balls keep the order of the cells, sums have another one. Each cell may lie in a period of its own."""
+    """To rounding: balls keep the order of the cells, sums have another. Each cell may lie in a period of its own."""
     where, matrix, shift = MAPS[name]
     surface = SURFACES[where]
     state, steps = random_tissue(120, 11, surface), Steps(0.00125, 4, surface=surface)
@@ -343,7 +343,7 @@ def test_a_turned_tissue_has_the_turned_run(name, monkeypatch):
         def basal(parameters):
             found = lattice(parameters)
             moved = found.basal + 0.1 * found.spacing * np.random.default_rng(0).uniform(-1, 1, found.basal.shape)
-            points = np.array([laid(found.surface, point) for point in moved.T]).T
+            points = feet(found.surface, moved.T).T
             return replace(found, basal=np.ascontiguousarray(rotated @ points))
 
         monkeypatch.setattr(Parameters, "lattice", basal)

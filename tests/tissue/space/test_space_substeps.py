@@ -1,6 +1,4 @@
-"""Substeps in three dimensions equal their plain twins, projections bit for bit; no pair is missed, wherever nuclei are,
-however far one is pushed.
-"""
+"""Substeps in three dimensions equal their plain twins, projections bit for bit, and no pair of nuclei is missed."""
 
 import numpy as np
 import pytest
