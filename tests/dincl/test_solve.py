@@ -1,8 +1,6 @@
 """The run: times, steps, output, residuals of its result; what comes back from pickle; what is no start."""
 
-import copy
 import pickle
-import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -164,39 +162,6 @@ def test_a_trajectory_comes_back_from_pickle(scheme, scene):
     np.testing.assert_array_equal(back.normal_cone_residual(), path.normal_cone_residual())
     assert back.stats == path.stats
     np.testing.assert_array_equal(back.problem.exact(1.0), scene.exact(1.0))
-
-
-def shift(t):
-    return (t,)
-
-
-WALL = dincl.HalfSpace((1,), -9.0)
-BAD = {
-    "drift": dincl.Problem([[1.0]], lambda t, x: -x, [WALL]),
-    "constraints[1].path": dincl.Problem([[1.0]], pull, [WALL, dincl.Moving(WALL, lambda t: (t,))]),
-    "constraints[0].constraint.g": dincl.Problem(
-        [[1.0]], pull, [dincl.Moving(dincl.Smooth(lambda x: x[0] + 9, np.ones_like), shift)]
-    ),
-}
-
-
-@pytest.mark.parametrize("part", BAD)
-def test_a_part_that_cannot_be_pickled_is_named_and_can_be_copied(part):
-    problem = BAD[part]
-    message = re.escape(part) + r" = <function .*<lambda>.*define it at module level, or keep path.to_frame\(\)"
-    for scheme in (dincl.PBD(0.1), dincl.EventDriven(1e-6)):
-        path = dincl.solve(problem, scheme, t=[1.0])
-        for item in (problem, path):
-            with pytest.raises(pickle.PicklingError, match=message):
-                pickle.dumps(item)
-        assert copy.copy(problem) is problem
-        assert np.array_equal(copy.deepcopy(path)(0.5), path(0.5))
-
-
-def test_a_scheme_that_cannot_be_pickled_is_named():
-    path = dincl.solve(scenes.two_disks(), Weighted(0.1, lambda: 1), t=[0.2])
-    with pytest.raises(pickle.PicklingError, match=r"^scheme.weight = <function"):
-        pickle.dumps(path)
 
 
 # Schemes that take t0, until and breaks.

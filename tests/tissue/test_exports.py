@@ -12,9 +12,9 @@ import pytest
 import tissue
 from dincl.errors import InvalidProblem
 from docs.building.lists import PAGES
-from tests.borders.tissue_calls import shelves
 from tests.optional import need_module
 from tests.tissue.space.in_space import of_surface
+from tests.tissue.users import shelves
 from tissue.runs.columns import TABLES, dictionary, facts
 
 GROWING = {"numerics.t_end": "12 h", "numerics.keep": "6 h", "emt.cells": 3, "emt.a": "2 h", "numerics.dt": "0.1 h"}

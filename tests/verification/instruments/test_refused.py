@@ -123,7 +123,7 @@ def test_a_method_that_raises_is_a_row_and_the_others_keep_theirs(error):
     known = v.reference(WALL, tol=1e-9)([0.5, 1.0])
 
     class Broken(dincl.Scheme):
-        def run(self, problem, times):
+        def run(self, problem, times, span):
             raise error
 
     words = f"{type(error).__name__}: {error}"

@@ -1,4 +1,4 @@
-"""Forces of a user, of which tests load copies: a wall, springs to a point, the bending of cells, one that fails."""
+"""A module of a user, of which tests load copies: forces, an event, an observable and a rule of divisions."""
 
 import math
 
@@ -70,9 +70,38 @@ def explode(store, on, strength, numbers):
         on.bx[5] += math.nan if strength == 1.0 else strength * (1.0 + abs(cells.bx[5]))
 
 
+STIFFER = 3.0
+
+
+def begin(store, i, bit, numbers):
+    store.cells.stiff_bx[i] *= STIFFER
+
+
+def last(store, i, rest_ax, rest_bx, numbers):
+    store.cells.rest_bx[i] = 0.5 * rest_bx
+
+
+def stiffest(frame, parameters):
+    return float(frame.cells.stiff_bx.max())
+
+
+def always(store, i, number, numbers):
+    return number < 2.0
+
+
+def far(store, i, numbers):
+    cells = store.cells
+    for points in (cells.x, cells.ax, cells.bx):
+        points[i] -= 0.1
+        points[i + 1] += 0.1
+
+
 tissue.register(
     tissue.Force("wall", push_down, "nothing is above a height", "a test", wall_energy),
     tissue.Force("point", pull_to_point, "springs to a point"),
     tissue.Force("straight", straighten, "cells are straight", "(3.12)", bending_energy),
     tissue.Force("explosive", explode, "tissues are lost"),
+    tissue.EmtEvent("squeeze", "the basal spring stiffens and shortens", "a test", begin, last),
+    tissue.Observable("stiffest", "largest alpha_bx", stiffest),
+    tissue.DivisionRule("always", "without chance; farther apart", "a test", always, far),
 )
