@@ -178,7 +178,9 @@ def test_functions_are_given_the_time_since_t0(name):
     scheme = SCHEMES[name]
     shifted = dincl.solve(of_time(since=2.0), scheme, t=[0.5, 1.0, 2.5])
     later = dincl.solve(of_time(), scheme, t=[2.5, 3.0, 4.5], t0=2.0)
-    assert (later.t.tolist(), later.t0, later.stats.steps) == ([2.5, 3.0, 4.5], 2.0, shifted.stats.steps)
+    assert (later.t.tolist(), later.t0) == ([2.5, 3.0, 4.5], 2.0)
+    # By the rounding of times EventDriven may make one step in two.
+    assert abs(later.stats.steps - shifted.stats.steps) <= (name == "EventDriven")
     np.testing.assert_allclose(later.x, shifted.x, atol=1e-13)
     np.testing.assert_allclose(later([2.0, 2.3, 3.7]), shifted([0.0, 0.3, 1.7]), atol=1e-13)
     np.testing.assert_allclose(later.normal_cone_residual(), shifted.normal_cone_residual(), atol=1e-9)
