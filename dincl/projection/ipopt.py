@@ -62,10 +62,8 @@ class Ipopt(Projection):
     The answer is a point where the first-order conditions hold, searched from the state before the step. Lengths are in
     units of the largest violation; tolerances are 1e-11 of it, bounds are not relaxed, iterations are limited to 500.
     Rows of distances are polynomials with exact sparse derivatives, so a program is compiled once for the rows that are
-    near, not at every step: 19 times in 1,000 steps of ten discs that fall into a corner. Of a start only the point is
-    used: multipliers of the last step changed the number of iterations in both directions. What is missing to ``tol``
-    is completed on the active rows. Measured on settled piles of discs, one step of gravity, in milliseconds (first,
-    with compilation / again): 4 / 1.2 at 4, 7 / 1.5 at 10, 27 / 5.6 at 100, 200 / 56 at 1,000.
+    near, not at every step. Of a start only the point is used. What is missing to ``tol`` is completed on the active
+    rows.
 
     Parameters
     ----------

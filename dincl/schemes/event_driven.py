@@ -65,23 +65,10 @@ class EventDriven(Scheme):
 
     ``Trajectory.error`` holds the estimate, with all overlaps in it, ``Trajectory.events`` the events. For at most
     1,000 particles. A run is made in compiled code, and its cost is that of its events times that of a factorisation
-    of the contacts. A path of 1,000 discs takes 90 kB for each of its steps. Measured to t = 2, on one core, with all
-    Python around it:
-
-    ============== ======= ============ =============
-    scene          events  tol = 1e-8   tol = 1e-12
-    ============== ======= ============ =============
-    four discs           5 1 ms         1.2 ms
-    ten discs           20 4 ms         5 ms
-    pile of 30          80 34 ms        41 ms
-    pile of 100        336 0.7 s        0.8 s
-    pile of 200        898 1.6 s        not reached
-    pile of 500      2,892 18 s
-    pile of 1,000    6,878 95 s
-    ============== ======= ============ =============
-
-    In piles of 10 to 100 discs it is the cheapest method for errors of 1e-4 and less, and catch-up for coarser ones. A
-    tolerance of 1e-3 costs a half to four fifths of 1e-8: events are as many.
+    of the contacts: milliseconds for ten discs, a second or two for some hundred, minutes for a thousand. A path of
+    1,000 discs takes 90 kB for each of its steps. In piles of 10 to 100 discs it is the cheapest method for errors of
+    1e-4 and less, and catch-up for coarser ones; a coarse tolerance costs little less than a fine one, since events are
+    as many.
     """
 
     tol: float = field()
