@@ -171,16 +171,9 @@ def _prepared(bind: Callable[[], Stepper], grids: tuple[TimeGrid, ...], times: F
     return stepper
 
 
-class _Line(NamedTuple):
-    """The straight line of a step of length h from ``start`` on."""
-
-    start: float
-    h: float
-    before: StepState
-    after: StepState
-
-    def at(self, t: float) -> Floats:
-        return self.before.towards(self.after, (t - self.start) / self.h)
+def _on_line(on: TimeGrid, k: int, before: StepState, after: StepState, t: float) -> Floats:
+    """Compute x(t) on the straight line of step k."""
+    return before.towards(after, (t - on.time(k)) / on.h)
 
 
 def _advance_until(
@@ -196,11 +189,11 @@ def _advance_until(
             for q in range(reached.k - k):
                 state, after, made = ends.stored(q), StepState(ends.x[q]), k + q
                 if watch.crossed(on.time(k + q + 1), after.x):
-                    line = _Line(on.time(k + q), on.h, state, after)
-                    t = watch.locate(line.start, on.time(k + q + 1), line.at)
+                    line = partial(_on_line, on, k + q, state, after)
+                    t = watch.locate(on.time(k + q), on.time(k + q + 1), line)
                     output.fill(k + q, state, after, most=int(np.searchsorted(times, t)))
                     v = None if state.v is None else (after.x - state.x) / on.h
-                    return Reached(k + q, state), (t, StepState(line.at(t), v))
+                    return Reached(k + q, state), (t, StepState(line(t), v))
                 output.fill(k + q, state, after)
             k, state = reached.k, reached.state
             if reached.failure is not None:
