@@ -45,40 +45,7 @@ def certified(problem, y, x, tol, at=None):
     return residual(g, jacobian, y, x, multipliers)
 
 
-# Polyhedra given by functions, whose multipliers have the order of the rows.
-
-
-def polyhedron(rng):
-    """Rows A x >= b of lengths 1e-3 to 1e3 that a known point meets, some redundant or repeated; and a point."""
-    n = int(rng.integers(1, 31))
-    m = int(rng.integers(1, 3 * n + 2))
-    a, inside = rng.normal(size=(m, n)), rng.normal(size=n)
-    if m > 4:
-        a[m // 2 :] = np.abs(rng.normal(size=(m - m // 2, m // 2))) @ a[: m // 2]
-    a /= np.linalg.norm(a, axis=1)[:, None]
-    b = a @ inside - rng.exponential(size=m) * (rng.random(m) < 0.5)
-    length = 10.0 ** rng.uniform(-3, 3, m)
-    return length[:, None] * a, length * b, inside, inside + rng.normal(size=n)
-
-
-@pytest.mark.parametrize("projection", [one for one in PROJECTIONS if one.id != "Ipopt"])
-def test_polyhedra_in_units_of_g(projection):
-    rng = np.random.default_rng(SEED)
-    reached = 0
-    for _ in range(25):
-        a, b, inside, y = polyhedron(rng)
-        rows = dincl.Smooth(lambda x, a=a, b=b: a @ x.ravel() - b, lambda x, a=a: a)
-        tol = 10.0 ** -int(rng.integers(6, 10))
-        problem = dincl.Problem(inside[:, None], rest, [rows])
-        found, failure = projected(problem, y[:, None], projection(tol))
-        if found is None:
-            assert failure.status is dincl.Status.NOT_CONVERGED
-            continue
-        reached += 1
-        x = found.point.ravel()
-        assert residual(a @ x - b, a, y, x, found.multipliers) <= tol * (1 + 1e-6)
-        assert found.residual <= tol
-    assert reached >= 23
+# Polyhedra.
 
 
 @EVERY
