@@ -28,12 +28,6 @@ def projected(sets, y, projection, **options):
         return None, failure
 
 
-def residual(g, jacobian, y, x, multipliers):
-    """Compute the violation, |x - y - J^T multipliers| and |min(multipliers, g)| of a point, the largest of them."""
-    misfit = (x - y).ravel() - multipliers @ jacobian
-    return max(np.max(-g, initial=0.0), np.abs(misfit).max(), np.abs(np.minimum(multipliers, g)).max(initial=0.0))
-
-
 def certified(problem, y, x, tol, at=None):
     """Return the residual of a point for all rows of a problem, or those linearised, with multipliers found here."""
     rows = problem.rows_within(0.0, x, np.inf)
@@ -42,7 +36,8 @@ def certified(problem, y, x, tol, at=None):
     g = rows.values(base) + jacobian @ (x - base).ravel()
     active, multipliers = g <= tol, np.zeros(len(g))
     multipliers[active], _ = nnls(jacobian[active].T, (x - y).ravel())
-    return residual(g, jacobian, y, x, multipliers)
+    misfit = (x - y).ravel() - multipliers @ jacobian
+    return max(np.max(-g, initial=0.0), np.abs(misfit).max(), np.abs(np.minimum(multipliers, g)).max(initial=0.0))
 
 
 # Polyhedra.
