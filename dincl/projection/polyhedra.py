@@ -15,7 +15,10 @@ from dincl.errors import InvalidProblem, StepFailure
 from dincl.matrices import divided, from_rows, row_squares
 from dincl.norms import length
 from dincl.projection.certificate import (
+    DAMPING,
+    MOST_COMPLETIONS,
     REGION,
+    STEPS,
     check_projection,
     least_combination,
     missed,
@@ -327,18 +330,41 @@ class Lcp(_Program):
         return gaps, gaps, np.zeros(0)
 
     def _search(self, how: Projection, least: Floats) -> tuple[Floats, int]:
-        """Project with the factor of W; the multipliers are judged by W itself."""
+        """Project with the factor of W; the multipliers are completed with W itself."""
         solver, origin = how.solver(), np.zeros((self._rows.shape[1], 1))
         try:
             # ``nearest`` would also look for wedges, in which u is inaccurate, but u is not the answer.
             found = solver.compute(AffineRows(self._rows, least), origin, origin, np.zeros(len(least)))
-            weights = np.maximum(found.multipliers, 0.0)
-            left = float(np.abs(np.minimum(weights, self._scaled @ weights - least)).max())
+            weights, left = _on_active_gram(self._scaled, least, found.multipliers, how.tol)
             if not left <= how.tol:
                 raise missed(solver.name, left, how.tol)
         except StepFailure as failure:
             raise _named(why_unsolved(failure, self._rows, least, 1.0), self._rows, least) from failure
         return weights, found.iterations
+
+
+def _on_active_gram(gram: Floats, least: Floats, multipliers: Floats, tol: float) -> tuple[Floats, float]:
+    """Return the best multipliers >= 0 of steps that solve gram lambda = least in the active rows, and their residual.
+
+    Those are active whose multiplier, of either sign, is larger than their gap gram lambda - least, so that a wrong
+    guess of an interior point is corrected; ends once the residual max |min(lambda, gap)| is at most ``tol``. ``gram``
+    (m, m) has ones in its diagonal.
+    """
+    best, smallest = multipliers, np.inf
+    for _ in range(MOST_COMPLETIONS):
+        kept, active = np.maximum(multipliers, 0.0), multipliers > gram @ multipliers - least
+        residual = float(np.abs(np.minimum(kept, gram @ kept - least)).max())
+        if residual < smallest:
+            best, smallest = kept, residual
+        if smallest <= tol or not active.any():
+            break
+        part, right, inner = gram[active][:, active], least[active], multipliers[active]
+        solve = factorised(part + DAMPING * np.eye(len(part))).solve
+        for _ in range(STEPS):
+            inner = inner + solve(right - part @ inner)
+        multipliers = np.zeros_like(best)
+        multipliers[active] = inner
+    return best, smallest
 
 
 class Factor(NamedTuple):
