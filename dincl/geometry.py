@@ -17,7 +17,7 @@ from dincl.matrices import combined, divided, row_squares
 from dincl.norms import length, longest
 from dincl.problem import Problem
 from dincl.projection.cone import TOLERANCE, nearest, split
-from dincl.rows.affine import AffineRows
+from dincl.rows.kinds import AffineRows
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray

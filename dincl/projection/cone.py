@@ -9,7 +9,7 @@ import numpy as np
 from dincl.norms import length
 from dincl.projection.certificate import on_active_rows
 from dincl.projection.quadratic import Daqp, Piqp
-from dincl.rows.affine import AffineRows
+from dincl.rows.kinds import AffineRows
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -13,8 +13,8 @@ from dincl.errors import StepFailure
 from dincl.neighbours import ALL_PAIRS, FIRST_SKIN, WIDEST_SKIN
 from dincl.neighbours.lists import BUILDS, CANDIDATES, CORRECTIONS, COUNT, NO_ROOM, NUMBERS, OUTDATED, PairList
 from dincl.neighbours.search import neighbour_pairs
-from dincl.rows.affine import HeightRows
 from dincl.rows.base import DiscPairs
+from dincl.rows.kinds import HeightRows
 from dincl.status import Status
 from dincl.steps.sweeps import DISCS, MOST_ITERATIONS, ROWS, WALL, Families, correct_rows, project_rows
 from dincl.system import arrays as codes

@@ -4,7 +4,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from dincl import scenes
-from dincl.rows.affine import linearised
+from dincl.rows.kinds import linearised
 from dincl.solvers.dual import bounded_conjugate_gradients
 
 
