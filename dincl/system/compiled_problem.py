@@ -39,7 +39,7 @@ from dincl.system import arrays as codes
 from dincl.system.arrays import Drift, SystemArrays, curvature, overlaps_at
 from dincl.system.callbacks import DriftPointer, PythonFunction, catching, numbers_at
 from dincl.system.time_scales import NO_BREAKS
-from dincl.system.time_tables import table_of_displacement, table_of_rows, timed_sets
+from dincl.system.time_tables import Reading, table_of_displacement, table_of_rows
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -51,8 +51,8 @@ if TYPE_CHECKING:
     from dincl.constraints.selection import Selection
     from dincl.problem import Problem
     from dincl.rows.base import RowsOfOneKind
+    from dincl.rows.timed_sets import TimedSet
     from dincl.system.time_scales import Interval
-    from dincl.system.time_tables import TimeTable
     from dincl.work import Work
 
 # More rows, or particles, than these are not listed all at once: those of 200 discs.
@@ -154,7 +154,7 @@ class SetsPointer(PythonFunction):
             column=np.zeros(entries, dtype=np.int64),
             entry=np.zeros(entries),
             box=np.zeros(0) if box is None else box / units.length,
-            tables=np.array([0, 1, 0]),
+            tables=np.ones(1, dtype=np.int64),
         )
 
     def _select(self, selection: Selection, called: tuple[int, ...]) -> int:
@@ -183,15 +183,16 @@ class SetsPointer(PythonFunction):
         ask how sets change.
         """
         unit, system = self._units, self.system.value
-        tables: list[TimeTable] = []
+        tables: list[TimedSet] = []
+        of = Reading(system.rows, system.near.radius, compares)
         size = longest(self._start) / unit.length
         for f, parts in smooth.items():
             pieces = [(a / unit.time, b / unit.time) for a, b in parts]
             with suppress(StepFailure):  # the run fails when it gets there
                 if f in self._paths and pieces:
-                    table = table_of_displacement(f, partial(self._displaced, f), pieces, size)
+                    table = table_of_displacement(f, partial(self._displaced, f), pieces, size, of)
                 elif pieces and len(self._blocks[f]) and not system.near.search:
-                    table = table_of_rows(f, partial(self._tabulated, f), pieces, size, self._starts[f], system.rows)
+                    table = table_of_rows(f, partial(self._tabulated, f), pieces, size, self._starts[f], of)
                     # In the table are the numbers of time 0, of which some may not change from a later start on.
                     first = self._tabulated(f, pieces[0][0]) if pieces[0][0] > 0.0 else None
                     if table is not None and first is not None:
@@ -205,9 +206,11 @@ class SetsPointer(PythonFunction):
         for one in tables:
             self._paths.pop(one.family, None)
             self._general.pop(one.family, None)
-        self._tables = StructPointer(timed_sets(tables, system.rows, system.near.radius, compares=compares))
+        self._tables = [StructPointer(one) for one in tables]
         asks = self._paths or self._general or self.updates or self._called
-        self.arrays.tables[:] = self._tables.address, bool(asks), write_timed.address
+        addresses = [bool(asks), write_timed.address, *(one.address for one in self._tables)]
+        self.arrays = self.arrays._replace(tables=np.array(addresses, dtype=np.int64))
+        self.system.replace({"sets.tables": self.arrays.tables})
 
     def _displaced(self, f: int, t: float) -> NDArray[np.float64]:
         found: NDArray[np.float64] = self._paths[f](t * self._units.time) / self._units.length
