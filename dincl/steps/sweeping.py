@@ -12,10 +12,9 @@ from typing import Any
 from dincl.compiled import c_function, call, inner, kernel, struct_type
 from dincl.compiled.arrays import Axes, Floats
 from dincl.compiled.calls import DOUBLES, floats_at, signature
-from dincl.neighbours import lists
 from dincl.neighbours.lists import (
-    DONE,
     INCOMPLETE,
+    ONE,
     OUTDATED,
     SWEEPS,
     UNKNOWN,
@@ -49,7 +48,6 @@ from dincl.steps.loop import DISCS, NO_FAMILIES, WALL, Families, Stepping, loop_
 from dincl.system.arrays import (
     COINCIDENT,
     FLAT,
-    NEED_ROOM,
     OK,
     REPEAT,
     SETS,
@@ -74,18 +72,15 @@ MANY = 300
 
 
 @inner
-def record_discs(families: Families, f: int, ended: int) -> int:
-    """Return the code of a step for how a sweep over discs ended, and record which discs lie on one point."""
-    pairs = pair_list_at(families.pairs[f])
-    if ended == lists.STALE or ended == lists.REPEAT:
-        return STALE if ended == lists.STALE else REPEAT
-    if ended != lists.SAME_POINT:
-        return NEED_ROOM if ended == lists.FULL else SETS
-    families.offending[0] = f
-    for end in range(2):
-        disc = pairs.number[lists.ONE + end]
-        families.offending[1 + end] = disc if pairs.disc.size == 0 else pairs.disc[disc]
-    return COINCIDENT
+def record_discs(families: Families, f: int, code: int) -> int:
+    """Return how a sweep over discs ended, and record which discs lie on one point."""
+    if code == COINCIDENT:
+        pairs = pair_list_at(families.pairs[f])
+        families.offending[0] = f
+        for end in range(2):
+            disc = pairs.number[ONE + end]
+            families.offending[1 + end] = disc if pairs.disc.size == 0 else pairs.disc[disc]
+    return code
 
 
 @inner
@@ -227,9 +222,9 @@ def sweep_of(visit_pair: Callable[..., int], visit_wall: Callable[..., float]) -
         if pairs.disc.size > 0:
             gather(x, pairs, len(axes))
             points = pairs.point
-        ended = sweep_discs(points, pairs, known if f == 0 else UNKNOWN, begin, compliance, axes)
+        code = sweep_discs(points, pairs, known if f == 0 else UNKNOWN, begin, compliance, axes)
         scatter(x, pairs, len(axes))
-        return OK if ended == lists.DONE else record_discs(families, f, ended)
+        return int(record_discs(families, f, code))
 
     @inner
     def sweep_wall(
@@ -330,8 +325,7 @@ def add_forces_of_discs(families: Families, f: int, x: Floats, spring: bool, for
     if pairs.disc.size > 0:
         gather(x, pairs, len(axes))
         points = pairs.point
-    ended = add_disc_forces(points, pairs, spring, force, axes)
-    return OK if ended == DONE else record_discs(families, f, ended)
+    return int(record_discs(families, f, add_disc_forces(points, pairs, spring, force, axes)))
 
 
 @inner
