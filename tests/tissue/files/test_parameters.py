@@ -462,19 +462,6 @@ def test_files_that_are_based_on_what_cannot_be(tmp_path):
             load(path)
 
 
-@pytest.mark.parametrize("name", PRESETS)
-def test_a_written_file_says_behind_each_value_what_it_means(name):
-    section, said, text = "", {}, preset(name).as_toml()
-    for line in filter(None, text.splitlines()):
-        if line.startswith("["):
-            section = line.strip("[]")
-        else:
-            code, _, comment = line.partition("  # ")
-            said[f"{section}.{code.split(' = ')[0]}"] = comment
-    assert said == {key: facts.comment for key, facts in KEYS.items() if not key.startswith("types.")}
-    assert tomllib.loads(text) == preset(name).as_dict()
-
-
 def test_values_of_presets_are_as_their_files_give_them():
     found = presets()
     assert found["thesis"]["tissue.apical_spacing"] == "1/3 R_soft"
