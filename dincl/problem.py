@@ -19,7 +19,7 @@ from dincl.constraints.smooth import Smooth
 from dincl.drifts import compiled
 from dincl.drifts.base import CompiledDrift, CountedCompiledDrift, CountedDrift
 from dincl.errors import InvalidProblem, StepFailure
-from dincl.rows.base import RowsOfOneKind, StackedRows
+from dincl.rows.base import MappedRows, RowsOfOneKind, StackedRows
 from dincl.rows.functions import SmoothRows
 from dincl.status import Status
 
@@ -216,8 +216,9 @@ def _check_rows(constraint: Constraint, x: NDArray[np.float64], place: str, tole
             f"x0 violates {name} by {-values.min():.3g} at {worst}{when} ({place}): allowed is {tolerance:.1g}; "
             "dincl.project(constraints, x0, projection) gives the nearest point that is feasible"
         )
-    if isinstance(rows, SmoothRows):
-        check_jacobian(rows, x, "jacobian" if rows.names[0] == "g" else rows.names[1])
+    smooth = rows.rows if isinstance(rows, MappedRows) else rows
+    if isinstance(smooth, SmoothRows):
+        check_jacobian(rows, x, "jacobian" if smooth.names[0] == "g" else smooth.names[1])
 
 
 def at_end(problem: Problem, x: NDArray[np.float64]) -> Problem:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.tissue.bits import same
-from tests.tissue.kernel_calls import aged, apply_rules, both, compared, freed, generators, taken, upright, with_emt
+from tests.tissue.kernel_calls import aged, freed, generators, ruled, steps, taken, upright, with_emt
 from tests.tissue.kernel_calls import held as held_of
 from tests.tissue.space.in_space import of_surface
 from tests.tissue.states import layers, numbers
@@ -59,13 +59,25 @@ each_network = pytest.mark.parametrize(("network", "seed"), [(one, k) for one in
 
 @each_network
 def test_each_cell_has_the_numbers_of_its_type(network, seed):
+    """After the rules it is what it is in a tissue where all have these numbers; daughters are of her type."""
     state = mixed(24, seed, network)
-    end = compared(state, GIVEN, 8, seed, OWN)
+    cells = state.cells._replace(kind=np.zeros(24, np.int64))
+    after = ruled(state, 0.25, GIVEN._replace(variance=0.0, two_daughters=0.0), seed, OWN).cells
+    for kind, own in enumerate((GIVEN, GIVEN, *OWN)):
+        numbers_of_all = own._replace(variance=0.0, two_daughters=0.0)
+        alone = ruled(state._replace(cells=cells), 0.25, numbers_of_all, seed).cells
+        mine = (state.cells.kind == kind) & (after.birth < 0.0)
+        for name in set(after._fields) - {"kind", "rest_aa", "cycle"}:
+            np.testing.assert_array_equal(getattr(after, name)[..., mine], getattr(alone, name)[..., mine], name)
+    end = steps(state, 0, 8, GIVEN, *generators(seed), OWN)
     born = end.cells.id >= len(state.cells.x)
     assert born.any()
-    mothers = dict(zip(end.cells.id, end.cells.kind, strict=True))
-    assert all(mothers[end.cells.mother[i]] == end.cells.kind[i] for i in np.flatnonzero(born))
+    kinds = dict(zip(end.cells.id, end.cells.kind, strict=True))
+    assert all(kinds[end.cells.mother[i]] == end.cells.kind[i] for i in np.flatnonzero(born))
     assert (end.cells.events[end.cells.emt >= 0] > 0).all()
+    quick = end.cells.cycle[born & (end.cells.kind == NAMED + 1)]
+    assert (quick >= 0.4).all()
+    assert (quick <= 0.9).all()
 
 
 # Runs
@@ -189,19 +201,27 @@ def dividing(n, seed, layers_of=layers):
 
 
 @each_network
-def test_kernels_and_twins(network, seed):
-    end = compared(dividing(24, seed, network), DIVIDED, 8, seed)
-    mine = end.cells.emt >= 0
-    assert mine.sum() > 12
-    assert sorted(end.cells.emt[mine]) == list(range(mine.sum())) == list(range(len(end.emt.side)))
+def test_all_cells_of_a_family_have_its_events(network, seed):
+    state = dividing(24, seed, network)
+    end = steps(state, 0, 8, DIVIDED, *generators(seed))
+    mine = np.flatnonzero(end.cells.emt >= 0)
+    assert len(mine) > 12
+    assert sorted(end.cells.emt[mine]) == list(range(len(mine))) == list(range(len(end.emt.side)))
+    mothers = dict(zip(end.cells.id.tolist(), end.cells.mother.tolist(), strict=True))
+    for i in mine:
+        first = end.cells.id[i]
+        while first >= 24:
+            first = mothers[first]
+        times = state.emt.at[:, state.cells.emt[first]]
+        np.testing.assert_array_equal(end.emt.at[:, end.cells.emt[i]], times)
+        assert end.cells.events[i] == sum(1 << k for k in np.flatnonzero(times <= 0.8))
 
 
-@both
-def test_daughters_have_what_their_mother_has(model):
+def test_daughters_have_what_their_mother_has():
     """Before, between and after the events: whatever she has lost, and what she will."""
     state = with_emt(upright(4, birth=-11.9), [1, 2], a=0.1, b=0.3)
     state.cells.divides[:], state.cells.cycle[:] = True, [50.0, 12.0, 12.2, 50.0]
-    end = model.steps(state, 0, 4, DIVIDED._replace(variance=0.0, min_cycle=90.0, max_cycle=90.0), *generators(0))
+    end = steps(state, 0, 4, DIVIDED._replace(variance=0.0, min_cycle=90.0, max_cycle=90.0), *generators(0))
     mine = np.flatnonzero(end.cells.emt >= 0)
     assert mine.tolist() == [1, 2, 3, 4]
     assert end.cells.mother[mine].tolist() == [-1, 1, -1, 2]
@@ -323,7 +343,7 @@ def test_springs_and_rest_lengths_have_the_radius_of_the_type():
     given = numbers(dt=20.0, floor_rest_length=False)
     named = [given._replace(soft_radius=1.6)]
     state = upright(2, kind=NAMED, birth=[0.0, -11.3], rest_ax=0.5, rest_bx=0.5)
-    after = apply_rules(state, 0.0, given, *generators(0), named).cells
+    after = ruled(state, 0.0, given, named=named).cells
     np.testing.assert_allclose(after.rest_ax, [3.0 - 1.6, 0.0], atol=1e-12)
     np.testing.assert_allclose(after.rest_bx, [5.0 - 1.6, 8.0 - 3.2], atol=1e-12)
     once = given._replace(dt=0.1, substeps=1, repulsion=0.0, junction_factor=0.0)

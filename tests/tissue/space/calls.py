@@ -4,7 +4,7 @@ import ctypes
 
 import numpy as np
 
-from tests.twins.tissue.space.state import SpaceTissue, Steps
+from tests.twins.tissue import SpaceTissue, Steps, still
 from tissue.kernels.surface_workspace import SURFACE_COUNTERS, SurfaceWorkspaces
 from tissue.model.springs import coefficient
 from tissue.state.surface import PLANE, SPHERE, Surface
@@ -25,11 +25,6 @@ SURFACES = {
 
 # Addresses of a workspace and a number of cells; 0.
 SUBSTEPS = ctypes.CFUNCTYPE(*[ctypes.c_int64] * 4)
-
-
-def call_substeps(workspaces: SurfaceWorkspaces, n: int) -> None:
-    """All substeps of one dt of n cells."""
-    assert SUBSTEPS(substeps_address(SURFACE))(workspaces.flat.address, workspaces.wide.address, n) == 0
 
 
 def workspace_of(state: SpaceTissue, steps: Steps, workspaces: SurfaceWorkspaces | None = None) -> SurfaceWorkspaces:
@@ -67,7 +62,7 @@ def taken(workspaces: SurfaceWorkspaces, state: SpaceTissue) -> SpaceTissue:
 
 
 def make_substeps(state: SpaceTissue, steps: Steps, workspaces: SurfaceWorkspaces | None = None) -> SpaceTissue:
-    """As ``twins.make_substeps``."""
+    """As ``twins.make_substeps_in_space``."""
     return counted(state, steps, workspaces)[0]
 
 
@@ -75,9 +70,9 @@ def counted(
     state: SpaceTissue, steps: Steps, workspaces: SurfaceWorkspaces | None = None
 ) -> tuple[SpaceTissue, dict[str, int]]:
     """The same, and the counters."""
-    workspaces = workspace_of(state, steps, workspaces)
+    workspaces, n = workspace_of(state, steps, workspaces), state.x.shape[1]
     before = workspaces.flat.value.counts.copy()
-    call_substeps(workspaces, state.x.shape[1])
+    assert SUBSTEPS(substeps_address(SURFACE))(workspaces.flat.address, workspaces.wide.address, n) == 0
     counts = dict(zip(SURFACE_COUNTERS, (workspaces.flat.value.counts - before).tolist(), strict=True))
     return taken(workspaces, state), counts
 
@@ -122,6 +117,14 @@ def random_tissue(n, seed, surface, crowd=1.0, **fields):
     stiff = {"stiff_ax": 2.0, "stiff_bx": 2.0, "stiff_axb": 15.0}
     drawn |= {name: alpha * rng.uniform(0.5, 2.0, n) for name, alpha in stiff.items()}
     return SpaceTissue(**{**drawn, **fields})
+
+
+def heap(seed, n, size, surface, radius=None):
+    """Nuclei in a heap of this size, on which nothing acts but balls."""
+    rng = np.random.default_rng(seed)
+    state = still(random_tissue(n, seed % 1000, surface))
+    own = rng.choice([0.0, 0.3, 0.7], n) if radius is None else np.full(n, radius)
+    return state._replace(x=rng.uniform(-size, size, (3, n)) + np.array([[9.0], [4.0], [-7.0]]), radius=own)
 
 
 def _on_surface(rng, n, surface, crowd):

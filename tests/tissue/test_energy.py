@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 import dincl
+from tests.tissue.space.calls import SURFACES, random_tissue
 from tests.tissue.states import cells, layers, numbers, tissue
-from tissue.model.energy import Parts, energy, forces, parts
+from tests.twins.tissue import Steps, elastic
+from tissue.model.energy import Parts, energy, forces, forces_of, parts, parts_of
 from tissue.state.basal_curve import LINE, ellipse
 from tissue.state.cells import Forces
 
@@ -98,6 +100,20 @@ def test_forces_are_the_slope_of_the_energy(seed, power, part, curve):
         for name in COORDINATES:
             exact = [-slope(state, network, given, curve, name, k) for k in range(9)]
             assert getattr(found, name) == pytest.approx(exact, abs=1e-10 * largest)
+
+
+@pytest.mark.parametrize("name", ["open plane", "tight plane", "cylinder"])
+@each_power
+def test_forces_in_space_are_the_slope_of_the_energy(name, power):
+    steps, state = Steps(power=power, surface=SURFACES[name]), random_tissue(20, 3, SURFACES[name])
+    points, of = np.array([state.x, state.a, state.b]), elastic(state, steps)
+    slopes = np.zeros(points.shape)
+    for place in np.ndindex(points.shape):
+        shifted = points.astype(complex)
+        shifted[place] += 1j * STEP
+        slopes[place] = sum(parts_of(*shifted, of, steps.surface)).imag / STEP
+    found = forces_of(*points, of, steps.surface)
+    np.testing.assert_allclose(found, -slopes, rtol=0.0, atol=1e-12 * abs(slopes).max())
 
 
 def test_cost_does_not_grow_with_the_number_of_all_pairs():
