@@ -124,6 +124,7 @@ class SurfaceWorkspace(NamedTuple):
     pushed: Quads  # likewise the push on it
     state: Marks
     counts: Counts
+    cells: Annotated[Integers, Shared(lambda size: 1)]  # how many there are
     # Of one substep
     substeps: int = 0  # in one dt
     max_basal_distance: float = 0.0
