@@ -9,16 +9,21 @@ from __future__ import annotations
 from typing import Any
 
 from dincl.compiled import inner
-from tissue.kernels.lanes import integers_from, load_from, packed, shuffle, store_to, twice_rsqrt, where_positive
+from tissue.kernels.lanes import (
+    four_integers,
+    load_from,
+    shuffle,
+    store_four,
+    three_and_zero,
+    twice_rsqrt,
+    where_positive,
+)
 
 QUAD_WIDTH = 4
 Quad = Any  # four doubles
 
 # load_quad(a, k) and store_quad(a, k, v): entries k to k + 3 of a flat array of doubles.
-load_quad, store_quad = load_from(QUAD_WIDTH), store_to(QUAD_WIDTH)
-# four_integers(a, k): entries k to k + 3 of a flat array of short integers.
-four_integers = integers_from(QUAD_WIDTH)
-_pack = packed(QUAD_WIDTH, 3)
+load_quad, store_quad = load_from(QUAD_WIDTH), store_four
 _even, _odd, _lower, _upper = shuffle(0, 4, 2, 6), shuffle(1, 5, 3, 7), shuffle(0, 1, 4, 5), shuffle(2, 3, 6, 7)
 _first, _second, _third, _fourth = (shuffle(*[k] * QUAD_WIDTH) for k in range(QUAD_WIDTH))
 
@@ -26,7 +31,7 @@ _first, _second, _third, _fourth = (shuffle(*[k] * QUAD_WIDTH) for k in range(QU
 @inner
 def quad_of(x: float, y: float, z: float) -> Quad:
     """Return x, y, z and 0."""
-    return _pack((x, y, z))
+    return three_and_zero((x, y, z))
 
 
 @inner
