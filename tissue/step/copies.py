@@ -25,7 +25,7 @@ from tissue.state.running import (
     TissueState,
     state_at,
 )
-from tissue.state.space import EDGES, Network
+from tissue.state.space import EDGES
 
 # A point that moves in one dt by more than twice the length of its cell and so many R_soft, besides its noise and its
 # own run, has jumped: springs that contract move it by the length of the cell at most. In stable runs of all presets
@@ -173,7 +173,7 @@ def put_back(work: Any, state: TissueState, k: int, width: int) -> None:
 
 @inner
 def copy_to_workspace(state: TissueState, work: SurfaceWorkspace, numbers: Numbers, scale: float) -> int:
-    """Copy a tissue to the workspace; ``scale`` = h / mu; how many cells it has."""
+    """Copy a tissue and the edges of its networks to the workspace; ``scale`` = h / mu; how many cells it has."""
     n = work.cells[0] = state.sizes[CELLS]
     for i in range(n):
         _copy_cell(state, i, work, i, numbers, numbers.spring_power, scale)
@@ -181,30 +181,17 @@ def copy_to_workspace(state: TissueState, work: SurfaceWorkspace, numbers: Numbe
         work.noise_key[word] = state.noise_key[word]
     for k in range(len(work.counts)):
         work.counts[k] = 0
-    _list_junctions(state, work, scale * numbers.junction_factor)
-    _list_neighbours(state.space.basal, work)
+    apical, basal, alpha = state.space.apical, state.space.basal, state.cells.stiff_aa
+    work.sizes[JUNCTIONS], work.sizes[NEIGHBOURS] = apical.sizes[EDGES], basal.sizes[EDGES]
+    for edge in range(apical.sizes[EDGES]):
+        i, j = apical.edges[edge, 0], apical.edges[edge, 1]
+        work.junctions[edge, 0], work.junctions[edge, 1] = i, j
+        work.rest[edge] = apical.rest[edge]
+        work.k_aa[edge] = scale * numbers.junction_factor * (0.5 * (alpha[i] + alpha[j]))
+    for edge in range(basal.sizes[EDGES]):
+        work.neighbours[edge, 0], work.neighbours[edge, 1] = basal.edges[edge, 0], basal.edges[edge, 1]
     copied: int = n
     return copied
-
-
-@inner
-def _list_junctions(state: TissueState, work: SurfaceWorkspace, scale: float) -> None:
-    """List the junctions of the apical network, with k = scale (alpha_i + alpha_j) / 2."""
-    network, alpha = state.space.apical, state.cells.stiff_aa
-    for edge in range(network.sizes[EDGES]):
-        i, j = network.edges[edge, 0], network.edges[edge, 1]
-        work.junctions[edge, 0], work.junctions[edge, 1] = i, j
-        work.rest[edge] = network.rest[edge]
-        work.k_aa[edge] = scale * (0.5 * (alpha[i] + alpha[j]))
-    work.sizes[JUNCTIONS] = network.sizes[EDGES]
-
-
-@inner
-def _list_neighbours(network: Network, work: SurfaceWorkspace) -> None:
-    """List the edges of the basal network."""
-    for edge in range(network.sizes[EDGES]):
-        work.neighbours[edge, 0], work.neighbours[edge, 1] = network.edges[edge, 0], network.edges[edge, 1]
-    work.sizes[NEIGHBOURS] = network.sizes[EDGES]
 
 
 @inner
