@@ -26,8 +26,7 @@ RESULTS = 10
 RARE = 1e-3
 
 compiled = numba.njit(error_model="numpy")
-load_four, store_four = lanes.load_from(4), lanes.store_to(4)
-three_and_zero, integers = lanes.packed(4, 3), lanes.integers_from(4)
+load_four, store_four = lanes.load_from(4), lanes.store_four
 crossed, reversed_ = lanes.shuffle(0, 4, 1, 5), lanes.shuffle(3, 2, 1, 0)
 
 
@@ -158,10 +157,10 @@ def in_fours(a, b, whole, out):
     x, y = load_four(a, 1), load_four(b, 2)
     store_four(out, 0, lanes.fma(-x, y, 2.0) - x / y)
     store_four(out, 4, lanes.floored(y) + lanes.where_positive(x, lanes.twice_rsqrt(y * y)))
-    store_four(out, 8, three_and_zero((a[0], b[0], 0.5)))
+    store_four(out, 8, lanes.three_and_zero((a[0], b[0], 0.5)))
     store_four(out, 12, crossed(x, y))
     store_four(out, 16, reversed_(x, x))
-    return integers(whole, 1)
+    return lanes.four_integers(whole, 1)
 
 
 def test_lanes_of_another_width(rng):

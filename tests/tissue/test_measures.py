@@ -1,4 +1,4 @@
-"""Measurements against definitions computed another way, and the states in which they mean nothing."""
+"""What is measured of a tissue, by hand and against definitions computed another way; where it means nothing."""
 
 import itertools
 import math
@@ -10,15 +10,27 @@ from matplotlib.path import Path
 from typer.testing import CliRunner
 
 import tissue
+from dincl.errors import InvalidProblem
 from dincl.status import Status
 from tests.tissue.space.in_space import of_surface
-from tests.tissue.states import layers
+from tests.tissue.states import HEIGHT, cells, layers
 from tests.tissue.states import tissue as cells_at
 from tissue.cli.app import app
+from tissue.files.parameters import preset
 from tissue.frames.frame import Frame
-from tissue.frames.observables import extents, positions, state_of
+from tissue.frames.observables import (
+    PHASES,
+    ab_positions,
+    extents,
+    height,
+    is_measurable,
+    phases,
+    positions,
+    state_of,
+)
 from tissue.frames.section import section
 from tissue.model.apical_tree import apical_tree
+from tissue.model.energy import nearest_image
 from tissue.model.measures import measure, measure_folds, measure_positions
 from tissue.model.scale import nearest_on_junction, nearest_on_triangle
 from tissue.report.page import write_page
@@ -85,6 +97,116 @@ def test_the_nearest_of_all_triangles_and_images_is_found(sheet):
     some = np.arange(0, len(sheet.final.cells.x), 23)
     expected = sheet.final.cells.y[some] / nearest_of_all(sheet.final, some)
     np.testing.assert_allclose(positions(sheet.final).y_ab[some], expected, rtol=1e-12)
+
+
+def random_frame(seed, n=25):
+    """A tissue whose apical layer goes up and down, back and forth."""
+    rng = np.random.default_rng(seed)
+    state = cells(n, seed)
+    bent = state._replace(ax=state.ax + rng.normal(0.0, 0.6, n), ay=HEIGHT + rng.normal(0.0, 1.5, n))
+    return Frame(0.0, bent, layers(n, apical=np.flatnonzero(rng.uniform(size=n) < 0.7)))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_reference_is_the_nearest_of_very_many_points_of_the_layer(seed):
+    state = random_frame(seed)
+    c, line = state.cells, state.layers.apical
+    part = np.linspace(0.0, 1.0, 4001)[:, None]
+    x, y = ((1 - part) * array[line[:-1]] + part * array[line[1:]] for array in (c.ax, c.ay))
+    for i, position in enumerate(ab_positions(state)):
+        nearest = np.argmin((x - c.x[i]) ** 2 + (y - c.y[i]) ** 2)
+        assert position == pytest.approx(c.y[i] / y.ravel()[nearest], abs=2e-3)
+
+
+@pytest.mark.parametrize("name", ["plane", "sphere"])
+def test_positions_against_a_dense_sample_of_the_apical_surface(name):
+    frame = tissue.simulate(of_surface(name), 6).final
+    found, c, surface = ab_positions(frame), frame.cells, frame.sheets.surface
+    corners = np.column_stack((c.ax, c.ay, c.az))[frame.sheets.apical.triangles]
+    u, v = (part.ravel()[None, :, None] for part in np.meshgrid(np.linspace(0, 1, 21), np.linspace(0, 1, 21)))
+    u, v = u[:, (u + v <= 1)[0, :, 0]], v[:, (u + v <= 1)[0, :, 0]]
+    for i in range(0, len(c.x), 7):
+        at = np.array([c.x[i], c.y[i], c.z[i]])
+        a, b, d = (
+            nearest_image((corners - at).reshape(-1, 3).T, surface).T.reshape(-1, 3, 3).transpose(1, 0, 2)[:, :, None]
+        )
+        sample = (a + u * (b - a) + v * (d - a)).reshape(-1, 3)
+        x, y, z = (sample[(sample**2).sum(axis=1).argmin()] + at)[:, None]
+        expected = frame.heights(*at[:, None]) / frame.heights(x, y, z)
+        assert found[i] == pytest.approx(expected[0], abs=0.05)
+
+
+@pytest.mark.parametrize(
+    ("nuclei", "apical", "left", "expected"),
+    [
+        # On the upright part; 1 above the level part and 1 beside the upright one: the first counts; below the left end
+        ([[3, 7], [1, 5], [0, 0.5]], [[0, 4], [2, 4], [2, 8]], None, [1.0, 1.25, 0.125]),
+        ([[0, 2], [3, 4]], [[0, 8], [0, 8]], None, [0.25, 0.5]),
+        ([[0, 2], [3, 4]], [[0, 8], [1, 5]], [1], [0.4, 0.8]),
+    ],
+)
+def test_positions_by_hand(nuclei, apical, left, expected):
+    frame = layer(apical, nuclei)
+    frame = frame._replace(layers=layers(len(apical), apical=left))
+    assert ab_positions(frame).tolist() == pytest.approx(expected)
+
+
+def test_height_widths_and_nuclear_layers_by_hand():
+    frame = layer([[-3, 50], [0, 7], [4, 9], [9, 50]], [[-6, 1], [0, 1], [0.5, 1], [1, 1]])
+    c = frame.cells._replace(bx=frame.cells.ax)
+    frame = frame._replace(cells=c, layers=layers(4, apical=[1, 2], basal=[0, 1, 2]))
+    assert height(frame) == 8.0
+    assert extents(frame)[2:5] == (4.0, 7.0, 7.0)
+    assert extents(layer([[0, 8]], [[3, 1]])).nuclear_layers == 1.0
+
+
+def test_nuclear_layers_are_what_lines_along_the_normals_cross():
+    """Vertical ones; in a ring of length 30 radii from its middle: with nuclei everywhere 2 N / 30 discs each."""
+    frame = random_frame(2)
+    x = frame.cells.x
+    lines = np.linspace(x.min() - 1, x.max() + 1, 20_001)
+    crossed = (np.abs(lines[:, None] - x) <= 1.0).sum(axis=1)
+    assert extents(frame).nuclear_layers == pytest.approx(crossed.mean(), rel=1e-3)
+    curve = ellipse(30.0, 1.0, inside=True, ring=True)
+    nuclei = np.column_stack(curve.above(np.linspace(-15.0, 15.0, 90, endpoint=False), np.full(90, 1.0)))
+    ring = layer(np.zeros((90, 2)), nuclei, curve)
+    apart = np.abs((np.linspace(-15.0, 15.0, 5000)[:, None] - curve.feet(*nuclei.T) + 15.0) % 30.0 - 15.0)
+    assert extents(ring).nuclear_layers == pytest.approx((apart <= 1.0).sum(axis=1).mean(), rel=1e-3)
+    assert extents(ring).nuclear_layers == pytest.approx(6.0, rel=1e-12)
+
+
+@pytest.mark.parametrize("begins", ["mitosis", "G2"])
+def test_phases_are_those_of_the_run(begins):
+    """The discs of a run are enlarged from the phase on that the parameters name."""
+    parameters = preset("thesis").changed(
+        {"rules.enlarge_from": begins, "numerics.t_end": "12 h", "numerics.keep": "0.1 h"}
+    )
+    given, met = parameters.numbers(), set()
+    for state in tissue.simulate(parameters, 3).frames:
+        now = phases(state, given)
+        met |= set(now.tolist())
+        late = now >= PHASES.index(begins)
+        assert (state.cells.radius == np.where(late, given.enlarged_radius, given.hard_radius)).all()
+    assert met == {0, 1, 2}
+
+
+@pytest.mark.parametrize("name", ["x", "y", "ax", "ay", "bx", "by"])
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1e101])
+def test_what_can_not_be_measured_is_told(name, value):
+    state = random_frame(0)
+    assert is_measurable(state)
+    getattr(state.cells, name)[7] = value
+    assert not is_measurable(state)
+
+
+@pytest.mark.parametrize("function", [height, extents, ab_positions])
+def test_what_has_no_measure_is_refused(function):
+    """An empty layer; positions, where the layer is on the basal line."""
+    with pytest.raises(InvalidProblem, match=r"layers\.apical is empty"):
+        function(layer([[0, 8]], [[0, 1]])._replace(layers=layers(1, apical=[], basal=[0])))
+    if function is ab_positions:
+        with pytest.raises(InvalidProblem, match=r"cell 1: the point of the apical layer .* is at height 0"):
+            function(layer([[0, 8], [3, 0]], [[0, 1], [4, -1]]))
 
 
 FLAT = [[k, 8.0] for k in range(12)]
