@@ -58,7 +58,13 @@ MAPS = {
         ["bounded", "bounded", "bounded", "unstable"],
     ),
     "one argument of any name": (
-        {"problem": drawn, "method": lambda h: dincl.PBD(h), "x": ("dt", [0.1, 3.0]), "y": ("rate", [1.0]), "t": [30]},
+        {
+            "problem": drawn,
+            "method": lambda h: dincl.PBD(h, sweeps=1),
+            "x": ("dt", [0.1, 3.0]),
+            "y": ("rate", [1.0]),
+            "t": [30],
+        },
         ["bounded", "unstable"],
     ),
     "a parameter of the problem": (
