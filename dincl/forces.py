@@ -105,7 +105,7 @@ class Forces:
 
 def contact_forces(problem: Problem, reaction: Reaction) -> Forces:
     """Compute the forces whose sum is nearest to a reaction; StepFailure where a gradient is not defined."""
-    from dincl.projection.cone import shortest_multipliers
+    from dincl.geometry import shortest_multipliers
 
     t, x, scaling = reaction.t, reaction.x, reaction.problem.scaling
     x = x if scaling is None else scaling.positions(x)

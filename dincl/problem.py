@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import pickle
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -20,7 +19,7 @@ from dincl.constraints.smooth import Smooth
 from dincl.drifts import compiled
 from dincl.drifts.base import CompiledDrift, CountedCompiledDrift, CountedDrift
 from dincl.errors import InvalidProblem, StepFailure
-from dincl.rows.base import RowsOfOneKind, StackedRows
+from dincl.rows.base import MappedRows, RowsOfOneKind, StackedRows
 from dincl.rows.functions import SmoothRows
 from dincl.status import Status
 
@@ -102,20 +101,6 @@ class Problem:
         n, d = self.x0.shape
         sets = ", ".join(repr(one) if isinstance(one, Smooth) else type(one).__name__ for one in self.constraints)
         return f"{type(self).__name__}(N = {n}, d = {d}, constraints = [{sets}])"
-
-    def __getstate__(self) -> dict[str, Any]:
-        """Return the state to pickle; PicklingError names a part that cannot be pickled."""
-        check_pickles("drift", self.drift)
-        for k, constraint in enumerate(self.constraints):
-            check_pickles(f"constraints[{k}]", constraint)
-        return self.__dict__
-
-    def __copy__(self) -> Problem:
-        return self
-
-    def __deepcopy__(self, memo: dict[int, Any]) -> Problem:
-        """Return itself, as nothing in it changes: a drift that does not pickle can still be copied."""
-        return self
 
     def velocity(self, t: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """Evaluate F(t, x), shape (N, d), finite; StepFailure otherwise."""
@@ -231,8 +216,9 @@ def _check_rows(constraint: Constraint, x: NDArray[np.float64], place: str, tole
             f"x0 violates {name} by {-values.min():.3g} at {worst}{when} ({place}): allowed is {tolerance:.1g}; "
             "dincl.project(constraints, x0, projection) gives the nearest point that is feasible"
         )
-    if isinstance(rows, SmoothRows):
-        check_jacobian(rows, x, "jacobian" if rows.names[0] == "g" else rows.names[1])
+    smooth = rows.rows if isinstance(rows, MappedRows) else rows
+    if isinstance(smooth, SmoothRows):
+        check_jacobian(rows, x, "jacobian" if smooth.names[0] == "g" else smooth.names[1])
 
 
 def at_end(problem: Problem, x: NDArray[np.float64]) -> Problem:
@@ -264,15 +250,3 @@ def _changed(problem: Problem, **parts: Any) -> Problem:
     same = object.__new__(type(problem))
     vars(same).update(vars(problem) | parts)
     return same
-
-
-def check_pickles(name: str, part: Any) -> None:
-    """Raise PicklingError that names the innermost part that does not pickle, and says what to do."""
-    try:
-        pickle.dumps(part)
-    except (pickle.PicklingError, AttributeError, TypeError) as error:
-        for inner, value in getattr(part, "__dict__", {}).items():
-            check_pickles(f"{name}.{inner}", value)
-        raise pickle.PicklingError(
-            f"{name} = {describe(part)}: cannot be pickled; define it at module level, or keep path.to_frame()"
-        ) from error

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 from dataclasses import fields
 from typing import TYPE_CHECKING
 
@@ -108,20 +107,8 @@ def _breaks(value: ArrayLike, start: float, end: float) -> tuple[float, ...]:
 def _run(problem: Problem, scheme: Scheme, times: NDArray[np.float64], span: Span) -> RunOutcome:
     """Run a scheme, in scaled coordinates if there are mobilities."""
     if problem.mobility is None:
-        return _run_scheme(problem, scheme, times, span)
+        return scheme.run(problem, times, span)
     from dincl.mobility import in_scaled_coordinates, scaled_span, unscaled
 
     scaled, scaling = in_scaled_coordinates(problem)
-    return unscaled(_run_scheme(scaled, scheme, times, scaled_span(span, scaling)), scaling)
-
-
-def _run_scheme(problem: Problem, scheme: Scheme, times: NDArray[np.float64], span: Span) -> RunOutcome:
-    """Run a scheme, also one whose ``run`` takes no ``span``."""
-    if span.t0 == 0.0 and not span.breaks and span.until is None:
-        return scheme.run(problem, times)
-    try:
-        inspect.signature(scheme.run).bind(problem, times, span)
-    except TypeError as error:
-        name, allowed = type(scheme).__name__, "must be run(problem, times, span)"
-        raise InvalidProblem(f"t0, breaks, until: {name}.run takes no span: {allowed}") from error
-    return scheme.run(problem, times, span)
+    return unscaled(scheme.run(scaled, times, scaled_span(span, scaling)), scaling)

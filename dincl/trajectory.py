@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -12,7 +12,6 @@ from dincl.checks import array, describe, integer
 from dincl.errors import InvalidProblem, ProjectionFailed, StepFailure
 from dincl.extras import needs
 from dincl.forces import Forces, Reaction, contact_forces
-from dincl.problem import check_pickles
 from dincl.shapes import radii
 
 if TYPE_CHECKING:
@@ -133,11 +132,6 @@ class Trajectory:
     velocity: NDArray[np.float64] | None = None
     t0: float = 0.0
 
-    def __getstate__(self) -> dict[str, Any]:
-        """Return the state to pickle; PicklingError names a part that cannot be pickled."""
-        check_pickles("scheme", self.scheme)
-        return self.__dict__
-
     @property
     def final(self) -> NDArray[np.float64]:
         """The last state, shape (N, d)."""
@@ -160,7 +154,7 @@ class Trajectory:
         return np.array([self._residual(one) for one in self.between.reactions(self.t)])
 
     def _residual(self, reaction: Reaction | None) -> float:
-        from dincl.projection.cone import distance_to_cone
+        from dincl.geometry import distance_to_cone
 
         if reaction is None or reaction.second_order:
             return np.inf

@@ -43,15 +43,6 @@ def factorised(matrix: Any) -> Factor:
     return Factor(found.solve, lambda b: spsolve_triangular(low, b[place], unit_diagonal=True) / roots)
 
 
-def shifted(matrix: Any, shift: float) -> Any:
-    """Return M + shift I."""
-    if isinstance(matrix, np.ndarray):
-        return matrix + shift * np.eye(len(matrix))
-    from scipy.sparse import eye_array
-
-    return matrix + shift * eye_array(matrix.shape[0], format="csr")
-
-
 def pivoted_cholesky(matrix: Floats) -> tuple[Floats, NDArray[np.int64]]:
     """Return L (m, rank) and an order with M[order][:, order] = L L^T, up to rounding of the largest entry."""
     from scipy.linalg.lapack import dpstrf

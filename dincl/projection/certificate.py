@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -291,34 +291,6 @@ def on_active_rows(
         lam = lam + factor.solve(missing - matrix @ (matrix.T @ lam))
     full[active] = np.maximum(lam, 0.0) / lengths[active]
     return y + combined(linear.matrix, full).reshape(y.shape), full
-
-
-def on_active_gram(
-    gram: Any, least: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float
-) -> tuple[NDArray[np.float64], float]:
-    """Return the best multipliers >= 0 of steps that solve gram lambda = least in the active rows, and their residual.
-
-    Those are active whose multiplier, of either sign, is larger than their gap gram lambda - least, so that a wrong
-    guess of an interior point is corrected; ends once the residual max |min(lambda, gap)| is at most ``tol``. ``gram``
-    (m, m) is an array or sparse, with ones in its diagonal.
-    """
-    from dincl.matrices.definite import factorised, shifted
-
-    best, smallest = multipliers, np.inf
-    for _ in range(MOST_COMPLETIONS):
-        kept, active = np.maximum(multipliers, 0.0), multipliers > gram @ multipliers - least
-        residual = float(np.abs(np.minimum(kept, gram @ kept - least)).max())
-        if residual < smallest:
-            best, smallest = kept, residual
-        if smallest <= tol or not active.any():
-            break
-        part, right, inner = gram[active][:, active], least[active], multipliers[active]
-        solve = factorised(shifted(part, DAMPING)).solve
-        for _ in range(STEPS):
-            inner = inner + solve(right - part @ inner)
-        multipliers = np.zeros_like(best)
-        multipliers[active] = inner
-    return best, smallest
 
 
 class Combination(NamedTuple):

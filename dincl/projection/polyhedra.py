@@ -9,23 +9,24 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dincl.checks import array, describe, shaped
-from dincl.conversions import as_array, attempt
+from dincl.checks import array, as_array, attempt, describe, shaped
 from dincl.errors import InvalidProblem, StepFailure
-from dincl.matrices import divided, from_equal_rows, from_rows, row_squares
-from dincl.matrices.definite import Factor, factorised, pivoted_cholesky, shifted
+from dincl.matrices import divided, from_rows, row_squares
+from dincl.matrices.definite import Factor, factorised, pivoted_cholesky
 from dincl.norms import length
 from dincl.projection.certificate import (
+    DAMPING,
+    MOST_COMPLETIONS,
     REGION,
+    STEPS,
     check_projection,
     least_combination,
     missed,
-    on_active_gram,
     row_lengths,
     why_unsolved,
 )
 from dincl.projection.compiled import ActiveSet, ProjectedCG
-from dincl.projection.quadratic import Daqp, InteriorPoints
+from dincl.projection.quadratic import Daqp
 from dincl.rows.affine import AffineRows
 from dincl.status import Status
 
@@ -48,8 +49,6 @@ ROUNDING = 1e-10
 # A skew part of W up to this is moved into q with the last multipliers, at most this often: each time it shortens the
 # error by about its own size.
 SKEW, MOST_REPETITIONS = 1e-3, 20
-# A sparse W of so many rows and fewer entries than this part is treated as one.
-SPARSE_FROM, FILLED = 64, 0.1
 # Rows of dense matrices that are made at once, and rows that a message names.
 BLOCK, NAMED = 256, 10
 
@@ -303,20 +302,15 @@ class Lcp(_Program):
         if skew[i, j] > SKEW or skew[j, i] > SKEW:
             raise InvalidProblem(f"W[{i}, {j}] = {W[i, j]:g}, W[{j}, {i}] = {W[j, i]:g}{refused}")
         try:
-            factorised(shifted(even, ROUNDING))
+            factorised(even + ROUNDING * np.eye(len(q)))
         except np.linalg.LinAlgError:
             raise InvalidProblem(f"W is not positive semidefinite{refused}") from None
 
     @cached_property
-    def _scaled(self) -> tuple[Any, Any]:
-        """The symmetric and the skew part of W for rows of length 1, as arrays unless W is sparse and large."""
-        from scipy.sparse import csr_array
-
-        inverse, whole = 1 / self._start()[0], self.W
-        if isinstance(whole, np.ndarray) or whole.nnz >= FILLED * whole.shape[0] ** 2 or whole.shape[0] < SPARSE_FROM:
-            whole = (whole if isinstance(whole, np.ndarray) else whole.toarray()) * inverse * inverse[:, None]
-        else:
-            whole = csr_array(whole * inverse * inverse[:, None])
+    def _scaled(self) -> tuple[Floats, Floats]:
+        """The symmetric and the skew part of W for rows of length 1."""
+        lengths = self._start()[0]
+        whole = (self.W if isinstance(self.W, np.ndarray) else self.W.toarray()) / lengths / lengths[:, None]
         return (whole + whole.T) / 2, (whole - whole.T) / 2
 
     @cached_property
@@ -324,13 +318,10 @@ class Lcp(_Program):
         """A with A A^T = W, for rows of length 1, and as many columns as the rank."""
         from scipy.sparse import csr_array
 
-        even, _ = self._scaled
-        low, order = pivoted_cholesky(even if isinstance(even, np.ndarray) else even.toarray())
+        low, order = pivoted_cholesky(self._scaled[0])
         rows = np.empty_like(low)
         rows[order] = low
-        if not isinstance(even, np.ndarray):
-            return csr_array(rows)
-        return from_equal_rows(np.tile(np.arange(rows.shape[1]), (len(rows), 1)), rows, rows.shape[1])
+        return csr_array(rows)
 
     def _start(self) -> tuple[Floats, Floats]:
         lengths = np.sqrt(np.maximum(self.W.diagonal(), 0.0))
@@ -342,18 +333,16 @@ class Lcp(_Program):
         return gaps, gaps, np.zeros(0)
 
     def _search(self, how: Projection, least: Floats) -> tuple[Floats, int]:
-        """Repeat with the skew part of the last multipliers; interior points take W itself, others its factor."""
+        """Project with the factor of W, again and again with the skew part of the last multipliers."""
         (even, skew), solver, work = self._scaled, how.solver(), 0
-        tilted, weights = abs(skew).max() > ROUNDING, np.zeros(len(least))
+        origin = np.zeros((self._rows.shape[1], 1))
+        tilted, weights = np.abs(skew).max() > ROUNDING, np.zeros(len(least))
         for _ in range(MOST_REPETITIONS if tilted else 1):
             now = least - skew @ weights if tilted else least
             try:
-                if isinstance(solver, InteriorPoints):
-                    found: Any = solver.complementary(even, now)
-                else:  # ``nearest`` would also look for wedges, in which u is inaccurate, but u is not the answer
-                    origin = np.zeros((self._rows.shape[1], 1))
-                    found = solver.compute(AffineRows(self._rows, now), origin, origin, weights)
-                weights, left = on_active_gram(even, now, found.multipliers, how.tol)
+                # ``nearest`` would also look for wedges, in which u is inaccurate, but u is not the answer.
+                found = solver.compute(AffineRows(self._rows, now), origin, origin, weights)
+                weights, left = _on_active_gram(even, now, found.multipliers, how.tol)
                 if not left <= how.tol:
                     raise missed(solver.name, left, how.tol)
             except StepFailure as failure:
@@ -365,6 +354,30 @@ class Lcp(_Program):
             if np.abs(np.minimum(weights, even @ weights + skew @ weights - least)).max() <= how.tol:
                 break
         return weights, work
+
+
+def _on_active_gram(gram: Floats, least: Floats, multipliers: Floats, tol: float) -> tuple[Floats, float]:
+    """Return the best multipliers >= 0 of steps that solve gram lambda = least in the active rows, and their residual.
+
+    Those are active whose multiplier, of either sign, is larger than their gap gram lambda - least, so that a wrong
+    guess of an interior point is corrected; ends once the residual max |min(lambda, gap)| is at most ``tol``. ``gram``
+    (m, m) has ones in its diagonal.
+    """
+    best, smallest = multipliers, np.inf
+    for _ in range(MOST_COMPLETIONS):
+        kept, active = np.maximum(multipliers, 0.0), multipliers > gram @ multipliers - least
+        residual = float(np.abs(np.minimum(kept, gram @ kept - least)).max())
+        if residual < smallest:
+            best, smallest = kept, residual
+        if smallest <= tol or not active.any():
+            break
+        part, right, inner = gram[active][:, active], least[active], multipliers[active]
+        solve = factorised(part + DAMPING * np.eye(len(part))).solve
+        for _ in range(STEPS):
+            inner = inner + solve(right - part @ inner)
+        multipliers = np.zeros_like(best)
+        multipliers[active] = inner
+    return best, smallest
 
 
 def _matrix(name: str, value: Any, shape: tuple[int, int]) -> Any:

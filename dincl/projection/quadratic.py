@@ -156,8 +156,6 @@ def stop_if_suspected(matrix: csr_array, least: NDArray[np.float64], weights: ND
 TOLERANCE = 1e-12
 # The same relative to the numbers in the sums: a few of their roundings, which no answer can beat.
 RELATIVE = 1e-13
-# Of Clarabel for the dual, whose active rows are completed: at TOLERANCE it may end with "InsufficientProgress".
-OF_DUAL = 1e-10
 # What Clarabel may call almost solved: the certificate, not this word, decides whether the point is good enough.
 REDUCED_TOLERANCE = 1e-9
 # Clarabel's own 1e-8 stops it short of TOLERANCE in degenerate piles ("InsufficientProgress"); the identity in the cost
@@ -203,23 +201,19 @@ def _piqp() -> Callable[..., QpAnswer]:
         import piqp
     from scipy.sparse import csc_matrix, eye_array
 
-    def solve(matrix: csr_array, least: NDArray[np.float64], multipliers: Any, gram: Any = None) -> QpAnswer:
-        solver: Any = piqp.DenseSolver() if isinstance(gram, np.ndarray) else piqp.SparseSolver()
+    def solve(matrix: csr_array, least: NDArray[np.float64], multipliers: Any) -> QpAnswer:
+        solver: Any = piqp.SparseSolver()
         settings = solver.settings
         settings.max_iter = PIQP_ITERATIONS
         settings.eps_abs = settings.eps_duality_gap_abs = TOLERANCE
         settings.eps_rel = settings.eps_duality_gap_rel = RELATIVE
-        if gram is None:
-            n = matrix.shape[1]
-            solver.setup(csc_matrix(eye_array(n)), np.zeros(n), G=csc_matrix(matrix), h_l=least)
-        else:
-            cost = gram if isinstance(gram, np.ndarray) else csc_matrix(gram)
-            solver.setup(cost, -least, x_l=np.zeros(len(least)))
+        n = matrix.shape[1]
+        solver.setup(csc_matrix(eye_array(n)), np.zeros(n), G=csc_matrix(matrix), h_l=least)
         flag = solver.solve()
         if flag != piqp.PIQP_SOLVED:
             raise _stopped("piqp", flag.name)
-        found, multipliers = np.array(solver.result.x), np.array(solver.result.z_l)
-        return QpAnswer(found, np.maximum(multipliers if gram is None else found, 0.0), int(solver.result.info.iter))
+        found = solver.result
+        return QpAnswer(np.array(found.x), np.maximum(found.z_l, 0.0), int(found.info.iter))
 
     return solve
 
@@ -227,28 +221,23 @@ def _piqp() -> Callable[..., QpAnswer]:
 def _clarabel() -> Callable[..., QpAnswer]:
     with needs("Clarabel", "yardsticks"):
         import clarabel
-    from scipy.sparse import csc_array, eye_array, triu
+    from scipy.sparse import eye_array
 
     settings: Any = clarabel.DefaultSettings()
     settings.verbose, settings.max_threads = False, 1
     settings.static_regularization_constant = REGULARISATION
     settings.reduced_tol_feas = settings.reduced_tol_gap_abs = settings.reduced_tol_gap_rel = REDUCED_TOLERANCE
 
-    def solve(matrix: csr_array, least: NDArray[np.float64], multipliers: Any, gram: Any = None) -> QpAnswer:
-        """Solve with -A u + s = -least, s >= 0; the dual with -lambda + s = 0, s >= 0."""
-        settings.tol_feas = settings.tol_gap_abs = settings.tol_gap_rel = TOLERANCE if gram is None else OF_DUAL
-        m = len(least)
+    def solve(matrix: csr_array, least: NDArray[np.float64], multipliers: Any) -> QpAnswer:
+        """Solve with -A u + s = -least, s >= 0."""
+        settings.tol_feas = settings.tol_gap_abs = settings.tol_gap_rel = TOLERANCE
+        m, n = matrix.shape
         cone: Any = [clarabel.NonnegativeConeT(m)]
-        if gram is None:
-            n = matrix.shape[1]
-            program = eye_array(n, format="csc"), np.zeros(n), (-matrix).tocsc(), -least
-        else:
-            program = triu(csc_array(gram), format="csc"), -least, -eye_array(m, format="csc"), np.zeros(m)
+        program = eye_array(n, format="csc"), np.zeros(n), (-matrix).tocsc(), -least
         found: Any = clarabel.DefaultSolver(*program, cone, settings).solve()
         if str(found.status) not in ("Solved", "AlmostSolved"):
             raise _stopped("clarabel", found.status)
-        multipliers = np.array(found.z if gram is None else found.x)
-        return QpAnswer(np.array(found.x), np.maximum(multipliers, 0.0), found.iterations)
+        return QpAnswer(np.array(found.x), np.maximum(found.z, 0.0), found.iterations)
 
     return solve
 
@@ -257,7 +246,6 @@ def _cvxpy() -> Callable[..., QpAnswer]:
     with needs("CvxpyQP", "yardsticks"):
         import cvxpy
     library: Any = cvxpy
-    tolerances = "tol_feas", "tol_gap_abs", "tol_gap_rel"
     programs: dict[Hashable, Any] = {}
 
     def canonicalised(matrix: csr_array) -> tuple[Any, ...]:
@@ -272,29 +260,22 @@ def _cvxpy() -> Callable[..., QpAnswer]:
         rows = summing @ library.multiply(data, u[matrix.indices]) >= least
         return library.Problem(library.Minimize(library.sum_squares(u) / 2), [rows]), u, data, least, rows
 
-    def solve(matrix: csr_array, least: NDArray[np.float64], multipliers: Any, gram: Any = None) -> QpAnswer:
-        if gram is None:
-            key = (matrix.indptr.tobytes(), matrix.indices.tobytes())
-            problem, u, data, right, rows = remembered(programs, key, lambda: canonicalised(matrix), MOST_PROGRAMS)
-            data.value, right.value = matrix.data, least
-        else:
-            u = library.Variable(len(least))
-            rows = u >= 0
-            cost = library.quad_form(u, library.psd_wrap(gram)) / 2 - least @ u
-            problem = library.Problem(library.Minimize(cost), [rows])
+    def solve(matrix: csr_array, least: NDArray[np.float64], multipliers: Any) -> QpAnswer:
+        key = (matrix.indptr.tobytes(), matrix.indices.tobytes())
+        problem, u, data, right, rows = remembered(programs, key, lambda: canonicalised(matrix), MOST_PROGRAMS)
+        data.value, right.value = matrix.data, least
         try:
             with warnings.catch_warnings():
                 # CVXPY warns of an answer that Clarabel calls almost solved; here the certificate decides.
                 warnings.simplefilter("ignore", UserWarning)
-                options = dict.fromkeys(tolerances, TOLERANCE if gram is None else OF_DUAL)
+                options = dict.fromkeys(("tol_feas", "tol_gap_abs", "tol_gap_rel"), TOLERANCE)
                 options |= {"static_regularization_constant": REGULARISATION, "max_threads": 1}
                 problem.solve(solver=library.CLARABEL, **options)
         except library.error.SolverError as error:
             raise _stopped("cvxpy", error) from error
         if problem.status not in ("optimal", "optimal_inaccurate"):
             raise _stopped("cvxpy", problem.status)
-        multipliers = rows.dual_value if gram is None else u.value
-        return QpAnswer(u.value, np.maximum(multipliers, 0.0), int(problem.solver_stats.num_iters))
+        return QpAnswer(u.value, np.maximum(rows.dual_value, 0.0), int(problem.solver_stats.num_iters))
 
     return solve
 
@@ -310,25 +291,14 @@ def remembered(programs: dict[Hashable, Program], key: Hashable, make: Callable[
 class _LibrarySolver(QpSolver):
     """Solves programs by a library, which is imported when the solver is made."""
 
-    def __init__(self, tol: float, name: str, load: Callable[[], Callable[..., QpAnswer]]) -> None:
+    def __init__(self, tol: float, name: str, library: Callable[..., QpAnswer]) -> None:
         super().__init__(tol)
-        self.name, self._library = name, load()
+        self.name, self._library = name, library
 
     def qp(
         self, matrix: csr_array, least: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float
     ) -> QpAnswer:
         return self._library(matrix, least, multipliers)
-
-
-class InteriorPoints(_LibrarySolver):
-    """A library that also solves the dual program, in which a Gram matrix stands for the rows."""
-
-    def complementary(self, gram: Any, least: NDArray[np.float64]) -> QpAnswer:
-        """Multipliers >= 0 with gram multipliers >= least, = where they are > 0; ones in the diagonal, max least = 1.
-
-        ``gram`` (m, m) is an array or sparse. ``dincl.projection.certificate.on_active_gram`` completes the answer.
-        """
-        return self._library(None, least, None, gram)
 
 
 @dataclass(frozen=True)
@@ -337,10 +307,9 @@ class _Library(Projection):
 
     name: ClassVar[str]
     _load: ClassVar[Callable[[], Callable[..., QpAnswer]]]
-    _solver: ClassVar[type[_LibrarySolver]] = InteriorPoints
 
     def solver(self) -> Solver:
-        return self._solver(self.tol, self.name, type(self)._load)
+        return _LibrarySolver(self.tol, self.name, type(self)._load())
 
 
 @dataclass(frozen=True)
@@ -355,7 +324,7 @@ class Daqp(_Library):
         Greatest certified residual of a projection [length].
     """
 
-    name, _load, _solver = "daqp", staticmethod(_daqp), _LibrarySolver
+    name, _load = "daqp", staticmethod(_daqp)
 
 
 @dataclass(frozen=True)

@@ -83,10 +83,7 @@ class Scheme(ABC):
 
     @abstractmethod
     def run(self, problem: Problem, times: NDArray[np.float64], span: Span = WHOLE) -> RunOutcome:
-        """Compute the solution at increasing ``times`` (K,) >= t0, or until it fails; InvalidProblem if it cannot.
-
-        A scheme without ``span`` serves runs from 0 to the last time.
-        """
+        """Compute the solution at increasing ``times`` (K,) >= t0, or until it fails; InvalidProblem if it cannot."""
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,6 @@ import pytest
 from PIL import Image
 from typer.testing import CliRunner
 
-import dincl.study.execute
 import tissue
 from dincl.status import Status
 from dincl.study import StudyStopped
@@ -219,18 +218,6 @@ def test_movie_shows_the_kept_states_or_those_asked_for():
             assert movie.n_frames == count
 
 
-def test_progress_is_told_in_lines_where_there_is_no_terminal(monkeypatch):
-    monkeypatch.setattr(dincl.study.execute, "INTERVAL", -1.0)
-    lines = call("run", "tissue.toml", "--out", "x").stderr.splitlines()
-    assert [line.split(" h,")[0] for line in lines] == [f"growing: {t} of 1" for t in (0.25, 0.5, 0.75, 1)]
-    lines = call("study", "small.toml", "--out", "out").stderr.splitlines()
-    assert re.fullmatch(r"small: 0 of 140 runs, \d+ s", lines[0])
-    rate = r"small: \d+ of 140 runs, \d+ s, \S+ runs/s, \d:\d\d:\d\d left"
-    assert all(re.fullmatch(rate, line) for line in lines[1:])
-    assert lines[-1].startswith("small: 140 of 140 runs, ")
-    assert lines[-1].endswith(", 0:00:00 left")
-
-
 def test_a_study_ends_with_one_line_on_what_was_done():
     result = call("study", "small.toml", "--out", "out")
     assert result.exit_code == 0
@@ -248,14 +235,6 @@ def test_a_study_ends_with_one_line_on_what_was_done():
             2,
             "Error: out: holds the results of a study; must be another folder\n",
         )
-
-
-def test_remarks_come_first():
-    text = Path("small.toml").read_text("utf-8").replace("inm = 0", 'b = "900 h"')
-    Path("small.toml").write_text(text, "utf-8")
-    lines = call("study", "small.toml", "--out", "out").stdout.splitlines()
-    assert lines[0].startswith("scenario '[A] no INM': [B] never begins: emt.b = \"900 h\", and numerics.t_end")
-    assert len(lines) == 2
 
 
 @pytest.mark.parametrize(

@@ -7,8 +7,8 @@ import dincl
 from dincl.status import Status
 from tests.tissue import kernel_calls as kernels
 from tests.tissue.bits import same_cells
+from tests.tissue.kernel_calls import Tissue
 from tests.tissue.states import cells, layers
-from tests.twins.tissue.state import Tissue
 from tissue.files.parameters import preset
 from tissue.kernels.lanes import WIDTH
 from tissue.kernels.workspace import LOST

@@ -200,8 +200,7 @@ def _soft_pairs(x: Floats, surface: Surface) -> tuple[Integers, Integers]:
         i, j = np.tril_indices(len(centres), -1)
         close = (nearest_image((centres[j] - centres[i]).T, surface) ** 2).sum(axis=0) < SOFT**2
         return i[close], j[close]
-    start, partner = neighbour_pairs(centres, np.full(len(centres), SOFT / 2))
-    return np.repeat(np.arange(len(centres)), np.diff(start)), partner.astype(np.int64)
+    return neighbour_pairs(centres, np.full(len(centres), SOFT / 2))
 
 
 def _bundle(

@@ -7,9 +7,8 @@ import math
 from dincl.compiled import inner
 from tissue.kernels.curve import height_of
 from tissue.state.cells import Cells
-from tissue.state.network import TRIANGLES
 from tissue.state.running import APICAL, CELLS, TissueState
-from tissue.state.space import SPATIAL
+from tissue.state.space import SPATIAL, TRIANGLES
 from tissue.state.surface import Surface, differences, height
 
 Point = tuple[float, float, float]

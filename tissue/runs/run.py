@@ -151,18 +151,6 @@ class Run:
 
         return to_xarray(self)
 
-    def to_anndata(self, *, t: float | None = None) -> Any:
-        """Return the state at an output time [h], None: the last one, as an ``anndata.AnnData``, a row for each cell.
-
-        ``X`` has the columns of ``table`` that are numbers, with ``unit`` and ``meaning`` in ``var``; ``obs`` has the
-        others, ``obsm["spatial"]`` the nuclei in um, and in three dimensions ``obsp`` the networks:
-        ``apical_rest_um``, rest lengths of the junctions, and ``basal_neighbours``. Raises MissingLibrary without
-        anndata, which the extra ``anndata`` brings.
-        """
-        from tissue.runs.exports import to_anndata
-
-        return to_anndata(self, self._kept(t))
-
     def networks(self) -> pd.DataFrame:
         """Return a row for each output time and pair of neighbours of a tissue in three dimensions.
 

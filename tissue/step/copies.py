@@ -14,7 +14,6 @@ from tissue.kernels.surface_workspace import JUNCTIONS, NEIGHBOURS, SurfaceWorks
 from tissue.kernels.workspace import FAR, RUNNING, Workspace
 from tissue.model.springs import apical_length, basal_length, coefficient
 from tissue.state.cells import Cells, Floats, Integers
-from tissue.state.network import EDGES, Network
 from tissue.state.numbers import Numbers, numbers_at, numbers_of
 from tissue.state.running import (
     APICAL,
@@ -26,6 +25,7 @@ from tissue.state.running import (
     TissueState,
     state_at,
 )
+from tissue.state.space import EDGES, Network
 
 # A point that moves in one dt by more than twice the length of its cell and so many R_soft, besides its noise and its
 # own run, has jumped: springs that contract move it by the length of the cell at most. In stable runs of all presets

@@ -15,8 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import dincl
-from dincl.checks import describe
-from dincl.conversions import plain
+from dincl.checks import describe, plain
 from verification.instruments.budget import Budget, CpuSeconds, OutOfBudgetError, counted
 from verification.instruments.error_norms import Computed, Errors, Norm, checked_errors, measured, of_reference
 from verification.instruments.machine_code import machine_code

@@ -17,9 +17,8 @@ from tissue.network.neighbours import add_daughter, connected, has_room, remove_
 from tissue.network.triangulation import distances, edges_of, triangulate
 from tissue.state import surface as s
 from tissue.state.cells import empty
-from tissue.state.network import grown, in_use, no_network, write
 from tissue.state.running import new_state
-from tissue.state.space import MEAN, PRESENT, SPATIAL, SUM, Space, TissueRules
+from tissue.state.space import MEAN, PRESENT, SPATIAL, SUM, Space, TissueRules, in_use, network_of, no_network, write
 
 every = pytest.mark.parametrize("name", KINDS)
 
@@ -283,7 +282,7 @@ def test_a_daughter_stands_on_the_edge_ahead():
     """A hexagon around cell 0: cell 7 comes between it and cell 1, and is joined to both beside."""
     turns = np.arange(6) * math.pi / 3
     points = np.vstack(([[0.0, 0.0, 0.0]], np.column_stack((np.cos(turns), 0.0 * turns, np.sin(turns))), [[0.0] * 3]))
-    network = grown(connected(s.plane(), points[:7], 0.5, math.inf, 7), 8)
+    network = connected(s.plane(), points[:7], 0.5, math.inf, 8)
     network.rest[:12] = np.arange(1, 13)
     before = rests_of(network)
     _add(s.plane(), network, *points.T.copy(), 0, 7, 1.0, 0.0, 0.1, 0.2)
@@ -317,12 +316,10 @@ def test_neighbours_of_a_cell_that_leaves_join_the_nearest(rule):
 def test_room_is_added_and_never_taken():
     """A torus of 30 cells has 90 edges and 60 triangles: all that there is room for."""
     network = connected(s.plane(period_x=6.0, period_z=5.0), lattice(6, 5), 0.5, math.inf, 30)
-    larger = grown(network, 100)
+    larger = network_of(in_use(network), 100)
     assert larger.capacity == 100
     assert rests_of(larger) == rests_of(network)
     assert [has_room(*case) for case in ((network, 0), (network, 1), (larger, 70), (larger, 71))] == [1, 0, 1, 0]
-    with pytest.raises(InvalidProblem, match="capacity = 50: must be at least 100"):
-        grown(larger, 50)
     with pytest.raises(InvalidProblem, match="network = 90 edges and 60 triangles: must be at most 87 edges"):
         write(no_network(29), *in_use(network))
 

@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 
 import tissue
 from dincl.errors import InvalidProblem
-from tests.tissue.study.figures_stand_in import COMPARE, FACTORS, HEAD, INTERACTION, outcomes, write
+from tests.tissue.study.stand_in import COMPARE, FACTORS, HEAD, INTERACTION, random_outcomes, write
 from tissue.cli.app import app
 from tissue.study import answers
 from tissue.study.answers import answer_table, scenario_means
@@ -25,7 +25,7 @@ FULL = HEAD + FACTORS + COMPARE
 @pytest.fixture(autouse=True)
 def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("tissue.study.outcomes.outcomes", outcomes)
+    monkeypatch.setattr("tissue.study.outcomes.outcomes", random_outcomes)
 
 
 def said(folder="out"):
@@ -181,7 +181,7 @@ def test_a_study_in_progress_is_answered_by_what_is_there(monkeypatch):
     def all_but_the_last(parameters, *rest):
         if parameters.emt.a.high < 10 and parameters.layer.shape == "circle":
             raise KeyboardInterrupt
-        return outcomes(parameters, *rest)
+        return random_outcomes(parameters, *rest)
 
     monkeypatch.setattr("tissue.study.outcomes.outcomes", all_but_the_last)
     for text in (COMPARE, ""):
@@ -200,12 +200,12 @@ def test_a_study_in_progress_is_answered_by_what_is_there(monkeypatch):
 
 def test_a_scenario_whose_runs_all_failed_hides_no_other(monkeypatch):
     def failing(parameters, replicates, *rest):
-        cells, runs, trajectories = outcomes(parameters, replicates, *rest)
+        cells, runs = random_outcomes(parameters, replicates, *rest)
         table, every = runs.to_pandas(), parameters.layer.shape == "circle"
         table["status"] = np.where(every | (table["replicate"] < 3), "LUMEN_CLOSED", "SUCCESS")
         sound = set(table.loc[table["status"] == "SUCCESS", "replicate"])
         kept = [replicate in sound for replicate in cells["replicate"].to_pylist()]
-        return Outcomes(cells.filter(kept), pa.Table.from_pandas(table, preserve_index=False), trajectories)
+        return Outcomes(cells.filter(kept), pa.Table.from_pandas(table, preserve_index=False))
 
     monkeypatch.setattr("tissue.study.outcomes.outcomes", failing)
     results = tissue.run_study(write(FULL), "out")
