@@ -168,7 +168,6 @@ def w1_rates(
     quantiles: bool = False,
     store: Store = None,
     executor: Executor | None = None,
-    smallest: bool = False,
 ) -> W1Rates:
     """Measure E W1 of N particles against N, and through the flow of a model E W1 and the error of y at times t.
 
@@ -190,8 +189,6 @@ def w1_rates(
         In one dimension: particles at the quantiles, which are not random (one repeat), instead of a random sample.
     store, executor
         A Parquet file that makes an interrupted call go on; who makes the runs: see ``carried_out``.
-    smallest
-        Only two repeats of the three smallest sizes.
 
     Raises
     ------
@@ -205,7 +202,7 @@ def w1_rates(
     """
     given = {"t": t, "y0": y0, "v0": v0, "tol": tol, "quantiles": quantiles}
     runs = W1Runs(model, density, sizes, repeats, seed, **given)  # type: ignore[arg-type]
-    return runs.result(carried_out(runs.study(smallest=smallest), store, executor))
+    return runs.result(carried_out(runs.study(), store, executor))
 
 
 def draw(density: Density, start: str, n: int, rng: np.random.Generator) -> tuple[Floats, Floats | None]:
