@@ -58,7 +58,7 @@ def report(
 def claims(
     name: Annotated[
         list[str] | None,
-        typer.Option("--id", help="Only these claims, such as c3.box or c3.*; the page of claims has all ids."),
+        typer.Option("--id", help="Only these claims, such as c3.update or c3.*; the page of claims has all ids."),
     ] = None,
     chapter: Annotated[list[int] | None, typer.Option(help="Only claims of this chapter of the thesis.")] = None,
     full: Full = False,

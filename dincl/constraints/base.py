@@ -6,7 +6,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, ClassVar, Self, cast
+from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeAlias, cast
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from dincl.status import Status
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-Swept = RowsOfOneKind | DiscPairs
+Swept: TypeAlias = RowsOfOneKind | DiscPairs
 # The sets of so many times are kept: differences in time, and Newton steps at one time, ask for them again.
 RECENT = 64
 

@@ -14,9 +14,7 @@ SECTIONS = {
     "chapter1": (
         "s1_1_newton",
         "s1_2_constraints",
-        "s2_solutions",
         "s2_1_inclusions",
-        "s3_cones",
         "s4_1_prox",
         "s4_2_hypomonotone",
         "s4_4_supports",
@@ -39,11 +37,7 @@ SECTIONS = {
         "s3_4_comparison",
     ),
     "chapter4": (
-        "s2_2_1_events",
         "s2_2_4_protrusion",
-        "s2_3_timing",
-        "s3_1_counts",
-        "s3_3_estimates",
         "s4_1_isolated",
         "s4_4_groups",
         "s4_6_conditional",
@@ -53,7 +47,6 @@ SECTIONS = {
         "s2_1_model",
         "s2_1_scaling",
         "s2_2_reduced",
-        "s2_3_fibre",
         "s2_3_tissue",
         "s2_4_lipschitz",
         "s2_5_energy",
@@ -65,7 +58,7 @@ SECTIONS = {
         "s3_4_stability",
         "s3_5_convergence",
     ),
-    "appendix": ("s1_uzawa", "s2_derivation"),
+    "appendix": ("s2_derivation",),
     "conclusions": ("s1_conclusions",),
 }
 

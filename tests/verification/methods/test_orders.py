@@ -1,4 +1,4 @@
-"""The experiments of chapter 2: orders, the reference and its check, penalty strengths, large steps; proved scenes."""
+"""The experiments of chapter 2: orders, the reference and its check, penalty strengths, large steps."""
 
 from typing import Any
 
@@ -11,32 +11,11 @@ from verification.instruments.error_norms import distance
 from verification.instruments.measure import reached
 from verification.methods import large_steps, orders, references, strengths
 from verification.methods.methods import METHODS, MIDPOINT_ACTIVE, PBD, PENALTIES, NamedMethod
-from verification.methods.studies import STUDIES
-from verification.site.agreement import compare_studies
 from verification.site.store import shipped
 
 TOL = 1e-11
 SLIDE: Any = dincl.scenes.sliding_disc()
 TIMES = np.arange(0.25, 3.01, 0.25)
-
-
-# When these were made, event-driven runs took other steps, on which references rest, and compiled steps called the back
-# ends in Python.
-STALE = pytest.mark.xfail(reason="to be made again on a quiet machine before 0.10", strict=True)
-
-
-@pytest.mark.slow_with("orders", "proved_scenes", "proved_random", "work_", "hard", "programs", "decisions")
-@pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=[STALE] if n in ("decisions", "work_precision") else []) for n in STUDIES]
-)
-def test_the_smallest_form_makes_rows_of_the_table_that_ships(name: str) -> None:
-    whole, smallest = STUDIES[name](), STUDIES[name](smallest=True)
-    rows = smallest.rows()
-    assert set(rows) == set(shipped(name))
-    found = compare_studies(rows, shipped(name), whole, whole.by)
-    assert found.rows == len(rows)
-    assert found.apart <= len(rows) // 50, found.worst  # penalties throw discs about, chaotically
-    assert len(whole.runs) == shipped(name)[list(whole.key)].drop_duplicates().shape[0]
 
 
 def test_pbd_has_order_one_midpoint_catch_up_two_and_a_soft_penalty_none() -> None:

@@ -15,7 +15,7 @@ from tests.executors import Here
 from verification import cli
 from verification.instruments.predicted import boundary
 from verification.methods.stability import cases, crowd, drift, penalty, radius, rows, saddle, sweeps_or_steps
-from verification.methods.stability.catalogue import MAPS, STUDIES
+from verification.methods.stability.catalogue import MAPS
 from verification.methods.stability.page import places_and_kinds
 from verification.methods.stability.schemes import SCHEMES
 from verification.site import sheet
@@ -165,14 +165,6 @@ def test_shipped_cells_fail_beyond_the_limit_that_is_drawn(drawn, method, failur
     failed = mine["outcome"] == failure
     assert (failed[clear] | (mine[y] < limit)[clear]).mean() > 0.99
     assert not (failed & (mine[y] < limit) & clear).any() or failure == "inaccurate"
-
-
-@pytest.mark.parametrize("name", STUDIES)
-def test_shipped_tables_are_complete_and_the_smallest_form_is_a_part(name):
-    table, complete = shipped(name), STUDIES[name]()
-    assert set(study.table.run_names(table, complete.key)) == set(map(complete.name_of, complete.runs))
-    small = STUDIES[name](smallest=True)
-    assert set(map(small.name_of, small.runs)) < set(map(complete.name_of, complete.runs))
 
 
 def test_every_scheme_is_on_a_map():

@@ -9,15 +9,6 @@ from verification.tissues import curved
 from verification.tissues.studies import STUDIES
 
 
-@pytest.mark.slow
-def test_the_smallest_form_has_the_columns_of_the_complete_study():
-    rows, table = curved.study(smallest=True).rows(), shipped(curved.NAME)
-    assert list(rows) == list(table)
-    assert rows[["events", "layer", "side", "of"]].to_numpy().tolist() == [
-        ["[A]", "inside", side, 16] for side in ("basal", "apical")
-    ]
-
-
 def test_ways_out_are_counted_with_their_intervals():
     table = shipped(curved.NAME)
     assert len(table) == 2 * len(curved.study().runs) == 2 * 6 * len(curved.LAYERS)

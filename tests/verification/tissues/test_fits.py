@@ -1,11 +1,7 @@
 """The kept study of fits: coverage of intervals, and wrong models that are noticed."""
 
-import numpy as np
-import pytest
-
 from verification.site.store import shipped
-from verification.tissues import fits
-from verification.tissues.fits import HEIGHT, MISFIT_SEEN, OTHERS, OWN, SMALLEST
+from verification.tissues.fits import HEIGHT, MISFIT_SEEN, OTHERS, OWN
 
 
 def test_coverage_is_within_its_range():
@@ -22,12 +18,3 @@ def test_coverage_is_within_its_range():
     for name in OTHERS:
         rows = table[table["data"].str.startswith(f"preset {name},")]
         assert (rows["p"] < MISFIT_SEEN).mean() > 0.9
-
-
-@pytest.mark.slow
-def test_a_part_of_it_is_the_same_here():
-    table, key = shipped(fits.NAME), list(SMALLEST)
-    mine = table[(table[key] == list(SMALLEST.values())).all(axis=1)].reset_index(drop=True)
-    made = fits.fits(SMALLEST)
-    for name in ("mu_low", "mu_high", "two_daughters_low", "two_daughters_high", "p"):
-        assert np.array([row[name] for row in made]) == pytest.approx(mine[name].to_numpy(float), rel=1e-6, abs=1e-9)

@@ -10,7 +10,7 @@ from verification.site.context import Context
 from verification.site.store import DATA, shipped
 from verification.thesis.chapter4.questions import QUESTIONS as CHAPTER4
 from verification.tissues.needs import page
-from verification.tissues.needs.study import EIGHT, NAME, QUESTIONS, placed, study, without_protrusions
+from verification.tissues.needs.study import EIGHT, NAME, QUESTIONS, placed, without_protrusions
 from verification.tissues.studies import STUDIES
 
 
@@ -68,15 +68,6 @@ def test_cells_with_protrusions_are_left_out_of_the_mean() -> None:
 
 def test_the_questions_are_those_of_chapter_4() -> None:
     assert set(EIGHT) == {*CHAPTER4} - {"Q5, mixtures"}
-
-
-@pytest.mark.slow
-def test_a_question_comes_out_again() -> None:
-    rows, kept = study(smallest=True).rows(), shipped(NAME)
-    assert set(rows) == set(kept)
-    both = rows.merge(kept, on=["question", "step", "model"])
-    assert len(both) == len(rows)
-    assert np.allclose(both["difference_x"], both["difference_y"], atol=1e-3, equal_nan=True)
 
 
 def test_the_summary_names_a_simplest_model_or_says_why_not(tmp_path) -> None:

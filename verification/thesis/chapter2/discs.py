@@ -11,11 +11,6 @@ RADIUS = 0.5
 ROUNDING = 1e-12
 
 
-def overlap(x: Floats) -> float:
-    """Return the overlap of two discs of radius RADIUS at x, shape (2, d)."""
-    return max(0.0, 2 * RADIUS - float(np.linalg.norm(x[1] - x[0])))
-
-
 def separated(x: Floats) -> Floats:
     """Return both discs moved apart by half of their overlap: the formulas of Example 2.5."""
     return apart(x, 2 * RADIUS)

@@ -33,18 +33,6 @@ def _line() -> Density:
     return Density.bump(1.0, 0.6)
 
 
-def _interacting() -> Model:
-    """Return a WavyFibre with attraction by a Gaussian well: no moment closes, no pair is left out."""
-    ca = library()
-    return Model(
-        g=lambda X, y: X + 0.5 * ca.sin(X) - y,
-        W0=lambda y: FIBRE["k0"] / 2 * (y - FIBRE["y_rest"]) ** 2,
-        W1=lambda X: FIBRE["k1"] / 2 * X**2,
-        V=lambda r: 1 - ca.exp(-(r**2) / 2),
-        m=FIBRE["m"],
-    )
-
-
 def _cube() -> Model:
     """Return g = diag(y)^{-1} X in space: a block stretched along its axes."""
     return Model(
@@ -67,7 +55,6 @@ CASES = {
         (1.0, 1.1, 0.1),
         (0.3, -0.2, 0.1),
     ),
-    "interacting": MotionCase("interacting WavyFibre", _interacting, _line),
     "uniform": MotionCase("uniform StraightFibre", lambda: StraightFibre(**FIBRE), lambda: Density.uniform(0.4, 1.6)),
     "cube": MotionCase(
         "Block with g = diag(y)⁻¹X",
@@ -95,11 +82,6 @@ def law(name: str) -> Density:
 def state(name: str, X: Floats) -> State:
     """Return the start of a case with particles X (N, nx)."""
     return State(X=X, y=CASES[name].y0, v=CASES[name].v0)
-
-
-def few(name: str, n: int) -> State:
-    """Return the start with n particles drawn from the density, the same in each call."""
-    return state(name, law(name).sample(stream("start", n), n))
 
 
 def stream(name: str, *numbers: int) -> np.random.Generator:

@@ -1,4 +1,4 @@
-"""Closed forms: y is harmonic for Examples 5.2 and 5.3 with linear forces, as are averages of densities."""
+"""Closed forms: y is harmonic for Examples 5.2 and 5.3 with linear forces."""
 
 from __future__ import annotations
 
@@ -7,8 +7,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from meanfield import Density, Model
-from meanfield.solvers.characteristics import origins
 from verification.thesis.chapter5.cases import CASES, FIBRE
 
 Floats = NDArray[np.float64]
@@ -46,9 +44,3 @@ def harmonic(name: str, X: Floats, t: Floats, v0: float | None = None) -> ExactM
         return ExactMotion(y, v, moved, -y[:, None] * (k1 * moved + m * pushed))
     moved = X + y[:, None] - y0
     return ExactMotion(y, v, moved, -(k1 * moved + m * a[:, None]))
-
-
-def averages(model: Model, start: Density, y0: Floats, y: Floats, edges: Floats) -> Floats:
-    """Average over cells in one dimension by F(x) = F0(x0(x)), also for a density with jumps."""
-    below = start.panels.distribution(origins(model, edges[:, None], y, y0)[:, 0])
-    return np.diff(below) / np.diff(edges)

@@ -33,10 +33,11 @@ from verification.instruments.meanfield_methods import STYLES
 from verification.instruments.predicted import Case, Found, cases_study, happens, within
 from verification.site.context import Context
 from verification.thesis.chapter5 import cases, exact
-from verification.thesis.chapter5.maps import SINGULAR
 
 Floats = NDArray[np.float64]
 NAME = "meanfield_failures"
+# Endings that say that dg/dX is about to become singular.
+SINGULAR = (Status.SINGULAR, Status.STEP_TOO_SMALL, Status.NOT_CONVERGED)
 # The setting of each solver, where failures are looked for.
 SOLVERS: dict[str, Callable[[Model, State, Floats], Motion]] = {
     "ode": partial(solve_ode, tol=1e-8, throw=False),

@@ -165,15 +165,6 @@ def general_instant() -> Instant:
     return instant(general_system(), X, np.array([0.4, -0.3, 0.6]), np.array([0.7, -0.5, 0.9]))
 
 
-def wavy_system(m: float) -> System:
-    """Return the fibre g = X + sin(X)/2 - y without forces: Phi = 1/(1 + cos(X)/2) fulfils (A4) and (A5)."""
-
-    def nothing(x: Floats) -> Floats:
-        return 0.0 * x[..., 0]
-
-    return System(m=m, g=lambda X, y: X + np.sin(X) / 2 - y, W0=nothing, W1=nothing, V=nothing)
-
-
 def with_springs(g: Callable[[Floats, Floats], Floats]) -> System:
     """Return a constraint with linear forces F0 = 1 - y, F1 = -0.6 X and no interaction."""
     return System(0.7, g, lambda y: ((y - 1.0) ** 2).sum() / 2, lambda X: 0.3 * (X**2).sum(-1), lambda r: 0 * r[..., 0])

@@ -1,4 +1,4 @@
-"""The mean-field chapter: DAE, ODE, PDE and moments, how fast they meet, and where they fail."""
+"""The mean-field chapter: how fast particles find their limit, what each solver costs, and where they fail."""
 
 from __future__ import annotations
 
@@ -6,30 +6,11 @@ from collections.abc import Callable
 
 from dincl.study import Study
 from verification.site.context import Context
-from verification.thesis.chapter5 import (
-    agreement,
-    cost,
-    energy,
-    failures,
-    grid_order,
-    maps,
-    rates,
-    stability_constant,
-)
+from verification.thesis.chapter5 import cost, failures, rates, stability_constant
 
-STUDIES: dict[str, Callable[..., Study]] = {
-    agreement.NAME: agreement.study,
-    energy.NAME: energy.study,
-    energy.LONG: energy.long_study,
-    rates.NAME: rates.study,
-    stability_constant.NAME: stability_constant.study,
-    grid_order.NAME: grid_order.study,
-    cost.NAME: cost.study,
-    failures.NAME: failures.study,
-    maps.NAME: maps.study,
-}
 # In the order of the page.
-PARTS = (agreement, energy, rates, stability_constant, grid_order, cost, failures, maps)
+PARTS = (rates, stability_constant, cost, failures)
+STUDIES: dict[str, Callable[..., Study]] = {part.NAME: part.study for part in PARTS}
 
 
 def run(context: Context) -> None:

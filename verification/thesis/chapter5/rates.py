@@ -1,29 +1,24 @@
 """Rates at which N particles find the mean-field limit: W1 at the start and through the flow, and the error of y.
 
-Starts of the unit cube in d = 1, 2, 3 without a flow, for the laws of E W1; densities of models and their flows to T.
+Starts of the unit cube in d = 1, 2, 3 without a flow; densities of models and their flows to T.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
-from scipy.special import ndtri
 
 from dincl.study import Study, joined
 from meanfield import Density
-from verification.instruments.lines import CONFIDENCE
-from verification.instruments.rates import FEWEST_SIZES, QUANTILES, W1Rates, W1Runs, log_points
+from verification.instruments.rates import FEWEST_SIZES, QUANTILES, W1Rates, W1Runs
 from verification.instruments.result import draw_results
 from verification.site.context import Context
 from verification.thesis.chapter5 import cases
 
-Floats = NDArray[np.float64]
 NAME, TITLE, T = "meanfield_rates", "How fast do N particles find their limit?", 4.0
 # Random numbers: of the cube and of the flows; the place of a model among these.
 CUBE_SEED, FLOW_SEED, PLACE = (20260105, 0, 0, 0), 2, {"wavy": 2, "element": 3, "uniform": 5, "cube": 6}
@@ -108,55 +103,8 @@ def fits(found: dict[str, W1Rates]) -> pd.DataFrame:
     return table.assign(agrees=inside.map({True: "yes", False: "no"}).where(table["known"].notna(), "—"))
 
 
-class Law(NamedTuple):
-    """(E W1)^power = a term_1 + b term_2 in dimension d; terms: (N, log N) -> one or two arrays."""
-
-    d: int
-    name: str
-    power: int
-    terms: Callable[[Floats, Floats], list[Floats]]
-
-
-# In one dimension a = sqrt(pi / 32), the mean of int |B| for the Brownian bridge B. In two the logarithm is that of
-# Ajtai, Komlos and Tusnady (1984): disorder of all scales adds up. In three, that of the scale of the cube adds N^-1/2.
-LAWS = (
-    Law(1, "a N^-1/2", 1, lambda n, log: [n**-0.5]),
-    Law(2, "a N^-1/2", 1, lambda n, log: [n**-0.5]),
-    Law(2, "a (log N / N)^1/2", 1, lambda n, log: [np.sqrt(log / n)]),
-    Law(2, "a N^-1/2 log N", 1, lambda n, log: [log * n**-0.5]),
-    Law(2, "((a + b log N) / N)^1/2", 2, lambda n, log: [1 / n, log / n]),
-    Law(3, "a N^-1/3", 1, lambda n, log: [n ** (-1 / 3)]),
-    Law(3, "a N^-1/3 + b N^-1/2", 1, lambda n, log: [n ** (-1 / 3), n**-0.5]),
-)
-LAW_HEADINGS = {"d": "Dimension", "law": "Mean of W1", "a": "a", "a_half": "a ±", "b": "b", "b_half": "b ±"}
-LAW_HEADINGS |= {"misfit": "χ² per degree of freedom", "largest": "Largest deviation"}
-
-
-def laws(found: dict[str, W1Rates]) -> pd.DataFrame:
-    """Fit ``LAWS`` to the means of W1 on the cubes: a and b with half their 95 % intervals, and how they fit.
-
-    ``misfit`` is chi^2 per degree of freedom, about 1 for a law that describes the data; ``largest`` is the largest
-    relative distance of a mean from the law.
-    """
-    rows = []
-    for law in LAWS:
-        x, y, error = log_points(found[CUBES[law.d]].means)
-        target = np.exp(law.power * y)
-        basis = np.stack(law.terms(np.exp(x), x), axis=1) / (law.power * target * error)[:, None]
-        covariance = np.linalg.inv(basis.T @ basis)
-        terms = covariance @ basis.T @ (1 / (law.power * error))
-        ratio = (basis @ terms) * law.power * error
-        misfit = float((((ratio - 1) / (law.power * error)) ** 2).sum()) / (len(x) - len(terms))
-        half = ndtri((1 + CONFIDENCE) / 2) * np.sqrt(np.diag(covariance) * max(1.0, misfit))
-        row = dict(zip(("a", "a_half", "b", "b_half"), np.stack([terms, half], axis=1).ravel().tolist(), strict=False))
-        largest = np.abs(np.maximum(ratio, 0.0) ** (1 / law.power) - 1).max()
-        rows.append({"d": law.d, "law": law.name} | row | {"misfit": misfit, "largest": largest})
-    return pd.DataFrame(rows)
-
-
 def show(context: Context) -> None:
     """Give the powers of N."""
     found = results(context.tables[NAME])
     context.draw(NAME, draw_results, {cases.TITLES[name]: found[cases.TITLES[name]] for name in PLACE}, 2, 3.6)
     context.show(NAME, context.headed(NAME, fits(found)))
-    context.show(f"{NAME}_laws", laws(found).rename(columns=LAW_HEADINGS), NAME)

@@ -10,7 +10,7 @@ import numpy as np
 from verification.claims.formal.algebra import library
 from verification.thesis.chapter5.instant import Floats
 
-M, T, STEPS = 0.01, 3.0, 200
+T, STEPS = 3.0, 200
 
 
 def soft(x: Floats) -> Floats:

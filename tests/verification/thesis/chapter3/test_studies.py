@@ -6,7 +6,7 @@ import pytest
 from scipy.stats import t as student
 
 from tests.tissue.states import THESIS, cells, layers, tissue
-from tests.twins.tissue.steps import make_substeps
+from tests.twins.tissue import make_substeps
 from tests.verification.thesis.simulated import simulated
 from tissue.frames.observables import height
 from tissue.model.energy import energy
@@ -166,7 +166,7 @@ def test_swing_is_the_period_two_part_of_the_substeps():
     h = THESIS._replace(dt=scale * THESIS.mu, substeps=1)
     path = [state]
     for _ in range(2):
-        path.append(make_substeps(path[-1], network, h, np.random.default_rng(0)))
+        path.append(make_substeps(path[-1], network, h))
     x = [growing.nuclei(growing.Frame(0.0, one, network)) for one in path]
     expected = np.hypot(*(x[2] - 2 * x[1] + x[0])) / 4
     assert swing(Frozen(state, network, THESIS), scale) == pytest.approx(expected, abs=1e-9)
@@ -185,9 +185,9 @@ def test_maps_tell_jitter_from_loss():
 
 
 def test_cells_are_lost_beyond_the_limit_that_is_drawn_only():
-    tables = {name: shipped(name) for name in stability.TITLES}
-    found = stability.losses(tables)
+    table = shipped(stability.NAME)
+    found = stability.losses(table)
     assert (found["mitosis"] < found["lost"]).all()
-    drawn = stability.map_of("tissue_map_steps", tables["tissue_map_steps"]).limits
+    drawn = stability.map_of(table).limits
     mine = drawn[drawn["method"] == "Thesis"]  # dt = substeps mu limit
     np.testing.assert_allclose(mine["x"] / mine["y"], 0.15 * stability.mitotic_limit("thesis"))

@@ -6,12 +6,9 @@ import pandas as pd
 import pytest
 from matplotlib.colors import to_hex
 
-from tests.executors import Here
 from tissue.pictures.charts import OUTCOMES
-from verification.site.agreement import compare_studies
 from verification.site.store import shipped
 from verification.thesis.chapter4 import figures, printed
-from verification.thesis.chapter4 import page as chapter
 from verification.thesis.chapter4.claims import s4_1_isolated
 from verification.thesis.chapter4.ensembles import NAMES, PRESETS, ensemble, preset_of
 from verification.thesis.chapter4.questions import answered
@@ -26,34 +23,11 @@ def tables() -> dict[str, pd.DataFrame]:
     return found | {"emt_printed": printed.compared(found), "emt_answers": answered(found)}
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", EMT)
-def test_the_smallest_form_has_the_rows_of_the_complete_study(name: str) -> None:
-    """Those of the same runs are the same; tables of which a part has fewer runs have the same columns."""
-    study, complete = STUDIES[name](smallest=True), tables()[name]
-    rows = study.rows(Here())
-    assert set(rows) == set(complete)
-    assert set(study.columns) <= set(rows)
-    found = compare_studies(rows, complete, study, study.by)
-    assert found.rows == (len(rows) if name in chapter.IN_PARTS else 0)
-    assert (found.apart, found.worst) == (0, "")
-
-
-@pytest.mark.slow
-def test_complete_tables_have_every_run() -> None:
-    for name in EMT:
-        study, rows = STUDIES[name](), tables()[name]
-        runs = [tuple(key[column] for column in study.key) for key in study.runs]
-        assert sorted(set(rows[list(study.key)].itertuples(index=False, name=None))) == sorted(runs), name
-    ratios = tables()["emt_ratios"]
-    assert (ratios["runs"] == ratios["study"].map({name: ensemble(name).replicates for name in NAMES})).all()
-
-
 def coloured(panel, colour):
     return [line for line in panel.lines if to_hex(line.get_color()) == colour]
 
 
-@pytest.mark.slow_with("10", "12", "14", "15", "17", "18", "20")
+@pytest.mark.slow_with("10", "12", "14", "15", "20")
 @pytest.mark.parametrize("number", figures.FIGURES)
 def test_figures_are_drawn(number: int, tmp_path, monkeypatch) -> None:
     """Of Figures 10 and 21 a line has the numbers of the table."""

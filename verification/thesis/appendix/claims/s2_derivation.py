@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from verification.claims import Correction, Effect
-from verification.claims.formal.algebra import library, matrices, vanishes
-from verification.claims.formal.stated import argument, identity
+from verification.claims.formal.algebra import matrices, vanishes
+from verification.claims.formal.stated import argument
 from verification.thesis.chapter5.general import (
     BT,
     GT,
@@ -13,7 +13,6 @@ from verification.thesis.chapter5.general import (
     a,
     acceleration,
     curved,
-    even,
     f,
     m,
     multiplier,
@@ -25,30 +24,7 @@ from verification.thesis.chapter5.lemmas import REDUCED
 
 # A velocity, the force of a particle alone and that of the others, the sum of K(X_k, X_i), and Omega[y', y''].
 U, own, pull, other = matrices("U F1 K W")
-x, z, p, n = library().symbols("x z p N")
-V = even("w")
 
-# One pair and one coordinate of (5.8), the other coordinates being p.
-FORCE = -n * ((V(z - x, p) + V(x - z, -p)) / (2 * n**2)).diff(x)
-
-_order = identity(
-    "c5.derivation-order",
-    "appendix 2, (A.4a)",
-    "mẌ_i = F₁(X_i) + 1/N Σ_k K(X_i, X_k) − (∂_X g(X_i, y))ᵀλ_i",
-    "The others act on particle i with the force 1/N Σ_k K(X_i, X_k).",
-    right=FORCE + V(z - x, p).diff(x) / n,
-    wrong=FORCE - V(z - x, p).diff(x) / n,
-    correction=Correction(
-        "mẌ_i = F₁(X_i) + 1/N Σ_k K(X_k, X_i) − (∂_X g(X_i, y))ᵀλ_i, as in (5.6a)",
-        Effect.MODEL,
-        (
-            "(A.11) to (A.14), which have the same order; with it “which is equivalent to (A.5a)”, after (A.13), is "
-            "false"
-        ),
-        why="(5.6a), which (A.4a) recalls, has K(X_k, X_i), and K is antisymmetric, so the sign of the force changes",
-        place=4111,
-    ),
-)
 
 _constraint = argument(
     "c5.derivation-constraint",
@@ -99,7 +75,7 @@ _multipliers = argument(
         why="it is (A.4a) solved for λ_i, with the order of K that c5.derivation-order corrects to that of (5.6a)",
         place=4162,
     ),
-    rests_on=("c5.derivation-order", "c5.acceleration"),
+    rests_on=("c5.acceleration",),
 )
 
 _equivalent = argument(

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from verification.claims import Correction, Effect, Evidence, at_most, claim, equal
 from verification.claims.formal.algebra import library, vanishes
-from verification.claims.formal.reals import follows, reals
 from verification.claims.formal.stated import argument
 
 sp = library()
-t, m, mu, w, speed = sp.symbols("t m mu w v", positive=True)
+t, m, mu = sp.symbols("t m mu", positive=True)
 force, start = sp.symbols("F v_init")
 
 RADIUS, VISCOSITY = 5e-6, 0.1  # [m], [Pa s]
@@ -19,62 +17,6 @@ WATER_DENSITY = 1e3  # [kg/m³]
 LITRE, MILLILITRE = 1e-3, 1e-6  # [m³]
 CELL_SPEED = 1e-4 / 3600  # [m/s], 0.1 mm/h: faster than cells are
 
-# x = -v sin(w t)/w, w = sqrt(k/m), while the ball touches a spring of stiffness k, from 0 to pi/w.
-hit = -speed / w * sp.sin(w * t)
-END, PUSH = hit.diff(t).subs(t, sp.pi / w), sp.integrate(-m * w**2 * hit, (t, 0, sp.pi / w))
-
-_impact = argument(
-    "c1.impact",
-    "introduction, Figure 1",
-    "The velocity will change discontinuously, … the forces at contact are only generalised functions",
-    "When a rubber ball meets infinitely stiff ground, its velocity jumps and the contact force is a measure.",
-    vanishes(
-        [
-            m * hit.diff(t, 2) + m * w**2 * hit,
-            hit.diff(t).subs(t, 0) + speed,
-            hit.subs(t, sp.pi / w),
-            END - speed,
-            PUSH - 2 * m * speed,
-        ],
-        END + speed,
-        "during the contact, which lasts π√(m/k), the velocity −v becomes v and the impulse is 2mv for every k: with k"
-        " → ∞ the velocity jumps and the force is a point measure",
-        "it stays −v",
-    ),
-    tried_on="a ground that is a spring, of any stiffness",
-    chosen="Newton's equation without damping or weight",
-)
-
-# weight = mg; slope is a slope at x if W(y) - W(x) >= slope (y - x) for all places y; below the ground W is infinite.
-weight, slope, y, d = reals("w v y d")
-
-_ball_at_rest = argument(
-    "c1.ball-at-rest",
-    "introduction",
-    "∂W(x) = {mg} if x ≥ 0, (-∞, 0] if x = 0, ∅ if x < 0",
-    "The ball has ∂W(x) = {mg} for x ≥ 0, and (-∞, 0] at x = 0.",
-    follows(
-        [weight > 0, y > 0],
-        (weight * y >= slope * y) == (slope <= weight),
-        (weight * y >= slope * y) == (slope <= 0),
-        "mg y ≥ v y at places y > 0 if and only if v ≤ mg, so ∂W(0) = (−∞, mg]",
-        "∂W(0) = (−∞, 0]",
-    ),
-    follows(
-        [weight > 0, d > 0, weight * d >= slope * d, -weight * d >= -slope * d],
-        slope == weight,
-        ([weight > 0, d > 0, weight * d >= slope * d], slope == weight),
-        "places on both sides leave v = mg alone, so ∂W(x) = {mg} for x > 0",
-        "∂W(x) = {mg} for x = 0, too, where there are places above only",
-    ),
-    correction=Correction(
-        "∂W(x) = {mg} if x > 0, (-∞, mg] if x = 0, ∅ if x < 0",
-        Effect.MODEL,
-        "the first differential inclusion of the chapter, μẋ ∈ -∂W(x), for a ball that other forces act on",
-        why="W(y) ≥ vy for all y ≥ 0 is mgy ≥ vy, so v ≤ mg, by (1.9); at x > 0 the energy has the slope mg alone",
-        place=189,
-    ),
-)
 
 # One coordinate; the others alike.
 away = (start - force / mu) * sp.exp(-mu * t / m)
@@ -98,50 +40,6 @@ _velocity = argument(
         "at t = μ/m",
     ),
     also=("c1.time-scale",),
-)
-
-# m x'' + x' + x = 0, x(0) = 1, x'(0) = 0, e = x - exp(-t): e' + e = -m x''; q = int exp(s - t) x'(s) ds. The energy (m
-# x'^2 + x^2)/2 falls, so |x| <= 1; where x' = 1 (or -1) x'' has the other sign, so |x'| <= 1.
-x, q = sp.Function("x")(t), sp.Function("q")(t)
-
-
-def unsolved(error: Any) -> Any:
-    """Return error' + error + m x'' with q' = x' - q."""
-    return (error.diff(t) + error + m * x.diff(t, 2)).subs(q.diff(t), x.diff(t) - q)
-
-
-place, v, mass, accel, mean, off = reals("x v m a q e")
-TURNING = [mass > 0, place * place <= 1, v * v == 1]
-SMALL = [mass > 0, v <= 1, v >= -1, mean <= 1, mean >= -1, off == -mass * v + mass * mean]
-
-_overdamped = argument(
-    "c1.overdamped",
-    "section 1.1",
-    "where m/μ ≪ T, then we obtain good approximations by solving the overdamped Newton equation",
-    "The overdamped equation is a good approximation over times much longer than m/μ.",
-    vanishes(
-        unsolved(-m * x.diff(t) + m * q),
-        unsolved(-m * x.diff(t) - m * q),
-        "x − e^{−t} = −mẋ + m∫e^{s−t}ẋ(s) ds for every m",
-        "−m∫",
-    ),
-    follows(
-        [*TURNING, mass * accel == -v - place],
-        v * accel <= 0,
-        ([*TURNING, mass * accel == v - place], v * accel <= 0),
-        "mẍ = −ẋ − x points back where ẋ = ±1 and |x| ≤ 1, so |ẋ| ≤ 1",
-        "mẍ = ẋ − x",
-    ),
-    follows(
-        SMALL,
-        [off <= 2 * mass, off >= -2 * mass],
-        [off <= mass, off >= -mass],
-        "|ẋ| ≤ 1 and |∫e^{s−t}ẋ ds| ≤ 1 give |x − e^{−t}| ≤ 2m: of the order of m/(μT)",
-        "≤ m",
-    ),
-    rests_on=("c1.velocity",),
-    tried_on="a mass on a spring that starts at rest, every m with k = μ = 1",
-    chosen="one particle on a spring that starts at rest; “good” is an error of the order of m/(μT)",
 )
 
 

@@ -11,7 +11,7 @@ from verification.claims.formal.stated import argument
 from verification.thesis.chapter1.lemmas import sign_values
 
 # h and k are values of sign at x and y, any of [-1, 1] at 0; (1.13) has the right side -h.
-x, y, h, k, L, e = reals("x y h k L e")
+x, y, h, k = reals("x y h k")
 VALUES = [*sign_values(x, h), *sign_values(y, k)]
 
 
@@ -48,39 +48,6 @@ _remark = argument(
     ),
 )
 
-STEEP = [L >= 0, e * (L + 1) == 1]
-
-_monotone_maps = argument(
-    "c1.monotone-maps",
-    "Remark 1.15",
-    "we actually showed a stronger property for the sign function, namely that it is a monotone map … with L = 0.",
-    "The set-valued sign function is a monotone map, that is one-sided Lipschitz continuous with L = 0.",
-    follows(
-        VALUES,
-        (k - h) * (x - y) <= 0,
-        (h - k) * (x - y) <= 0,
-        "(v − w)(x − y) ≤ 0 for all values v, w of −sign at any x, y",
-        "(v − w)(x − y) ≤ 0 for all values of sign",
-    ),
-    follows(
-        STEEP,
-        2 * 2 * e > L * (2 * e) * (2 * e),
-        -2 * 2 * e > L * (2 * e) * (2 * e),
-        "for every L ≥ 0 the values 1 and −1 of sign at ±e, e = 1/(L + 1), have 2 · 2e > L(2e)²",
-        "the same for −sign",
-    ),
-    correction=Correction(
-        "-sign is one-sided Lipschitz with L = 0; sign is not for any L, as the remark says in its next sentence",
-        Effect.PROOF,
-        "the remark itself; Theorem 1.13 is applied to -sign",
-        why=(
-            "Remark 1.14 is about −sign, and the next sentence says that sign is neither monotone nor one-sided "
-            "Lipschitz: for y → 0 the quotient of sign grows like 1/|y|"
-        ),
-        place=498,
-    ),
-    rests_on=("c1.step-continuity",),
-)
 
 # Discs at -u, u and -w, w with unit vectors u, w at any angle: a normal of length s at the first pair, m at the other.
 sp = library()

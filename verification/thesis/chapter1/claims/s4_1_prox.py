@@ -7,44 +7,15 @@ import math
 import numpy as np
 
 from verification.claims import Correction, Effect, Evidence, at_least, at_most, claim, equal
-from verification.claims.formal.algebra import library
-from verification.claims.formal.reals import follows, reals
-from verification.claims.formal.stated import argument, identity
+from verification.claims.formal.reals import reals
+from verification.claims.formal.stated import argument
 from verification.thesis.chapter1.lemmas import NEAREST
 from verification.thesis.chapter1.sets import ROUNDING, contact_gradients
 
-sp = library()
-R, w, a, r = sp.symbols("R w a r", positive=True)
-p, k, D, t, u, v = reals("p k D t u v")
+p, v = reals("p v")
 
 SEED = 11
 RADIUS = 0.5
-
-# Centres at -e and e, exchanged, and half-way between: any radius and direction.
-e = R * sp.Matrix([sp.cos(w), sp.sin(w)])
-# Squares of the distances of the centres of both, and of half the sum of both states.
-TOUCHING, MIDDLE = (2 * e).dot(2 * e), (e - e).dot(e - e)
-
-_not_convex = identity(
-    "c1.not-convex",
-    "section 4",
-    "the set of non-overlapping disks … is not convex.",
-    "Two touching discs and the same exchanged have the distance 2R, half-way the centres coincide: S is not convex.",
-    right=[TOUCHING - 4 * R**2, MIDDLE],
-    wrong=TOUCHING,
-)
-
-# (a, 0) in a mouth of half the angle w < pi/2, and the point of a lip at r from the corner.
-LIP = (a - r * sp.cos(w)) ** 2 + (r * sp.sin(w)) ** 2 - (r - a * sp.cos(w)) ** 2
-
-_pacman = identity(
-    "c1.pacman",
-    "Figure 7",
-    "The Pacman-like set is not uniformly prox-regular since for points in the middle of the mouth … not unique.",
-    "On both lips of the Pacman set the point at a cos w is nearest to (a, 0) in its mouth, as near as one likes.",
-    right=LIP - (a * sp.sin(w)) ** 2,
-    wrong=LIP + (a * sp.sin(w)) ** 2,
-)
 
 
 def printed_constant(n: int, d: int) -> float:
@@ -104,57 +75,6 @@ def _prox_constant() -> Evidence:
         ),
     )
 
-
-# p = n.(y - x), D = |y - x|^2 for y in C; n is proximal if p <= k D for a k >= 0; x + t(y - x) is in C.
-SHORT = [k > 0, D > 0, t * p <= k * t * t * D, t * t <= 1]
-
-_same_cones = argument(
-    "c1.same-cones",
-    "after Definition 1.23",
-    "N_C(x) = N(C, x) for all x ∈ ℝ^d",
-    "The proximal normals of a convex set are its normals of convex analysis.",
-    follows(
-        [*SHORT, t * (p + k * D) == p],
-        p <= 0,
-        ([*SHORT, t * (-p + k * D) == p], p <= 0),
-        "t n·(y − x) ≤ k t²|y − x|² for t = p/(p + kD) ∈ (0, 1] gives n·(y − x) ≤ 0: proximal normals are normals",
-        "t of the wrong sign",
-    ),
-    follows(
-        [D >= 0, p <= 0],
-        D - 2 * p >= 0,
-        D + 2 * p >= 0,
-        "n·(y − x) ≤ 0 gives |x + n − y|² ≥ |n|²: x is the nearest point of C to x + n",
-        "to x − n",
-    ),
-    rests_on=("c1.outside",),
-    chosen="x ∈ C, or N_C(x) = ∅ outside C, as is said after Definition 1.16",
-)
-
-# A is the outside of the unit disc, x = (0, 1), n = -x; (u, v) is a point of A.
-NOT_NEARER = u * u + (v - 0.5) * (v - 0.5) >= 0.25
-
-_not_a_convex_normal = argument(
-    "c1.nonconvex-normal",
-    "Figure 8",
-    "n would not be a normal vector according to Definition 1.16 since n·(y - x) > 0.",
-    "A proximal normal of a set that is not convex need not be a normal of Definition 1.16.",
-    follows(
-        [u * u + v * v >= 1],
-        NOT_NEARER,
-        ([u * u + v * v >= 0.25], NOT_NEARER),
-        "x is nearest in A to x + n/2 = (0, ½), so n is a proximal normal",
-        "A the outside of a disc with the radius ½",
-    ),
-    follows(
-        [v == -1.5, p == -(v - 1)],
-        p > 0,
-        ([v == -1.5, p == v - 1], p > 0),
-        "but n·(y − x) = 5/2 > 0 for y = (0, −3/2) ∈ A",
-        "n = x",
-    ),
-    chosen="the outside of the unit disc",
-)
 
 _projection_normal = argument(
     "c1.projection-normal",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from verification.claims.formal.reals import follows, reals
-from verification.claims.formal.stated import argument, implication
+from verification.claims.formal.stated import argument
 
 # p = v.(y - x), q = w.(x - y), D = |x - y|^2, k = 1/(2 eta); c = p/|v|, square is |x + eta v/|v| - y|^2.
 p, q, v, w, D, k, eta, c, square = reals("p q v w D k eta c square")
@@ -29,16 +29,4 @@ _hypomonotone = argument(
         "v·(y − x) ≤ ‖v‖‖x − y‖²/(2η) and w·(x − y) ≤ ‖w‖‖x − y‖²/(2η) sum to (1.28)",
         "‖v‖ − ‖w‖",
     ),
-)
-
-# (1.28) for |v|, |w| <= 1: p = -(v - w).(x - y).
-_one_over_eta = implication(
-    "c1.one-over-eta",
-    "section 4.3",
-    "x ↦ -N(S, x) ∩ B₁(0) is one-sided Lipschitz with constant 1/η.",
-    "The map x ↦ -N(S, x) ∩ B₁(0) is one-sided Lipschitz continuous with the constant 1/η.",
-    given=[eta > 0, v >= 0, v <= 1, w >= 0, w <= 1, D >= 0, 2 * eta * p <= (v + w) * D],
-    then=eta * p <= D,
-    wrong=eta * p <= 0.5 * D,
-    rests_on=("c1.hypomonotone",),
 )

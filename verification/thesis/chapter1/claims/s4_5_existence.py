@@ -28,7 +28,7 @@ def slide(t: Floats) -> Floats:
     "The inclusion has a solution, to which the catch-up scheme converges.",
     source="Theorem 1.31",
     quote="the system has an absolutely continuous solution x : [0, T] → ℝ^d.",
-    rests_on=("c1.constant", "c1.speeds", "c1.unique-projections", "c1.dense", "c1.projection-normal"),
+    rests_on=("c1.speeds", "c1.unique-projections", "c1.projection-normal"),
     tried_on="a point that slides over a disc",
 )
 def _existence() -> Evidence:
@@ -66,7 +66,7 @@ _dependence = argument(
     ),
     *GROWTH_OF_DISTANCE,
     also=("c1.one-sided",),
-    rests_on=("c1.hypomonotone", "c1.uniqueness-sign", "c1.gronwall"),
+    rests_on=("c1.hypomonotone",),
 )
 
 

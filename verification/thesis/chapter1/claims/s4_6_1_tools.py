@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 
@@ -11,56 +10,6 @@ from verification.claims import Correction, Effect, Evidence, at_most, claim
 from verification.thesis.chapter1.sets import ROUNDING, SAMPLES, SEED, Floats
 
 T, A, B, N = 1.0, 0.01, 0.01, 50
-
-
-def sup_norm(x: Floats) -> Floats:
-    """Return the norm of L^∞ of step functions on [0, T], over the last axis."""
-    return np.asarray(np.abs(x).max(axis=-1))
-
-
-def mean_norm(x: Floats) -> Floats:
-    """Return the norm of L^1 of step functions with equal steps on [0, T]."""
-    return np.asarray(np.abs(x).mean(axis=-1) * T)
-
-
-def hlawka(norm: Callable[[Floats], Floats], x: Floats, y: Floats, z: Floats) -> Floats:
-    """Return |x + y| + |y + z| + |z + x| - |x| - |y| - |z| - |x + y + z|, which is never above 0 in L^1."""
-    pairs = norm(x + y) + norm(y + z) + norm(z + x)
-    return np.asarray(pairs - norm(x) - norm(y) - norm(z) - norm(x + y + z))
-
-
-@claim(
-    "c1.isometry",
-    "There is an isometry of L^∞ into L¹.",
-    source="section 4.6.1",
-    quote="there exists an isometry L^∞([0, T], ℝ^d) → L¹([0, T], ℝ^d).",
-    correction=Correction(
-        "an isometry onto the dual space of L¹; into L¹ a continuous embedding, ‖x‖₁ ≤ T ‖x‖_∞",
-        Effect.PROOF,
-        "(1.58), which uses the embedding",
-        why=(
-            "L^∞ is not separable and L¹ is, so that no isometry leads into L¹; what is isometric to L^∞ is the dual "
-            "space of L¹, named just before"
-        ),
-        place=912,
-    ),
-    tried_on="step functions, random ones in L¹",
-    chosen="linear maps; no other isometry exists either, as L^∞ is not separable",
-)
-def _isometry() -> Evidence:
-    """Hlawka's inequality is about norms of sums, so an isometric linear map would carry it over from L^1."""
-    x, y, z = np.array([[1.0, 1.0, -1.0], [1.0, -1.0, 1.0], [-1.0, 1.0, 1.0]])
-    sup = float(hlawka(sup_norm, x, y, z))
-    samples = np.random.default_rng(SEED).normal(size=(3, SAMPLES, 9))
-    mean, ratio = float(hlawka(mean_norm, *samples).max()), float((mean_norm(samples) / sup_norm(samples)).max()) / T
-    return Evidence(
-        printed=(at_most("excess of three step functions in L^∞ over Hlawka's inequality, which L¹ obeys", sup, 0.0),),
-        corrected=(
-            at_most("largest ‖x‖₁ over T‖x‖_∞", ratio, 1.0),
-            at_most(f"largest excess over Hlawka's inequality of {SAMPLES} triples in L¹", mean, 0.0, ROUNDING),
-        ),
-        seed=SEED,
-    )
 
 
 def sequences(size: float) -> Floats:

@@ -8,60 +8,10 @@ import numpy as np
 
 import dincl
 from verification.claims import Correction, Effect, Evidence, at_most, claim
-from verification.claims.formal.algebra import library
-from verification.claims.formal.stated import identity
 from verification.thesis.chapter1.cells import TOL, State, divided, in_mitosis, nearest, overlap, problem
-
-sp = library()
 
 # Of catch-up from a feasible state, in units of the time in which the pull to the middle acts.
 DT, END = 0.1, 1.0
-
-# One coordinate: x' = v + f, y' = w + f.
-x, y, v, w, f, K, rho, t = sp.symbols("x y v w f K rho t")
-
-_uniqueness_sign = identity(
-    "c1.uniqueness-sign",
-    "proof of Lemma 1.32",
-    "½ d/dt ‖x - y‖² ≤ -(v - w)·(x - y) + … ≤ (‖v‖ + ‖w‖)/(2η) ‖x - y‖² + …",
-    "½ d/dt ‖x - y‖² ≤ -(v - w)·(x - y) for two solutions with constraint forces v, w ∈ -N, F constant.",
-    right=(x - y) * ((v + f) - (w + f)) - (v - w) * (x - y),
-    wrong=(x - y) * ((v + f) - (w + f)) + (v - w) * (x - y),
-    correction=Correction(
-        "(v - w)·(x - y)",
-        Effect.PROOF,
-        "(1.77), which stands but for its exponential",
-        why="ẋ − ẏ = (v − w) + F(x) − F(y), and (1.28) for −v, −w ∈ N(S, ·) bounds (v − w)·(x − y) from above",
-        place=1119,
-    ),
-    rests_on=("c1.hypomonotone",),
-)
-
-# K is the integral of L_F + (|v| + |w|)/(2 eta) up to t, rho the first distance: the bound begins with rho and grows at
-# the rate K'.
-BOUND = rho * sp.exp(sp.Function("K")(t))
-PRINTED = rho * sp.Function("K")(t)
-RATE = sp.Function("K")(t).diff(t)
-
-_gronwall = identity(
-    "c1.gronwall",
-    "(1.77)",
-    "‖x(t) - y(t)‖ ≤ ‖xⁱⁿⁱᵗ - yⁱⁿⁱᵗ‖ ∫₀ᵗ (L_F + (‖v‖ + ‖w‖)/(2η)) ds",
-    "The distance of two solutions is at most its first value times the integral of L_F + (‖v‖ + ‖w‖)/(2η).",
-    right=[BOUND.diff(t) - RATE * BOUND, (rho * sp.exp(K)).subs(K, 0) - rho],
-    wrong=[PRINTED.diff(t) - RATE * PRINTED, (rho * K).subs(K, 0) - rho],
-    correction=Correction(
-        "‖xⁱⁿⁱᵗ - yⁱⁿⁱᵗ‖ exp(∫₀ᵗ (L_F + (‖v‖ + ‖w‖)/(2η)) ds)",
-        Effect.PROOF,
-        "the constant a of Lemma 1.32",
-        why=(
-            "Gronwall's lemma turns d/dt ‖x − y‖² ≤ 2a(t)‖x − y‖² into the exponential of ∫a; at t = 0 the printed "
-            "bound is 0"
-        ),
-        place=1123,
-    ),
-    rests_on=("c1.uniqueness-sign",),
-)
 
 
 def refined(start: State) -> tuple[float, float]:

@@ -71,19 +71,8 @@ def _event_driven() -> Evidence:
 
 
 # The chain rule; F of (2.1) is a function of x alone, and N is a cone.
-t, tau, mu, f, e, L = sp.symbols("t tau mu f epsilon L", positive=True)
+t, f, e = sp.symbols("t f epsilon", positive=True)
 x = sp.Function("x")
-SLOPE, SCALED = x(tau).diff(tau).subs(tau, t / mu), x(t / mu).diff(t)
-
-_damping = identity(
-    "c2.damping",
-    "(2.1)",
-    "the physically correct equation is μẋ ∈ F(x) − N(S, x) but … we set μ = 1",
-    "A damping other than 1 changes only the time scale: μż = ẋ(t/μ) for z(t) = x(t/μ), so μż ∈ F(z) − N(S, z).",
-    right=mu * SCALED - SLOPE,
-    wrong=SCALED / mu - SLOPE,
-    chosen="F: ℝᵈ → ℝᵈ, as in (2.1): no force of the chapter depends on time",
-)
 
 
 @claim(

@@ -7,10 +7,9 @@ import math
 import numpy as np
 
 import dincl
-from verification.claims import Correction, Effect, Evidence, Tables, at_least, at_most, claim, equal
-from verification.claims.formal.algebra import library, vanishes
+from verification.claims import Evidence, Tables, at_least, at_most, claim, equal
+from verification.claims.formal.algebra import library
 from verification.claims.formal.reals import follows, reals
-from verification.claims.formal.stated import argument, identity
 from verification.methods.methods import PBD
 from verification.methods.tables import LARGE_STEPS
 
@@ -42,23 +41,8 @@ def _elastic() -> Evidence:
     return Evidence(printed=(at_least(f"least error after an elastic collision, steps {steps} [length]", error, 0.5),))
 
 
-m, v, F, h, u = sp.symbols("m v F h u")
+h = sp.symbols("h")
 
-_mass = identity(
-    "c2.mass",
-    "(2.3)",
-    "m ẍ = F(x) … ṽ_{k+1} := v_k + Δt F(x_k, v_k)",
-    "In a step the velocity of a body of mass m grows by Δt F.",
-    right=m * ((v + h * F / m) - v) / h - F,
-    wrong=m * ((v + h * F) - v) / h - F,
-    correction=Correction(
-        "ṽ_{k+1} = v_k + Δt F(x_k, v_k)/m; (2.3) as printed is for m = 1",
-        Effect.MODEL,
-        "Method 2.2; not the first-order Method 2.3, where μ = 1 was agreed",
-        why="m ẍ = F gives the acceleration F/m; Δt F is a momentum",
-        place=1269,
-    ),
-)
 
 # The slope D of (x, v) -> (x + h v', v'), v' = v - h grad U(x), H the Hessian of U, any number of variables.
 H = sp.Symbol("H", commutative=False)
@@ -71,17 +55,6 @@ def kept(sign: int) -> object:
     transposed = sp.Matrix([[1 - h**2 * H, -sign * h * H], [h, 1]])
     return transposed * FORM * slope - FORM
 
-
-_symplectic = identity(
-    "c2.symplectic",
-    "section 2.2",
-    "The first part (2.3) and (2.4) is the symplectic Euler method",
-    "DᵀJD = J for one step of (2.3), (2.4) in any potential: it is the symplectic Euler method.",
-    right=kept(1),
-    wrong=kept(-1),
-    rests_on=("c2.mass",),
-    chosen="forces that depend on the positions only and have a potential",
-)
 
 # Discs of diameter 1 at -1 + w, 0 and 1 - w; p, q after the first pair is moved apart, then q2, r the second.
 w, p, q, q2, r = reals("w p q q2 r")
@@ -155,37 +128,3 @@ def _large(tables: Tables) -> Evidence:
             at_least(f"unstable runs of penalty methods, from the step {thrown['dt'].min():g} on", len(thrown), 1),
         )
     )
-
-
-# A point (x, y) of the unit disc with y < 1/2 goes to (x, 1/2) and, if that is outside, to (x, 1/2)/|(x, 1/2)|. u =
-# x^2, w is u of the next point, 3/4 that of the common point. Of three discs in a line a and b are the overlaps.
-QUARTER, LEAST = sp.Rational(1, 4), sp.Rational(3, 4)
-NEXT, LEFT = u / (u + QUARTER) - LEAST, (u - LEAST) / (4 * u + 1)
-place, d, new, a, b = reals("u d new a b")
-ROUND = [d > 0, place == 0.75 + d, new * (4 * place + 1) == d]
-LINE = [a == 0, b > 0, new == (a + b / 2) / 2]
-
-_alternating = argument(
-    "c2.alternating",
-    "Remark 2.4",
-    "alternating projections finds a point in the intersection A ∩ B by iterating x_{k+1} = P_A(P_B(x_k))",
-    "Alternating projections find a common point of two sets, in some cases also if they are not convex.",
-    vanishes(
-        NEXT - LEFT, NEXT + LEFT, "u = x² becomes w = u/(u + ¼), and w − ¾ = (u − ¾)/(4u + 1)", "−(u − ¾)/(4u + 1)"
-    ),
-    follows(
-        ROUND,
-        new <= d / 4,
-        new <= d / 8,
-        "so each round leaves less than a quarter of the distance to the disc and the half plane",
-        "less than an eighth",
-    ),
-    follows(
-        LINE,
-        new == b / 4,
-        new == b / 8,
-        "and a quarter of the overlap of three discs in a line, whose sets are not convex",
-        "an eighth",
-    ),
-    tried_on="the unit disc and y ≥ ½, and three discs in a line",
-)

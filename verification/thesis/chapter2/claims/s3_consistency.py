@@ -6,14 +6,13 @@ import numpy as np
 
 import dincl
 from verification.claims import Correction, Effect, Evidence, at_least, at_most, claim, equal
-from verification.claims.formal.algebra import library
 from verification.claims.formal.reals import follows, reals, solver_library
-from verification.claims.formal.stated import argument, identity, implication
+from verification.claims.formal.stated import argument
 from verification.thesis.chapter1.sets import Floats
 from verification.thesis.chapter2.discs import RADIUS, ROUNDING, points_of_step, row
 
 z3 = solver_library()
-x, y, h, r, p, D, a, n, d, q, power, f, way, last, first = reals("x y h r p D a n d q P f way last first")
+x, y, h, n, d, q, power, f, way, last, first = reals("x y h n d q P f way last first")
 
 SEED = 23
 # The wall x >= 0, a point on it that is pulled away by F = 1, and the ball and direction of the support functions.
@@ -25,8 +24,6 @@ DISCS = 5
 FINER, TOUCH = (1e-2, 1e-4, 1e-6), 1e-12
 # Discs that a single one is kicked along by, see ``kicked``.
 KICKS = 12
-# Two touching discs that are pulled apart with |F| = sqrt(2).
-APART = np.array([[-1.0, 0.0], [1.0, 0.0]])
 
 
 def trapped(x: float, dt: float) -> bool:
@@ -191,7 +188,7 @@ def shares(x: Floats, force: Floats, dt: float) -> Floats:
         ),
         place=1409,
     ),
-    rests_on=("c2.definition", "c2.equivalent", "c2.scale", "c2.induction", "c2.last-line"),
+    rests_on=("c2.definition", "c2.induction"),
     tried_on="a row of five discs, 20 random forces",
 )
 def _lemma() -> Evidence:
@@ -211,50 +208,6 @@ def _lemma() -> Evidence:
         ),
         seed=SEED,
     )
-
-
-# p = (p_{j-1} - p_j).(z - p_j) and D = |z - p_j|^2 for z in S_j, as for c1.projection-normal.
-_equivalent = implication(
-    "c2.equivalent",
-    "proof of Lemma 2.8",
-    "(2.11) is equivalent to p_{j−1} − p_j ∈ N(S_j, p_j)",
-    "p_j is the projection of p_{j−1} if and only if p_{j−1} − p_j is normal at p_j.",
-    given=[D >= 0, D - 2 * p >= 0, a >= 0, a <= 1],
-    then=D - 2 * a * p >= 0,
-    wrong=([r > 0, r < 1], (r + 1) * (r + 1) <= (r - 1) * (r - 1)),
-    correction=Correction(
-        "(2.11) implies p_{j−1} − p_j ∈ N(S_j, p_j), as in (1.23); the converse is false",
-        Effect.PROOF,
-        "nothing else: only this direction is used",
-        why=(
-            "p − q is normal at every q on the line through both centres where the discs touch, also with the discs "
-            "exchanged, and only one of these is the projection"
-        ),
-        place=1421,
-    ),
-    rests_on=("c1.projection-normal",),
-    chosen="two discs on a line at the distance r < 1, S = {y² ≥ 1}: r + 1 is normal at −1, discs exchanged",
-)
-
-# p_0 = x + h F(x) and Phi(x) = p_M = end.
-start, F, step, end = library().symbols("x F h end")
-RATE = (end - start) / step - F
-
-_scale = identity(
-    "c2.scale",
-    "(2.12)",
-    "(Φ(x) − x)/Δt − F(x) = p_M − p_0",
-    "The rate of a step without its drift is p_M − p_0.",
-    right=RATE - (end - (start + step * F)) / step,
-    wrong=RATE - (end - (start + step * F)),
-    correction=Correction(
-        "(Φ(x) − x)/Δt − F(x) = (p_M − p_0)/Δt",
-        Effect.PROOF,
-        "the inclusion after it stands, for cones do not change with a factor",
-        why="(Φ(x) − x)/Δt − F(x) = (p_M − x)/Δt − (p_0 − x)/Δt",
-        place=1427,
-    ),
-)
 
 
 def kicked(count: int) -> tuple[Floats, Floats]:
@@ -300,7 +253,6 @@ BOUND = follows(
         why="j is the index of the points; the step ends at p_M",
         place=1458,
     ),
-    rests_on=("c2.scale",),
     chosen="j = 1 for the free index",
 )
 def _induction() -> Evidence:
@@ -315,26 +267,3 @@ def _induction() -> Evidence:
         ),
         corrected=(DOUBLED(), BOUND()),
     )
-
-
-@claim(
-    "c2.last-line",
-    "As Δt → 0 the support functions of the cones at the p_j tend to that of the cone at x.",
-    source="proof of Lemma 2.8, last line",
-    quote="lim sup σ(−Σ N(S_j, p_j) ∩ B_R(0), w) = σ(−N(S, x) ∩ B_R(0), w)",
-    correction=Correction(
-        "lim sup … ≤ σ(−N(S, x) ∩ B_R(0), w), which is what Corollary 1.30 gives",
-        Effect.PROOF,
-        "Lemma 2.8 needs only this; “converges” in the caption of Figure 3 is to be read in the same way",
-        why="where a projection leaves contact the cones at p_j are smaller than the cone at x, and stay so as Δt → 0",
-        place=1470,
-    ),
-    rests_on=("c1.equivalent",),
-)
-def _last() -> Evidence:
-    """Both sides for two touching discs, w pointing apart: p_1 has no contact left."""
-    x, limit = row(2), 3 * float(np.linalg.norm(APART)) + 1
-    last, w = points_of_step(x, APART, DT)[-1], np.array([[-1.0, 0.0], [1.0, 0.0]])
-    left, right = (dincl.geometry.support(touching_discs(x), 0.0, at, w, tol=1e-9, radius=limit) for at in (last, x))
-    name = "lim sup of the last line, two touching discs that are pulled apart"
-    return Evidence(printed=(equal(name, left, right, 1e-6),), corrected=(at_most(name, left, right, 1e-6),))

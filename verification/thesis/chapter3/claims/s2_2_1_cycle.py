@@ -14,7 +14,7 @@ from verification.claims.formal.algebra import library
 from verification.claims.formal.stated import identity
 from verification.thesis.chapter3 import tables as made
 from verification.thesis.chapter3.claims.s1_3_model import grown
-from verification.thesis.chapter3.printed import DT, G2, MITOSIS, R_SOFT
+from verification.thesis.chapter3.printed import G2, MITOSIS, R_SOFT
 from verification.thesis.chapter3.sampled import MODEL, SEEDS, daha_runs_ending, of_mean, runs_for
 
 sp = library()
@@ -23,16 +23,6 @@ sp = library()
 ADDED, TOO_FAST, MODERATE = 0.2, 4.0, 2.5
 # Rest lengths follow the extension if they are off by less than this part of what they are off in the last hour.
 FOLLOWING = 0.5
-
-
-def cycles(seed: int) -> tuple[pd.Series, float]:
-    """Return the cycles of cells born in a run, and the mean time with the larger radius of those that divide [h]."""
-    table = grown(seed)
-    born = table.loc[table["age_h"] < table["time_h"]].drop_duplicates(["id", "cycle_h"])["cycle_h"]
-    ends = table["time_h"] - table["age_h"] + table["cycle_h"]
-    over = table[(ends < table["time_h"].max()) & (ends > 1.5 * (G2 + MITOSIS))]
-    large = over["hard_radius_um"] > over["hard_radius_um"].min()
-    return born, float((large.groupby([over["id"], over["cycle_h"]]).sum() * DT).mean())
 
 
 t, k = sp.symbols("t k", positive=True)
@@ -113,20 +103,7 @@ def _passive(tables: Tables) -> Evidence:
 
 
 # A straight cell of height h, its nucleus at y above B: W^ax + W^bx >= 0 is 0 at y = h - R, and so are both forces.
-h, y, a, b, R, rest = sp.symbols("h y a b R eta", positive=True)
-SPRINGS = [each.subs({rest: h - 2 * R}) for each in (a / R * (h - y - R) ** 2, b / (R + rest) * (y - R - rest) ** 2)]
-BOTH = [*SPRINGS, *(each.diff(y) for each in SPRINGS)]
-
-_equilibrium = identity(
-    "c3.inm-equilibrium",
-    "sections 2.1 and 2.2.3",
-    "η^ax* := 0 μm, η^bx* := ‖A − B‖ − 2R^soft … such that the most apical position is the equilibrium for both "
-    "springs",
-    "With the desired lengths of G2 both springs are at rest where the nucleus touches the apical point.",
-    right=[each.subs(y, h - R) for each in BOTH],
-    wrong=[each.subs(y, h - 2 * R) for each in BOTH],
-    rests_on=("c3.springs",),
-)
+y = sp.symbols("y", positive=True)
 
 
 def cells_after(share: float, seed: int) -> float:

@@ -10,7 +10,7 @@ from tissue.runs.simulate import simulate
 from verification.claims import Correction, Effect, Evidence, at_most, claim, equal
 from verification.claims.formal.algebra import library, vanishes
 from verification.claims.formal.reals import follows, reals, solver_library
-from verification.claims.formal.stated import argument, identity, implication
+from verification.claims.formal.stated import argument, implication
 from verification.thesis.chapter3.printed import AA, AX, AXB, R_SOFT, XX
 from verification.thesis.chapter3.sampled import of_mean
 from verification.thesis.chapter3.terms import Point, bending, junction, repulsion, slope, spring
@@ -97,18 +97,8 @@ def _dimensions() -> Evidence:
     )
 
 
-d, alpha, R, eta, angle = sp.symbols("d alpha R eta gamma", positive=True)
-FORCE, LINEAR = -(alpha / (R + eta) * (d - R - eta) ** 2).diff(d), 2 * alpha * (d - R - eta) / (R + eta)
+d, eta = sp.symbols("d eta", positive=True)
 
-_spring = identity(
-    "c3.springs",
-    "(3.9), (3.10)",
-    "W_i^ax = α^ax/(R^soft + η_i^ax) (‖X_i − A_i‖ − R^soft − η_i^ax)²",
-    "The cytoskeleton springs are linear with the rest length R^soft + η, with the force of chapter 4.",
-    right=FORCE + LINEAR,
-    wrong=FORCE - LINEAR,
-    chosen="the denominators as printed, in both chapters: see c3.dimensions",
-)
 
 # c = u.v, k = u x v, n = |u||v| for u = A - X, v = B - X: n^2 = c^2 + k^2, W = alpha (c/n + 1).
 a, b, x, y = sp.symbols("a b x y")
@@ -133,23 +123,6 @@ _straight = argument(
     ),
 )
 
-BENDING = sp.cos(angle) + 1 + sp.cos(angle - sp.pi)
-
-_straightness = identity(
-    "c3.straightness",
-    "(3.12)",
-    "α^axb (cos(γ) + 1) = α^axb (cos(π) − cos(γ − π))",
-    "The bending energy is α^axb (cos π − cos(γ − π)) for the angle γ at the nucleus.",
-    right=BENDING - sp.cos(0),
-    wrong=BENDING - sp.cos(sp.pi),
-    correction=Correction(
-        "α^axb (cos(γ) + 1) = α^axb (cos(0) − cos(γ − π))",
-        Effect.PROOF,
-        "the energy of a cell, which the second form shifts by −2α^axb; forces and the equilibrium γ = π stand",
-        why="cos(π) − cos(γ − π) = −1 + cos(γ)",
-        place=1815,
-    ),
-)
 
 # The force f = -dW/dd of two nuclei at the distance d < 2R; W = alpha (d - 2R)^2/(2R), or its negative.
 apart, size, stiff, push_away = reals("d R alpha f")

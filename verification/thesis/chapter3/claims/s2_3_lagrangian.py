@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from verification.claims.formal.reals import follows, reals, solver_library
-from verification.claims.formal.stated import argument, implication
-
-z3 = solver_library()
+from verification.claims.formal.reals import follows, reals
+from verification.claims.formal.stated import argument
 
 # m = min(0, g(z)) of one row; sup over lambda of W + lambda m is W for m = 0 and infinite for m < 0.
 W, level, m, L, K = reals("W level m L K")
@@ -24,20 +22,4 @@ _saddle = argument(
         "where g < 0 ℒ is above any K for λ = (K − W + 1)/g: inf sup ℒ is taken in S, at the least W",
         "λ = −(K − W + 1)/g",
     ),
-)
-
-# One component and one row: w of grad W, j of grad g; a minimum has w = l j, l >= 0, g >= 0, l g = 0.
-w, j, l, g, a, b, c = reals("w j l g a b c")
-STILL = [z3.Or(z3.And(l == 0, g >= 0), -b * g == 0), a * (w - l * j) + c * l * g * j == 0]
-
-_rest = implication(
-    "c3.rests",
-    "(3.21) to (3.23)",
-    "The dynamical system (3.21) and (3.22) has every solution of (3.18) as an equilibrium. … (3.23) … has also all "
-    "solutions of (3.18) as equilibria.",
-    "With ∇W = Σ λ∇g, λg = 0 the right sides of (3.21), λ ≤ 0, of (3.22) and of (3.23), λ ≥ 0, vanish.",
-    given=[w == l * j, l >= 0, g >= 0, l * g == 0],
-    then=[a * (w - l * j) == 0, *STILL],
-    wrong=[a * (w + l * j) == 0, *STILL],
-    chosen="multipliers ≤ 0 for (3.21), ≥ 0 for (3.23), as their signs ask for",
 )

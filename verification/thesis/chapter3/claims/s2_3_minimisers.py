@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
@@ -12,8 +11,6 @@ from dincl.minimise import ArrowHurwicz, DampedArrowHurwicz, Stationary, minimis
 from verification.claims import Correction, Effect, Evidence, at_least, at_most, claim, equal
 from verification.claims.formal.algebra import library
 from verification.claims.formal.reals import reals
-from verification.claims.formal.stated import identity, implication
-from verification.thesis.chapter3.claims.s2_3_1_daha import damped
 
 STEPS = 2000
 # Steps of the methods for discs: a few more than the damped one needs.
@@ -175,40 +172,8 @@ def _damped_multiplier() -> Evidence:
 
 
 # w = grad W - sum lambda grad g, q = sum g lambda grad g.
-z, before, w, q, h, a, c, d = library().symbols("z before w q h a c d")
-NEXT = damped(z, before, a * w + c * q, d, h)
+z = library().symbols("z")
 
-_rescaled = identity(
-    "c3.rescaled",
-    "Remark 3.5",
-    "For example, we can choose without loss of generality Δτ = 1.",
-    "(3.25) with Δτ = 1 and αΔτ², γΔτ², cΔτ for α, γ, c has the same next state for all states and forces.",
-    right=NEXT - damped(z, before, (a * w + c * q) * h**2, d * h, 1),
-    wrong=NEXT - damped(z, before, (a * w + c * q) * h**2, d / h, 1),
-    rests_on=("c3.discretised",),
-)
 
 # Roots x + iy, x >= 0, of s^3 + C s^2 + GAMMA lambda J s + ALPHA BETA J: contact, J = 8, lambda = 1/4, or 1/200.
-x, y = reals("x y")
-
-
-def root(level: float) -> list[Any]:
-    """State that x + iy is a root."""
-    return [
-        x**3 - 3 * x * y**2 + 2 * (x**2 - y**2) + level * 8 * x / 1000 + 2 / 10000 == 0,
-        3 * x**2 * y - y**3 + 4 * x * y + level * 8 * y / 1000 == 0,
-    ]
-
-
-_attractive = implication(
-    "c3.attractive",
-    "section 2.3",
-    "For special cases such as N = 2 … the underlying dynamical system … has an attractive equilibrium",
-    "For two discs the damped system is attracted by the minimum.",
-    given=root(0.25),
-    then=x < 0,
-    wrong=(root(0.005), x < 0),
-    rests_on=("c3.daha-multiplier",),
-    tried_on="two discs, W = ‖z‖²/2, linearised",
-    chosen="W = ‖z‖²/2; for a W that is much weaker the parameters of Table 4 do not attract",
-)
+(x,) = reals("x")

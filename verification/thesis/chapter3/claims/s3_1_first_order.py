@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,15 +13,15 @@ from verification.claims import Correction, Effect, Evidence, at_most, claim, eq
 from verification.claims.formal.algebra import library
 from verification.claims.formal.stated import identity
 from verification.thesis.chapter3.linear import own_hessians
-from verification.thesis.chapter3.printed import ALPHA, AX, AXB, BETA, DT, GAMMA, MU, USUAL, C
+from verification.thesis.chapter3.printed import ALPHA, AX, AXB, BETA, DT, GAMMA, USUAL, C
 
 sp = library()
-n, k, mu, h, t, tau, delta, D = sp.symbols("n k mu h t tau delta D", positive=True)
+mu, t, tau, delta = sp.symbols("mu t tau delta", positive=True)
 
 Floats = NDArray[np.float64]
 SEED = 36
 # Of integrations with a tolerance of 1e-10, of numbers that are printed with four digits, and of rounding.
-TOL, DIGITS, ROUNDING = 1e-7, 5e-5, 1e-9
+TOL, DIGITS = 1e-7, 5e-5
 # Ten standard errors of a variance from that many samples. 2 alpha (1/u^2 + 1/v^2 + 1/(u v)) for straightness with u =
 # v = 1, and 4 alpha max(1, |1 - l/d|)/l for both springs.
 LIPSCHITZ = 2 * AXB * 3 + 2 * 4 * AX * 1.5 / 2.5
@@ -103,7 +101,7 @@ def curvature(x: Floats, y: Floats) -> Floats:
         why="(3.12) has second derivatives like 1/‖X − A‖², so ∇W is not Lipschitz near the ends of a cell",
         place=2145,
     ),
-    rests_on=("c3.equal-radii", "c3.straight-minimum", "c1.existence", "c1.uniqueness-sign"),
+    rests_on=("c3.straight-minimum", "c1.existence"),
     chosen="one cell of 8 R^soft with the stiffnesses of Table 2; its nucleus 10⁻², 10⁻³, 10⁻⁴ R^soft from the apical "
     "point, and at random, more than 1 R^soft from both ends",
 )
@@ -117,70 +115,3 @@ def _well_posed() -> Evidence:
         corrected=(at_most("largest |D²W| away from the ends", float(curvature(x[apart], y[apart]).max()), LIPSCHITZ),),
         seed=SEED,
     )
-
-
-# The variance of a step without forces, (factor/mu)^2 dt, less 2 D dt of (3.35) and Table 1.
-_noise = identity(
-    "c3.noise",
-    "(3.33)",
-    "μ dZ ∈ −∇W(Z) dt − N(S, Z) dt + √(2D) dW_X",
-    "In the stochastic inclusion μ dZ = … + √(2D) dW nuclei make steps ∼ N₂(0, 2DΔt).",
-    right=(mu * sp.sqrt(2 * D) / mu) ** 2 * h - 2 * D * h,
-    wrong=(sp.sqrt(2 * D) / mu) ** 2 * h - 2 * D * h,
-    correction=Correction(
-        "μ dZ ∈ −∇W(Z) dt − N(S, Z) dt + μ √(2D) dW_X",
-        Effect.MODEL,
-        "the first-order model; its method (3.35) and D of Table 1 belong to the corrected equation",
-        why="with √(2D) dW on the right the displacement has the variance 2D Δt/μ²; (3.35) and Table 1 have 2DΔt",
-        place=2149,
-    ),
-    rests_on=("c3.diffusion",),
-)
-
-
-def decayed(dt: float, mu: float) -> float:
-    """Return what is left of a spring W = 2 d² after dt."""
-    return math.exp(-4 * dt / mu)
-
-
-@claim(
-    "c3.mu-unit",
-    "The damping coefficient is a rate, 0.15 h⁻¹.",
-    source="Table 5",
-    quote="μ = 0.15 h⁻¹, damping coefficient",
-    correction=Correction(
-        "μ = 0.15 h",
-        Effect.NUMBER,
-        "whoever changes the unit of time: in minutes μ is 9, not 0.0025; larger μ is slower",
-        why="W is a number and Z a length in R^soft, so μ dZ/dt = −∇W makes μ a time, as (3.32) has it",
-        place=2187,
-    ),
-    chosen="energies without unit, lengths in R^soft; a spring W = 2d² in 0.1 h and in 6 min, which must decay alike",
-)
-def _mu() -> Evidence:
-    minutes, left = 60.0, decayed(DT, MU)
-    as_rate, as_time = (decayed(DT * minutes, mu) for mu in (MU / minutes, MU * minutes))
-    hours, in_minutes = DT / (USUAL * ALPHA), DT * minutes / (USUAL * ALPHA)
-    return Evidence(
-        printed=(
-            equal("what is left with μ in min⁻¹, over what is left with μ in h⁻¹", as_rate / left, 1.0, ROUNDING),
-        ),
-        corrected=(
-            equal("what is left with μ in min, over what is left with μ in h", as_time / left, 1.0, ROUNDING),
-            equal("(3.32) in minutes over (3.32) in hours", in_minutes / hours, minutes, ROUNDING),
-        ),
-    )
-
-
-DECAY = sp.exp(-h * k / mu)
-
-_substeps = identity(
-    "c3.substeps",
-    "(3.34)",
-    "Φ^PBD(Z) = (Φ^PBD_{Δt/n^sub-step})^{n^sub-step} (Z)",
-    "n substeps of Δt/n with the weight Δt/(nμ) of the gradient cover one time step: (1 − (Δt/n)k/μ)ⁿ → e^{−kΔt/μ}.",
-    right=sp.limit((1 - h / n * k / mu) ** n, n, sp.oo) - DECAY,
-    wrong=sp.limit((1 + h / n * k / mu) ** n, n, sp.oo) - DECAY,
-    tried_on="a spring of any stiffness",
-    chosen="coordinates that do not act on each other, so that the solution is known",
-)

@@ -70,7 +70,6 @@ def early_minus_late(tables: Tables, preset: str, event: str) -> list[tuple[str,
         " preferring earlier timings"
     ),
     needs=(GROUPS,),
-    rests_on=("c4.figure-20",),
     chosen=f"the group '35 % [P]', [A] and [B] of cells without [P]; alike: within {ALIKE:.0%} of the cells",
 )
 def _timing(tables: Tables, preset: str) -> list[Sized]:

@@ -2,57 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from verification.claims import Correction, Effect, Evidence, at_least, at_most, claim, equal
 from verification.claims.formal.algebra import library, vanishes
 from verification.claims.formal.reals import reals
-from verification.claims.formal.stated import argument, identity, implication
+from verification.claims.formal.stated import argument
 from verification.thesis.chapter5.instant import TOL, WRONG, effective_force, force1, with_springs
 from verification.thesis.chapter5.wavy import symbolic_soft
 
 sp = library()
-x, t, e = sp.symbols("x t epsilon", positive=True)
+x = sp.symbols("x", positive=True)
 
-
-def density(at: Any, time: Any) -> Any:
-    """Return the density of Brownian motion; a scaled one keeps its integral by the factor of x."""
-    return sp.exp(-(at**2) / (4 * time)) / sp.sqrt(time)
-
-
-_diffusive = identity(
-    "c5.diffusive-scaling",
-    "section 1",
-    "the diffusive scaling limit requires (t, x) ↦ (εt, ε²x)",
-    "Diffusion looks the same under (t, x) ↦ (εt, ε²x).",
-    right=density(e * x, e**2 * t) * e - density(x, t),
-    wrong=density(e**2 * x, e * t) * e**2 - density(x, t),
-    correction=Correction(
-        "(t, x) ↦ (ε²t, εx)",
-        Effect.NUMBER,
-        "the next sentence, which has ε²x for εx; that scaled positions leave the constraints stands",
-        why="diffusion keeps x²/t: if lengths are multiplied by ε, times are by ε²",
-        place=3099,
-    ),
-)
 
 # The straight fibre, g = X/y, and other = g(eX, y); e is the factor of X, epsilon or epsilon^2.
-X, y, factor, g, other = reals("x y e g other")
-SCALED = [X > 0, y > 0, factor > 0, g * y == X, other * y == factor * X]
-
-_scaled_positions = implication(
-    "c5.scaled-positions",
-    "section 1",
-    "if x is subject to constraints, this scaling is ill-posed since ε²x might not satisfy the … constraints",
-    "Scaled positions need not fulfil the constraints that the positions fulfil.",
-    given=[*SCALED, factor < 1],
-    then=other < g,
-    wrong=([*SCALED, factor < 2], other < g),
-    rests_on=("c5.diffusive-scaling",),
-    chosen="εx, too, which c5.diffusive-scaling puts in the place of ε²x",
-)
+X, y = reals("x y")
 
 
 @claim(

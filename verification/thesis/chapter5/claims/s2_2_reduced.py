@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from verification.claims import Correction, Effect
-from verification.claims.formal.algebra import library, matrices, vanishes
+from verification.claims.formal.algebra import matrices, vanishes
 from verification.claims.formal.stated import argument, identity
-from verification.thesis.chapter5.general import BT, B, G, a, curved, dB, dG, even, f, m, multiplier, phi, phiT, v
+from verification.thesis.chapter5.general import BT, B, G, a, curved, dB, dG, f, m, multiplier, phi, phiT, v
 from verification.thesis.chapter5.lemmas import REDUCED
 
 # The force of a particle alone, that of the others, K(X, X), and Phi^T of another particle.
-own, others, itself, PT = matrices("F1 K K0 PT")
-n, x, z, q = library().symbols("N x z q")
-even_potential = even("w")
+own, others = matrices("F1 K")
 
 SINGLE = a + m * phiT * phi * a - phiT * (own - m * curved) - a - (BT * multiplier).subs(f, own + others)
 
@@ -50,37 +48,4 @@ _acceleration = identity(
         place=3217,
     ),
     rests_on=("c5.derivation-constraint",),
-)
-
-# (5.16) with F_eff^(1) by (5.14) for N = 1, which has K(X, X); then K(X, X) of an even potential.
-LEFT = phiT * (own + others / n - m * curved) - phiT * (own + itself - m * curved) - phiT * others / n
-
-_means = argument(
-    "c5.means",
-    "(5.15), (5.16)",
-    "The last equation holds because K(X, X) = 0",
-    "The effective force is a mean over single particles and over pairs, because K(X, X) = 0.",
-    vanishes(
-        LEFT + phiT * itself,
-        LEFT,
-        "the left side of (5.16) less the right one is −1/N Σ_j Φ_jᵀK(X_j, X_j), for any nx, ny, N",
-        "0, whatever K(X, X) is",
-    ),
-    vanishes(
-        even_potential(x - z, q - q).diff(z).subs(z, x),
-        even_potential(x - z, q).diff(z).subs(z, x),
-        "K(X, X) = 0 for every even 𝒱",
-        "other coordinates apart",
-    ),
-    rests_on=("c5.reduced-model", "c5.even-potential"),
-)
-
-_interaction = identity(
-    "c5.effective-interaction",
-    "after (5.17)",
-    "K_eff might not be anti-symmetric. When K_eff is anti-symmetric, the double sum in (5.16) would vanish",
-    "K_eff(X_k, X_j) + K_eff(X_j, X_k) = 0 for one and the same Φ: pairs act only through the change of Φ.",
-    right=phiT * others + phiT * -others,
-    wrong=phiT * others + PT * -others,
-    rests_on=("c5.means",),
 )

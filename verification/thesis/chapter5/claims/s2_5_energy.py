@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from verification.claims import Correction, Effect
 from verification.claims.formal.algebra import library
 from verification.claims.formal.stated import identity
 from verification.thesis.chapter5.general import a, curved, even, f, m, phi, phiT
@@ -24,24 +23,6 @@ _energy = identity(
     chosen="𝒱(X_k − X_i), see c5.pair-energy; an even 𝒱, as (A2a) needs it",
 )
 
-# The kinetic energy of y is n/2, that of the particles q/2 (q is the mean of m |X'|^2), W all other energy.
-n, q, W = sp.symbols("n q W")
-
-_lagrangian = identity(
-    "c5.energy-lagrangian",
-    "proof of Lemma 5.5",
-    "the Lagrangian L = ‖ẏ‖² − E",
-    "Lagrangian and energy are related by L = ‖ẏ‖² − E.",
-    right=(n + q) / 2 - W - (n + q - ((n + q) / 2 + W)),
-    wrong=(n + q) / 2 - W - (n - ((n + q) / 2 + W)),
-    correction=Correction(
-        "L = ‖ẏ‖² + m/N Σ_i ‖Ẋ_i‖² − E",
-        Effect.PROOF,
-        "nothing: with L of (5.8) Lemma 5.5 follows as said",
-        why="L is twice the kinetic energy less E, and the particles have a part of the kinetic energy",
-        place=3474,
-    ),
-)
 
 # One coordinate of both points, the other coordinates p being held: the chain rule sums over coordinates.
 t, p = sp.symbols("t p")
@@ -58,6 +39,5 @@ _power = identity(
     "The energy of a pair, and of all pairs, changes by the power of the interaction.",
     right=[RATE + POWER, RATE - there * back + U * back, (V(z - x, p) + V(x - z, -p)).diff(t) / 2 + POWER],
     wrong=RATE - POWER,
-    rests_on=("c5.even-potential",),
     chosen="an even 𝒱, as (A2a) needs it; products of vectors by c5.power-transpose",
 )

@@ -8,7 +8,7 @@ from verification.claims.formal.reals import follows, reals
 from verification.claims.formal.stated import argument, implication
 
 # Norms: d = delta_m, e = |w|, f = |m w|, p = w·mw, b = |m^-1| or |B^-1|, a = |A^-1|, r = |A - B|, n = |A^-1 - B^-1|.
-d, e, f, p, a, b, r, n, i, s, q, k = reals("d e f p a b r n i s q k")
+d, e, f, p, a, b, r, n, s, q = reals("d e f p a b r n s q")
 A, B, m, w = matrices("A B m w")
 
 _inverse = argument(
@@ -43,26 +43,10 @@ _inverse = argument(
         "+m⁻¹wm⁻¹",
     ),
     also=("c5.inverse-mass", "c5.inverse-slope"),
-    rests_on=("c5.inverse-bounded", "c5.inverse-proof"),
+    rests_on=("c5.inverse-proof",),
     chosen="the notation of c5.ellipticity and c5.inverse-values",
 )
 
-_inverse_bounded = implication(
-    "c5.inverse-bounded",
-    "proof of Lemma 5.7",
-    "its norm is bounded by ‖(m(z))⁻¹‖ ≤ δ_m⁻¹. This shows implies that x ↦ m(z) is bounded",
-    "If the least eigenvalue of m is at least δ_m, ‖m⁻¹‖ ≤ 1/δ_m and m is bounded.",
-    given=[d > 0, a >= d, i * a == 1],
-    then=i * d <= 1,
-    wrong=a * d <= 1,
-    correction=Correction(
-        "this implies that z ↦ (m(z))⁻¹ is bounded",
-        Effect.PROOF,
-        "nothing: the lemma states it of the inverse, and m is bounded by assumption",
-        why="the line before bounds the inverse, and the least eigenvalue says nothing about the largest",
-        place=3526,
-    ),
-)
 
 # w·Aw = p, w·Bw = q with |w|^2 = n; as printed det of the segment from A = ((1, 4), (0, 1)), of eigenvalues 1, 1, to
 # A^T.

@@ -51,27 +51,6 @@ _transport = argument(
     rests_on=("c5.derivation-constraint",),
 )
 
-# One coordinate: the integrand, up to the derivative of xi u f, which vanishes at the ends; u = Phi y'.
-xi, U, density = (sp.Function(name)(x) for name in ("xi", "u", "f"))
-PARTS = xi.diff(x) * U * density - (xi * U * density).diff(x)
-
-_weak_bracket = identity(
-    "c5.weak-bracket",
-    "proof of Lemma 5.10",
-    "d/dt ⟨ξ, f⁽ᴺ⁾⟩ = … = −⟨ξ, div(Φẏ) f⁽ᴺ⁾⟩",
-    "The mean of a test function ξ changes at the rate −⟨ξ, div(Φẏ) f⟩.",
-    right=PARTS + xi * (U * density).diff(x),
-    wrong=PARTS + xi * U.diff(x) * density,
-    correction=Correction(
-        "−⟨ξ, div(Φẏ f⁽ᴺ⁾)⟩",
-        Effect.PROOF,
-        "nothing: the line above it has f under the divergence",
-        why="integration by parts moves the derivative from ξ to the whole product Φẏ f",
-        place=3676,
-    ),
-    rests_on=("c5.moved-measure",),
-)
-
 
 def atoms(sign: int) -> list[Any]:
     """Return integrals over atoms of weight 1/N less means: one atom (two of a pair), one coordinate, any h and k."""
@@ -95,7 +74,7 @@ _consistency = argument(
     ),
     REDUCED,
     also=("c5.empirical", "c5.limit-force"),
-    rests_on=("c5.moved-measure", "c5.weak-bracket"),
+    rests_on=("c5.moved-measure",),
 )
 
 

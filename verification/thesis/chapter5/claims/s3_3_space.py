@@ -2,26 +2,9 @@
 
 from __future__ import annotations
 
-from verification.claims.formal.algebra import library, vanishes
 from verification.claims.formal.reals import follows, reals
 from verification.claims.formal.stated import argument
 from verification.thesis.chapter5.lemmas import PRODUCTS, WEIGHTED
-
-h, w, r = library().symbols("h w r")
-
-_difference = argument(
-    "c5.weighted-difference",
-    "proof of Lemma 5.13",
-    "∫‖φ(x) − ψ(x)‖ dμ(x) ≤ C_μ‖φ − ψ‖_Y",
-    "The mean distance of two flows is at most C_μ times their distance in 𝒴, and C_μ is the least such constant.",
-    WEIGHTED,
-    vanishes(
-        w * (h * (1 + r)) - h * (w * (1 + r)),
-        w * (h * (1 + r)) - h * (w * (1 + 2 * r)),
-        "flows that differ by h(1 + ‖x‖) attain the bound",
-        "C_μ with 1 + 2‖x‖",
-    ),
-)
 
 # The part of the flow at one point: n = |phi - phi'|_Y, e = |y - y'|, u = |v - v'|, k = L_Phi M_v, r = |x|. Then the
 # rule for products with the constants of Lemma 5.7: i = |m_eff^-1|, lip its Lipschitz constant.

@@ -6,9 +6,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from verification.claims import Correction, Effect, Evidence, at_least, at_most, claim
+from verification.claims import Correction, Effect, Evidence, at_most, claim
 from verification.thesis.chapter5.bounded import FlowState, force, mass
-from verification.thesis.chapter5.instant import WRONG, Floats
+from verification.thesis.chapter5.instant import Floats
 from verification.thesis.chapter5.lemmas import ESTIMATE
 from verification.thesis.chapter5.wavy import runge_kutta, soft
 
@@ -125,32 +125,4 @@ def _estimate() -> Evidence:
             ),
         ),
         corrected=tuple(step() for step in ESTIMATE),
-    )
-
-
-@claim(
-    "c5.future-interaction",
-    "Forces between particles are left to further work.",
-    source="section 4",
-    quote="Second, … one could drop the full-rank condition and add interaction forces between the particles",
-    correction=Correction(
-        "one could drop the full-rank condition: interaction forces are in the model already, by (5.4)",
-        Effect.MODEL,
-        "nothing in the theorems, which have these forces; see c5.non-interacting and c5.no-pairs",
-        why="(5.4) and (5.6a) have such forces, and Theorems 5.12 and 5.16 include them",
-        place=3970,
-    ),
-    rests_on=("c5.reduced-model",),
-    chosen="the forces of (5.4), within the class of the chapter",
-)
-def _future() -> Evidence:
-    """F_eff of (5.41b) for spread points, against its mean for each point alone, on which no other pulls."""
-    X = np.linspace(-1.0, 2.5, 8)
-    w, v = np.full(X.size, 1 / X.size), 0.5
-    together = force(FlowState(X, w, 0.3, v))
-    alone = float(np.mean([force(FlowState(X[k : k + 1], np.ones(1), 0.3, v)) for k in range(X.size)]))
-    part = abs(together - alone)
-    return Evidence(
-        printed=(at_most("part of F_eff of 8 particles by forces between them, (5.41b)", part, 0.0, RUN_TOL),),
-        corrected=(at_least("part of F_eff of 8 particles by forces between them, (5.41b)", part, WRONG),),
     )

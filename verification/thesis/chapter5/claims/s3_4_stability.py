@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-import numpy as np
-
-from verification.claims import Correction, Effect, Evidence, at_most, claim
+from verification.claims import Correction, Effect
 from verification.claims.formal.algebra import library, vanishes
 from verification.claims.formal.reals import reals
 from verification.claims.formal.stated import argument, implication
 from verification.thesis.chapter5.lemmas import GRONWALL, MEANS_APART
-from verification.thesis.chapter5.wavy import M, soft
-
-LINE = np.linspace(-20.0, 20.0, 2001)
 
 w, x, shift = library().symbols("w x a", positive=True)
 
@@ -41,35 +36,6 @@ _fundamental = argument(
     also=("c5.flow-estimate",),
     chosen="z, z′ ∈ A, see c5.fundamental-set",
 )
-
-
-@claim(
-    "c5.push-forward",
-    "The right side is Lipschitz continuous in the initial measure with a constant of M_v and C_μ.",
-    source="proof of Theorem 5.16",
-    quote="‖h(…; μ₁) − h(…; μ₂)‖ = ‖(m_eff(μ₁, y))⁻¹F_eff(μ₁, y, v) − …‖ … L_μ depends only on M_v and C_μ",
-    correction=Correction(
-        (
-            "h contains m_eff(φ#μ, y) and F_eff(φ#μ, y, v); the bound has the factor Lip(φ), which is at most exp(L_Φ "
-            "M_v t) for flows"
-        ),
-        Effect.PROOF,
-        "Theorem 5.16 stands with larger C and L",
-        why="h contains the image of μ under φ, and ∫k d(φ#μ) = ∫k∘φ dμ, where Lip(k∘φ) is at most Lip(k) Lip(φ)",
-        place=3898,
-    ),
-    rests_on=("c5.any-number", "c5.dual"),
-    tried_on="two point masses, φ(x) = 100x",
-)
-def _push_forward() -> Evidence:
-    """m_eff of phi # mu for two point masses and phi(x) = k x: how it changes with the distance."""
-    k, apart = 100.0, np.pi / 100
-    change = float(M * (soft(np.array(k * apart)) ** 2 - soft(np.zeros(())) ** 2))
-    bound = float(np.abs(np.diff(M * soft(LINE) ** 2)).max() / (LINE[1] - LINE[0])) * apart
-    return Evidence(
-        printed=(at_most("change of m_eff(φ#μ, y) for φ(x) = 100x, bound Lip(m_eff) W₁", change, bound),),
-        corrected=(at_most("change of m_eff(φ#μ, y) for φ(x) = 100x, bound Lip(φ) Lip(m_eff) W₁", change, k * bound),),
-    )
 
 
 # One piece of a transport plan from x to z, r = |x - z|: a = |X1(x) - X2(x)|, b = |X2(x) - X2(z)|, L = Lip(X2).

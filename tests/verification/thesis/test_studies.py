@@ -1,0 +1,41 @@
+"""All studies whose tables ship: the tables have every run, and the smallest forms give rows of them again."""
+
+import pytest
+
+from dincl.study.table import run_names
+from tests.executors import Here
+from verification.methods import studies as methods
+from verification.site.agreement import compare_studies
+from verification.site.store import shipped
+from verification.thesis.shipped_studies import STUDIES
+
+# Fewer runs of these have other ratios: the smallest form has the columns alone.
+FEWER = ("curved_ways_out", "emt_groups", "emt_ranking", "emt_effects")
+# Made when event-driven runs took other steps, on which references rest, and compiled steps called Python.
+STALE = pytest.mark.xfail(reason="to be made again on a quiet machine before 0.10", strict=True)
+NAMES = [pytest.param(n, marks=[STALE] if n in ("decisions", "work_precision") else []) for n in STUDIES]
+SLOW = ("orders", "proved_", "work_", "hard", "programs", "decisions")
+SLOW += ("tissue_", "emt_", "meanfield_", "space_", "curved_", "needs_", "fit_")
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_the_table_that_ships_has_every_run(name: str) -> None:
+    study, smallest = STUDIES[name](), STUDIES[name](smallest=True)
+    assert study.name == name
+    runs = set(map(study.name_of, study.runs))
+    assert set(run_names(shipped(name), study.key)) == runs
+    assert name in FEWER or set(map(smallest.name_of, smallest.runs)) <= runs
+
+
+@pytest.mark.slow_with(*SLOW)
+@pytest.mark.parametrize("name", NAMES)
+def test_the_smallest_form_gives_rows_of_the_table_that_ships(name: str) -> None:
+    study, smallest, table = STUDIES[name](), STUDIES[name](smallest=True), shipped(name)
+    if not smallest.runs:
+        pytest.skip("a single long run")
+    rows = smallest.rows(Here())
+    assert set(rows) == set(table)
+    found = compare_studies(rows, table, study, study.by)
+    assert found.rows == (0 if name in FEWER else len(rows))
+    allowed = len(rows) // 50 if name in methods.STUDIES else 0  # penalties throw discs about, chaotically
+    assert found.apart <= allowed, found.worst
