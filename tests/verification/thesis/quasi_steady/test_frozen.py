@@ -46,15 +46,6 @@ def test_drift_is_force_over_damping_and_the_line_holds_its_points():
     assert velocity == pytest.approx(particles(Forces(*(part / 0.2 for part in held))), rel=1e-14)
 
 
-def test_the_problem_keeps_its_own_copy():
-    state, network = cells(6, 3), layers(6)
-    problem = frozen_problem(state, network, numbers())
-    before = problem.velocity(0.0, problem.x0)
-    for array in (*state, *network):
-        array[:] = 0
-    assert problem.velocity(0.0, problem.x0).tolist() == before.tolist()
-
-
 @pytest.mark.parametrize("changes", [{}, {"spring_power": 2, "junction_factor": 0.25, "repulsion": 0.5}])
 @pytest.mark.parametrize("detached", [[], [7, 20]])
 def test_pbd_is_the_substep_of_the_model(changes, detached):
@@ -131,13 +122,6 @@ def test_made_feasible_is_locally_the_nearest_state(division):
     assert problem.violation(0.0, problem.x0) < 1e-8
     assert weights.max() > 0.2
     assert left_over < 1e-7
-
-
-def test_made_feasible_moves_points_only():
-    state = divided(start(3, 0), 1)
-    found = made_feasible(state, layers(4), numbers(), IPOPT)
-    changed = {name for name in state._fields if getattr(found, name) != pytest.approx(getattr(state, name), abs=1e-9)}
-    assert changed == {"x"}
 
 
 def test_a_feasible_state_stays_where_it_is():

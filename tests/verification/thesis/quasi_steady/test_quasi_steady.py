@@ -1,7 +1,5 @@
 """The quasi-steady model: the rules and the randomness of the first-order model around minima by DAHA."""
 
-from concurrent.futures import ThreadPoolExecutor
-
 import numpy as np
 import pytest
 
@@ -10,7 +8,6 @@ from tissue.files.parameters import preset
 from tissue.runs.simulate import simulate
 from tissue.state.cells import Cells
 from tissue.state.checkpoint import streams
-from tissue.state.numbers import Daha
 from verification.thesis.quasi_steady.daha import Stopped, TissueArrowHurwicz
 from verification.thesis.quasi_steady.run import simulate_quasi_steady
 
@@ -67,27 +64,6 @@ def test_each_step_begins_with_the_noise_on_what_was_left(monkeypatch):
     assert same(run.final.cells, seen[-1])
     assert same(run.final.cells, run.frames[0].cells, ("ax", "ay", "bx", "by"))
     assert run.iterations.tolist() == run.energy.tolist() == list(range(1, 11))
-
-
-def test_numbers_of_daha_are_those_of_the_file():
-    chosen, other = parameters(**{"daha.eps": 1e-5}), parameters()
-    assert chosen.daha_numbers() == Daha(1e-3, 0.25, 1e-2, 2.0, 1.0, 1e-5, 100_000)
-    run, finer = simulate_quasi_steady(chosen, 1), simulate_quasi_steady(other, 1)
-    assert (run.iterations < finer.iterations).all()
-    assert (run.energy > 0).all()
-    assert run.violation.max() > 0
-    assert max(run.energy - finer.energy) > 0
-
-
-def test_same_bits_whatever_is_kept_in_two_threads_and_for_any_mu():
-    every, ends = parameters(), parameters(**{"numerics.keep": "1 h", "numerics.mu": "2 h"})
-    with ThreadPoolExecutor(2) as pool:
-        runs = list(pool.map(lambda chosen: simulate_quasi_steady(chosen, 2), [every, ends, every]))
-    assert [len(run.frames) for run in runs] == [6, 2, 6]
-    for run in runs[1:]:
-        assert same(run.final.cells, runs[0].final.cells)
-        assert run.iterations.tolist() == runs[0].iterations.tolist()
-        assert run.energy.tolist() == runs[0].energy.tolist()
 
 
 def test_a_step_that_fails_ends_the_run():
