@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
-from dincl.checks import bounded, describe, shape_in_words
+from dincl.checks import attempt, bounded, describe, plain, shape_in_words
 from dincl.constants import LARGEST
-from dincl.conversions import attempt, plain
 from dincl.errors import FunctionFailed
 
 if TYPE_CHECKING:

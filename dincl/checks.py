@@ -1,33 +1,88 @@
 """Checks of user input: each returns the checked value or raises InvalidProblem: name, value and what is allowed.
 
-``dincl.conversions`` says which values are numbers. Whatever a value raises while it is looked at, it is refused.
+Numbers are what ``numpy.asarray`` makes of a value, if that loses nothing: lists, arrays of whole or floating-point
+numbers, matrices; no masked, complex, ragged or object arrays, text, truth values, sets, generators. Whatever a value
+raises while it is looked at, it is refused.
 """
 
 from __future__ import annotations
 
+import math
 import os
-from collections.abc import Sequence
+import re
+import sys
+from collections.abc import Callable, Sequence
+from numbers import Real
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any, TypeVar
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from dincl.constants import LARGEST, LARGEST_INTEGER, SMALLEST
-from dincl.conversions import as_array, attempt, one, plain, whole
 from dincl.errors import InvalidProblem
 
-if TYPE_CHECKING:
-    import re
-    from collections.abc import Callable
+Floats = NDArray[np.float64]
 
-    from numpy.typing import ArrayLike, NDArray
-
+T = TypeVar("T")
 
 # Longest text [characters] and list [entries] that messages write out.
 LONGEST_TEXT, LONGEST_LIST = 80, 100
 
 
-def bounded(x: NDArray[np.float64]) -> bool:
+def attempt(convert: Callable[[Any], T], value: Any) -> T | None:
+    """Return ``convert(value)``; None if that raises, as a class of the user may. MemoryError is passed on."""
+    try:
+        return convert(value)
+    except MemoryError:
+        raise
+    except Exception:  # noqa: BLE001  # whatever the value raises, it is not what was asked for
+        return None
+
+
+def plain(value: Any) -> Floats | None:
+    """Return ``value`` as float64 numbers, which may be infinite or NaN; None if it is not real numbers.
+
+    An array of float64 is returned as it is.
+    """
+    if type(value) is np.ndarray and value.dtype.kind == "f" and value.dtype.itemsize == 8:
+        return value.astype(np.float64, copy=False)
+    if type(value) is float:
+        return np.array(value)
+    raw = attempt(as_array, value)
+    if raw is None or raw.dtype.kind not in "fiu":
+        return None
+    with np.errstate(all="ignore"):
+        return raw.astype(np.float64, copy=False)
+
+
+def as_array(value: Any) -> NDArray[Any]:
+    """Return the value as numpy sees it; TypeError for bytes and masked arrays, also in a list, whose mask would go."""
+    masked: Any = sys.modules.get("numpy.ma")  # imported by whoever made one
+    parts = (value, *value) if type(value) in (list, tuple) else (value,)
+    if isinstance(value, (bytes, bytearray)) or (
+        masked and any(isinstance(part, masked.MaskedArray) for part in parts)
+    ):
+        raise TypeError
+    return np.asarray(value)
+
+
+def _one(value: Any) -> float:
+    """Return a single real number as a float, a fraction or a long whole number, too; NaN for anything else."""
+    found = plain(value)
+    if found is None and not isinstance(value, bool) and isinstance(value, Real):
+        found = attempt(lambda given: np.array(float(given)), value)
+    return math.nan if found is None or found.ndim else float(found)
+
+
+def _whole(value: Any) -> int | None:
+    """Return a whole number as an int; None for anything else."""
+    if not isinstance(value, (int, np.integer)) or isinstance(value, (bool, np.timedelta64)):
+        return None
+    return attempt(int, value)
+
+
+def bounded(x: Floats) -> bool:
     """Return whether all numbers are finite and at most LARGEST in magnitude; a NaN is neither above nor below."""
     return bool(x.max(initial=0.0) <= LARGEST and x.min(initial=0.0) >= -LARGEST)
 
@@ -48,7 +103,7 @@ def describe(value: Any) -> str:
     return text if len(text) <= LONGEST_TEXT else text[: LONGEST_TEXT - 3] + "..."
 
 
-def array(name: str, value: ArrayLike, allowed: str = "finite real numbers") -> NDArray[np.float64]:
+def array(name: str, value: ArrayLike, allowed: str = "finite real numbers") -> Floats:
     """Return a new read-only array of finite numbers, none beyond LARGEST in magnitude."""
     found = plain(value)
     if found is None:
@@ -71,7 +126,7 @@ def shape_in_words(shape: Sequence[int | str | None]) -> str:
     return f"({', '.join(words)}{',' if len(words) == 1 else ''})"
 
 
-def shaped(name: str, value: ArrayLike, shape: tuple[int | str | None, ...]) -> NDArray[np.float64]:
+def shaped(name: str, value: ArrayLike, shape: tuple[int | str | None, ...]) -> Floats:
     """Return an ``array`` of a shape, not empty; None or a name in it is any length > 0."""
     allowed = f"finite real numbers of shape {shape_in_words(shape)}"
     checked = array(name, value, allowed)
@@ -81,7 +136,7 @@ def shaped(name: str, value: ArrayLike, shape: tuple[int | str | None, ...]) -> 
     return checked
 
 
-def times(name: str, value: ArrayLike, start: float = 0.0) -> NDArray[np.float64]:
+def times(name: str, value: ArrayLike, start: float = 0.0) -> Floats:
     """Return output times (K,), K >= 1, from one number or a list: >= ``start`` and increasing."""
     checked = np.atleast_1d(array(name, value))
     if checked.ndim != 1 or checked.size == 0 or checked[0] < start or (np.diff(checked) <= 0).any():
@@ -92,7 +147,7 @@ def times(name: str, value: ArrayLike, start: float = 0.0) -> NDArray[np.float64
 def number(name: str, value: Any, *, positive: bool = False, non_negative: bool = False) -> float:
     """Return a finite float, on request > 0, and then at least SMALLEST, or >= 0."""
     allowed = "a finite number" + (" > 0" if positive else " >= 0" if non_negative else "")
-    checked = value if type(value) is float else one(value)
+    checked = value if type(value) is float else _one(value)
     if not abs(checked) <= LARGEST or (positive and checked < SMALLEST) or (non_negative and checked < 0):
         allowed += f", at least {SMALLEST:g}" if positive and checked > 0 else ""
         allowed += f", at most {LARGEST:g}" if abs(checked) > LARGEST else ""
@@ -102,7 +157,7 @@ def number(name: str, value: Any, *, positive: bool = False, non_negative: bool 
 
 def integer(name: str, value: Any, *, least: int, most: int | None = None) -> int:
     """Return an int that is at least ``least`` and at most ``most``; None: at most what fits into 64 bits."""
-    checked = whole(value)
+    checked = _whole(value)
     if checked is None or not least <= checked <= (LARGEST_INTEGER if most is None else most):
         allowed = f"an integer >= {least}" if most is None else f"an integer from {least} to {most}"
         if most is None and checked is not None and checked > LARGEST_INTEGER:
@@ -113,7 +168,7 @@ def integer(name: str, value: Any, *, least: int, most: int | None = None) -> in
 
 def seed(name: str, value: Any) -> int:
     """Return an int >= 0 of any size, as the generators of numpy take it."""
-    checked = whole(value)
+    checked = _whole(value)
     if checked is None or checked < 0:
         raise InvalidProblem(f"{name} = {describe(value)}: must be an integer >= 0")
     return checked
@@ -200,7 +255,7 @@ def indices(name: str, value: ArrayLike, columns: int | None = None, *, distinct
     return checked
 
 
-def lengths(name: str, value: ArrayLike, *, positive: bool, of: str = "length") -> NDArray[np.float64]:
+def lengths(name: str, value: ArrayLike, *, positive: bool, of: str = "length") -> Floats:
     """Return one length or a list of them, shape () or (m,), all > 0 or all >= 0; none but 0 is below SMALLEST."""
     allowed = f"one {of} or a list of {of}s, " + ("> 0" if positive else ">= 0")
     checked = array(name, value, allowed)
@@ -211,7 +266,7 @@ def lengths(name: str, value: ArrayLike, *, positive: bool, of: str = "length") 
     return checked
 
 
-def spread(name: str, value: NDArray[np.float64], count: int, per: str) -> NDArray[np.float64]:
+def spread(name: str, value: Floats, count: int, per: str) -> Floats:
     """Return lengths of shape () or (count,) as an array of shape (count,)."""
     if value.ndim == 1 and len(value) != count:
         raise InvalidProblem(f"{name} has {len(value)} entries: must have one, or one for each of the {count} {per}")
@@ -226,7 +281,7 @@ def within(name: str, index: NDArray[np.int64], count: int) -> None:
         )
 
 
-def vector(name: str, value: NDArray[np.float64], d: int) -> None:
+def vector(name: str, value: Floats, d: int) -> None:
     """Refuse a vector that has not the problem's dimension."""
     if value.shape != (d,):
         raise InvalidProblem(f"{name} of shape {value.shape}: must have shape ({d},), as the particles have d = {d}")

@@ -1,4 +1,4 @@
-"""Normal cones, tangent velocities, support functions  (chapter 1, sections 4.1 to 4.4)."""
+"""Normal cones and support functions  (chapter 1, section 4)."""
 
 from __future__ import annotations
 
@@ -13,22 +13,65 @@ import numpy as np
 from dincl.checks import instance, number, shaped
 from dincl.constraints.selection import select
 from dincl.errors import InvalidProblem, ProjectionFailed, StepFailure
-from dincl.matrices import combined, divided, row_squares
-from dincl.norms import length, longest
+from dincl.matrices import combined
+from dincl.norms import length
 from dincl.problem import Problem
-from dincl.projection.cone import TOLERANCE, nearest, split
+from dincl.projection.certificate import on_active_rows, row_lengths
+from dincl.projection.quadratic import Daqp, Piqp
 from dincl.rows.affine import AffineRows
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
     from scipy.sparse import csr_array
 
-    from dincl.constraints.selection import Name, Selection
+    from dincl.compiled.arrays import Floats
+    from dincl.constraints.selection import Name
 
-__all__ = ["NormalCone", "TangentVelocity", "normal_cone", "support", "tangent_velocity"]
+__all__ = ["NormalCone", "normal_cone", "support"]
 
-# Length of a vector that counts as zero, relative to u: ten times the accuracy of the projections onto cones.
+# Accuracy relative to |u|, and the number of unknowns up to which a dense active-set method is the faster one.
+TOLERANCE, DENSE = 1e-10, 60
+# Length of a vector that counts as zero, relative to u.
 NEGLIGIBLE = 10 * TOLERANCE
+# Weight of multipliers beside distances, relative to the length of rows, where the shortest ones are looked for.
+WEIGHT = 1e-4
+
+
+def split(u: Floats, gradients: csr_array) -> tuple[Floats, Floats]:
+    """Moreau's decomposition u = A^T lambda + rest of u (n,), to 1e-10 |u|: lambda (m,) >= 0, and rest (n,).
+
+    The rest is orthogonal to A^T lambda, in the polar cone {z : A z <= 0} of that of the rows of A.
+    """
+    size, bounds = length(u), np.zeros(gradients.shape[0])
+    if size == 0:
+        return bounds, u
+    projection = Daqp if u.size <= DENSE else Piqp
+    target = u[:, None] / size
+    found = projection(TOLERANCE).solver().nearest(AffineRows(-gradients, bounds), target, target)
+    return size * found.multipliers, size * found.point.ravel()
+
+
+def distance_to_cone(u: Floats, gradients: csr_array) -> float:
+    """min |u - A^T lambda| over lambda >= 0, for u of shape (n,) and the rows of A; accurate to 1e-10 |u|."""
+    return length(split(u, gradients)[1])
+
+
+def shortest_multipliers(u: Floats, gradients: csr_array) -> Floats:
+    """The shortest lambda (m,) >= 0 of the nearest point A^T lambda to u, which is unique also for dependent rows.
+
+    The program min |A^T lambda - u|^2 + w^2 |lambda|^2 finds the rows with lambda > 0, and nearly their multipliers;
+    the equations A A^T lambda = A u of these rows make A^T lambda exact.
+    """
+    from scipy.sparse import csr_array, eye_array, hstack
+
+    m = gradients.shape[0]
+    if m == 0 or not u.any():
+        return np.zeros(m)
+    weight = WEIGHT * max(float(np.abs(gradients.data).max(initial=0.0)), 1e-100)
+    longer = csr_array(hstack((gradients, -weight * eye_array(m)), format="csr"))
+    found, _ = split(np.concatenate((u, np.zeros(m))), longer)
+    found[found <= TOLERANCE * found.max(initial=0.0)] = 0.0
+    return on_active_rows(AffineRows(gradients, np.zeros(m)), -u, np.zeros(u.size), found)[1]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -54,23 +97,23 @@ class NormalCone:
     shape: tuple[int, int]
 
     @property
-    def generators(self) -> NDArray[np.float64]:
+    def generators(self) -> Floats:
         """grad g_k, shape (m, N, d); they point into S, so the cone is spanned by their negatives."""
-        generators: NDArray[np.float64] = self.matrix.toarray().reshape(-1, *self.shape)
+        generators: Floats = self.matrix.toarray().reshape(-1, *self.shape)
         return generators
 
-    def multipliers(self, u: ArrayLike) -> NDArray[np.float64]:
+    def multipliers(self, u: ArrayLike) -> Floats:
         """Compute lambda (m,) >= 0 of the nearest point of the cone to u, -sum_k lambda_k grad g_k.
 
         They are unique only if the gradients with lambda_k > 0 are independent.
         """
         return self._split(u)[0]
 
-    def normal_part(self, u: ArrayLike) -> NDArray[np.float64]:
+    def normal_part(self, u: ArrayLike) -> Floats:
         """Compute P_N(u), shape (N, d): the nearest point of the cone to u."""
         return -combined(self.matrix, self._split(u)[0]).reshape(self.shape)
 
-    def tangent_part(self, u: ArrayLike) -> NDArray[np.float64]:
+    def tangent_part(self, u: ArrayLike) -> Floats:
         """Compute P_T(u) = u - P_N(u), shape (N, d), with the polar cone T = {v : grad g_k . v >= 0 for all k} of N."""
         return self._split(u)[1]
 
@@ -78,35 +121,12 @@ class NormalCone:
         """Compute min |u - n| over the n of the cone."""
         return length(self._split(u)[1].ravel())
 
-    def contains(self, u: ArrayLike) -> bool:
-        """Return whether u lies in the cone, to 1e-9 |u|."""
-        rest = self._split(u)[1]
-        return length(rest.ravel()) <= NEGLIGIBLE * length(np.asarray(u, dtype=np.float64).ravel())
-
-    def inverse_triangle(self) -> float:
-        """Compute gamma = min |sum_k lambda_k grad g_k| over lambda >= 0 with sum_k lambda_k |grad g_k| = 1, in [0, 1].
-
-        It is 1 for at most one row. Its dual is a least distance, 1/gamma = min |v| with n_k . v >= 1 for the unit
-        gradients n_k. If there is no such v, some gradients cancel, and gamma = 0.
-        """
-        lengths = np.sqrt(row_squares(self.matrix))
-        if not len(lengths):
-            return 1.0
-        if lengths.min() == 0:
-            return 0.0
-        unit = divided(self.matrix, lengths)
-        try:
-            point = nearest(AffineRows(unit, np.ones(unit.shape[0])), np.zeros(unit.shape[1]), 1.0).rest
-        except StepFailure:
-            return 0.0
-        return 1.0 / length(point)
-
-    def _split(self, u: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _split(self, u: ArrayLike) -> tuple[Floats, Floats]:
         """Compute the multipliers and the tangent part of u."""
         vector = shaped("u", u, self.shape)
         with _projection_failures():
-            parts = split(-vector.ravel(), self.matrix)
-        return parts.multipliers, -parts.rest.reshape(self.shape)
+            multipliers, rest = split(-vector.ravel(), self.matrix)
+        return multipliers, -rest.reshape(self.shape)
 
     def __repr__(self) -> str:
         return f"NormalCone({len(self.names)} active rows, N = {self.shape[0]}, d = {self.shape[1]})"
@@ -133,8 +153,21 @@ def normal_cone(problem: Problem, t: float, x: ArrayLike, tol: float) -> NormalC
 
     Source: Definition 1.24.
     """
+    instance("problem", problem, Problem, "a dincl.Problem")
+    time, allowed = number("t", t, non_negative=True), number("tol", tol, positive=True)
+    state = shaped("x", x, problem.x0.shape)
     with _projection_failures():
-        return cone_at(problem, *_checked(problem, t, x, tol))
+        selection = select(problem.constraints, time, state, allowed)
+        rows = selection.at(time)
+        gradients = rows.jacobian(state)
+        gaps = rows.values(state) / row_lengths(gradients)
+    least = float(gaps.min(initial=0.0))
+    if least < -allowed:
+        raise InvalidProblem(
+            f"x lies outside of S by {-least:.3g}, more than tol = {allowed:g}: there is no normal cone"
+        )
+    active = gaps <= allowed
+    return NormalCone(selection.take(active).names, gradients[active], state.shape)
 
 
 def support(
@@ -165,116 +198,6 @@ def support(
     size = radius if radius == math.inf else number("radius", radius, positive=True)
     along = length(cone.normal_part(-w).ravel())
     return 0.0 if along <= NEGLIGIBLE * length(w.ravel()) else size * along
-
-
-@dataclass(frozen=True, eq=False)
-class TangentVelocity:
-    """v = u + sum_k multipliers_k grad g_k, with mobilities u + B sum_k multipliers_k grad g_k.
-
-    Attributes
-    ----------
-    velocity
-        v, shape (N, d) [length / time].
-    multipliers
-        Shape (m,), >= 0, one for each active row.
-    names
-        For each active row the index of its constraint in the problem, and the row in words.
-    residual
-        The certified residual of the projection [length / time].
-    """
-
-    velocity: NDArray[np.float64]
-    multipliers: NDArray[np.float64]
-    names: tuple[Name, ...]
-    residual: float
-
-
-def tangent_velocity(
-    problem: Problem, t: float, x: ArrayLike, u: ArrayLike | None = None, *, tol: float, spacing: float = 1e-3
-) -> TangentVelocity:
-    """Compute argmin |v - u| over v with grad g_k . v >= b_k for all active rows k: the velocity of the slow solution.
-
-    b_k = grad g_k . c' with the velocity c' of the set of row k, 0 for sets that do not move. Where the solution of
-    the inclusion has a right derivative, u = F(t, x) gives it. With mobilities distances are those of the metric of
-    B^-1, particles of mobility 0 stay, and u = B F(t, x) gives it.
-
-    Parameters
-    ----------
-    problem
-        The problem with the drift and the constraints.
-    t, x
-        Time >= 0 [time]; point of S(t), shape (N, d) [length].
-    u
-        The velocity to project, shape (N, d); None: F(t, x), or B F(t, x) [length / time].
-    tol
-        Rows with |g_k| <= tol |grad g_k| are active [length].
-    spacing
-        Spacing of the differences of order 6 for c', short beside the time in which the path of a set bends [time].
-
-    Raises
-    ------
-    InvalidProblem
-        For wrong shapes or numbers, and where x is not in S(t).
-    ProjectionFailed
-        Where a function of the problem fails, or no velocity satisfies all rows; ``status`` says why.
-
-    Source: (1.24), (1.26), (1.27).
-    """
-    from dincl.mobility import scaling_of
-
-    time, state, allowed = _checked(problem, t, x, tol)
-    step = number("spacing", spacing, positive=True)
-    target = None if u is None else shaped("u", u, problem.x0.shape)
-    with _projection_failures():
-        mobility = np.ones(len(state)) if problem.mobility is None else problem.mobility
-        target = mobility[:, None] * problem.velocity(time, state) if target is None else target
-        rows, gradients = active_rows(problem, time, state, allowed)
-        lengths = _lengths(gradients)
-        unit = divided(gradients, lengths)
-        least = rows.least_speeds(time, state, unit, step)
-        # In coordinates in which all particles are equally mobile.
-        scaling = scaling_of(state, mobility)
-        unit.data *= np.repeat(scaling.root, state.shape[1])[unit.indices]
-        scaled = _lengths(unit)
-        unit, least, target = divided(unit, scaled), least / scaled, scaling.velocities(target)
-        size = max(longest(target), float(np.abs(least).max(initial=0.0)))
-        found = nearest(AffineRows(unit, least), target.ravel(), size)
-    velocity, multipliers = scaling.root[:, None] * found.rest.reshape(target.shape), found.multipliers
-    return TangentVelocity(velocity, multipliers / lengths / scaled / scaling.most, rows.names, size * found.residual)
-
-
-def cone_at(problem: Problem, t: float, x: NDArray[np.float64], tol: float) -> NormalCone:
-    """Compute the normal cone for checked input; StepFailure where a gradient is not defined."""
-    rows, gradients = active_rows(problem, t, x, tol)
-    count, d = x.shape
-    return NormalCone(rows.names, gradients, (count, d))
-
-
-def active_rows(problem: Problem, t: float, x: NDArray[np.float64], tol: float) -> tuple[Selection, csr_array]:
-    """Select the rows with |g_k| <= tol |grad g_k|, and compute their gradients; InvalidProblem if x is not in S(t)."""
-    selection = select(problem.constraints, t, x, tol)
-    rows = selection.at(t)
-    gradients = rows.jacobian(x)
-    gaps = rows.values(x) / _lengths(gradients)
-    least = float(gaps.min(initial=0.0))
-    if least < -tol:
-        raise InvalidProblem(f"x lies outside of S by {-least:.3g}, more than tol = {tol:g}: there is no normal cone")
-    active = gaps <= tol
-    return selection.take(active), gradients[active]
-
-
-def _lengths(gradients: csr_array) -> NDArray[np.float64]:
-    """Compute |grad g_k|, shape (m,), and 1 for a gradient that vanishes."""
-    lengths = np.sqrt(row_squares(gradients))
-    lengths[lengths == 0] = 1.0
-    return lengths
-
-
-def _checked(problem: Problem, t: float, x: ArrayLike, tol: float) -> tuple[float, NDArray[np.float64], float]:
-    """Check a time >= 0, a state of the shape of x0, and a tolerance > 0."""
-    instance("problem", problem, Problem, "a dincl.Problem")
-    time, allowed = number("t", t, non_negative=True), number("tol", tol, positive=True)
-    return time, shaped("x", x, problem.x0.shape), allowed
 
 
 @contextmanager

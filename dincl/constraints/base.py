@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 if TYPE_CHECKING:
     import numpy as np
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
     from dincl.rows.base import DiscPairs, RowsOfOneKind
 
-    Swept = RowsOfOneKind | DiscPairs
+    Swept: TypeAlias = RowsOfOneKind | DiscPairs
 
 
 class Constraint(ABC):

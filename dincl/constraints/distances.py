@@ -76,13 +76,13 @@ class NonOverlap(Distances):
     def select(self, x: NDArray[np.float64], search_radius: float) -> DistanceRows:
         """Return the pairs with a gap of at most 2 search_radius."""
         discs, radii = self.discs(len(x)), self.radii(len(x))
-        if not np.isfinite(search_radius):
-            i, j = (discs[place] for place in np.tril_indices(len(discs), -1))
-            return DistanceRows(i, j, radii[i] + radii[j], 1.0, box=self.box)
-        from dincl.neighbours.search import neighbour_pairs
+        if np.isfinite(search_radius):
+            from dincl.neighbours.search import neighbour_pairs
 
-        start, partner = neighbour_pairs(x[discs], radii[discs] + search_radius, self.box)
-        i, j = np.repeat(discs, np.diff(start)), discs[partner]
+            places = neighbour_pairs(x[discs], radii[discs] + search_radius, self.box)
+        else:
+            places = np.tril_indices(len(discs), -1)
+        i, j = (discs[place] for place in places)
         return DistanceRows(i, j, radii[i] + radii[j], 1.0, box=self.box)
 
     def updated(self, rows: DistanceRows | DiscPairs, count: int) -> DistanceRows | DiscPairs:

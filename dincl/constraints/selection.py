@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from numpy.typing import NDArray
-    from scipy.sparse import csr_array
 
     from dincl.constraints.base import Constraint
     from dincl.errors import StepFailure
@@ -66,7 +65,7 @@ class Selection:
             return flat
         before, after = (constraint.displacement(time, self.shape[1]) for time in times)
         if before is not None and after is not None:
-            return flat.shifted(after - before)
+            return linearised(flat.placed(None, after - before), x)
         length = row_lengths(rows, x)
         change = later.values(x) * length / row_lengths(later, x) - rows.values(x)
         return AffineRows(flat.matrix, flat.bound - change)
@@ -91,26 +90,6 @@ class Selection:
         block: Any = self.blocks[family]
         found: StepFailure = block.coincidence(row - first)
         return found
-
-    def least_speeds(self, t: float, x: NDArray[np.float64], unit: csr_array, spacing: float) -> NDArray[np.float64]:
-        """Compute the least n_k . x' at x (N, d) of a row k that touches, with unit gradient n_k, shape (m,).
-
-        That is n_k . c' for a set with velocity c', and -(dg_k/dt) / |grad g_k| in general. ``spacing`` is the step of
-        the differences in time.
-        """
-        least, start = np.zeros(unit.shape[0]), 0
-        for constraint, block in zip(self.constraints, self.blocks, strict=True):
-            rows = slice(start, start + len(block))
-            start += len(block)
-            if not len(block) or not constraint.timed:
-                continue
-            if constraint.displacement(t, self.shape[1]) is not None:
-                path: Any = partial(constraint.displacement, d=self.shape[1])
-                least[rows] = (unit @ np.tile(derivative(path, t, spacing), self.shape[0]))[rows]
-            else:
-                lengths = np.sqrt(row_squares(constraint.rows_at(t, block, self.shape).jacobian(x)))
-                least[rows] = -rates(constraint, block, t, x, spacing) / lengths
-        return least
 
     def largest_change(self, start: float, end: float, x: NDArray[np.float64], search_radius: float) -> float:
         """Bound the change of all sets between two times, see ``Constraint.change`` [length]."""

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dincl.compiled import allocating, inner, kernel
+from dincl.compiled import allocating, kernel
 from dincl.compiled.arrays import Axes, Floats, Indices, Offsets, axes_of
 from dincl.errors import StepFailure
 from dincl.neighbours import ALL_PAIRS
@@ -29,13 +29,15 @@ PAIRS_PER_DISC = 4
 # A longer list would take more than a gigabyte: discs lie on top of each other, not side by side.
 MOST_PAIRS = 50_000_000
 
+Pairs = tuple[Offsets, Offsets]
+
 
 class TooManyPairs(Exception):
     """More than MOST_PAIRS candidates."""
 
 
-def neighbour_pairs(x: Floats, radius: Floats, box: Floats | None = None) -> tuple[Offsets, Indices]:
-    """List, for each disc i, all j < i with |X_i - X_j| <= r_i + r_j.
+def neighbour_pairs(x: Floats, radius: Floats, box: Floats | None = None) -> Pairs:
+    """List all pairs i > j with |X_i - X_j| <= r_i + r_j: arrays i and j, i ascending, then j.
 
     The cost is linear in n plus the number of pairs for discs of similar radii, however far apart they are.
 
@@ -45,13 +47,8 @@ def neighbour_pairs(x: Floats, radius: Floats, box: Floats | None = None) -> tup
         Centres [length], any d >= 1. A disc whose centre is not a number has no neighbours.
     radius : (n,)
         Search radii r [length]; between 1e-150 and 1e150 so that squares neither vanish nor overflow.
-
-    Returns
-    -------
-    start : (n + 1,) int64
-        Row offsets.
-    partner : (start[n],) int32
-        The partners of disc i are ``partner[start[i]:start[i + 1]]``, ascending.
+    box : (d,)
+        Periods of the axes, 0 for one that does not repeat, of discs that are near by their nearest images.
 
     Raises
     ------
@@ -67,13 +64,14 @@ def neighbour_pairs(x: Floats, radius: Floats, box: Floats | None = None) -> tup
     if x.shape[0] <= ALL_PAIRS:
         return compared_pairs(x, radius)
     try:
-        return grid_pairs(x, radius, axes_of(x))
+        i, j = grid_pairs(x, radius, axes_of(x))
+        return i.astype(np.int64), j.astype(np.int64)
     except TooManyPairs:
         detail = f"More than {MOST_PAIRS:,} pairs of particles are close to each other."
         raise StepFailure(Status.CROWDED, detail) from None
 
 
-def periodic_pairs(x: Floats, radius: Floats, box: Floats) -> tuple[Offsets, Indices]:
+def periodic_pairs(x: Floats, radius: Floats, box: Floats) -> Pairs:
     """List the same pairs as ``neighbour_pairs``, of the nearest images, by SciPy's tree of boxes."""
     from scipy.spatial import KDTree
 
@@ -86,28 +84,18 @@ def periodic_pairs(x: Floats, radius: Floats, box: Floats) -> tuple[Offsets, Ind
     pairs = KDTree(wrapped, boxsize=box).query_pairs(largest * CELL_MARGIN, output_type="ndarray")
     arrows = nearest_image(x[pairs[:, 0]] - x[pairs[:, 1]], box)
     close = ((arrows**2).sum(axis=1) <= radius[pairs].sum(axis=1) ** 2) & finite[pairs].all(axis=1)
-    return rows_of_pairs(pairs[close].astype(np.int32), len(x))
+    i, j = pairs[close].max(axis=1), pairs[close].min(axis=1)
+    order = np.lexsort((j, i))
+    return i[order], j[order]
 
 
-@inner
-def is_close(x: Floats, radius: Floats, i: int, j: int, axes: Axes) -> bool:
-    """Return whether |X_i - X_j| <= r_i + r_j, compared by their squares."""
-    square = 0.0
-    for k in range(len(axes)):
-        difference = x[i, k] - x[j, k]
-        square += difference * difference
-    limit = radius[i] + radius[j]
-    return bool(square <= limit * limit)
-
-
-def compared_pairs(x: Floats, radius: Floats) -> tuple[Offsets, Indices]:
+def compared_pairs(x: Floats, radius: Floats) -> Pairs:
     """List the same pairs as ``neighbour_pairs`` by comparing all n (n - 1) / 2 of them, in NumPy: nothing compiles."""
     square, limit = np.zeros((len(x), len(x))), radius[:, None] + radius
     for column in x.T:
         square += (column[:, None] - column) ** 2
-    close = np.tril(square <= limit * limit, -1)
-    start = np.concatenate((np.zeros(1, np.int64), np.cumsum(close.sum(axis=1))))
-    return start, close.nonzero()[1].astype(np.int32)
+    i, j = np.tril(square <= limit * limit, -1).nonzero()
+    return i, j
 
 
 class Grid(NamedTuple):
@@ -177,12 +165,13 @@ def cells_along(x: Floats, edge: float, axes: Axes) -> Offsets:
 
 
 @kernel
-def grid_pairs(x: Floats, radius: Floats, axes: Axes) -> tuple[Offsets, Indices]:
+def grid_pairs(x: Floats, radius: Floats, axes: Axes) -> tuple[Indices, Indices]:
     """Find close pairs of n >= 1 discs in the grid; result as of ``neighbour_pairs``."""
     n, used = x.shape[0], min(len(axes), GRID_AXES)
     grid = sort_into_grid(x, radius, axes)
     first, disc, bits, lines = grid.first, grid.disc, grid.bits, lines_ahead(axes)
-    count, pairs, last = 0, np.empty((PAIRS_PER_DISC * n, 2), np.int32), (1 << grid.bits[used - 1]) - 1
+    count, last = 0, (1 << grid.bits[used - 1]) - 1
+    one, other = np.empty(PAIRS_PER_DISC * n, np.int32), np.empty(PAIRS_PER_DISC * n, np.int32)
     for p in range(n):
         here = np.int64(grid.cell[p])
         number = here & last
@@ -198,13 +187,18 @@ def grid_pairs(x: Floats, radius: Floats, axes: Axes) -> tuple[Offsets, Indices]
             for part in range(2 if more else 1):
                 if part > 0:
                     begin, end = first[line + beyond], first[line + beyond + 1]
-                if count + (end - begin) > pairs.shape[0]:
-                    pairs = grown(pairs, count, end - begin)
+                if count + (end - begin) > one.size:
+                    one, other = grown(one, count, end - begin), grown(other, count, end - begin)
                 for q in range(begin, end):
                     # Every candidate is written and only a close one is counted, as above.
-                    pairs[count, 0], pairs[count, 1] = disc[p], disc[q]
-                    count += is_close(grid.x, grid.radius, p, q, axes)
-    return rows_of_pairs(pairs[:count], n)
+                    one[count], other[count] = max(disc[p], disc[q]), min(disc[p], disc[q])
+                    square, limit = 0.0, grid.radius[p] + grid.radius[q]
+                    for k in range(len(axes)):
+                        arrow = grid.x[p, k] - grid.x[q, k]
+                        square += arrow * arrow
+                    count += square <= limit * limit
+    other, one = sort_by(other[:count], one[:count], n)
+    return sort_by(one, other, n)
 
 
 @allocating
@@ -221,38 +215,25 @@ def lines_ahead(axes: Axes) -> Offsets:
 
 
 @allocating
-def grown(pairs: Indices, count: int, more: int) -> Indices:
-    """Copy pairs[:count] into a list with twice the capacity for `more` others; TooManyPairs if that is too long."""
+def grown(numbers: Indices, count: int, more: int) -> Indices:
+    """Copy numbers[:count] into an array with twice the room for `more` others; TooManyPairs if that is too long."""
     if count + more > MOST_PAIRS:
         raise TooManyPairs
-    copied = np.empty((2 * (count + more), 2), np.int32)
-    copied[:count] = pairs[:count]
+    copied = np.empty(2 * (count + more), np.int32)
+    copied[:count] = numbers[:count]
     return copied
 
 
 @allocating
-def _group(key: Indices, value: Indices, rows: int) -> tuple[Offsets, Indices]:
-    """Collect the values of equal key, each in 0 .. rows - 1, into rows, keeping their order: a counting sort."""
-    place = np.zeros(rows + 2, np.int64)
+def sort_by(key: Indices, value: Indices, n: int) -> tuple[Indices, Indices]:
+    """Sort keys, each in 0 .. n - 1, with their values, which keep their order: a counting sort."""
+    place, keys, values = np.zeros(n + 1, np.int64), np.empty_like(key), np.empty_like(value)
     for p in range(key.size):
-        place[key[p] + 2] += 1
-    for i in range(2, rows + 2):
-        place[i] += place[i - 1]
-    entry = np.empty(key.size, np.int32)
-    for p in range(key.size):
-        entry[place[key[p] + 1]] = value[p]
         place[key[p] + 1] += 1
-    return place[: rows + 1], entry
-
-
-@allocating
-def rows_of_pairs(pairs: Indices, n: int) -> tuple[Offsets, Indices]:
-    """Sort pairs (m, 2) of n discs, in linear time, into rows of the larger number: offsets, ascending partners."""
-    smaller, larger = np.empty(len(pairs), np.int32), np.empty(len(pairs), np.int32)
-    for p in range(len(pairs)):
-        smaller[p], larger[p] = min(pairs[p, 0], pairs[p, 1]), max(pairs[p, 0], pairs[p, 1])
-    start, larger = _group(smaller, larger, n)
-    for j in range(n):
-        for p in range(start[j], start[j + 1]):
-            smaller[p] = j
-    return _group(larger, smaller, n)
+    for i in range(n):
+        place[i + 1] += place[i]
+    for p in range(key.size):
+        q = place[key[p]]
+        keys[q], values[q] = key[p], value[p]
+        place[key[p]] = q + 1
+    return keys, values

@@ -19,9 +19,9 @@ from dincl.rows.affine import AffineRows, linearised
 from dincl.status import Status
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
     from scipy.sparse import csr_array
 
+    from dincl.compiled.arrays import Floats
     from dincl.rows.base import Rows
 
 Program = TypeVar("Program")
@@ -36,8 +36,8 @@ ACROSS = 1e-8
 class QpAnswer(NamedTuple):
     """Solution u (n,), multipliers (m,) >= 0 and iterations of a least-distance program."""
 
-    u: NDArray[np.float64]
-    multipliers: NDArray[np.float64]
+    u: Floats
+    multipliers: Floats
     iterations: int
 
 
@@ -48,9 +48,7 @@ class QpSolver(Solver):
     violation s, so that its tolerances are relative to the move and not to the coordinates.
     """
 
-    def compute(
-        self, rows: Rows, y: NDArray[np.float64], guess: NDArray[np.float64], multipliers: NDArray[np.float64]
-    ) -> Projected:
+    def compute(self, rows: Rows, y: Floats, guess: Floats, multipliers: Floats) -> Projected:
         """Solve one program for affine rows, else a sequence of programs that know the curvature of the set.
 
         A program in coordinates that are ``root`` times those of z has the Hessian D = root^2, see ``_hessian``.
@@ -71,12 +69,8 @@ class QpSolver(Solver):
         raise missed(self.name, found.residual, self.tol, bent - 1.0, float(np.abs(y).max()))
 
     def _program(
-        self,
-        linear: AffineRows,
-        target: NDArray[np.float64],
-        root: NDArray[np.float64],
-        multipliers: NDArray[np.float64],
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64], int]:
+        self, linear: AffineRows, target: Floats, root: Floats, multipliers: Floats
+    ) -> tuple[Floats, Floats, int]:
         """Find the move v with the least |root v| so that target + v meets the rows, its multipliers, and the work."""
         scaled, tol = linear.matrix, self.tol / float(root.max())
         if tol != self.tol:
@@ -96,9 +90,7 @@ class QpSolver(Solver):
         done = self.completed(relative, origin, certified, tol)
         return done.point.ravel() / root, done.multipliers, done.iterations
 
-    def _solve(
-        self, matrix: csr_array, missing: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float
-    ) -> QpAnswer:
+    def _solve(self, matrix: csr_array, missing: Floats, multipliers: Floats, tol: float) -> QpAnswer:
         """min 1/2 |u|^2 s.t. matrix u >= missing, to the residual ``tol``, for rows of length 1 or 0."""
         scale = float(missing.max(initial=0.0))
         if scale <= NEGLIGIBLE * tol:
@@ -111,9 +103,7 @@ class QpSolver(Solver):
         return QpAnswer(scale * found.u, scale * found.multipliers, found.iterations)
 
     @abstractmethod
-    def qp(
-        self, matrix: csr_array, least: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float
-    ) -> QpAnswer:
+    def qp(self, matrix: csr_array, least: Floats, multipliers: Floats, tol: float) -> QpAnswer:
         """min 1/2 |u|^2 s.t. matrix u >= least, to the residual ``tol``, from the multipliers of a similar program.
 
         Rows of ``matrix`` (m, n) have length 1 (or 0), max ``least`` = 1; the solution obeys u = matrix^T multipliers.
@@ -121,9 +111,7 @@ class QpSolver(Solver):
         """
 
 
-def _hessian(
-    before: csr_array, now: csr_array, step: NDArray[np.float64], multipliers: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _hessian(before: csr_array, now: csr_array, step: Floats, multipliers: Floats) -> Floats:
     """Compute the diagonal D (n,) of the next program, from the gradients before and after a step.
 
     ``dincl.steps.programs.bend`` is the same in compiled code, and derives it.
@@ -139,7 +127,7 @@ def _hessian(
     return 1.0 + combined(pattern, weights)
 
 
-def stop_if_suspected(matrix: csr_array, least: NDArray[np.float64], weights: NDArray[np.float64]) -> None:
+def stop_if_suspected(matrix: csr_array, least: Floats, weights: Floats) -> None:
     """StepFailure if ``weights`` (m,) >= 0 show that all u with A u >= least are far away: iterations would not end.
 
     Any such u has |u| >= least . weights / |A^T weights|; of an empty set, multipliers grow towards such weights.
@@ -156,8 +144,6 @@ def stop_if_suspected(matrix: csr_array, least: NDArray[np.float64], weights: ND
 TOLERANCE = 1e-12
 # The same relative to the numbers in the sums: a few of their roundings, which no answer can beat.
 RELATIVE = 1e-13
-# Of Clarabel for the dual, whose active rows are completed: at TOLERANCE it may end with "InsufficientProgress".
-OF_DUAL = 1e-10
 # What Clarabel may call almost solved: the certificate, not this word, decides whether the point is good enough.
 REDUCED_TOLERANCE = 1e-9
 # Clarabel's own 1e-8 stops it short of TOLERANCE in degenerate piles ("InsufficientProgress"); the identity in the cost
@@ -186,7 +172,7 @@ def _stopped(name: str, why: object) -> StepFailure:
 def _daqp() -> Callable[..., QpAnswer]:
     import daqp
 
-    def solve(matrix: csr_array, least: NDArray[np.float64], multipliers: NDArray[np.float64]) -> QpAnswer:
+    def solve(matrix: csr_array, least: Floats, multipliers: Floats) -> QpAnswer:
         """Solve -A u <= -least: DAQP takes active rows at the start to be at their upper bound; it changes arrays."""
         n, start = matrix.shape[1], (multipliers > 0).astype(np.int32)
         options = {"primal_tol": PRIMAL_TOLERANCE, "iter_limit": DAQP_ITERATIONS}
@@ -203,23 +189,19 @@ def _piqp() -> Callable[..., QpAnswer]:
         import piqp
     from scipy.sparse import csc_matrix, eye_array
 
-    def solve(matrix: csr_array, least: NDArray[np.float64], multipliers: Any, gram: Any = None) -> QpAnswer:
-        solver: Any = piqp.DenseSolver() if isinstance(gram, np.ndarray) else piqp.SparseSolver()
+    def solve(matrix: csr_array, least: Floats, multipliers: Any) -> QpAnswer:
+        solver: Any = piqp.SparseSolver()
         settings = solver.settings
         settings.max_iter = PIQP_ITERATIONS
         settings.eps_abs = settings.eps_duality_gap_abs = TOLERANCE
         settings.eps_rel = settings.eps_duality_gap_rel = RELATIVE
-        if gram is None:
-            n = matrix.shape[1]
-            solver.setup(csc_matrix(eye_array(n)), np.zeros(n), G=csc_matrix(matrix), h_l=least)
-        else:
-            cost = gram if isinstance(gram, np.ndarray) else csc_matrix(gram)
-            solver.setup(cost, -least, x_l=np.zeros(len(least)))
+        n = matrix.shape[1]
+        solver.setup(csc_matrix(eye_array(n)), np.zeros(n), G=csc_matrix(matrix), h_l=least)
         flag = solver.solve()
         if flag != piqp.PIQP_SOLVED:
             raise _stopped("piqp", flag.name)
-        found, multipliers = np.array(solver.result.x), np.array(solver.result.z_l)
-        return QpAnswer(found, np.maximum(multipliers if gram is None else found, 0.0), int(solver.result.info.iter))
+        found = solver.result
+        return QpAnswer(np.array(found.x), np.maximum(found.z_l, 0.0), int(found.info.iter))
 
     return solve
 
@@ -227,28 +209,23 @@ def _piqp() -> Callable[..., QpAnswer]:
 def _clarabel() -> Callable[..., QpAnswer]:
     with needs("Clarabel", "yardsticks"):
         import clarabel
-    from scipy.sparse import csc_array, eye_array, triu
+    from scipy.sparse import eye_array
 
     settings: Any = clarabel.DefaultSettings()
     settings.verbose, settings.max_threads = False, 1
     settings.static_regularization_constant = REGULARISATION
     settings.reduced_tol_feas = settings.reduced_tol_gap_abs = settings.reduced_tol_gap_rel = REDUCED_TOLERANCE
 
-    def solve(matrix: csr_array, least: NDArray[np.float64], multipliers: Any, gram: Any = None) -> QpAnswer:
-        """Solve with -A u + s = -least, s >= 0; the dual with -lambda + s = 0, s >= 0."""
-        settings.tol_feas = settings.tol_gap_abs = settings.tol_gap_rel = TOLERANCE if gram is None else OF_DUAL
-        m = len(least)
+    def solve(matrix: csr_array, least: Floats, multipliers: Any) -> QpAnswer:
+        """Solve with -A u + s = -least, s >= 0."""
+        settings.tol_feas = settings.tol_gap_abs = settings.tol_gap_rel = TOLERANCE
+        m, n = matrix.shape
         cone: Any = [clarabel.NonnegativeConeT(m)]
-        if gram is None:
-            n = matrix.shape[1]
-            program = eye_array(n, format="csc"), np.zeros(n), (-matrix).tocsc(), -least
-        else:
-            program = triu(csc_array(gram), format="csc"), -least, -eye_array(m, format="csc"), np.zeros(m)
+        program = eye_array(n, format="csc"), np.zeros(n), (-matrix).tocsc(), -least
         found: Any = clarabel.DefaultSolver(*program, cone, settings).solve()
         if str(found.status) not in ("Solved", "AlmostSolved"):
             raise _stopped("clarabel", found.status)
-        multipliers = np.array(found.z if gram is None else found.x)
-        return QpAnswer(np.array(found.x), np.maximum(multipliers, 0.0), found.iterations)
+        return QpAnswer(np.array(found.x), np.maximum(found.z, 0.0), found.iterations)
 
     return solve
 
@@ -257,7 +234,6 @@ def _cvxpy() -> Callable[..., QpAnswer]:
     with needs("CvxpyQP", "yardsticks"):
         import cvxpy
     library: Any = cvxpy
-    tolerances = "tol_feas", "tol_gap_abs", "tol_gap_rel"
     programs: dict[Hashable, Any] = {}
 
     def canonicalised(matrix: csr_array) -> tuple[Any, ...]:
@@ -272,29 +248,22 @@ def _cvxpy() -> Callable[..., QpAnswer]:
         rows = summing @ library.multiply(data, u[matrix.indices]) >= least
         return library.Problem(library.Minimize(library.sum_squares(u) / 2), [rows]), u, data, least, rows
 
-    def solve(matrix: csr_array, least: NDArray[np.float64], multipliers: Any, gram: Any = None) -> QpAnswer:
-        if gram is None:
-            key = (matrix.indptr.tobytes(), matrix.indices.tobytes())
-            problem, u, data, right, rows = remembered(programs, key, lambda: canonicalised(matrix), MOST_PROGRAMS)
-            data.value, right.value = matrix.data, least
-        else:
-            u = library.Variable(len(least))
-            rows = u >= 0
-            cost = library.quad_form(u, library.psd_wrap(gram)) / 2 - least @ u
-            problem = library.Problem(library.Minimize(cost), [rows])
+    def solve(matrix: csr_array, least: Floats, multipliers: Any) -> QpAnswer:
+        key = (matrix.indptr.tobytes(), matrix.indices.tobytes())
+        problem, u, data, right, rows = remembered(programs, key, lambda: canonicalised(matrix), MOST_PROGRAMS)
+        data.value, right.value = matrix.data, least
         try:
             with warnings.catch_warnings():
                 # CVXPY warns of an answer that Clarabel calls almost solved; here the certificate decides.
                 warnings.simplefilter("ignore", UserWarning)
-                options = dict.fromkeys(tolerances, TOLERANCE if gram is None else OF_DUAL)
+                options = dict.fromkeys(("tol_feas", "tol_gap_abs", "tol_gap_rel"), TOLERANCE)
                 options |= {"static_regularization_constant": REGULARISATION, "max_threads": 1}
                 problem.solve(solver=library.CLARABEL, **options)
         except library.error.SolverError as error:
             raise _stopped("cvxpy", error) from error
         if problem.status not in ("optimal", "optimal_inaccurate"):
             raise _stopped("cvxpy", problem.status)
-        multipliers = rows.dual_value if gram is None else u.value
-        return QpAnswer(u.value, np.maximum(multipliers, 0.0), int(problem.solver_stats.num_iters))
+        return QpAnswer(u.value, np.maximum(rows.dual_value, 0.0), int(problem.solver_stats.num_iters))
 
     return solve
 
@@ -310,25 +279,12 @@ def remembered(programs: dict[Hashable, Program], key: Hashable, make: Callable[
 class _LibrarySolver(QpSolver):
     """Solves programs by a library, which is imported when the solver is made."""
 
-    def __init__(self, tol: float, name: str, load: Callable[[], Callable[..., QpAnswer]]) -> None:
+    def __init__(self, tol: float, name: str, library: Callable[..., QpAnswer]) -> None:
         super().__init__(tol)
-        self.name, self._library = name, load()
+        self.name, self._library = name, library
 
-    def qp(
-        self, matrix: csr_array, least: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float
-    ) -> QpAnswer:
+    def qp(self, matrix: csr_array, least: Floats, multipliers: Floats, tol: float) -> QpAnswer:
         return self._library(matrix, least, multipliers)
-
-
-class InteriorPoints(_LibrarySolver):
-    """A library that also solves the dual program, in which a Gram matrix stands for the rows."""
-
-    def complementary(self, gram: Any, least: NDArray[np.float64]) -> QpAnswer:
-        """Multipliers >= 0 with gram multipliers >= least, = where they are > 0; ones in the diagonal, max least = 1.
-
-        ``gram`` (m, m) is an array or sparse. ``dincl.projection.certificate.on_active_gram`` completes the answer.
-        """
-        return self._library(None, least, None, gram)
 
 
 @dataclass(frozen=True)
@@ -337,10 +293,9 @@ class _Library(Projection):
 
     name: ClassVar[str]
     _load: ClassVar[Callable[[], Callable[..., QpAnswer]]]
-    _solver: ClassVar[type[_LibrarySolver]] = InteriorPoints
 
     def solver(self) -> Solver:
-        return self._solver(self.tol, self.name, type(self)._load)
+        return _LibrarySolver(self.tol, self.name, type(self)._load())
 
 
 @dataclass(frozen=True)
@@ -355,7 +310,7 @@ class Daqp(_Library):
         Greatest certified residual of a projection [length].
     """
 
-    name, _load, _solver = "daqp", staticmethod(_daqp), _LibrarySolver
+    name, _load = "daqp", staticmethod(_daqp)
 
 
 @dataclass(frozen=True)

@@ -132,14 +132,12 @@ class SweptSets:
         def list_pairs(t: float, x: int, *_: int) -> int:
             places = numbers_at(x, (m, d))
             places = places if not scale.size else origin + scale[:, None] * places
-            start, partner = neighbour_pairs(places, pointer.value.radius + pointer.value.skin[0], box)
             pairs: PairList = pointer.value
-            if len(partner) > len(pairs.second):
-                self._needed[f] = len(partner)
+            i, j = neighbour_pairs(places, pairs.radius + pairs.skin[0], box)
+            if len(i) > len(pairs.first):
+                self._needed[f] = len(i)
                 return NO_ROOM
-            pairs.first[: len(partner)] = np.repeat(np.arange(m, dtype=np.uint32), np.diff(start))
-            pairs.second[: len(partner)] = partner
-            pairs.number[COUNT] = len(partner)
+            pairs.first[: len(i)], pairs.second[: len(i)], pairs.number[COUNT] = i, j, len(i)
             return 0
 
         search, most = None if few else PythonFunction(list_pairs, SETS), m * (m - 1) // 2 + 1 if few else PAIRS * m

@@ -8,7 +8,7 @@ import inspect
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import fields, is_dataclass
-from functools import cache, cached_property, partial
+from functools import cache, partial
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -24,6 +24,8 @@ LIBRARIES = (
     *("mpmath", "python-flint", "POT", "sympy", "z3-solver"),
 )
 LONGEST_SETTING = 1000
+# Numbers, texts, tuples and arrays of a module that a setting names where a function reads them.
+CONSTANTS = (bool, int, float, complex, str, bytes, tuple, np.ndarray, np.generic)
 
 
 def record(settings: Mapping[str, Any]) -> dict[str, str]:
@@ -91,8 +93,8 @@ def bound_in(function: Callable[..., Any]) -> dict[str, Any]:
 def described(value: Any, above: tuple[Any, ...] = ()) -> Any:
     """Convert a setting to what JSON can store, the same in each process.
 
-    Objects are named by their class and their attributes, but for cached properties; ``above`` are those that hold the
-    value, so that one that holds itself ends.
+    Objects are named by their class and their attributes; ``above`` are those that hold the value, so that one that
+    holds itself ends.
     """
     match value:
         case enum.Enum():
@@ -117,8 +119,11 @@ def described(value: Any, above: tuple[Any, ...] = ()) -> Any:
             return sorted(map(convert, value), key=repr)
         case partial():
             return [convert(part) for part in (value.func, value.args, value.keywords)]
+        case CodeType():  # without its place in the file
+            parts = convert((value.co_code.hex(), value.co_names, value.co_varnames, value.co_consts))
+            return digest_of(json.dumps(parts).encode())
         case type():
-            codes = [_code_digest(one.__code__) for one in vars(value).values() if hasattr(one, "__code__")]
+            codes = [convert(one.__code__) for one in vars(value).values() if hasattr(one, "__code__")]
             return f"{value.__module__}.{value.__qualname__} {digest_of(' '.join(codes).encode())}"
     if is_dataclass(value):
         mine = {field.name: convert(getattr(value, field.name)) for field in fields(value) if field.compare}
@@ -129,57 +134,23 @@ def described(value: Any, above: tuple[Any, ...] = ()) -> Any:
         return {type(value).__qualname__: value.model_dump_json()}
     if hasattr(value, "tolist"):  # arrays and numbers of NumPy
         return convert(value.tolist())
-    held = {name: one for name, one in getattr(value, "__dict__", {}).items() if not _is_cached(value, name)}
-    return [described(type(value)), convert(held)]
-
-
-def _is_cached(value: Any, name: str) -> bool:
-    return isinstance(getattr(type(value), name, None), cached_property)
+    return [convert(type(value)), convert(getattr(value, "__dict__", {}))]
 
 
 def _of_function(value: Any, convert: Callable[[Any], Any]) -> Any:
     """Name a function with a digest of its compiled code, and the values that it has from around.
 
     These are its defaults, the variables of functions around it, the object that a method belongs to, and constants of
-    its module that it reads: numbers, texts, tuples and arrays. The code of functions that it calls is left out.
+    its module that it reads. The code of functions that it calls is left out.
     """
-    name, plain = f"{value.__module__}.{value.__qualname__}", getattr(value, "py_func", value)
-    if not hasattr(plain, "__code__"):  # of functools.cache
-        plain = getattr(plain, "__wrapped__", plain)
-    code = getattr(plain, "__code__", None)
-    if code is None:
+    name, plain = f"{value.__module__}.{value.__qualname__}", inspect.unwrap(getattr(value, "py_func", value))
+    if not hasattr(plain, "__code__"):
         return name
-    around = inspect.getclosurevars(plain).nonlocals if hasattr(plain, "__closure__") else {}
-    constants = {one: plain.__globals__[one] for one in _names(code) if _is_constant(plain.__globals__.get(one))}
-    parts = (plain.__defaults__, plain.__kwdefaults__, around, getattr(plain, "__self__", None), constants)
-    return [f"{name} {_code_digest(code)}", *(convert(part) for part in parts if part)]
-
-
-def _is_constant(value: Any) -> bool:
-    if isinstance(value, tuple):
-        return all(map(_is_constant, value))
-    return isinstance(value, bool | int | float | complex | str | bytes | np.ndarray | np.generic)
-
-
-def _names(code: CodeType) -> list[str]:
-    """Return the names that code reads, with those of functions within."""
-    inner = [name for one in code.co_consts if isinstance(one, CodeType) for name in _names(one)]
-    return sorted({*code.co_names, *inner})
-
-
-def _code_digest(code: CodeType) -> str:
-    """Return a short name for compiled code, without its place in the file."""
-    constants = [_constant(one) for one in code.co_consts]
-    return digest_of(repr((code.co_code, code.co_names, code.co_varnames, constants)).encode())
-
-
-def _constant(one: Any) -> str:
-    """Return the text of a constant; sets of texts have another order in each process."""
-    if isinstance(one, CodeType):
-        return _code_digest(one)
-    if isinstance(one, tuple | frozenset):
-        return repr((type(one).__name__, (sorted if isinstance(one, frozenset) else list)(map(_constant, one))))
-    return repr(one)
+    around = inspect.getclosurevars(plain)
+    constants = {one: what for one, what in around.globals.items() if isinstance(what, CONSTANTS)}
+    owner = getattr(plain, "__self__", None)
+    parts = (plain.__defaults__, plain.__kwdefaults__, around.nonlocals, owner, constants)
+    return [f"{name} {convert(plain.__code__)}", *(convert(part) for part in parts if part)]
 
 
 def _short(setting: Any) -> Any:

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dincl.callables import UserFunction
-from dincl.checks import describe
-from dincl.conversions import plain
+from dincl.checks import describe, plain
 from dincl.errors import FunctionFailed, InvalidProblem
 from dincl.extras import needs
 from dincl.status import Status

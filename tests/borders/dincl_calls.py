@@ -5,12 +5,11 @@ from scipy.sparse import csr_array
 
 import dincl
 from dincl import drifts, geometry, scenes
-from tests.borders.harness import Call
+from tests.borders.harness import calls
 
 X0 = ([[0.0, 1.0], [3.0, 1.0]], np.array([[0.5, 1.0], [2.0, 3.0]]))
 DRIFTS = (lambda t, x: -x, lambda t, x: 0.0 * x, lambda t, x: x - x**3, drifts.constant((0.1, -1.0)))
-NUMBER, POSITIVE, SMALL, NATURAL = (0.0, 0.5, -1.5, 2), (0.5, 1, 1e-3), (0.1, 0.25, 1e-2), (1, 2, 3, 5)
-RADIUS, FLAG, LIMIT = (0.5, [0.5, 0.25], 1e-3), (True, False), (50, 500)
+NUMBER, POSITIVE, NATURAL, RADIUS = (0.0, 0.5, -1.5, 2), (0.5, 1, 1e-3), (1, 2, 3, 5), (0.5, [0.5, 0.25], 1e-3)
 FLOOR = dincl.Smooth(lambda x: x[:, 1], lambda x: np.stack((np.eye(4)[1], np.eye(4)[3])))
 SETS = (
     *(dincl.NonOverlap(0.5), dincl.HalfSpace((0, 1)), dincl.MaxDistance([(0, 1)], 9.0), dincl.OutsideBall((0, -5), 1)),
@@ -31,14 +30,12 @@ MINIMISERS = (
     dincl.DampedArrowHurwicz(1.0, 1.0, 1.0, 1.0, 0.1, STOPS[0], limit=100),
 )
 RUN = dincl.solve(PROBLEMS[1], SCHEMES[0], [0.5, 1.0])
-TIMES = ([1.0], [0.1, 0.3], 0.5, [0.0, 0.2])
-AT = {"problem": PROBLEMS, "t": (0.0, 1.0), "x": X0, "tol": (1e-9, 0.6)}
 
 
 def asked(problem, t, x, tol, u):
     """All that a normal cone is asked."""
     cone = geometry.normal_cone(problem, t, x, tol)
-    return [cone.distance(u), cone.multipliers(u), cone.tangent_part(u), cone.contains(u), cone.inverse_triangle()]
+    return [cone.distance(u), cone.multipliers(u), cone.tangent_part(u)]
 
 
 def solved(drift, constraints, scheme):
@@ -74,91 +71,36 @@ def complementary(W, q, projection=None):
     return dincl.Lcp(W, q).solve(projection)
 
 
-PATHS = (lambda t: np.array([0.0, 0.1 * t]), lambda t: (0.0, 0.0))
-
-
-CALLS = (
-    Call("Problem", dincl.Problem, {"x0": X0, "drift": DRIFTS, "constraints": LISTS}, ("constraints",)),
-    Call("NonOverlap", dincl.NonOverlap, {"radius": RADIUS, "among": ([0, 1], None)}, ("among",)),
-    Call(
-        "HalfSpace",
-        dincl.HalfSpace,
-        {"normal": ((0, 1), [1.0, 2.0]), "offset": NUMBER, "radius": RADIUS},
-        ("offset", "radius"),
-    ),
-    Call("MaxDistance", dincl.MaxDistance, {"pairs": ([(0, 1)],), "length": POSITIVE}),
-    Call("Ordered", dincl.Ordered, {"chain": ([0, 1], [2, 0, 1]), "axis": (0, 1)}),
-    Call("InsideBall", dincl.InsideBall, {"centre": ((0, 1), [0.0]), "distance": RADIUS}),
-    Call("OutsideBall", dincl.OutsideBall, {"centre": ((0, 1), [0.0]), "distance": RADIUS}),
-    Call("Smooth", dincl.Smooth, {"g": (FLOOR.g,), "jacobian": (FLOOR.jacobian,)}),
-    Call("Moving", dincl.Moving, {"constraint": SETS, "path": PATHS}),
-    *(
-        Call(kind.__name__, kind, {"tol": POSITIVE})
-        for kind in (*map(type, PROJECTIONS[:-1]), dincl.Ipopt, dincl.CvxpyQP, dincl.EventDriven, dincl.Stationary)
-    ),
-    Call("RelativeMove", dincl.RelativeMove, {"eps": POSITIVE}),
-    Call("PBD", dincl.PBD, {"dt": POSITIVE, "sweeps": NATURAL}, ("sweeps",)),
-    *(Call(kind.__name__, kind, {"dt": POSITIVE, "projection": PROJECTIONS}) for kind in map(type, STEPS)),
-    Call("Penalty", dincl.Penalty, {"dt": POSITIVE, "strength": POSITIVE, "exponent": (1, 2)}, ("exponent",)),
-    Call("SecondOrderPBD", dincl.SecondOrderPBD, {"dt": POSITIVE, "v0": X0, "sweeps": NATURAL}, ("v0", "sweeps")),
-    Call(
-        "ArrowHurwicz",
-        dincl.ArrowHurwicz,
-        {"alpha": POSITIVE, "beta": POSITIVE, "stop": STOPS, "limit": LIMIT, "squared": FLAG},
-        ("limit", "squared"),
-    ),
-    Call(
-        "DampedArrowHurwicz",
-        dincl.DampedArrowHurwicz,
-        {**dict.fromkeys(("alpha", "beta", "gamma", "damping", "dtau"), POSITIVE), "stop": STOPS, "limit": LIMIT},
-        ("limit",),
-    ),
-    Call("Uzawa", dincl.Uzawa, {"step": POSITIVE, "stop": STOPS[:1], "limit": LIMIT}, ("limit",)),
-    Call("constant", drifts.constant, {"velocity": ((0.0, 1.0), X0[0])}),
-    Call("attraction", drifts.attraction, {"centre": ((0.0, 1.0), 0), "rate": (1.0, [1.0, 2.0])}, ("rate",)),
-    Call("swirl", drifts.swirl, {"centre": ((0.0, 1.0), 0), "rate": (1.0, [1.0, 2.0])}),
-    Call("solve", dincl.solve, {"problem": PROBLEMS, "scheme": SCHEMES, "t": TIMES, "throw": FLAG}, ("throw",)),
-    Call("solved", solved, {"drift": DRIFTS, "constraints": LISTS, "scheme": SCHEMES}),
-    Call("late", late, {"drift": DRIFTS, "at": (0.05, 0.25), "scheme": SCHEMES}),
-    Call("smooth", smooth, {"g": (FLOOR.g,), "jacobian": (FLOOR.jacobian,), "projection": PROJECTIONS[:3]}),
-    Call("carried", carried, {"path": PATHS, "scheme": SCHEMES}),
-    Call("path", RUN, {"t": (0.7, [0.1, 0.2])}),
-    Call("project", dincl.project, {"problem": PROBLEMS, "y": X0, "projection": PROJECTIONS, "t": NUMBER}, ("t",)),
-    Call(
-        "minimise",
-        dincl.minimise,
-        {"problem": PROBLEMS, "minimiser": MINIMISERS, "throw": FLAG},
-        ("throw",),
-    ),
-    Call(
-        "NearestPoint",
-        nearest,
-        {
-            "c": ([0.0, 1.0], (3, -1)),
-            "A": (np.ones((1, 2)), [[1.0, 2.0], [3.0, 4.0]], csr_array([[0.0, 1.0], [1.0, 0.0]]), [[0.0, 0.0]]),
-            "b": ([1.0], [1.0, 2.0], [0.0, -1.0]),
-            "equal": (None, [True], [True, False]),
-            "metric": (None, np.diag([1.0, 2.0]), csr_array([[2.0, 1.0], [1.0, 2.0]])),
-            "projection": (None, *PROJECTIONS),
-        },
-        ("equal", "metric", "projection"),
-    ),
-    Call(
-        "Lcp",
-        complementary,
-        {
-            "W": ([[1.0]], np.diag([1.0, 2.0]), csr_array([[1.0, 1.0], [1.0, 1.0]]), [[0.0, 0.0], [0.0, 1.0]]),
-            "q": ([-1.0], [1.0, -2.0], (-1, -1)),
-            "projection": (None, *PROJECTIONS),
-        },
-        ("projection",),
-    ),
-    Call("normal_cone", geometry.normal_cone, AT),
-    Call("cone", asked, {**AT, "u": X0}),
-    Call("tangent_velocity", geometry.tangent_velocity, {**AT, "u": X0, "spacing": SMALL}, ("u", "spacing")),
-    Call("support", geometry.support, {**AT, "direction": X0, "radius": POSITIVE}, ("radius",)),
-    Call("pile", scenes.pile, {"n": NATURAL, "seed": NATURAL}, ("seed",)),
-    Call("ball_pile", scenes.ball_pile, {"n": NATURAL, "seed": NATURAL}, ("seed",)),
-    Call("radii", dincl.shapes.radii, {"problem": PROBLEMS}),
-    Call("shapes_at", dincl.shapes.shapes_at, {"problem": PROBLEMS, "t": NUMBER}),
+# Right values by the names of arguments; some functions have others.
+POOL = {"problem": PROBLEMS, "scheme": SCHEMES, "projection": PROJECTIONS, "minimiser": MINIMISERS, "stop": STOPS}
+POOL |= {"x0": X0, "x": X0, "y": X0, "u": X0, "v0": X0, "direction": X0, "drift": DRIFTS, "constraints": LISTS}
+POOL |= {
+    **dict.fromkeys(("dt", "tol", "eps", "alpha", "beta", "gamma", "damping", "dtau", "step", "strength"), POSITIVE)
+}
+POOL |= {"length": POSITIVE, "exponent": (1, 2), "limit": (50, 500), "at": (0.05, 0.25)}
+POOL |= {**dict.fromkeys(("sweeps", "n", "seed"), NATURAL), "offset": NUMBER, "t": NUMBER, "radius": RADIUS}
+POOL |= {"distance": RADIUS, "rate": (1.0, [1.0, 2.0]), "throw": (True, False), "squared": (True, False)}
+POOL |= {"among": ([0, 1], None), "normal": ((0, 1), [1.0, 2.0]), "pairs": ([(0, 1)],), "chain": ([0, 1], [2, 0, 1])}
+POOL |= {"axis": (0, 1), "centre": ((0.0, 1.0), 0), "velocity": ((0.0, 1.0), X0[0]), "g": (FLOOR.g,)}
+POOL |= {"jacobian": (FLOOR.jacobian,), "constraint": SETS}
+POOL |= {"path": (lambda t: np.array([0.0, 0.1 * t]), lambda t: (0.0, 0.0)), "c": ([0.0, 1.0], (3, -1))}
+POOL |= {"b": ([1.0], [1.0, 2.0], [0.0, -1.0])}
+POOL |= {"A": (np.ones((1, 2)), [[1.0, 2.0], [3.0, 4.0]], csr_array([[0.0, 1.0], [1.0, 0.0]]), [[0.0, 0.0]])}
+POOL |= {"equal": (None, [True], [True, False]), "q": ([-1.0], [1.0, -2.0], (-1, -1))}
+POOL |= {"metric": (None, np.diag([1.0, 2.0]), csr_array([[2.0, 1.0], [1.0, 2.0]]))}
+POOL |= {"W": ([[1.0]], np.diag([1.0, 2.0]), csr_array([[1.0, 1.0], [1.0, 1.0]]), [[0.0, 0.0], [0.0, 1.0]])}
+CENTRE, TIMES = {"centre": ((0, 1), [0.0])}, {"t": ([1.0], [0.1, 0.3], 0.5, [0.0, 0.2])}
+AT, ANY = {"t": (0.0, 1.0), "tol": (1e-9, 0.6)}, {"projection": (None, *PROJECTIONS)}
+CALLS = calls(
+    POOL,
+    *(dincl.Problem, dincl.NonOverlap, dincl.HalfSpace, dincl.MaxDistance, dincl.Ordered, dincl.Smooth, dincl.Moving),
+    *((dincl.InsideBall, CENTRE), (dincl.OutsideBall, CENTRE)),
+    *(*map(type, PROJECTIONS[:-1]), dincl.Ipopt, dincl.CvxpyQP, dincl.EventDriven, dincl.Stationary),
+    *(dincl.RelativeMove, dincl.PBD, *map(type, STEPS), dincl.Penalty, dincl.SecondOrderPBD),
+    *(dincl.ArrowHurwicz, dincl.DampedArrowHurwicz, (dincl.Uzawa, {"stop": STOPS[:1]})),
+    *(drifts.constant, drifts.attraction, drifts.swirl, (dincl.solve, TIMES), solved, late, carried),
+    *((smooth, {"projection": PROJECTIONS[:3]}), (RUN, {"t": (0.7, [0.1, 0.2])})),
+    *(dincl.project, dincl.minimise, (nearest, ANY), (complementary, ANY)),
+    *((geometry.normal_cone, AT), (asked, AT), (geometry.support, AT)),
+    *(scenes.pile, scenes.ball_pile, dincl.shapes.radii, dincl.shapes.shapes_at),
 )

@@ -1,11 +1,12 @@
 """Generated calls of public functions, and what may come of them; a call is made again from its seed and number.
 
-A file of calls names functions and, for each argument, values that are right; the generator mixes these with absurd
-ones. Allowed are answers without a NaN, and the errors that are documented. Nothing else may be raised, no warning
-given, and no call may last.
+A file of calls lists functions, and values that are right by the names of arguments; the generator takes the arguments
+from the signatures, and mixes right values with absurd ones. Allowed are answers without a NaN, and the errors that are
+documented. Nothing else may be raised, no warning given, and no call may last.
 """
 
 import dataclasses
+import inspect
 import signal
 import warnings
 from collections.abc import Callable, Mapping, Sequence
@@ -32,7 +33,23 @@ class Call(NamedTuple):
     name: str
     function: Callable[..., Any]
     arguments: Mapping[str, Sequence[Any]]
-    optional: tuple[str, ...] = ()
+    optional: frozenset[str]
+
+
+def calls(pool: Mapping[str, Sequence[Any]], *functions: Any) -> list[Call]:
+    """Return the calls of functions, each alone or with right values of its own, which go before those of the pool.
+
+    An argument with a default may be left out, and is where there are no values for it.
+    """
+    found = []
+    for one in functions:
+        function, own = one if isinstance(one, tuple) else (one, {})
+        shape, values = inspect.signature(function).parameters, pool | own
+        optional = frozenset(name for name, argument in shape.items() if argument.default is not argument.empty)
+        arguments = {name: values[name] for name in shape if name in values or name not in optional}
+        name = getattr(function, "__qualname__", None) or getattr(function, "func", function).__class__.__name__
+        found.append(Call(name, function, arguments, optional))
+    return found
 
 
 class Made(NamedTuple):
@@ -67,13 +84,10 @@ def generated(calls: Sequence[Call], seed: int, number: int) -> Made:
         if name in call.optional and rng.random() < LEFT_OUT:
             continue
         pool = values if rng.random() < right else FUNCTIONS if callable(values[0]) and rng.random() < 0.7 else ABSURD
-        chosen[name] = fresh(pool[rng.integers(len(pool))])
+        value = pool[rng.integers(len(pool))]
+        # Each call gets a random generator as it was at first, so that none depends on those before it.
+        chosen[name] = deepcopy(value) if isinstance(value, np.random.Generator) else value
     return Made(call, chosen, seed, number)
-
-
-def fresh(value: Any) -> Any:
-    """A random generator as it was at first, so that no call depends on those before it; other values as they are."""
-    return deepcopy(value) if isinstance(value, np.random.Generator) else value
 
 
 def complaint(made: Made, allowed: tuple[type[Exception], ...]) -> str:

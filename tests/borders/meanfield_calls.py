@@ -1,16 +1,14 @@
 """Public functions, constructors and results of meanfield, each with valid arguments of short runs."""
 
 import warnings
-from functools import partial
+from functools import partial, wraps
 
 import numpy as np
 
 import meanfield
 from meanfield import Density, Model, Moments, State, Weighted
-from tests.borders.harness import Call
+from tests.borders.harness import calls
 
-NUMBER, POSITIVE, NATURAL, FLAG = (0.0, 0.5, -1.5, 2), (0.5, 1, 2.0), (1, 2, 3, 5), (True, False)
-FIBRE = {"m": POSITIVE, "k0": POSITIVE, "y_rest": (1.0,), "k1": POSITIVE}
 NAMES = {"m": 0.5, "k0": 1.0, "y_rest": 1.0, "k1": 0.5}
 ELEMENT = meanfield.TissueElement(m=0.5, k0=1.0, y_rest=[1.0, 1.0, 0.0], k1=0.5)
 WAVY = meanfield.WavyFibre(**NAMES)
@@ -19,15 +17,11 @@ MODELS = (meanfield.StraightFibre(**NAMES), meanfield.LinearFibre(**NAMES), WAVY
 STARTS = (State([[0.5], [1.0]], [1.2], [0.3]), State([[0.1], [0.2], [0.3]], [1.0], [0.0]))
 POINTS = ([[0.5], [1.0]], np.array([[0.1], [-0.2], [0.3]]))
 MACRO, VELOCITY = ([1.2], [1.0], (0.9,)), ([0.3], [0.0], (-0.1,))
-TIMES, TOL = ([0.1], [0.0, 0.2], [0.1, 0.3]), (1e-4, 1e-6)
 UNIFORM, BUMP = Density.uniform(0.0, 1.0), Density.bump(1.0, 0.5)
 PLANE = Density.uniform((0.0, 0.0), (1.0, 1.0))
 DENSITIES = (UNIFORM, BUMP, Density.normal(0.5, 0.1))
 PANELS = Density(lambda x: 0.5 + x[:, 0], 0.0, 1.0).panels
 MOMENTS = (Moments(np.array([1.0]), np.array([[1.5]])), Moments([0.5], [[0.5]]))
-RNG = (np.random.default_rng(0),)
-RUN = {"t": TIMES, "tol": TOL, "throw": FLAG}
-FLOW = {"y0": MACRO, "v0": VELOCITY, "t": TIMES, "throw": FLAG}
 G, W, V = (lambda X, y: X - y, lambda X, y: X / y), (lambda z: z**2, lambda z: 0.5 * z), (lambda r: r**2, None)
 PDFS = (lambda x: np.ones(len(x)), lambda x: 2.0 * x[:, 0])
 SAMPLERS = (lambda rng, n: rng.random((n, 1)), None)
@@ -64,6 +58,7 @@ def moments(model, moments0, y0, v0, t, tol, throw=True):
     return read(meanfield.solve_moments(model, moments0, y0, v0, t, tol, throw=throw))
 
 
+@wraps(Model)
 def built(*arguments, **named):
     """Build a model; CasADi's warnings about NumPy functions of symbols are for users and are ignored here."""
     with warnings.catch_warnings():
@@ -105,61 +100,26 @@ def pushed_forward(model, density, y0, y):
     return meanfield.push_forward(model, density, y0, y).quantiles(3)
 
 
-CALLS = (
-    Call("Model", built, {"g": G, "W0": W, "W1": W, "V": V, "m": POSITIVE, "nx": (1,), "ny": (1,)}, ("V", "nx", "ny")),
-    *(Call(f.__name__, f, FIBRE) for f in (meanfield.StraightFibre, meanfield.LinearFibre)),
-    Call("WavyFibre", meanfield.WavyFibre, {**FIBRE, "amplitude": (0.5, 0.0)}, ("amplitude",)),
-    Call("TissueElement", meanfield.TissueElement, {**FIBRE, "y_rest": ([1.0, 1.0, 0.0],)}),
-    Call("State", State, {"X": POINTS, "y": MACRO, "v": VELOCITY}),
-    Call(
-        "Density",
-        Density,
-        {"pdf": PDFS, "lower": (0.0,), "upper": (1.0,), "breaks": ((), [0.5]), "sampler": SAMPLERS},
-        ("breaks", "sampler"),
-    ),
-    Call("uniform", Density.uniform, {"lower": (0.0, (0.0, -1.0)), "upper": (1.0, (1.0, 1.0))}),
-    Call("normal", Density.normal, {"mean": (0.0, (0.0, 1.0)), "deviation": (0.5, (0.5, 1.0))}),
-    Call("bump", Density.bump, {"centre": (0.0, (0.0, 1.0)), "radius": (0.5, (0.5, 1.0))}),
-    Call("density_values", partial(density_values, BUMP), {"n": NATURAL, "rng": RNG, "x": POINTS}),
-    Call("user_density", user_density, {"pdf": PDFS, "sampler": SAMPLERS, "n": NATURAL, "rng": RNG}),
-    Call("user_density_in_the_plane", user_density_in_the_plane, {"pdf": PDFS[:1], "n": NATURAL, "rng": RNG}),
-    Call("sample", PLANE.sample, {"rng": RNG, "n": NATURAL}),
-    Call("nodes", PLANE.nodes, {"n": NATURAL}),
-    Call("distribution", PANELS.distribution, {"x": ([0.25, 0.5], [0.0])}),
-    Call("panels.quantile", PANELS.quantile, {"p": ([0.25, 0.5], [0.0])}),
-    Call("w1", meanfield.w1, {"a": MEASURES, "b": MEASURES}),
-    Call("w1 in the plane", meanfield.w1, {"a": PLACES, "b": PLACES}),
-    Call(
-        "weighted", lambda p, w, b: meanfield.w1(Weighted(p, w), b), {"p": MEASURES[:2], "w": ([1.0],), "b": MEASURES}
-    ),
-    Call("push_forward", pushed_forward, {"model": MODELS, "density": DENSITIES, "y0": MACRO, "y": MACRO}),
-    *(
-        Call("model_values", partial(model_values, model), {"X": POINTS, "y": MACRO, "v": VELOCITY})
-        for model in MODELS[2:]
-    ),
-    Call("user_model", user_model, {"g": G, "W0": W, "W1": W, "V": V, "m": POSITIVE}),
-    Call("solve_dae", dae, {"model": MODELS, "start": STARTS, **RUN}, ("throw",)),
-    Call("solve_ode", ode, {"model": MODELS, "start": STARTS, **RUN}, ("throw",)),
-    Call(
-        "solve_characteristics",
-        characteristics,
-        {"model": MODELS[:2], "density": DENSITIES, **FLOW, "tol": TOL},
-        ("throw",),
-    ),
-    Call(
-        "solve_pde",
-        pde,
-        {
-            "model": MODELS[:2],
-            "density": DENSITIES,
-            **FLOW,
-            "cells": (8, 16),
-            "bounds": (None, [-1.0, 3.0]),
-        },
-        ("bounds", "throw"),
-    ),
-    Call("solve_moments", moments, {"model": MODELS[:2], "moments0": MOMENTS, **FLOW, "tol": TOL}, ("throw",)),
-    Call(
-        "element", ode, {"model": (ELEMENT,), "start": (State([[0.5, 0.1]], [1.0, 1.0, 0.0], [0.1, 0.0, 0.0]),), **RUN}
-    ),
+# Right values by the names of arguments; some functions have others.
+POOL = {"g": G, "W0": W, "W1": W, "V": V, "pdf": PDFS, "sampler": SAMPLERS, "a": MEASURES, "b": MEASURES}
+POOL |= {**dict.fromkeys(("m", "k0", "k1"), (0.5, 1, 2.0)), "nx": (1,), "ny": (1,), "y_rest": (1.0,)}
+POOL |= {"amplitude": (0.5, 0.0), "X": POINTS, "x": POINTS, "y": MACRO, "y0": MACRO, "v": VELOCITY, "v0": VELOCITY}
+POOL |= {"start": STARTS, "density": DENSITIES, "moments0": MOMENTS, "t": ([0.1], [0.0, 0.2], [0.1, 0.3])}
+POOL |= {"tol": (1e-4, 1e-6), "throw": (True, False), "cells": (8, 16), "bounds": (None, [-1.0, 3.0])}
+POOL |= {"n": (1, 2, 3, 5), "rng": (np.random.default_rng(0),), "lower": (0.0, (0.0, -1.0))}
+POOL |= {"upper": (1.0, (1.0, 1.0)), "breaks": ((), [0.5]), "model": MODELS, "mean": (0.0, (0.0, 1.0))}
+POOL |= {"deviation": (0.5, (0.5, 1.0)), "centre": (0.0, (0.0, 1.0)), "radius": (0.5, 1.0), "p": ([0.25, 0.5], [0.0])}
+SIMPLE = {"model": MODELS[:2]}
+CALLS = calls(
+    POOL,
+    *(built, meanfield.StraightFibre, meanfield.LinearFibre, meanfield.WavyFibre),
+    *((meanfield.TissueElement, {"y_rest": ([1.0, 1.0, 0.0],)}), State),
+    *((Density, {"lower": (0.0,), "upper": (1.0,)}), Density.uniform, Density.normal, Density.bump),
+    *(partial(density_values, BUMP), user_density, (user_density_in_the_plane, {"pdf": PDFS[:1]})),
+    *(PLANE.sample, PLANE.nodes, (PANELS.distribution, {"x": POOL["p"]}), PANELS.quantile),
+    *(meanfield.w1, (meanfield.w1, {"a": PLACES, "b": PLACES})),
+    (lambda p, w, b: meanfield.w1(Weighted(p, w), b), {"p": MEASURES[:2], "w": ([1.0],)}),
+    *(pushed_forward, *(partial(model_values, model) for model in MODELS[2:]), user_model, dae, ode),
+    *((characteristics, SIMPLE), (pde, SIMPLE), (moments, SIMPLE)),
+    (ode, {"model": (ELEMENT,), "start": (State([[0.5, 0.1]], [1.0, 1.0, 0.0], [0.1, 0.0, 0.0]),)}),
 )

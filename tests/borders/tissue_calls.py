@@ -6,7 +6,6 @@ Calls write files into the present folder. What they register is taken off the r
 import atexit
 import shutil
 import tempfile
-from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -15,12 +14,11 @@ import numpy as np
 
 import tissue
 from tests.borders import tissue_functions as own
-from tests.borders.harness import Call
+from tests.borders.harness import calls
 from tests.borders.values import ABSURD
+from tests.tissue.users import shelves
 from tissue.files.keys import all_keys
 from tissue.files.parameter_files import flat
-from tissue.plugins import registry
-from tissue.runs.registration import KINDS
 from tissue.study.read import Results
 
 FOLDER = Path(tempfile.mkdtemp())
@@ -58,18 +56,6 @@ RUNS[0].final.save(FOLDER / "kept.npz")
 (FOLDER / "damaged.npz").write_bytes((FOLDER / "kept.npz").read_bytes()[:900])
 RESULTS = tissue.run_study(FOLDER / "study.toml", FOLDER / "results")
 THING = tissue.Force("mine", own.push, "mine")
-
-
-@contextmanager
-def shelves():
-    """What is registered inside is gone behind it."""
-    before = {kind: dict(registry(kind)) for kind in KINDS}
-    try:
-        yield
-    finally:
-        for kind, things in before.items():
-            registry(kind).clear()
-            registry(kind).update(things)
 
 
 def registered(thing, other=THING):
@@ -194,116 +180,41 @@ def varied(rng, number):
 
 
 CHANGES = varied(np.random.default_rng(0), 2000)
-SEEDS, FLAG, STRENGTH = (0, 1), (True, False), (0, 0.5, 1, 1e5)
-TIMES = ("0.1 h", "0.1 h to 0.3 h", "0.2 h, 50 %", "never")
-PATHS = ("built.npz", FOLDER / "again.npz", FOLDER / "no" / "folder.npz", FOLDER)
-NAMES, TEXTS = ("generated", "my_force", "x2"), ("what it means", "")
-AFTER, UNITS, COLUMNS = (None, "a", "b", "generated"), ("", "um", "h"), (["replicate"], None, ("cell", "inm"))
-CELLS, LAYERS = tuple(frame.cells for frame in FRAMES), tuple(frame.layers for frame in FRAMES)
-REPLACED = tuple(getattr(FRAMES[3].cells, name) for name in ("x", "id", "divides", "emt", "radius"))
 THINGS = (
     THING,
     tissue.EmtEvent("mine", "mine", "a test", own.begin, own.last, "b"),
     tissue.Observable("mine", "mine", own.measure),
     tissue.DivisionRule("mine", "mine", "a test", own.splits, own.place),
 )
-SCENARIOS = ("B", "AB")
-CALLS = (
-    Call("preset", tissue.preset, {"name": ("published", "thesis", "chick")}),
-    Call("load", tissue.load, {"path": tuple(FOLDER / name for name in FILES)}),
-    Call("changes", SMALL.changed, {"changes": ({}, TINY, {"types.soft.cells": 2}, {"no.key": 1}, {1: 2}, [("a", 1)])}),
-    Call("changed", changed, {"changes": CHANGES, "seed": SEEDS}),
-    Call("forms", forms, {"changes": CHANGES}),
-    Call(
-        "simulate",
-        tissue.simulate,
-        {
-            "parameters": PARAMETERS,
-            "seed": SEEDS,
-            "start": (None, *FRAMES),
-            "throw": FLAG,
-            "watch": (None, lambda t: t),
-        },
-        ("seed", "start", "throw", "watch"),
-    ),
-    Call(
-        "simulate_many",
-        tissue.simulate_many,
-        {
-            "parameters": PARAMETERS,
-            "seeds": ([0], (1, 2), range(3), [5, -1]),
-            "start": (None, FRAMES[1], [FRAMES[0]], FRAMES[:2]),
-            "throw": FLAG,
-        },
-        ("start", "throw"),
-    ),
-    Call(
-        "Frame.load", tissue.Frame.load, {"path": (FOLDER / "kept.npz", FOLDER / "damaged.npz", FOLDER / "small.toml")}
-    ),
-    Call("Frame.save", RUNS[0].final.save, {"path": PATHS}),
-    Call(
-        "built",
-        built,
-        {
-            "t": (0.0, 0.4),
-            "cells": CELLS,
-            "layers": LAYERS,
-            "curve": (FRAMES[0].curve, TUBE.curve()),
-            "checkpoint": (FRAMES[0].checkpoint, FRAMES[3].checkpoint, None),
-        },
-    ),
-    *(Call("altered", partial(altered, name), {"value": REPLACED}) for name in ("x", "id", "divides", "emt", "radius")),
-    Call(
-        "Force",
-        tissue.Force,
-        {"name": NAMES, "push": own.PUSHES, "meaning": TEXTS, "source": TEXTS, "energy": own.ENERGIES},
-        ("source", "energy"),
-    ),
-    Call(
-        "EmtEvent",
-        tissue.EmtEvent,
-        {
-            "name": NAMES[::2],
-            "meaning": TEXTS,
-            "source": TEXTS,
-            "begin": own.BEGINS,
-            "last": own.LASTS,
-            "after": AFTER,
-        },
-        ("begin", "last", "after"),
-    ),
-    Call(
-        "Observable",
-        tissue.Observable,
-        {"name": NAMES, "meaning": TEXTS, "measure": own.MEASURES, "unit": UNITS},
-        ("unit",),
-    ),
-    Call(
-        "DivisionRule",
-        tissue.DivisionRule,
-        {"name": NAMES, "meaning": TEXTS, "source": TEXTS, "splits": own.SPLITS, "place": own.PLACES},
-    ),
-    Call("register", registered, {"thing": THINGS, "other": THINGS}, ("other",)),
-    Call("pushed", pushed, {"push": own.PUSHES, "energy": own.ENERGIES, "strength": STRENGTH, "seed": SEEDS}),
-    Call(
-        "begun",
-        begun,
-        {"begin": own.BEGINS, "last": own.LASTS, "after": AFTER[:3], "time": TIMES, "seed": SEEDS},
-    ),
-    Call("divided", divided, {"splits": own.SPLITS, "place": own.PLACES, "seed": SEEDS}),
-    Call("measured", measured, {"measure": own.MEASURES, "unit": UNITS, "seed": SEEDS}),
-    Call("force_error", tissue.force_error, {"force": THINGS[:1], "run": RUNS, "strength": STRENGTH}, ("strength",)),
-    Call(
-        "run_study",
-        studied,
-        {"study": (FOLDER / "study.toml",), "out": (FOLDER / "results",), "executor": (None,)},
-    ),
-    Call("Results", Results, {"folder": (FOLDER / "results", str(FOLDER / "results"), FOLDER)}),
-    Call("Results.cells", RESULTS.cells, {"scenario": SCENARIOS, "columns": COLUMNS}, ("columns",)),
-    Call("Results.runs", RESULTS.runs, {"scenario": SCENARIOS, "columns": (["seed"], None)}, ("columns",)),
-    Call("Results.values", RESULTS.values, {"scenario": SCENARIOS, "outcome": ("basal", "height_um")}),
-    Call("Results.parameters", RESULTS.parameters, {"scenario": SCENARIOS}),
-    Call("Results.trajectory", RESULTS.trajectory, {"scenario": SCENARIOS, "replicate": (0, 1)}),
-    Call("Run.plot", plotted, {"ax": (None,), "t": (None, 0.2, 0)}, ("ax", "t")),
-    Call("Run.animate", animated, {"file": ("run.gif", FOLDER / "run.webp", "run.txt", FOLDER)}),
+# Right values by the names of arguments; some functions have others.
+POOL = {"parameters": PARAMETERS, "changes": CHANGES, "seed": (0, 1), "seeds": ([0], (1, 2), range(3), [5, -1])}
+POOL |= {"throw": (True, False), "watch": (None, lambda t: t), "strength": (0, 0.5, 1, 1e5), "t": (None, 0.2, 0)}
+POOL |= {"start": (None, FRAMES[1], [FRAMES[0]], FRAMES[:2]), "push": own.PUSHES, "energy": own.ENERGIES}
+POOL |= {"begin": own.BEGINS, "last": own.LASTS, "measure": own.MEASURES, "splits": own.SPLITS, "place": own.PLACES}
+POOL |= {"after": (None, "a", "b"), "unit": ("", "um", "h")}
+POOL |= {"time": ("0.1 h", "0.1 h to 0.3 h", "0.2 h, 50 %", "never"), "name": ("generated", "x2")}
+POOL |= {"meaning": ("what it means", ""), "source": ("what it means", ""), "thing": THINGS, "other": THINGS}
+POOL |= {"force": THINGS[:1], "run": RUNS, "ax": (None,), "study": (FOLDER / "study.toml",)}
+POOL |= {"out": (FOLDER / "results",), "executor": (None,), "scenario": ("B", "AB"), "outcome": ("basal", "height_um")}
+POOL |= {"path": ("built.npz", FOLDER / "again.npz", FOLDER / "no" / "folder.npz", FOLDER)}
+POOL |= {"file": ("run.gif", FOLDER / "run.webp", "run.txt", FOLDER)}
+POOL |= {"folder": (FOLDER / "results", str(FOLDER / "results"), FOLDER)}
+POOL |= {"cells": tuple(frame.cells for frame in FRAMES), "layers": tuple(frame.layers for frame in FRAMES)}
+POOL |= {"curve": (FRAMES[0].curve, TUBE.curve()), "checkpoint": (FRAMES[0].checkpoint, FRAMES[3].checkpoint, None)}
+ARRAYS = ("x", "id", "divides", "emt", "radius")
+REPLACED = {"value": tuple(getattr(FRAMES[3].cells, name) for name in ARRAYS)}
+CALLS = calls(
+    POOL,
+    (tissue.preset, {"name": ("published", "thesis", "chick")}),
+    (tissue.load, {"path": tuple(FOLDER / name for name in FILES)}),
+    (SMALL.changed, {"changes": ({}, TINY, {"types.soft.cells": 2}, {"no.key": 1}, {1: 2}, [("a", 1)])}),
+    *(changed, forms, (tissue.simulate, {"start": (None, *FRAMES)}), tissue.simulate_many),
+    (tissue.Frame.load, {"path": (FOLDER / "kept.npz", FOLDER / "damaged.npz", FOLDER / "small.toml")}),
+    *(RUNS[0].final.save, (built, {"t": (0.0, 0.4)})),
+    *((partial(altered, name), REPLACED) for name in ARRAYS),
+    *(tissue.Force, tissue.EmtEvent, tissue.Observable, tissue.DivisionRule, registered),
+    *(pushed, begun, divided, measured, tissue.force_error, studied, Results),
+    (RESULTS.cells, {"columns": (["replicate"], None, ("cell", "inm"))}),
+    (RESULTS.runs, {"columns": (["seed"], None)}),
+    *(RESULTS.values, RESULTS.parameters, plotted, animated),
 )

@@ -1,19 +1,14 @@
-"""Kernels of the tissue called like their twins, on copies, with what changes handed back; and compared with them."""
+"""Kernels of slices called on copies, with what changes handed back, and small tissues to call them with."""
 
-import sys
 from typing import Any, NamedTuple
 
 import numpy as np
-import pytest
 
 from tests.tissue import states as tissue_states
-from tests.twins.tissue import steps as twins
-from tests.twins.tissue.state import Tissue
 from tissue.events.known import settled
 from tissue.kernels import kernel
 from tissue.kernels.curve import evaluate, foot_of, height_of
 from tissue.kernels.workspace import Workspaces
-from tissue.model import measures
 from tissue.model.basal_layer import order_basal
 from tissue.model.discs import separate
 from tissue.rules.slice import in_plane
@@ -21,21 +16,24 @@ from tissue.runs.compiled_rules import rules_pointer
 from tissue.runs.group import Group
 from tissue.state import running as store
 from tissue.state.basal_curve import curve_numbers
-from tissue.state.cells import Emt, Forces, emt_cells
+from tissue.state.cells import CellLayers, Cells, Emt, Forces, emt_cells, no_emt
 from tissue.state.numbers import numbers_pointer
 from tissue.step import advance
 from tissue.step.copies import copy_in, copy_out
 
 COORDINATES = Forces._fields
-MOBILE = COORDINATES[:5]  # by is 0 on the basal line
-# Coordinates are about 10: one rounding is 1e-15. Roots of the kernels are accurate to 2e-13, and nothing moves by more
-# than 0.2 in a substep.
-SUBSTEP = 1e-13
-# What neighbouring states differ by, to see how the dynamics part them: far above rounding, far below all lengths.
-NEAR_BY = 1e-8
 # Nothing changes but by divisions, phases and forces; no second daughters.
 STILL = tissue_states.numbers(variance=0.0, rate_ax=0.0, rate_bx=0.0, rate_aa=0.0, two_daughters=0.0)
 ROOM = 8
+
+
+class Tissue(NamedTuple):
+    """What changes in a run."""
+
+    cells: Cells
+    layers: CellLayers
+    next_id: int
+    emt: Emt = no_emt()
 
 
 class Random(NamedTuple):
@@ -60,31 +58,31 @@ def taken(kept):
 
 
 def apply_rules(tissue, t, numbers, draws, noise, named=()):
-    """As ``twins.apply_rules``."""
+    """The tissue after divisions, EMT events, phases, rest lengths and noise."""
     kept = held(tissue)
     advance.apply_rules(kept, t, numbers_pointer(numbers, named), rules_pointer([kept]), draws, noise)
     return taken(kept)
 
 
-def make_substeps(cells, layers, numbers, noise):
-    """As ``twins.make_substeps``, without noise: of this the kernel has a key from the rules."""
-    assert noise is None
+def ruled(tissue, t, numbers=STILL, seed=0, named=()):
+    """The tissue after the rules of one time."""
+    return apply_rules(tissue, t, numbers, *generators(seed), named)
+
+
+def make_substeps(cells, layers, numbers, key=(0, 0)):
+    """The cells after all substeps of one dt; ``key``: of the noise, where it comes in substeps."""
     group = Group([held(Tissue(cells, layers, len(cells.x)))], numbers)
+    group.states[0].noise_key[:] = key or 0
     assert group.make_substeps()
     return taken(group.states[0]).cells
 
 
 def steps(tissue, made, wanted, numbers, draws, noise, named=()):
-    """As ``twins.steps``."""
+    """The tissue after the steps ``made`` to ``wanted``, the k-th to t = (k + 1) dt (Method 3.7)."""
     group = Group([held(tissue, 4 * len(tissue.cells.x) + ROOM)], numbers, [Random(draws, noise)], named=named)
     assert group.call(made, wanted) == (wanted, advance.DONE)
     assert not group.ended.any()
     return taken(group.states[0])
-
-
-def measured(tissue):
-    """All measurements of a tissue."""
-    return measures.measure(held(tissue))
 
 
 def together(states, wanted, given_numbers, seeds, named=()):
@@ -120,29 +118,17 @@ def swept(states, given_numbers, curve=store.STRAIGHT):
 
 
 @kernel
-def _on_curve(curve, s, found):
+def _on_curve(curve, s, x, y, found):
     for k in range(len(s)):
         found[0, k], found[1, k], found[2, k], found[3, k] = evaluate(curve, s[k])
+        found[4, k] = foot_of(curve, x[k], y[k]) if curve.bent else x[k]
+        found[5, k] = height_of(curve, x[k], y[k])
 
 
-def on_curve(curve, s):
-    """The points of a curve at arclengths s (m,), and its tangents: (4, m)."""
-    found = np.empty((4, len(s)))
-    _on_curve(curve_numbers(curve), s, found)
-    return found
-
-
-@kernel
-def _feet_and_heights(curve, x, y, found):
-    for k in range(len(x)):
-        found[0, k] = foot_of(curve, x[k], y[k]) if curve.bent else x[k]
-        found[1, k] = height_of(curve, x[k], y[k])
-
-
-def feet_and_heights(curve, x, y):
-    """The arclengths of the nearest points of a curve, and the distances to it: (2, m)."""
-    found = np.empty((2, len(x)))
-    _feet_and_heights(curve_numbers(curve), x, y, found)
+def on_curve(curve, s, x, y):
+    """The points of a curve at arclengths s (m,), its tangents; feet and heights of points: (6, m)."""
+    found = np.empty((6, len(s)))
+    _on_curve(curve_numbers(curve), s, x, y, found)
     return found
 
 
@@ -154,14 +140,6 @@ def generators(seed, count=2):
 def distance(a, b):
     """The largest difference of a coordinate."""
     return max(np.abs(getattr(a, name) - getattr(b, name)).max() for name in COORDINATES)
-
-
-def same_events(a, b):
-    """Whether all that rules decide, and no position enters, is the same bit for bit."""
-    fields = ("stiff_aa", "radius", "birth", "cycle", "moves", "divides", "id", "mother", "emt", "events", "kind")
-    return all(np.array_equal(getattr(a.cells, name), getattr(b.cells, name)) for name in fields) and all(
-        np.array_equal(*pair) for pair in zip(a.layers, b.layers, strict=True)
-    )
 
 
 def aged(n, seed, layers_of=tissue_states.layers, **fields):
@@ -177,48 +155,6 @@ def freed(n):
     return tissue_states.layers(n, apical=[i for i in range(n) if i % 5], basal=[i for i in range(n - 1) if i % 4 != 2])
 
 
-def compared(state, given_numbers, wanted, seed=0, named=()):
-    """The same steps by kernels and by twins, equal to rounding; the result of the twins.
-
-    Rounding of each substep may grow as much as the distance of two neighbouring states grows from start to end.
-    """
-    made = steps(state, 0, wanted, given_numbers, *generators(seed), named)
-    expected = twins.steps(state, 0, wanted, given_numbers, *generators(seed), named)
-    beside = twins.steps(_shaken(state, seed), 0, wanted, given_numbers, *generators(seed), named)
-    growth = max(1.0, distance(beside.cells, expected.cells) / NEAR_BY)
-    assert same_events(made, expected)
-    assert made.next_id == expected.next_id
-    allowed = SUBSTEP * wanted * given_numbers.substeps * growth
-    np.testing.assert_array_less(distance(made.cells, expected.cells), allowed)
-    return expected
-
-
-def _shaken(state, seed):
-    rng = np.random.default_rng(seed)
-    moved = {name: getattr(state.cells, name) + NEAR_BY * rng.uniform(-1.0, 1.0, len(state.cells.x)) for name in MOBILE}
-    return state._replace(cells=state.cells._replace(**moved))
-
-
-HEAPS = ("square", "column", "row", "two heaps")
-
-
-def heap(rng, n, size, kind):
-    """Discs that overlap in heaps: anywhere in a square, in a column, in a row, or in two heaps far apart."""
-    x, y = rng.uniform(0.0, size, (2, n))
-    if kind == "column":
-        x[:] = 1.0
-    elif kind == "row":
-        y[:] = 1.0
-    elif kind == "two heaps":
-        x[::2] += 5.0
-    return tissue_states.tissue(
-        np.column_stack((x, y)),
-        np.column_stack((x, y + 4.0)),
-        np.column_stack((x, 0.0 * y)),
-        radius=rng.choice([1 / 3, 0.7], n),
-    )
-
-
 def upright(n=1, height=8.0, nucleus=5.0, spacing=3.0, **fields):
     """Straight cells side by side, age 0, cycle 12."""
     place = spacing * np.arange(n)
@@ -227,12 +163,9 @@ def upright(n=1, height=8.0, nucleus=5.0, spacing=3.0, **fields):
 
 
 def with_emt(state, cells, **times):
-    """The tissue with these EMT cells, all with the same times of events by name; the others never begin."""
+    """The tissue with these EMT cells, with times of events by name, the same or each its own; others never begin."""
     m = len(cells)
     state.cells.emt[cells] = np.arange(m)
     state.cells.divides[cells] = False
-    at = settled({name: np.full(m, time) for name, time in {"a": np.inf, **times}.items()})
+    at = settled({name: np.broadcast_to(np.float64(time), m).copy() for name, time in {"a": np.inf, **times}.items()})
     return state._replace(emt=emt_cells(at))
-
-
-both = pytest.mark.parametrize("model", [sys.modules[__name__], twins], ids=["kernels", "twins"])

@@ -1,8 +1,4 @@
-"""Tissue on a curved basal layer: the curve itself, then runs against circles by sine and cosine, the line as their
-limit, and symmetries.
-"""
-
-import math
+"""Tissue on a curved basal layer: the curve itself, then runs against circles by sine and cosine, and their limit."""
 
 import numpy as np
 import pytest
@@ -11,22 +7,18 @@ from scipy.integrate import quad
 from dincl.status import Status
 from tests.tissue import kernel_calls as kernels
 from tests.tissue import states
-from tests.twins.tissue import steps as twins
-from tests.twins.tissue.state import Tissue
+from tests.twins import tissue as twins
 from tissue.files.parameters import preset
 from tissue.model.energy import forces
-from tissue.rules.slice import in_plane
 from tissue.runs.group import Group
 from tissue.runs.simulate import simulate
 from tissue.state.basal_curve import LINE, curve_numbers, ellipse, through
-from tissue.state.running import STRAIGHT, contents, new_state
 
 QUIET = {"tissue.diffusion": "0 um^2/h", "tissue.two_daughters": 0}
 RING = {"layer.shape": "circle", "layer.closed": True, "layer.perimeter": "60 R_soft", "tissue.cells": 180}
 R = 60 / (2 * np.pi)
 PLACES = np.linspace(-70.0, 70.0, 401)
 WAVE = np.array([[-10.0, 0.0], [-5.0, 1.0], [0.0, 0.0], [5.0, -1.0], [10.0, 0.0]])
-CIRCLE = ellipse(60.0, 1.0, inside=True, ring=True)
 CURVES = {
     "line": LINE,
     "open": through(WAVE, around=False),
@@ -70,30 +62,25 @@ def test_ellipse(aspect, inside):
         assert curve.largest_curvature == pytest.approx(max(a / b**2, b / a**2), rel=1e-4)
 
 
-@pytest.mark.parametrize("height", [-0.5, 0.0, 0.7])
 @pytest.mark.parametrize("name", CURVES)
-def test_feet_and_heights_are_along_the_normal(name, height):
-    """By Python and by kernels."""
-    curve, s = CURVES[name], np.linspace(-20.0, 20.0, 41)
+def test_kernels_and_python_agree_along_the_curve_and_its_normals(name):
+    """Open or closed, also beyond the ends; feet and heights are those that points were made from."""
+    curve, places = CURVES[name], np.linspace(-1.3, 1.3, 101) * (CURVES[name].length or 20.0)
     if curve.pieces:
-        s = np.linspace(-0.45, 0.45, 41) * curve.length
-    x, y = curve.above(s, np.full(41, height))
-    np.testing.assert_allclose(curve.heights(x, y), height, rtol=0, atol=1e-10)
-    np.testing.assert_allclose(curve.feet(x, y), s, rtol=0, atol=1e-10)
-    feet, heights = kernels.feet_and_heights(curve, x, y)
-    away = feet - s
-    if curve.around:
-        away -= curve.length * np.round(away / curve.length)
-    np.testing.assert_allclose(away, 0.0, rtol=0, atol=1e-8)
-    np.testing.assert_allclose(heights, height, rtol=0, atol=1e-8)
-
-
-@pytest.mark.parametrize("name", [name for name in CURVES if name != "line"])
-def test_kernels_have_the_points_and_tangents_of_the_curve(name):
-    """Open or closed, also beyond the ends."""
-    places = np.linspace(-1.3, 1.3, 101) * CURVES[name].length
-    position, tangent, _ = CURVES[name].evaluate(places)
-    np.testing.assert_allclose(kernels.on_curve(CURVES[name], places), (*position, *tangent), rtol=0, atol=1e-10)
+        position, tangent, _ = curve.evaluate(places)
+        found = kernels.on_curve(curve, places, *position)[:4]
+        np.testing.assert_allclose(found, (*position, *tangent), rtol=0, atol=1e-10)
+    s = np.linspace(-0.45, 0.45, 41) * (curve.length or 40.0)
+    for height in (-0.5, 0.0, 0.7):
+        x, y = curve.above(s, np.full(41, height))
+        np.testing.assert_allclose(curve.heights(x, y), height, rtol=0, atol=1e-10)
+        np.testing.assert_allclose(curve.feet(x, y), s, rtol=0, atol=1e-10)
+        feet, heights = kernels.on_curve(curve, s, x, y)[4:]
+        away = feet - s
+        if curve.around:
+            away -= curve.length * np.round(away / curve.length)
+        np.testing.assert_allclose(away, 0.0, rtol=0, atol=1e-8)
+        np.testing.assert_allclose(heights, height, rtol=0, atol=1e-8)
 
 
 def test_a_curve_through_points_passes_them_and_goes_on_straight():
@@ -103,20 +90,6 @@ def test_a_curve_through_points_passes_them_and_goes_on_straight():
     np.testing.assert_allclose(position[:, :2], [[0.0, 10.0], [0.0, 0.0]], rtol=0, atol=1e-6)
     np.testing.assert_allclose(position[:, 2] - position[:, 1], 7.0 * tangent[:, 1], rtol=0, atol=1e-12)
     assert not bend[:, 2].any()
-
-
-# Blocks of cells are compared by boxes
-
-
-@pytest.mark.parametrize("curve", [curve_numbers(CIRCLE), STRAIGHT], ids=["ring", "straight"])
-@pytest.mark.parametrize("width", [1, 8])
-def test_the_pairs_that_are_looked_at_are_counted(width, curve):
-    """Of a row those that are near, at most all; in a company they are those of the widest window of all."""
-    n, numbers = 160, states.numbers()
-    cells = states.cells(n, 0)._replace(x=0.6 * np.arange(n), y=np.zeros(n), radius=np.full(n, 1 / 3))
-    group = Group([kernels.held(Tissue(cells, states.layers(n), n), curve=curve) for _ in range(width)], numbers)
-    assert group.make_substeps()
-    assert n - 1 <= group.pairs / numbers.substeps < n * (n - 1) / 4
 
 
 # Runs
@@ -136,7 +109,7 @@ def substep(cells, layers, numbers, closed):
     along[b] = ordered
     bx, by = cells.bx.copy(), cells.by.copy()
     bx[b], by[b] = R * np.sin(ordered / R), R * (1 - np.cos(ordered / R))
-    x, y = twins.separate(cells.x + step * force.x, cells.y + step * force.y, cells.radius)
+    x, y, _ = twins.separate(np.array([cells.x + step * force.x, cells.y + step * force.y, cells.z]), cells.radius)
     ax, ay = cells.ax + step * force.ax, cells.ay + step * force.ay
     return cells._replace(x=x, y=y, ax=ax, ay=ay, bx=bx, by=by, along=along)
 
@@ -154,10 +127,10 @@ def test_substeps_on_a_circle(closed):
     expected = cells
     for _ in range(numbers.substeps):
         expected = substep(expected, layers, numbers, closed)
-    held = new_state(cells, layers, capacity=len(cells.x), curve=curve_numbers(parameters.curve()), space=in_plane())
+    held = kernels.held(kernels.Tissue(cells, layers, 0), curve=curve_numbers(parameters.curve()))
     group = Group([held], numbers)
     assert group.make_substeps()
-    assert distance(contents(group.states[0])[0], expected) < 1e-10
+    assert distance(kernels.taken(group.states[0]).cells, expected) < 1e-10
 
 
 def test_a_large_circle_is_nearly_a_line():
@@ -170,30 +143,6 @@ def test_a_large_circle_is_nearly_a_line():
     assert away[2] < 1e-4
     assert 8 < away[0] / away[1] < 12.5
     assert 8 < away[1] / away[2] < 12.5
-
-
-def tube(seed, turned=0.0, dts=5):
-    """The points (3, 2, n) of a tube of equal cells, or with random springs, after some dt, turned back."""
-    n, perimeter = 60, 120.0
-    curve, radius = ellipse(perimeter, 1.0, inside=True, ring=True), perimeter / (2 * math.pi)
-    s = turned + perimeter / n * np.arange(n)
-    points = [np.column_stack(curve.above(s, np.full(n, height))) for height in (4.0, 8.0, 0.0)]
-    held = new_state(states.tissue(*points, along=s), capacity=n, curve=curve_numbers(curve), space=in_plane())
-    if seed is not None:
-        held.cells.stiff_ax[:n] *= np.random.default_rng(seed).uniform(0.5, 2.0, n)
-    group = Group([held], states.numbers(variance=0.0, max_basal_distance=2.0))
-    for _ in range(dts):
-        assert group.make_substeps()
-    cells, c, sine = contents(group.states[0])[0], math.cos(turned / radius), math.sin(turned / radius)
-    found = np.array([[cells.x, cells.y - radius], [cells.ax, cells.ay - radius], [cells.bx, cells.by - radius]])
-    return np.einsum("ij,kjn->kin", [[c, sine], [-sine, c]], found)
-
-
-def test_a_symmetric_tube_stays_symmetric_and_a_turned_one_turns():
-    far = np.hypot(*tube(None, dts=50).transpose(1, 0, 2))
-    assert np.ptp(far, axis=1).max() < 1e-12
-    assert abs(far[1, 0] - (120 / (2 * math.pi) - 8.0)) > 0.1  # so the tube did not just stand still
-    assert np.abs(tube(3) - tube(3, turned=17.3)).max() < 1e-10
 
 
 def test_a_lumen_that_closes_ends_the_run():

@@ -6,14 +6,18 @@ import numpy as np
 import pytest
 
 from tests.tissue.bits import same
-from tests.tissue.kernel_calls import aged, compared, freed, with_emt
+from tests.tissue.kernel_calls import aged, freed, generators, ruled, steps, taken, upright, with_emt
+from tests.tissue.kernel_calls import held as held_of
+from tests.tissue.space.in_space import of_surface
 from tests.tissue.states import layers, numbers
-from tissue.events.known import row
+from tissue.events.known import bit, row
 from tissue.files.parameters import preset
 from tissue.files.sections import OWN_KEYS
 from tissue.frames.observables import PHASES, phases
+from tissue.runs.group import Group
 from tissue.runs.simulate import simulate
 from tissue.runs.start import started
+from tissue.state.basal_curve import curve_numbers, ellipse
 from tissue.state.cells import EMT, NAMED
 from tissue.state.checkpoint import streams
 from tissue.study.outcomes import outcomes
@@ -21,27 +25,17 @@ from tissue.study.outcomes import outcomes
 SHORT = preset("published").changed({"numerics.t_end": "6 h", "numerics.keep": "1 h"})
 # Cells divide all the time, each type in its own way.
 LIVELY = {"cell.min_cycle": "2 h", "cell.max_cycle": "5 h", "cell.g2": "0.4 h", "cell.mitosis": "0.4 h"}
-MIXED = SHORT.changed(
-    LIVELY
-    | {
-        "tissue.two_daughters": 0.5,
-        "types.stiff.cells": 8,
-        "types.stiff.place": 0.1,
-        "types.stiff.alpha_ax": 10,
-        "types.stiff.alpha_bx": 10,
-        "types.quick.cells": 9,
-        "types.quick.place": "scattered",
-        "types.quick.min_cycle": "1 h",
-        "types.quick.max_cycle": "1.5 h",
-        "types.quick.g2": "0.2 h",
-        "types.leaving.cells": 3,
-        "types.leaving.place": 0.9,
-        "types.leaving.divides": False,
-        "types.leaving.inm": 0.5,
-        "types.leaving.a": "2 h",
-        "types.leaving.alpha_ax": 3,
-    }
-)
+STIFF = {"cells": 8, "place": 0.1, "alpha_ax": 10, "alpha_bx": 10}
+QUICK = {"cells": 9, "place": "scattered", "min_cycle": "1 h", "max_cycle": "1.5 h", "g2": "0.2 h"}
+LEAVING = {"cells": 3, "place": 0.9, "divides": False, "inm": 0.5, "a": "2 h", "alpha_ax": 3}
+
+
+def of_types(**types):
+    """Changes that make these types."""
+    return {f"types.{name}.{key}": value for name, one in types.items() for key, value in one.items()}
+
+
+MIXED = SHORT.changed(LIVELY | {"tissue.two_daughters": 0.5} | of_types(stiff=STIFF, quick=QUICK, leaving=LEAVING))
 GIVEN = numbers(two_daughters=0.5, enlarge_in_g2=True, freed_stiffness=2.0, g2_stiffening=2.0)
 OWN = (
     GIVEN._replace(alpha_aa=10.0, alpha_ax=4.0, alpha_bx=4.0, alpha_axb=30.0, rate_ax=1.0, rate_bx=2.0, rate_aa=0.3),
@@ -60,19 +54,30 @@ def mixed(n, seed, layers_of=layers):
     return with_emt(state, np.flatnonzero(kind == NAMED + 2)[:4], a=0.25, b=0.35, s=0.25, p=0.45)
 
 
-# Kernels and twins
+each_network = pytest.mark.parametrize(("network", "seed"), [(one, k) for one in (layers, freed) for k in range(3)])
 
 
-@pytest.mark.parametrize("network", [layers, freed])
-@pytest.mark.parametrize("seed", range(3))
+@each_network
 def test_each_cell_has_the_numbers_of_its_type(network, seed):
+    """After the rules it is what it is in a tissue where all have these numbers; daughters are of her type."""
     state = mixed(24, seed, network)
-    end = compared(state, GIVEN, 8, seed, OWN)
+    cells = state.cells._replace(kind=np.zeros(24, np.int64))
+    after = ruled(state, 0.25, GIVEN._replace(variance=0.0, two_daughters=0.0), seed, OWN).cells
+    for kind, own in enumerate((GIVEN, GIVEN, *OWN)):
+        numbers_of_all = own._replace(variance=0.0, two_daughters=0.0)
+        alone = ruled(state._replace(cells=cells), 0.25, numbers_of_all, seed).cells
+        mine = (state.cells.kind == kind) & (after.birth < 0.0)
+        for name in set(after._fields) - {"kind", "rest_aa", "cycle"}:
+            np.testing.assert_array_equal(getattr(after, name)[..., mine], getattr(alone, name)[..., mine], name)
+    end = steps(state, 0, 8, GIVEN, *generators(seed), OWN)
     born = end.cells.id >= len(state.cells.x)
     assert born.any()
-    mothers = dict(zip(end.cells.id, end.cells.kind, strict=True))
-    assert all(mothers[end.cells.mother[i]] == end.cells.kind[i] for i in np.flatnonzero(born))
+    kinds = dict(zip(end.cells.id, end.cells.kind, strict=True))
+    assert all(kinds[end.cells.mother[i]] == end.cells.kind[i] for i in np.flatnonzero(born))
     assert (end.cells.events[end.cells.emt >= 0] > 0).all()
+    quick = end.cells.cycle[born & (end.cells.kind == NAMED + 1)]
+    assert (quick >= 0.4).all()
+    assert (quick <= 0.9).all()
 
 
 # Runs
@@ -116,8 +121,8 @@ def test_what_the_start_has_of_each_type():
 def test_types_have_events_of_their_own():
     both = SHORT.changed(
         {"emt.cells": 4, "emt.b": "3 h", "emt.s": "1 h to 5 h"}
-        | {"types.early.cells": 3, "types.early.place": 0.1, "types.early.a": "2 h", "types.early.divides": False}
-        | {"types.late.cells": 2, "types.late.place": "scattered", "types.late.a": "4 h", "types.late.divides": False}
+        | of_types(early={"cells": 3, "place": 0.1, "a": "2 h", "divides": False})
+        | of_types(late={"cells": 2, "place": "scattered", "a": "4 h", "divides": False})
     )
     run = simulate(both, 5)
     table = run.table().query("emt >= 0")
@@ -171,3 +176,179 @@ def test_a_group_that_is_apart_is_spread_evenly():
     after = preset("published").changed({"types.first.cells": 15, "types.first.place": 0} | far)
     held, _ = started(after, streams(1))
     assert np.flatnonzero(held.cells.kind[:45] == NAMED + 1).tolist() == [19, 30, 40]
+
+
+# Types with events whose cells divide: daughters have the events of their mother, at her times.
+
+DIVIDED = numbers(two_daughters=1.0, min_cycle=0.4, max_cycle=0.6, g2=0.1, mitosis=0.1, freed_stiffness=0.5)
+EARLY = {"cells": 4, "place": 0.2, "a": "1 h to 5 h", "two_daughters": 1}
+LATE = {"cells": 5, "place": "scattered", "b": "1 h", "p": "2 h to 4 h", "two_daughters": 1}
+DIVIDING = SHORT.changed(
+    LIVELY
+    | {"cell.max_cycle": "4 h", "tissue.two_daughters": 0.3, "emt.cells": 2, "emt.s": "3 h"}
+    | of_types(early=EARLY, late=LATE)
+)
+
+
+def dividing(n, seed, layers_of=layers):
+    """A random tissue with eight EMT cells that divide, each with some events."""
+    state = with_emt(aged(n, seed, layers_of), range(n // 4, n // 4 + 8), a=0.25, b=0.35, s=0.15, p=0.45)
+    mine = state.cells.emt >= 0
+    state.cells.divides[:], state.cells.cycle[mine] = True, 0.6
+    state.cells.birth[mine] = -np.random.default_rng(seed).uniform(0.0, 0.6, 8)
+    state.emt.at[:2, ::2] = np.inf
+    return state
+
+
+@each_network
+def test_all_cells_of_a_family_have_its_events(network, seed):
+    state = dividing(24, seed, network)
+    end = steps(state, 0, 8, DIVIDED, *generators(seed))
+    mine = np.flatnonzero(end.cells.emt >= 0)
+    assert len(mine) > 12
+    assert sorted(end.cells.emt[mine]) == list(range(len(mine))) == list(range(len(end.emt.side)))
+    mothers = dict(zip(end.cells.id.tolist(), end.cells.mother.tolist(), strict=True))
+    for i in mine:
+        first = end.cells.id[i]
+        while first >= 24:
+            first = mothers[first]
+        times = state.emt.at[:, state.cells.emt[first]]
+        np.testing.assert_array_equal(end.emt.at[:, end.cells.emt[i]], times)
+        assert end.cells.events[i] == sum(1 << k for k in np.flatnonzero(times <= 0.8))
+
+
+def test_daughters_have_what_their_mother_has():
+    """Before, between and after the events: whatever she has lost, and what she will."""
+    state = with_emt(upright(4, birth=-11.9), [1, 2], a=0.1, b=0.3)
+    state.cells.divides[:], state.cells.cycle[:] = True, [50.0, 12.0, 12.2, 50.0]
+    end = steps(state, 0, 4, DIVIDED._replace(variance=0.0, min_cycle=90.0, max_cycle=90.0), *generators(0))
+    mine = np.flatnonzero(end.cells.emt >= 0)
+    assert mine.tolist() == [1, 2, 3, 4]
+    assert end.cells.mother[mine].tolist() == [-1, 1, -1, 2]
+    assert end.cells.emt[mine].tolist() == [0, 2, 1, 3]
+    assert (end.cells.events[mine] == bit("a") + bit("b")).all()
+    assert end.layers.apical.tolist() == end.layers.basal.tolist() == [0, 5]
+    np.testing.assert_array_equal(end.emt.at[:, :2], end.emt.at[:, 2:])
+    np.testing.assert_array_equal(end.emt.onset_ab[[1, 3]], end.emt.onset_ab[1])
+    assert end.emt.onset_ab[2] > 0
+
+
+def test_studies_follow_the_cells_of_the_start():
+    found = outcomes(DIVIDING.changed({"numerics.folded": "keep"}), range(3), range(3))
+    rows, runs = found.cells.to_pandas(), found.runs.to_pandas()
+    assert rows.groupby("replicate").size().tolist() == [11, 11, 11]
+    for seed, mine in rows.groupby("replicate"):
+        final = simulate(DIVIDING, seed).final
+        start = np.argsort(np.where(final.cells.emt < 0, 99, final.cells.emt))[:11]
+        assert mine["type"].tolist() == [DIVIDING.type_names[kind] for kind in final.cells.kind[start]]
+        assert mine["inm"].tolist() == final.cells.moves[start].tolist()
+        assert runs["controls_6h"][seed] == (final.cells.emt < 0).sum()
+
+
+@pytest.mark.parametrize("name", ["plane", "cylinder", "sphere"])
+def test_in_space(name):
+    """What has left a layer has no neighbours there when it divides."""
+    events = {"types__leaving__a": "0.3 h", "types__leaving__b": "0.5 h", "types__leaving__p": "1 h"}
+    given = of_surface(name, types__leaving__cells=6, types__leaving__place="scattered", **events)
+    quick = {"types__leaving__min_cycle": "1.1 h", "types__leaving__max_cycle": "1.5 h"}
+    given = given.changed({key.replace("__", "."): value for key, value in quick.items()})
+    run = simulate(given, 1)
+    cells, mine = run.final.cells, np.flatnonzero(run.final.cells.emt >= 0)
+    assert run.status
+    assert len(mine) > 9
+    assert sorted(cells.emt[mine]) == list(range(len(mine)))
+    assert (cells.events[mine] == bit("a") + bit("b") + bit("p")).all()
+    assert not np.isin(mine, run.final.layers.apical).any()
+    assert not np.isin(mine, run.final.layers.basal).any()
+    assert np.abs(run.final.heights(cells.bx[mine], cells.by[mine], cells.bz[mine])).min() > 1e-6
+
+
+# What two cells of different types have together: R_i + R_j, the mean of repulsions and of basal distances.
+
+# Only nuclei push each other, once.
+PUSHES = numbers(substeps=1, variance=0.0, hard_radius=0.0, junction_factor=0.0, two_daughters=0.0)
+STILL = dict.fromkeys(("stiff_ax", "stiff_bx", "stiff_axb"), 0.0)
+
+
+def kinds(power):
+    """The numbers of control cells and of two types, by their power of the springs."""
+    given = PUSHES._replace(spring_power=power, repulsion=0.8)
+    named = given._replace(soft_radius=1.6, repulsion=2.0), given._replace(soft_radius=0.4, repulsion=0.5)
+    return given, named
+
+
+def crowd(n, seed):
+    """Cells of all types in a crowd, which do not move but by the repulsion."""
+    kind = np.random.default_rng(seed).choice([0, NAMED, NAMED + 1], n)
+    return aged(n, seed, kind=kind, radius=0.0, **STILL)
+
+
+def moved_by_pairs(cells, given, named):
+    """Where one step brings the nuclei, pair by pair."""
+    of = [(given, given, *named)[k] for k in cells.kind]
+    x, scale = np.stack((cells.x, cells.y)), given.dt / given.mu
+    for i, one in enumerate(of):
+        for j, other in enumerate(of):
+            arrow = np.array((cells.x[i] - cells.x[j], cells.y[i] - cells.y[j]))
+            d, reach = np.hypot(*arrow), one.soft_radius + other.soft_radius
+            if 0 < d < reach:
+                k = (one.repulsion + other.repulsion) / 2 * (2 / reach) ** given.spring_power
+                x[:, i] += scale * k * (reach - d) * arrow / d
+    return x
+
+
+@pytest.mark.parametrize("power", [1, 2])
+@pytest.mark.parametrize("bent", [False, True])
+def test_pairs_of_different_soft_discs(power, bent):
+    """Alone and side by side, on a line and on a curve, as pair by pair."""
+    (given, named), curve = kinds(power), curve_numbers(ellipse(300.0, 1.0, inside=True, ring=False)) if bent else None
+    states_of = [crowd(n, n) for n in (40, 9, 24, 1, 33, 17, 28, 12)]
+    for chosen in (states_of[:1], states_of):
+        held = [held_of(one, **({"curve": curve} if bent else {})) for one in chosen]
+        group = Group(held, given, named=named)
+        group.make_substeps()
+        for one, kept in zip(chosen, group.states, strict=True):
+            cells = taken(kept).cells
+            expected = moved_by_pairs(one.cells, given, named)
+            np.testing.assert_allclose((cells.x, cells.y), expected, atol=1e-11)
+            assert np.abs(expected - (one.cells.x, one.cells.y)).max() > 0.1 or len(cells.x) == 1
+
+
+@pytest.mark.parametrize("closed", [False, True])
+def test_basal_neighbours_are_at_most_the_mean_of_both_apart(closed):
+    """One cell of each pair is far away: by half of the excess each, one pair after the other."""
+    named = [PUSHES._replace(max_basal_distance=2.0)]
+    given = PUSHES._replace(repulsion=0.0, max_basal_distance=1.0)
+    kind = np.array([0, NAMED, NAMED, 0, 0, NAMED])
+    allowed = [1.5, 2.0, 1.5, 1.0, 1.5]
+    b = np.cumsum([0.0, 1.6, 1.9, 1.7, 0.9, 3.0])
+    state = upright(6, kind=kind, **STILL)
+    cells = state.cells._replace(bx=b.copy(), along=b.copy())
+    length = b[-1] + 1.8
+    curve = curve_numbers(ellipse(length, 1.0, inside=False, ring=True)) if closed else None
+    group = Group([held_of(state._replace(cells=cells), **({"curve": curve} if closed else {}))], given, named=named)
+    group.make_substeps()
+    found = taken(group.states[0]).cells
+    for k, most in enumerate(allowed):
+        half = max(0.0, (b[k + 1] - b[k] - most) / 2)
+        b[k : k + 2] += (half, -half)
+    if closed:
+        half = max(0.0, (b[0] + length - b[-1] - 1.5) / 2)
+        b[[0, -1]] += (-half, half)
+    np.testing.assert_allclose(found.along if closed else found.bx, b, atol=1e-12)
+
+
+def test_springs_and_rest_lengths_have_the_radius_of_the_type():
+    """l = R_soft + eta, and eta tends to d - R_soft; in G2 the basal one to |A - B| - 2 R_soft."""
+    given = numbers(dt=20.0, floor_rest_length=False)
+    named = [given._replace(soft_radius=1.6)]
+    state = upright(2, kind=NAMED, birth=[0.0, -11.3], rest_ax=0.5, rest_bx=0.5)
+    after = ruled(state, 0.0, given, named=named).cells
+    np.testing.assert_allclose(after.rest_ax, [3.0 - 1.6, 0.0], atol=1e-12)
+    np.testing.assert_allclose(after.rest_bx, [5.0 - 1.6, 8.0 - 3.2], atol=1e-12)
+    once = given._replace(dt=0.1, substeps=1, repulsion=0.0, junction_factor=0.0)
+    group = Group([held_of(state)], once, named=[once._replace(soft_radius=1.6)])
+    group.make_substeps()
+    rest = 1.6 + 0.5
+    pull = 0.1 / once.mu * 2 * 2.0 * (3.0 - rest) / rest
+    np.testing.assert_allclose(taken(group.states[0]).cells.ay, 8.0 - pull, rtol=1e-12)

@@ -1,7 +1,7 @@
 """Each rule of the table of model variants changes what it names, by the factor it names, and nothing else.
 
-Every force, rest length, radius, event and draw is measured by itself, in small tissues, by kernels and by twins. Then
-one key of the parameters is changed: what is listed here must change so, and all the rest must stay as it is.
+Every force, rest length, radius, event and draw is measured by itself, in small tissues. Then one key of the parameters
+is changed: what is listed here must change so, and all the rest must stay as it is.
 """
 
 from fnmatch import fnmatch
@@ -10,16 +10,13 @@ import numpy as np
 import pytest
 
 from tests.tissue import kernel_calls as kernels
-from tests.tissue.kernel_calls import upright, with_emt
-from tests.twins.tissue import steps as twins
-from tests.twins.tissue.state import Tissue
+from tests.tissue.kernel_calls import Tissue, make_substeps, upright, with_emt
 from tissue.files.keys import all_keys
 from tissue.files.parameters import Parameters, preset
 from tissue.runs.start import first_state
 from tissue.state.running import contents
 
 BASE = preset("published")
-MODELS = {"kernels": kernels, "twins": twins}
 # Of the five cells of ``in_all_phases``, in this order; the last one is in mitosis and has no INM.
 PHASES, AGES = ("G1", "G1 again", "G2", "mitosis", "resting"), (5.0, 5.0, 11.25, 11.75, 11.75)
 CYCLE = 12.0
@@ -47,29 +44,29 @@ def in_all_phases(parameters):
     return Tissue(cells._replace(**points, **ages, **rests), network, 5)
 
 
-def ruled(model, state, given):
+def ruled(state, given):
     """The tissue after the rules of t = 0, without noise."""
-    return model.apply_rules(state, 0.0, given._replace(variance=0.0), *kernels.generators(3))
+    return kernels.ruled(state, 0.0, given._replace(variance=0.0), 3)
 
 
-def pushed(model, state, given, *acting):
+def pushed(state, given, *acting):
     """By how much one substep moves the points where only these stiffnesses act, or the repulsion, at fixed rests."""
     n = len(state.cells.x)
     fixed = REST | {name: 0.0 for name in STIFF if name not in acting}
     cells = state.cells._replace(**{name: np.full(n, value) for name, value in fixed.items()})
     once = given._replace(dt=given.dt / given.substeps, substeps=1, noise_in_substeps=False)
     once = once._replace(repulsion=once.repulsion * ("repulsion" in acting))
-    after = model.make_substeps(cells, state.layers, once, None)
+    after = make_substeps(cells, state.layers, once)
     return {name: getattr(after, name) - getattr(cells, name) for name in kernels.COORDINATES}
 
 
-def cycle(model, parameters):
+def cycle(parameters):
     """Rest lengths, radii and forces by phase."""
     given = parameters.numbers()
-    after = ruled(model, in_all_phases(parameters), given)
-    springs = [pushed(model, after, given, part) for part in ("stiff_ax", "stiff_bx", "stiff_axb")]
-    junctions = pushed(model, after, given, "stiff_aa")["ax"]
-    found = {"repulsion": pushed(model, after, given, "repulsion")["y"][0]}
+    after = ruled(in_all_phases(parameters), given)
+    springs = [pushed(after, given, part) for part in ("stiff_ax", "stiff_bx", "stiff_axb")]
+    junctions = pushed(after, given, "stiff_aa")["ax"]
+    found = {"repulsion": pushed(after, given, "repulsion")["y"][0]}
     found |= {f"junction {pair}": pull for pair, pull in zip(JUNCTIONS, np.cumsum(junctions), strict=False)}
     for i, phase in enumerate(PHASES):
         found |= {f"rest {name} {phase}": getattr(after.cells, f"rest_{name}")[i] for name in ("ax", "bx", "aa")}
@@ -78,11 +75,11 @@ def cycle(model, parameters):
     return found
 
 
-def division(model, parameters):
+def division(parameters):
     """How many divide, how far their daughters are apart, and what they begin with."""
     given = parameters.numbers()
-    many = ruled(model, upright(200, birth=-12.0, cycle=12.0), given)
-    two = ruled(model, upright(1, birth=-12.0, cycle=12.0), given._replace(two_daughters=1.0)).cells
+    many = ruled(upright(200, birth=-12.0, cycle=12.0), given)
+    two = ruled(upright(1, birth=-12.0, cycle=12.0), given._replace(two_daughters=1.0)).cells
     return {
         "daughters": len(many.cells.x) - 200,
         "cycles": many.cells.cycle.sum(),
@@ -91,22 +88,20 @@ def division(model, parameters):
     }
 
 
-def draws_and_sweeps(model, parameters):
+def draws_and_sweeps(parameters):
     """Noise of nuclei without forces; hard discs and the basal layer after a sweep from a wrong state."""
     given = parameters.numbers()._replace(two_daughters=0.0, repulsion=0.0, junction_factor=0.0)
     still = dict.fromkeys(STIFF, 0.0)
     state = upright(20, **still)
-    end = model.steps(state, 0, 1, given, *kernels.generators(5)).cells
+    end = kernels.steps(state, 0, 1, given, *kernels.generators(5)).cells
     pair = upright(2, spacing=0.1, **still)
-    swept = model.make_substeps(
-        ruled(model, pair, given).cells, pair.layers, given._replace(noise_in_substeps=False), None
-    )
+    swept = make_substeps(ruled(pair, given).cells, pair.layers, given._replace(noise_in_substeps=False))
     row = upright(2, spacing=5.0, **still)
-    basal = model.make_substeps(row.cells, row.layers, given._replace(substeps=1, noise_in_substeps=False), None)
+    basal = make_substeps(row.cells, row.layers, given._replace(substeps=1, noise_in_substeps=False))
     return {"noise": end.x - state.cells.x, "contact": swept.x[1] - swept.x[0], "basal": basal.bx[1] - basal.bx[0]}
 
 
-def start(_, parameters):
+def start(parameters):
     """Places, ages and springs of the first state."""
     cells, _ = started(parameters)
     return {
@@ -122,23 +117,23 @@ def start(_, parameters):
     }
 
 
-def events(model, parameters):
+def events(parameters):
     """What [A], [B], [S] and [P] make of the springs of the middle one of three cells, and of its basal point."""
     given, found = parameters.numbers(), {}
 
     def after(basal_y=0.0, **times):
-        return ruled(model, with_emt(_three_cells(parameters, basal_y), [1], **times), given)
+        return ruled(with_emt(_three_cells(parameters, basal_y), [1], **times), given)
 
     freed = after(a=0.0)
     found |= {"[A] rest": freed.cells.rest_ax[1], "[A] bridge": freed.cells.rest_aa[0]}
-    found["[A] spring"] = pushed(model, freed, given, "stiff_ax")["ay"][1]
+    found["[A] spring"] = pushed(freed, given, "stiff_ax")["ay"][1]
     freed = after(b=0.0)
-    found |= {"[B] rest": freed.cells.rest_bx[1], "[B] spring": pushed(model, freed, given, "stiff_bx")["y"][1]}
-    found["[S] bending"] = pushed(model, after(s=0.0), given, "stiff_axb")["ax"][1]
+    found |= {"[B] rest": freed.cells.rest_bx[1], "[B] spring": pushed(freed, given, "stiff_bx")["y"][1]}
+    found["[S] bending"] = pushed(after(s=0.0), given, "stiff_axb")["ax"][1]
     for where, y in (("above", 0.5), ("below", -0.5), ("at depth", -2.2)):
         freed = after(y, b=0.0, p=0.0)
-        found |= {f"[P] rest {where}": freed.cells.rest_bx[1], f"[P] way {where}": way(model, freed, given)}
-        found[f"[P] spring {where}"] = pushed(model, freed, given, "stiff_bx")["y"][1]
+        found |= {f"[P] rest {where}": freed.cells.rest_bx[1], f"[P] way {where}": way(freed, given)}
+        found[f"[P] spring {where}"] = pushed(freed, given, "stiff_bx")["y"][1]
     return found
 
 
@@ -152,17 +147,17 @@ def _three_cells(parameters, basal_y):
     return Tissue(cells._replace(**points, **rests, **basal), network, 3)
 
 
-def way(model, state, given):
+def way(state, given):
     """How far a free basal point goes in one dt, by itself and by its spring, upright below its nucleus."""
     quiet = given._replace(variance=0.0, repulsion=0.0, junction_factor=0.0)
     alone = state._replace(cells=state.cells._replace(stiff_ax=np.zeros(3), stiff_axb=np.zeros(3)))
-    return model.steps(alone, 0, 1, quiet, *kernels.generators(0)).cells.by[1] - state.cells.by[1]
+    return kernels.steps(alone, 0, 1, quiet, *kernels.generators(0)).cells.by[1] - state.cells.by[1]
 
 
-def probes(model, parameters):
+def probes(parameters):
     """All that is measured, by name."""
     parts = (cycle, division, draws_and_sweeps, start, events)
-    return {name: value for part in parts for name, value in part(model, parameters).items()}
+    return {name: value for part in parts for name, value in part(parameters).items()}
 
 
 # What one dt or substep does, all of it: what moves by itself, by forces, by relaxation or by noise.
@@ -273,20 +268,15 @@ def expected(name, changes):
     return bool(found), found[0] if found else None
 
 
-@pytest.fixture(scope="module", params=MODELS)
-def model(request):
-    return MODELS[request.param]
-
-
 @pytest.fixture(scope="module")
-def before(model):
-    return probes(model, BASE)
+def before():
+    return probes(BASE)
 
 
 @pytest.mark.parametrize("key", CHANGES)
-def test_a_rule_changes_what_it_names(model, before, key):
+def test_a_rule_changes_what_it_names(before, key):
     value, changes = CHANGES[key]
-    after = probes(model, BASE.changed({key: value}))
+    after = probes(BASE.changed({key: value}))
     for name, old in before.items():
         changed, factor = expected(name, changes)
         same = np.shape(after[name]) == np.shape(old) and np.allclose(after[name], old, rtol=ROUNDING, atol=0.0)

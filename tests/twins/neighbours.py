@@ -5,7 +5,7 @@ They loop over Python floats in the order of the kernels, because a sum taken in
 
 import numpy as np
 
-from dincl.compiled.arrays import Floats, Indices, Offsets
+from dincl.compiled.arrays import Floats, Offsets
 
 
 def _square_distance(a: Floats, b: Floats) -> float:
@@ -16,15 +16,13 @@ def _square_distance(a: Floats, b: Floats) -> float:
     return total
 
 
-def neighbour_pairs(x: Floats, radius: Floats) -> tuple[Offsets, Indices]:
+def neighbour_pairs(x: Floats, radius: Floats) -> tuple[Offsets, Offsets]:
     """Reference implementation of ``neighbour_pairs``."""
-    rows = [
-        [
-            j
-            for j in range(i)
-            if _square_distance(x[i], x[j]) <= float(radius[i] + radius[j]) * float(radius[i] + radius[j])
-        ]
+    pairs = [
+        (i, j)
         for i in range(x.shape[0])
+        for j in range(i)
+        if _square_distance(x[i], x[j]) <= float(radius[i] + radius[j]) * float(radius[i] + radius[j])
     ]
-    start = np.cumsum([0, *map(len, rows)], dtype=np.int64)
-    return start, np.array([j for row in rows for j in row], dtype=np.int32)
+    i, j = np.array(pairs, dtype=np.int64).reshape(-1, 2).T
+    return i, j

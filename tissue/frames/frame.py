@@ -12,7 +12,7 @@ from dincl.errors import InvalidProblem
 from tissue.state.basal_curve import LINE, BasalCurve
 from tissue.state.cells import CellLayers, Cells, Floats
 from tissue.state.checkpoint import TissueCheckpoint
-from tissue.state.mesh import Sheets
+from tissue.state.space import Sheets
 from tissue.state.surface import CYLINDER, PLANE, heights
 
 # What a run can be started from, in messages.

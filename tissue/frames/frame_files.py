@@ -23,8 +23,8 @@ from tissue.frames.frame import Frame
 from tissue.state.basal_curve import BasalCurve
 from tissue.state.cells import COORDINATES, DEPTHS, NAMED, VARIABLES, CellLayers, Cells, Emt
 from tissue.state.checkpoint import DRAWN, WORDS, Separation, TissueCheckpoint
-from tissue.state.mesh import Mesh, Sheets, wrong_mesh
 from tissue.state.running import COUNTERS
+from tissue.state.space import Mesh, Sheets, wrong_mesh
 from tissue.state.surface import CYLINDER, PLANE, SPHERE, Surface
 
 VERSION = "tissue frame 6"

@@ -14,9 +14,8 @@ from tissue.model.measures import Extents, Positions, measure_extents, measure_p
 from tissue.network.triangulation import triangulate
 from tissue.state.basal_curve import curve_numbers
 from tissue.state.cells import COORDINATES, DEPTHS, Floats, Integers
-from tissue.state.mesh import network_of
 from tissue.state.running import TissueState, new_state
-from tissue.state.space import SPATIAL, Space, no_space
+from tissue.state.space import SPATIAL, Space, network_of, no_space
 
 if TYPE_CHECKING:
     from tissue.frames.frame import Frame

@@ -9,7 +9,7 @@ import numpy as np
 from tissue.frames.frame import Frame
 from tissue.state.basal_curve import LINE, ellipse
 from tissue.state.cells import CellLayers, Cells, Floats
-from tissue.state.mesh import Mesh
+from tissue.state.space import Mesh
 from tissue.state.surface import PLANE, Surface
 
 

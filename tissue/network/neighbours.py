@@ -14,9 +14,8 @@ from dincl.compiled import inner
 from dincl.errors import InvalidProblem
 from tissue.network.triangulation import distances, triangulate
 from tissue.state.cells import Floats, Integers
-from tissue.state.network import EDGES, TRIANGLES, Network, in_use, no_network, write
 from tissue.state.running import APICAL, BASAL, TissueState
-from tissue.state.space import PRESENT, SUM
+from tissue.state.space import EDGES, PRESENT, SUM, TRIANGLES, Network, in_use, no_network, write
 from tissue.state.surface import Surface, differences
 
 # Steps dt from one triangulation to the next: a quarter of an hour of the presets. In periodic sheets heights, y_AB and

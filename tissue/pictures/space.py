@@ -26,7 +26,7 @@ from tissue.pictures.movie import ENDINGS, write_images
 from tissue.pictures.sheet import APICAL, BASAL, COLOURS, colours_of_cells, shades
 from tissue.pictures.state import title_of
 from tissue.state.cells import VARIABLES
-from tissue.state.mesh import Sheets
+from tissue.state.space import Sheets
 from tissue.state.surface import FLAT_SURFACE
 
 # Rendered by VTK itself, so that a picture has the same dots with and without a display.

@@ -12,10 +12,9 @@ from tissue.kernels.rules import Rules, compile_rules
 from tissue.model.emt import inherit_events
 from tissue.network.neighbours import add_daughter, remove_cell
 from tissue.state.cells import Floats, Integers
-from tissue.state.network import EDGES, Network
 from tissue.state.numbers import Numbers, numbers_of
 from tissue.state.running import APICAL, BASAL, CELLS, DIVISIONS, NEXT_ID, TissueState
-from tissue.state.space import TissueRules
+from tissue.state.space import EDGES, Network, TissueRules
 from tissue.state.surface import PLANE, Surface, normal, onto
 
 Vector = tuple[float, float, float]

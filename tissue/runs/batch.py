@@ -25,8 +25,8 @@ from tissue.runs.stability import LOOKS, stability_fault, surely_stable, swings
 from tissue.runs.start import started
 from tissue.state.cells import COORDINATES, DEPTHS, DTYPES, VARIABLES, Cells
 from tissue.state.checkpoint import Separation, Streams, TissueCheckpoint, generator_states, streams
-from tissue.state.mesh import kept
 from tissue.state.running import APICAL, CELLS, COUNTERS, NEXT_ID, TissueState, contents, copied
+from tissue.state.space import kept
 from tissue.step.advance import find_lost
 
 WATCH = UserFunction("watch", ("t",), Status.FUNCTION_FAILED)

@@ -23,10 +23,9 @@ from tissue.rules.slice import in_plane
 from tissue.state.basal_curve import LINE, BasalCurve, CurveNumbers, curve_numbers
 from tissue.state.cells import Cells, Floats, Integers, empty
 from tissue.state.checkpoint import Separation
-from tissue.state.mesh import Sheets, network_of
 from tissue.state.numbers import Numbers, StartNumbers, numbers_pointer
 from tissue.state.running import STRAIGHT, TissueState, new_state
-from tissue.state.space import FLAT, SPATIAL, Space
+from tissue.state.space import FLAT, SPATIAL, Sheets, Space, network_of
 
 if TYPE_CHECKING:
     from tissue.files.parameters import Parameters

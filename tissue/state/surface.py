@@ -112,28 +112,13 @@ def normals(surface: Surface, points: ArrayLike) -> Floats:
     if surface.bends == PLANE:
         return np.broadcast_to((0.0, 1.0, 0.0), at.shape).copy()
     away = _projected(surface, at)
-    result: Floats = surface.side * away / _distances("points", away)
+    distances: Floats = np.linalg.norm(away, axis=-1, keepdims=True)
+    if not (distances > 0.0).all():
+        raise InvalidProblem("points = a point in the middle of the surface: must be apart from it, to have a normal")
+    result: Floats = surface.side * away / distances
     return result
-
-
-def laid(surface: Surface, points: ArrayLike) -> Floats:
-    """Return the nearest points of the surface to points (..., 3); raises InvalidProblem likewise."""
-    at = np.array(points, float)
-    if surface.bends == PLANE:
-        at[..., 1] = 0.0
-        return at
-    away = _projected(surface, at)
-    return at + away * (surface.radius / _distances("points", away) - 1.0)
 
 
 def _projected(surface: Surface, points: Floats) -> Floats:
     """P X."""
     return points if surface.bends == SPHERE else points * (1.0, 1.0, 0.0)
-
-
-def _distances(name: str, away: Floats) -> Floats:
-    """|P X|, with an axis of length 1 to divide by."""
-    distances: Floats = np.linalg.norm(away, axis=-1, keepdims=True)
-    if not (distances > 0.0).all():
-        raise InvalidProblem(f"{name} = a point in the middle of the surface: must be apart from it, to have a normal")
-    return distances

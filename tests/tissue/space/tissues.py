@@ -53,10 +53,15 @@ def size(name):
     return [6.0 if math.isinf(length) else length for length in (first, second)]
 
 
+def feet(surface, points):
+    """The nearest points of the surface to points (..., 3)."""
+    return points - s.heights(surface, points)[..., None] * s.normals(surface, points)
+
+
 def one_point(name, rng):
     surface = KINDS[name]
     if surface.bends == s.SPHERE:
-        return s.laid(surface, rng.normal(size=3))
+        return feet(surface, rng.normal(size=3))
     u, v = rng.uniform(0.0, size(name))
     if surface.bends == s.PLANE:
         return np.array((v, 0.0, u))

@@ -1,17 +1,20 @@
-"""The server of the page in a process of its own, and what tests ask of its pages."""
+"""The server of the page in a process of its own, and a visitor without a browser, who hears what he is sent."""
 
+import json
 import os
 import re
 import subprocess
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import AsyncIterator, Iterator
+from contextlib import asynccontextmanager, contextmanager
 from pathlib import Path
 
-from verification.explore.tissues.dialogs import parameters_text
+import httpx
+import socketio
 
 COMMAND = [sys.executable, "-c", "from tissue.cli import main; main()", "explore", "--no-browser"]
 ROOT = Path(__file__).parents[3]
+SOCKET = "/_nicegui_ws/socket.io"
 
 
 @contextmanager
@@ -34,65 +37,58 @@ def served(folder: Path, *arguments: str) -> Iterator[tuple[str, subprocess.Pope
         process.stdout.close()
 
 
-def write_base(folder: Path, setting) -> None:
-    """A parameter file that a page begins with."""
-    (folder / "small.toml").write_text(parameters_text(setting))
-
-
 def cpu_ticks(pid: int) -> int:
     """CPU time of a process, all its threads."""
     fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
     return int(fields[11]) + int(fields[12])
 
 
-def numbers(page) -> dict[str, list[str]]:
-    """The table of the answer: texts by name."""
-    cells = page.evaluate(
-        "[...document.querySelectorAll('.numbers tbody tr')].map(r => [...r.cells].map(c => c.innerText))"
-    )
-    return {first: rest for first, *rest in cells if rest}
+class Visitor:
+    """A page and its socket."""
+
+    def __init__(self, address: str, text: str) -> None:
+        self.address, self.text, self.heard = address, text, ""
+        self.client = re.search(r"client_id': '([0-9a-f-]+)'", text)[1]
+        self.socket = socketio.AsyncClient()
+        self.socket.on("*", self._hear)
+
+    def _hear(self, _, data):
+        self.heard += json.dumps(data)
+
+    async def connect(self, origin):
+        """Come back by the socket, as a page of ``origin`` would."""
+        query = f"client_id={self.client}&next_message_id=0&implicit_handshake=true&tab_id=tab&document_id=document"
+        headers = {"Origin": origin} if origin else {}
+        address = f"{self.address}?{query}"
+        await self.socket.connect(address, headers, transports=["websocket"], socketio_path=SOCKET)
+
+    async def click(self, label):
+        """Click the button with a label."""
+        button = rf'"(\d+)":{{"tag":"q-btn","props":{{[^}}]*"label":"{label}".*?"events":\[(.*?)\]}}'
+        number, events = re.search(button, self.text).groups()
+        listener = json.loads(f"[{events}]")[0]["listener_id"]
+        sent = {"id": int(number), "client_id": self.client, "listener_id": listener, "args": []}
+        await self.socket.emit("event", sent)
+
+    async def hear(self, text):
+        """Wait until a text has been sent; what was sent until then."""
+        while text not in self.heard:
+            await self.socket.sleep(0.02)
+        return self.heard
 
 
-def wait_for_runs(page, runs: int, name: str = "") -> None:
-    """Until so many runs are in the answer, and no more come."""
-    page.wait_for_function(
-        """([runs, name]) => {
-            const told = document.querySelector('[data-is=runs]');
-            return told?.dataset.runs == runs && told.innerText.startsWith(name) && !told.innerText.includes('...');
-        }""",
-        arg=[runs, name],
-    )
+async def get(address: str, query: str = "", **headers: str) -> httpx.Response:
+    """The answer to a GET alone."""
+    async with httpx.AsyncClient(timeout=60) as http:
+        return await http.get(f"{address}{query}", headers=headers)
 
 
-def interval(text: str) -> list[float]:
-    """The numbers in a text such as "14.4 % [10.0, 20.3]"."""
-    return [float(number) for number in re.findall(r"-?[0-9.]+", text)]
-
-
-def field(page, key: str):
-    """The text field of a knob."""
-    return page.get_by_label(key, exact=True).and_(page.locator("input"))
-
-
-def enter(page, key: str, text: str) -> None:
-    """Type into the field of a knob, and leave it."""
-    field(page, key).fill(text)
-    field(page, key).press("Enter")
-    field(page, key).blur()
-
-
-def change(page, key: str, text: str) -> None:
-    """Enter what is accepted, and wait until its picture is there."""
-    before = run_of(page)
-    enter(page, key, text)
-    wait_for_run(page, before)
-
-
-def run_of(page) -> int:
-    """How many runs have been shown."""
-    return int(page.locator(".player").get_attribute("data-run"))
-
-
-def wait_for_run(page, before: int) -> None:
-    """Until another run is shown."""
-    page.wait_for_function("before => Number(document.querySelector('.player')?.dataset.run) > before", arg=before)
+@asynccontextmanager
+async def visiting(address: str, query: str = "") -> AsyncIterator[Visitor]:
+    """A visitor who stays for the block."""
+    found = Visitor(address, (await get(address, query)).text)
+    try:
+        await found.connect(address.rstrip("/"))
+        yield found
+    finally:
+        await found.socket.disconnect()

@@ -1,32 +1,23 @@
 """The folder of the page: no name leads out of it, nothing is overwritten, no code comes from elsewhere."""
 
-import json
 import os
 import sys
-from pathlib import Path
 
 import pytest
 
 import tissue
 from dincl.errors import InvalidProblem
 from tests.full_disk import full_disk
-from tissue.study.plan import load_study
-from tissue.study.store import opened
 from verification.explore.common.folder import Folder, NeedsPython
 
 
 @pytest.fixture
-def outside(tmp_path):
-    """A file of parameters and one of Python outside of the folder."""
+def folder(tmp_path):
+    """A folder beside a file of parameters and one of Python."""
     (tmp_path / "other.toml").write_text('base = "thesis"\n')
     (tmp_path / "code.py").write_text("raise SystemExit('this must never run')\n")
-    return tmp_path
-
-
-@pytest.fixture
-def folder(outside):
-    (outside / "mine").mkdir()
-    return Folder(outside / "mine")
+    (tmp_path / "mine").mkdir()
+    return Folder(tmp_path / "mine")
 
 
 @pytest.mark.parametrize(
@@ -37,55 +28,43 @@ def test_only_plain_names_are_taken(folder, name):
         folder.path(name)
 
 
-def test_a_link_out_of_the_folder_is_no_file_of_it(folder, outside):
-    (folder.root / "link.toml").symlink_to(outside / "other.toml")
-    with pytest.raises(InvalidProblem):
-        folder.parameters("link.toml")
-    assert folder.parameter_files() == []
-
-
 @pytest.mark.parametrize("name", ["pipe.toml", "loop.toml", "folder.toml", "missing.toml", "to_pipe.toml"])
 def test_what_is_no_file_is_refused_at_once(folder, name):
-    """To open a pipe would wait, and all visitors with it; a link to itself has no end."""
+    """To open a pipe would wait, and all visitors with it; a link to itself has no end, another leads outside."""
     os.mkfifo(folder.root / "pipe.toml")
     (folder.root / "loop.toml").symlink_to("loop.toml")
     (folder.root / "to_pipe.toml").symlink_to("pipe.toml")
+    (folder.root / "link.toml").symlink_to(folder.root.parent / "other.toml")
     (folder.root / "folder.toml").mkdir()
     (folder.root / "above.toml").write_text(f'base = "{name}"\n')
-    (folder.root / "results" / "a").mkdir(parents=True)
-    os.mkfifo(folder.root / "results" / "a" / "study.json")
-    (folder.root / "b").mkdir()
-    (folder.root / "b" / "study.json").symlink_to("study.json")
     for asked in (name, "above.toml"):
         with pytest.raises(InvalidProblem, match="must be a file in mine"):
             folder.parameters(asked)
+    with pytest.raises(InvalidProblem, match="without a folder"):
+        folder.parameters("link.toml")
     assert folder.parameter_files() == ["above.toml"]
-    for study in folder.studies():
-        with pytest.raises(InvalidProblem, match="must be the record of a study"):
-            folder.results(study)
 
 
 @pytest.mark.parametrize(
-    "text",
+    ("text", "message"),
     [
-        'base = "../other.toml"',
-        'base = "thesis"\n[own]\nmodules = ["../code.py"]',
-        'base = "near.toml"',
+        ('base = "../other.toml"', "without a folder"),
+        ('base = "thesis"\n[own]\nmodules = ["../code.py"]', "without a folder"),
+        ('base = "near.toml"', "without a folder"),
+        ('base = "plain.toml"\n[own]\nmodules = ["nothing_at_all.py"]', "must be a file of Python"),
+        ('base = "mine.toml"', "must not be based on this file"),
+        ('base = "circle.toml"', "must not be based on this file"),
     ],
 )
-def test_a_file_that_names_others_outside_is_refused(folder, outside, text):
-    (folder.root / "near.toml").write_text(f'base = "thesis"\n[own]\nmodules = ["{outside / "code.py"}"]')
+def test_files_may_name_each_other_but_none_outside_and_not_themselves(folder, text, message):
+    outside = folder.root.parent / "code.py"
+    (folder.root / "near.toml").write_text(f'base = "thesis"\n[own]\nmodules = ["{outside}"]')
+    (folder.root / "plain.toml").write_text('base = "thesis"\n[tissue]\ncells = 30')
+    (folder.root / "circle.toml").write_text('base = "mine.toml"')
     (folder.root / "mine.toml").write_text(text)
-    with pytest.raises(InvalidProblem, match="without a folder"):
-        folder.parameters("mine.toml")
-
-
-def test_files_of_the_folder_may_name_each_other(folder):
-    (folder.root / "near.toml").write_text('base = "thesis"\n[tissue]\ncells = 30')
-    (folder.root / "mine.toml").write_text('base = "near.toml"\n[own]\nmodules = ["nothing_at_all.py"]')
-    with pytest.raises(InvalidProblem, match="must be a file of Python"):
+    with pytest.raises(InvalidProblem, match=message):
         folder.parameters("mine.toml", agreed=True)
-    assert folder.parameters("near.toml").tissue.cells == 30
+    assert folder.parameters("plain.toml").tissue.cells == 30
     assert folder.parameters("chick") == tissue.preset("chick")
 
 
@@ -120,47 +99,14 @@ def test_code_that_ends_the_program_ends_nothing_and_is_no_module(text, folder):
         folder.parameters("above.toml")
 
 
-@pytest.mark.parametrize("names", [["one"], ["one", "two", "three"]])
-def test_a_base_that_names_itself_is_refused(names, folder):
-    for name, base in zip(names, [*names[1:], names[0]], strict=True):
-        (folder.root / f"{name}.toml").write_text(f'base = "{base}.toml"')
-    with pytest.raises(InvalidProblem, match="must not be based on this file"):
-        folder.parameters("one.toml")
-
-
-def test_a_full_disk_leaves_no_file(folder):
-    with full_disk(), pytest.raises(InvalidProblem, match=r"new\.toml: cannot be written: File too large"):
-        folder.save("new", "x" * 1000)
-    assert list(folder.root.iterdir()) == []
-
-
-def test_nothing_is_overwritten(folder):
+def test_nothing_is_overwritten_and_a_full_disk_leaves_no_file(folder):
     path = folder.save("new", "first = 1")
     assert path == folder.root / "new.toml"
     with pytest.raises(InvalidProblem, match="new name"):
         folder.save("new.toml", "second = 2")
     assert path.read_text() == "first = 1"
-    with pytest.raises(InvalidProblem, match="without a folder"):
-        folder.save("../new", "")
-
-
-def test_a_study_may_not_bring_code_from_elsewhere(folder, outside):
-    kept, text = (
-        folder.root / "results" / "study",
-        'title = "a"\nbase = "thesis"\nreplicates = 1\nseed = 1\n[scenarios.A]\n',
-    )
-    (outside / "study.toml").write_text(text)
-    with opened(load_study(outside / "study.toml"), kept):
-        record = json.loads((kept / "study.json").read_text())
-    record["parameters"]["A"]["own"] = {"modules": [str(outside / "code.py")]}
-    (kept / "study.json").write_text(json.dumps(record))
-    assert folder.studies() == ["results/study"]
-    with pytest.raises(InvalidProblem, match="without a folder"):
-        folder.results("results/study")
-    with pytest.raises(InvalidProblem, match="must be a study in"):
-        folder.results("../mine/results/study")
-
-
-def test_a_folder_that_is_none_is_refused(tmp_path):
+    with full_disk(), pytest.raises(InvalidProblem, match=r"more\.toml: cannot be written: File too large"):
+        folder.save("more", "x" * 1000)
+    assert list(folder.root.iterdir()) == [path]
     with pytest.raises(InvalidProblem, match="must be a folder"):
-        Folder(Path(tmp_path / "nothing"))
+        Folder(folder.root / "nothing")

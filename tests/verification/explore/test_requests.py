@@ -10,8 +10,7 @@ import httpx
 import pytest
 import socketio
 
-from tests.verification.explore.site import cpu_ticks, served
-from tests.verification.explore.visitor import Visitor, get, visiting
+from tests.verification.explore.site import Visitor, cpu_ticks, get, served, visiting
 
 pytestmark = pytest.mark.slow
 

@@ -43,6 +43,7 @@ def test_two_proofs_of_one_scene_overlap():
     coarse, fine = v.prove(scene, [1.0, 2.0], bound=1e-6), v.prove(scene, [1.0, 2.0], bound=1e-20)
     assert fine.bound <= 1e-20
     assert (np.linalg.norm((coarse.x - fine.x).reshape(2, -1), axis=1) <= coarse.radius + 1e-15).all()
+    assert fine.errors(fine.x + 0.25) == pytest.approx(0.25 * np.sqrt(2))
 
 
 @pytest.mark.slow
@@ -51,13 +52,6 @@ def test_ten_discs_in_a_corner():
     path = dincl.solve(scenes.ten_disks_corner(), dincl.EventDriven(1e-11), t=[3.0])
     assert proof.bound <= 1e-12
     assert proof.errors(path.x)[0] <= path.error[0]
-
-
-def test_a_wrong_state_has_a_large_error():
-    scene = scenes.two_disks()
-    proof = v.prove(scene, [2.0], bound=1e-12)
-    moved = proof.x + 0.25
-    assert proof.errors(moved)[0] == pytest.approx(0.25 * np.sqrt(2))
 
 
 SETS = {
@@ -112,83 +106,41 @@ def swung(t, x):
     return np.stack([np.cos(t) - x[:, 0] ** 3, -1 - np.sin(x[:, 0]) * x[:, 1]], axis=1)
 
 
-@pytest.mark.slow
-def test_a_moving_wall_and_a_drift_of_your_own():
-    problem = dincl.Problem(
-        [[0.3, 1.0], [1.6, 1.2]], swung, [dincl.NonOverlap(0.5), dincl.Moving(dincl.HalfSpace((0, 1), 0.0, 0.5), wall)]
-    )
-    proof = v.prove(problem, [1.0, 2.0], bound=1e-12)
-    path = dincl.solve(problem, dincl.EventDriven(1e-11), t=[1.0, 2.0])
-    assert len(path.events) >= 2
-    assert (proof.errors(path.x) <= 1e-10).all()
-    assert any("swung" in one for one in proof.assumed)
+MOVING = {
+    "wall": ([[0.3, 1.0], [1.6, 1.2]], swung, [dincl.NonOverlap(0.5), dincl.HalfSpace((0, 1), 0.0, 0.5)]),
+    "container": ([[0.2, 0.1]], constant([1.0, 0.5]), [dincl.InsideBall((0.1, -0.2), 1.0)]),
+}
 
 
 @pytest.mark.slow
-def test_a_moving_container():
-    ball = dincl.Moving(dincl.InsideBall((0.1, -0.2), 1.0), wall)
-    problem = dincl.Problem([[0.2, 0.1]], constant([1.0, 0.5]), [ball])
+@pytest.mark.parametrize("name", MOVING)
+def test_a_moving_set_and_a_drift_of_your_own(name):
+    x0, drift, sets = MOVING[name]
+    problem = dincl.Problem(x0, drift, [*sets[:-1], dincl.Moving(sets[-1], wall)])
     proof = v.prove(problem, [1.0, 2.0], bound=1e-12)
     path = dincl.solve(problem, dincl.EventDriven(1e-11), t=[1.0, 2.0])
     assert path.events
     assert (proof.errors(path.x) <= 1e-10).all()
+    assert any("swung" in one for one in proof.assumed) == (name == "wall")
 
 
-def test_what_cannot_be_proved_is_refused_with_a_reason():
-    ring = [[1.0, 0.0], [0.0, 0.0], [-1.0, 0.0]]
-    smooth = dincl.Problem(ring, attraction(0), [dincl.Smooth(lambda x: 2 - (x**2).sum(axis=1))])
-    with pytest.raises(dincl.InvalidProblem, match="Smooth: proofs know"):
-        v.prove(smooth, [1.0])
-    with pytest.raises(dincl.InvalidProblem, match="must be a function at the top of a module"):
-        v.prove(dincl.Problem(ring, lambda t, x: -x), [1.0])
-    growing = dincl.Problem([[0.0, 0.0], [3.0, 0.0]], attraction(0), [dincl.NonOverlap(lambda t: 0.5 + 0.1 * t)])
-    with pytest.raises(dincl.InvalidProblem, match="NonOverlap must rest, or be translated"):
-        v.prove(growing, [1.0])
-    turning = dincl.Moving(dincl.HalfSpace((0, 1)), dincl.RigidMotion(lambda t: t))
-    with pytest.raises(dincl.InvalidProblem, match="Moving must rest, or be translated"):
-        v.prove(dincl.Problem([[0.0, 1.0]], attraction(0), [turning]), [1.0])
-    with pytest.raises(dincl.InvalidProblem, match="increasing times"):
-        v.prove(dincl.Problem(ring, attraction(0)), [1.0, 0.5])
+RING, FAR = [[1.0, 0.0], [0.0, 0.0], [-1.0, 0.0]], [[0.0, 0.0], [3.0, 0.0]]
+TURNING = dincl.Moving(dincl.HalfSpace((0, 1)), dincl.RigidMotion(lambda t: t))
 
 
-def rooted(t, x):
-    """Return a drift with a power that is no whole number."""
-    return -(x**1.5)
-
-
-def branching(t, x):
-    """Return a drift that asks for the side of a line."""
-    return np.where(x > 0, -x, x)
-
-
-def bent(t, x):
-    """Return a drift with the absolute value of a number."""
-    return 0 * x + [abs(t - 1.0), 0.0]
-
-
-def largest(t, x):
-    """Return a drift with the larger of two numbers."""
-    return 0 * x + [max(0.0, t - 1.0), 0.0]
-
-
-def converted(t, x):
-    """Return a drift that makes the time a double number."""
-    return 0 * x + [np.sin(float(t)), 0.0]
-
-
-def equal(t, x):
-    """Return a drift that is 1 to the right on the axis, and -1 upwards."""
-    return np.concatenate((np.where(x[:, 1:] == 0, 1.0, 0.0), -1.0 + 0 * x[:, 1:]), axis=1)
-
-
-def unequal(t, x):
-    """Return a drift that differs where two coordinates are equal."""
-    return 0 * x + (x[:, :1] != x[:, 1:])
-
-
-def true(t, x):
-    """Return a drift that takes a number for a truth value."""
-    return np.array([[1.0 if y else -1.0, 0 * y] for y in x[:, 1]])
+@pytest.mark.parametrize(
+    ("given", "t", "message"),
+    [
+        ((RING, attraction(0), [dincl.Smooth(lambda x: 2 - (x**2).sum(axis=1))]), [1.0], "Smooth: proofs know"),
+        ((RING, lambda t, x: -x), [1.0], "must be a function at the top of a module"),
+        ((FAR, attraction(0), [dincl.NonOverlap(lambda t: 0.5 + 0.1 * t)]), [1.0], "NonOverlap must rest, or be"),
+        (([[0.0, 1.0]], attraction(0), [TURNING]), [1.0], "Moving must rest, or be translated"),
+        ((RING, attraction(0)), [1.0, 0.5], "increasing times"),
+    ],
+)
+def test_what_cannot_be_proved_is_refused_with_a_reason(given, t, message):
+    with pytest.raises(dincl.InvalidProblem, match=message):
+        v.prove(dincl.Problem(*given), t)
 
 
 def caught(t, x):
@@ -207,51 +159,39 @@ def caught_float(t, x):
         return 0 * x
 
 
-def hashed(t, x, known={}):  # noqa: B006
-    """Return a drift that looks up the time."""
-    return -x if t in known else x
+def renamed(function, name, module=__name__):
+    """Return a function with another name."""
+    function.__name__ = function.__qualname__ = name
+    function.__module__ = module
+    return function
 
 
-def sorted_entries(t, x):
-    """Return a drift that sorts."""
-    return -np.sort(x, axis=1)
+REFUSED = {
+    "rooted": lambda t, x: -(x**1.5),
+    "branching": lambda t, x: np.where(x > 0, -x, x),
+    "bent": lambda t, x: 0 * x + [abs(t - 1.0), 0.0],
+    "largest": lambda t, x: 0 * x + [max(0.0, t - 1.0), 0.0],
+    "converted": lambda t, x: 0 * x + [np.sin(float(t)), 0.0],
+    "equal": lambda t, x: np.concatenate((np.where(x[:, 1:] == 0, 1.0, 0.0), -1.0 + 0 * x[:, 1:]), axis=1),
+    "unequal": lambda t, x: 0 * x + (x[:, :1] != x[:, 1:]),
+    "true": lambda t, x: np.array([[1.0 if y else -1.0, 0 * y] for y in x[:, 1]]),
+    "hashed": lambda t, x, known={}: -x if t in known else x,
+    "sorted_entries": lambda t, x: -np.sort(x, axis=1),
+    "any_entry": lambda t, x: -x if x.any() else 1 + x,
+    "clipped": lambda t, x: -np.clip(x, -0.3, 0.3),
+    "rounded": lambda t, x: -np.floor(x),
+    "remainder": lambda t, x: -(x % 0.25),
+    "longer": lambda t, x: -x * np.longdouble(0.1),  # which would be rounded
+    "caught": caught,
+    "caught_float": caught_float,
+}
+globals().update({name: renamed(drift, name) for name, drift in REFUSED.items()})
 
 
-def any_entry(t, x):
-    """Return a drift that asks whether a coordinate is not zero."""
-    return -x if x.any() else 1 + x
-
-
-def clipped(t, x):
-    """Return a drift that is cut off."""
-    return -np.clip(x, -0.3, 0.3)
-
-
-def rounded(t, x):
-    """Return a drift in steps."""
-    return -np.floor(x)
-
-
-def remainder(t, x):
-    """Return a drift that is periodic."""
-    return -(x % 0.25)
-
-
-def longer(t, x):
-    """Return a drift with numbers longer than double numbers, which would be rounded."""
-    return -x * np.longdouble(0.1)
-
-
-@pytest.mark.parametrize(
-    "drift",
-    [
-        *(rooted, branching, bent, largest, converted, equal, unequal, true, caught, caught_float, hashed),
-        *(sorted_entries, any_entry, clipped, rounded, remainder, longer),
-    ],
-)
-def test_functions_that_treat_balls_otherwise_than_numbers_are_refused(drift):
-    with pytest.raises(v.NotProved, match=f"{drift.__name__} cannot be evaluated on balls: .* not if, abs or max"):
-        v.prove(dincl.Problem([[1.0, 0.5]], drift), [1.0])
+@pytest.mark.parametrize("name", REFUSED)
+def test_functions_that_treat_balls_otherwise_than_numbers_are_refused(name):
+    with pytest.raises(v.NotProved, match=f"{name} cannot be evaluated on balls: .* not if, abs or max"):
+        v.prove(dincl.Problem([[1.0, 0.5]], REFUSED[name]), [1.0])
 
 
 def by_type(t, x):
@@ -309,12 +249,6 @@ def nested():
         return -4 * x
 
     return falls
-
-
-def renamed(function, name, module=__name__):
-    """Return a function with another name."""
-    function.__qualname__, function.__module__ = name, module
-    return function
 
 
 OTHERS = {
@@ -494,3 +428,46 @@ def test_a_bound_that_cannot_be_reached_is_not_claimed():
     with pytest.raises(v.NotProved) as failed:
         v.prove(off, [1.0], bound=1e-16)
     assert 1e-13 <= failed.value.best <= 1e-9
+
+
+# A proved reference, which serves every instrument
+
+
+def test_errors_resolve_far_below_rounding():
+    scene = scenes.two_disks()
+    known = v.reference(scene, proved=True)([2.0, 4.0])
+    assert known.proved
+    assert (known.error <= 1e-20).all()
+    # The exact solution, rounded: its error is the rounding, known to 1e-20 although the states are double numbers.
+    off = np.abs(known.off(scene.exact([2.0, 4.0])))
+    assert 0 < off.max() < 2**-52
+    np.testing.assert_array_equal(off, np.abs(known.low))
+
+
+@pytest.mark.slow
+def test_instruments_say_that_errors_are_proved():
+    scene, methods, steps = scenes.four_disks(), {"PBD": dincl.PBD}, [0.05 / 2**k for k in range(5)]
+    reference = v.reference(scene, proved=True)
+    orders = v.order_study(scene, methods, steps, [1.0, 2.0], reference, errors=("largest", "dense"))
+    assert orders.reference.startswith("± ")
+    assert (orders.table["reference_error"] <= 1e-20).all()
+    assert orders.fits["slope"].iloc[0] == pytest.approx(1.0, abs=0.1)
+    chart = v.work_precision(scene, methods, steps, [1.0, 2.0], reference, v.CpuSeconds(1.0))
+    for result in (orders, chart):
+        assert "proved" in repr(result)
+        assert "proved" in result.plot().get_ylabel()
+
+
+def test_errors_agree_with_those_of_the_estimated_reference():
+    scene = scenes.four_disks()
+    estimated, proved = v.reference(scene, tol=1e-11)([1.0, 2.0]), v.reference(scene, proved=True)([1.0, 2.0])
+    x = dincl.solve(scene, dincl.PBD(0.01), [1.0, 2.0]).x
+    np.testing.assert_allclose(estimated.off(x), proved.off(x), rtol=0, atol=1e-11)
+    assert not estimated.words
+
+
+def test_a_proved_reference_takes_no_scheme():
+    with pytest.raises(dincl.InvalidProblem, match="takes no scheme"):
+        v.reference(scenes.two_disks(), scheme=dincl.PBD, proved=True)
+    with pytest.raises(dincl.InvalidProblem, match="tol = None"):
+        v.reference(scenes.two_disks())

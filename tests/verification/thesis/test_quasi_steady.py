@@ -10,7 +10,7 @@ from scipy.optimize import nnls
 import dincl
 from dincl.status import Status
 from tests.tissue.states import cells, divided, layers, numbers, start, tissue
-from tests.twins.tissue.steps import make_substeps
+from tests.twins.tissue import make_substeps
 from tissue.files.parameters import preset
 from tissue.model.energy import energy, forces
 from tissue.rules.slice import in_plane
@@ -44,7 +44,7 @@ def test_pbd_is_the_substep_of_the_model(changes, detached):
     network = layers(30, apical=np.delete(np.arange(30), [3, 11]), basal=np.delete(np.arange(30), detached))
     state.by[detached] = 0.4
     state = cells_at(particles(state), state, network)
-    expected = make_substeps(state, network, given, np.random.default_rng(0))
+    expected = make_substeps(state, network, given)
     path = dincl.solve(frozen_problem(state, network, given), dincl.PBD(0.002), t=[0.2])
     assert path.stats.constraint_projections > 100
     assert path.final == pytest.approx(particles(expected), abs=1e-11)

@@ -6,7 +6,7 @@ import pytest
 from scipy.stats import t as student
 
 from tests.tissue.states import THESIS, cells, layers, numbers, tissue
-from tests.twins.tissue.steps import make_substeps
+from tests.twins.tissue import make_substeps
 from tissue.files.parameters import preset
 from tissue.frames.observables import height
 from tissue.model.energy import energy
@@ -155,7 +155,7 @@ def test_swing_is_the_period_two_part_of_the_substeps():
     h = THESIS._replace(dt=scale * THESIS.mu, substeps=1)
     path = [state]
     for _ in range(2):
-        path.append(make_substeps(path[-1], network, h, np.random.default_rng(0)))
+        path.append(make_substeps(path[-1], network, h))
     x = [growing.nuclei(growing.Frame(0.0, one, network)) for one in path]
     expected = np.hypot(*(x[2] - 2 * x[1] + x[0])) / 4
     assert swing(Frozen(state, network, THESIS), scale) == pytest.approx(expected, abs=1e-9)

@@ -22,8 +22,8 @@ from tissue.pictures.picture import box_of
 from tissue.pictures.sheet import COLOURS, GREY, TYPE_COLOURS
 from tissue.runs.batch import Batch, output_steps
 from tissue.state.cells import CellLayers, Cells
-from tissue.state.mesh import Sheets
 from tissue.state.running import APICAL, BASAL, CELLS
+from tissue.state.space import Sheets
 from tissue.state.surface import PLANE
 from verification.explore.common.streams import ending, message
 from verification.explore.tissues.ensemble import Cancelled
