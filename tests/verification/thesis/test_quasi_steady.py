@@ -1,25 +1,145 @@
-"""The damped Arrow-Hurwicz method on a frozen tissue: against plain NumPy, dincl, PBD and its own stability."""
+"""The quasi-steady model: a frozen tissue as a problem of dincl, DAHA on it, and the runs made of its minima."""
 
 import math
 from itertools import pairwise
 
 import numpy as np
 import pytest
+from scipy.optimize import nnls
 
 import dincl
-from dincl.minimise import DampedArrowHurwicz as OnAProblem
-from dincl.minimise import RelativeMove, minimise
-from tests.tissue.states import cells, layers, numbers, tissue
+from dincl.status import Status
+from tests.tissue.states import cells, divided, layers, numbers, start, tissue
+from tests.twins.tissue import make_substeps
+from tissue.files.parameters import preset
 from tissue.model.energy import energy, forces
 from tissue.rules.slice import in_plane
 from tissue.runs.group import Group
-from tissue.state.cells import COORDINATES
+from tissue.runs.simulate import simulate
+from tissue.state.cells import COORDINATES, Cells
+from tissue.state.checkpoint import streams
 from tissue.state.numbers import Daha
 from tissue.state.running import contents, new_state
 from verification.thesis.chapter3.accuracy import left_over
 from verification.thesis.chapter3.frozen import Frozen
-from verification.thesis.quasi_steady.daha import TissueArrowHurwicz, violation
-from verification.thesis.quasi_steady.frozen import constraints, frozen_problem, particles
+from verification.thesis.quasi_steady.daha import Stopped, TissueArrowHurwicz, violation
+from verification.thesis.quasi_steady.frozen import cells_at, constraints, frozen_problem, made_feasible, particles
+from verification.thesis.quasi_steady.run import simulate_quasi_steady
+
+# The frozen tissue
+
+N = 60
+T_END = 0.1
+IPOPT = dincl.Ipopt(1e-9)
+
+
+def farthest(x, y):
+    return float(np.sqrt(((x - y) ** 2).sum(axis=1)).max())
+
+
+@pytest.mark.parametrize("changes", [{}, {"spring_power": 2, "junction_factor": 0.25, "repulsion": 0.5}])
+@pytest.mark.parametrize("detached", [[], [7, 20]])
+def test_pbd_is_the_substep_of_the_model(changes, detached):
+    state, given = cells(30, 4), numbers(max_basal_distance=0.4, dt=0.2, substeps=100, **changes)
+    network = layers(30, apical=np.delete(np.arange(30), [3, 11]), basal=np.delete(np.arange(30), detached))
+    state.by[detached] = 0.4
+    state = cells_at(particles(state), state, network)
+    expected = make_substeps(state, network, given)
+    path = dincl.solve(frozen_problem(state, network, given), dincl.PBD(0.002), t=[0.2])
+    assert path.stats.constraint_projections > 100
+    assert path.final == pytest.approx(particles(expected), abs=1e-11)
+    assert (path.final[60:, 1] == 0).sum() == 30 - len(detached)
+
+
+@pytest.fixture(scope="module")
+def begun():
+    """60 cells as a run begins, and where they are after 0.1 h: second order, so four times the error at twice h."""
+    problem = frozen_problem(start(N, 0), layers(N), numbers())
+    coarse, fine = (midpoint(problem, steps) for steps in (400, 800))
+    exact = fine + (fine - coarse) / 3
+    assert farthest(exact, fine) < 2e-5
+    return problem, exact
+
+
+def midpoint(problem, steps):
+    return dincl.solve(problem, dincl.MidpointCatchUp(T_END / steps, dincl.ProjectedCG(1e-10)), t=[T_END]).final
+
+
+SCHEMES = {
+    # name: (scheme of h, order, number of steps, error at the last one, overlap left at most)
+    "PBD": (dincl.PBD, 1, [80, 160, 320, 640], 5e-3, 1e-3),
+    "LinearisedCatchUp": (lambda h: dincl.LinearisedCatchUp(h, dincl.Piqp(1e-9)), 1, [20, 40, 80, 160], 1e-2, 1e-9),
+    "MidpointCatchUp": (
+        lambda h: dincl.MidpointCatchUp(h, dincl.ProjectedCG(1e-10)),
+        2,
+        [20, 40, 80, 160],
+        2e-4,
+        1e-9,
+    ),
+}
+
+
+@pytest.mark.slow_with("PBD", "LinearisedCatchUp")
+@pytest.mark.parametrize("name", SCHEMES)
+def test_schemes_converge_together_in_their_orders(name, begun):
+    problem, exact = begun
+    scheme, order, steps, last, overlap = SCHEMES[name]
+    paths = [dincl.solve(problem, scheme(T_END / m), t=[T_END]) for m in steps]
+    errors = [farthest(path.final, exact) for path in paths]
+    assert abs(-np.polyfit(np.log(steps), np.log(errors), 1)[0] - order) < 0.25
+    assert errors[-1] < last
+    assert paths[-1].violation()[0] < overlap
+    assert (paths[-1].final[2 * N :, 1] == 0).all()
+    assert farthest(exact, problem.x0) > 0.5
+
+
+@pytest.fixture(scope="module")
+def division():
+    """A settled tissue in which one cell has just divided, the number of that cell, and the problem when feasible."""
+    state, given = start(N, 1), numbers()
+    settled = dincl.solve(frozen_problem(state, layers(N), given), dincl.PBD(0.005), t=[1.0]).final
+    middle = int(np.argmin(np.abs(settled[:N, 0]) + np.abs(settled[:N, 1] - np.median(settled[:N, 1]))))
+    split = divided(cells_at(settled, state, layers(N)), middle)
+    feasible = made_feasible(split, layers(N + 1), given, IPOPT)
+    return split, middle, frozen_problem(feasible, layers(N + 1), given)
+
+
+def test_made_feasible_is_locally_the_nearest_state(division):
+    """The move is a combination with weights >= 0 of the gradients of constraints that are active: Definition 1.24."""
+    state, _, problem = division
+    move = (problem.x0 - particles(state)).ravel()
+    active = problem.rows_within(0.0, problem.x0, 1e-8)
+    weights, left_over = nnls(active.jacobian(problem.x0).toarray().T, move)
+    assert problem.violation(0.0, problem.x0) < 1e-8
+    assert weights.max() > 0.2
+    assert left_over < 1e-7
+
+
+def test_a_feasible_state_stays_where_it_is():
+    state = cells(10, 6)
+    found = made_feasible(state, layers(10), numbers(), IPOPT)
+    assert particles(found).tolist() == particles(state).tolist()
+
+
+BAD = {
+    "off the line": ({"by": [0.0, 0.1]}, r"cells.by\[1\] = 0.1: must be 0 in the basal layer"),
+    "overlap": ({"radius": [1.0, 1.5]}, "violates NonOverlap by 1.5"),
+    "order": ({"bx": [0.1, 0.0]}, "violates Ordered by 0.1"),
+    "too far": ({"bx": [0.0, 1.0]}, "violates MaxDistance by 0.667"),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_starts_outside_of_the_set_are_refused(case):
+    change, message = BAD[case]
+    good = tissue([[0.0, 2.5], [1.0, 2.5]], [[0.0, 5.0], [1.0, 5.0]], [[0.0, 0.0], [0.3, 0.0]])
+    frozen_problem(good, layers(2), numbers())
+    bad = good._replace(**{name: np.array(values) for name, values in change.items()})
+    with pytest.raises(dincl.InvalidProblem, match=message):
+        frozen_problem(bad, layers(2), numbers())
+
+
+# DAHA
 
 TABLE_4 = Daha(alpha=1e-4, beta=0.25, gamma=1e-3, c=2.0, dtau=1.0, eps=1e-6, most_iterations=100_000)
 NEVER = 1e-100  # an eps that no move meets
@@ -84,7 +204,6 @@ def distance(one, other):
 CASES = {
     "table 4": ({}, {}),
     "published energies": ({}, {"spring_power": 2, "junction_factor": 0.25, "repulsion": 0.5}),
-    "three levels": ({"c": 0.3, "dtau": 1.0}, {}),
     "overdamped": ({"c": 5.0, "dtau": 2.0}, {}),
 }
 
@@ -105,15 +224,6 @@ def test_the_kernel_is_the_method(case, rng):
     assert (reached.status, reached.iterations) == (dincl.Status.NOT_CONVERGED, 400)
     assert reached.violation == pytest.approx(broken(expected, network, given), abs=1e-10)
     assert reached.energy == pytest.approx(energy(expected, network, given), rel=1e-11)
-
-
-def test_agrees_with_dincl():
-    state, network, given = cells(24, 2), layers(24), numbers()
-    method = OnAProblem(1e-3, 0.25, 1e-3, 0.5, 1.5, RelativeMove(NEVER), 300, squared=True)
-    expected = minimise(frozen_problem(state, network, given._replace(mu=1.0)), method, throw=False)
-    assert len(expected.reactions()) > 4
-    reached = found(state, network, given, **steps_of(300, alpha=1e-3, c=0.5, dtau=1.5))
-    assert particles(reached.cells) == pytest.approx(expected.x, abs=1e-12)
 
 
 def test_is_explicit_euler_with_half_of_alpha():
@@ -213,15 +323,6 @@ def test_divergence_is_told():
     assert "did not terminate" in reached.detail
 
 
-def test_a_crowd_is_told():
-    reached = found(
-        tissue(*[np.linspace(0.0, 0.3, 90)[:, None] * (1, 0.1) + (0, y) for y in (4, 8, 0)]),
-        layers(90, basal=[]),
-        numbers(),
-    )
-    assert reached.status is dincl.Status.CROWDED
-
-
 def test_violation_is_the_largest_of_all():
     state = cells(5, 1, radius=1e-3)._replace(bx=np.array([0.0, 0.1, 0.05, 0.25, 0.35]))
     assert broken(state, layers(5), numbers(max_basal_distance=0.2)) == pytest.approx(0.05)
@@ -230,9 +331,68 @@ def test_violation_is_the_largest_of_all():
     assert broken(two(0.1), layers(2), FREE) == 0.0
 
 
-@pytest.mark.parametrize("place", [1e7, math.inf, math.nan])
-def test_a_state_beyond_all_bounds(place):
-    state = cells(4, 1)
-    state.x[2] = place
-    with pytest.raises(dincl.InvalidProblem, match="must be below"):
-        found(state, layers(4), numbers())
+# Runs
+
+AGES = ("birth", "cycle", "id", "mother", "radius", "moves", "divides")
+QUICK = {
+    "tissue.cells": 12,
+    "numerics.t_end": "1 h",
+    "numerics.keep": "0.2 h",
+    "rules.floor_rest_length": True,
+    "daha.alpha": 1e-3,
+    "daha.gamma": 1e-2,
+}
+
+
+def parameters(**changes):
+    return preset("thesis").changed({**QUICK, **changes})
+
+
+def same(one, other, names=Cells._fields):
+    return all((getattr(one, name) == getattr(other, name)).all() for name in names)
+
+
+@pytest.mark.parametrize(("end", "daughters"), [("15 h", 0.5), ("45 h", 1.0)])
+def test_rules_and_divisions_are_those_of_the_first_order_model(end, daughters):
+    changes = {"numerics.t_end": end, "numerics.keep": "3 h", "tissue.two_daughters": daughters, "daha.eps": 1e-3}
+    chosen = parameters(**changes)
+    minima, moving = simulate_quasi_steady(chosen, 3), simulate(chosen, 3)
+    assert minima.status is Status.SUCCESS
+    assert minima.stats["divisions"] == moving.stats["divisions"] > 0
+    assert minima.stats["substeps"] == 0
+    for a, b in zip(minima.frames, moving.frames, strict=True):
+        assert a.t == b.t
+        assert same(a.cells, b.cells, AGES)
+        assert same(a.layers, b.layers, a.layers._fields)
+    assert not same(minima.final.cells, moving.final.cells, "x")
+
+
+def test_each_step_begins_with_the_noise_on_what_was_left(monkeypatch):
+    seen = []
+
+    def stays(self, cells, layers, numbers):
+        seen.append(cells)
+        return Stopped(cells, float(len(seen)), 0.1, len(seen), Status.SUCCESS, "")
+
+    monkeypatch.setattr(TissueArrowHurwicz, "minimise", stays)
+    run = simulate_quasi_steady(parameters(**{"tissue.two_daughters": 0.0}), 5)
+    noise, deviation = streams(5).noise, np.sqrt(0.2 * 0.1)
+    x, y = run.frames[0].cells.x.copy(), run.frames[0].cells.y.copy()
+    for state in seen:
+        drawn = deviation * noise.standard_normal((12, 2))
+        x, y = x + drawn[:, 0], y + drawn[:, 1]
+        assert state.x == pytest.approx(x, abs=1e-14)
+        assert state.y == pytest.approx(y, abs=1e-14)
+    assert same(run.final.cells, seen[-1])
+    assert same(run.final.cells, run.frames[0].cells, ("ax", "ay", "bx", "by"))
+    assert run.iterations.tolist() == run.energy.tolist() == list(range(1, 11))
+
+
+def test_a_step_that_fails_ends_the_run():
+    run = simulate_quasi_steady(parameters(**{"daha.most_iterations": 30}), 0)
+    assert (run.status, run.iterations.tolist(), run.terminated.tolist()) == (Status.NOT_CONVERGED, [30], [False])
+    assert run.final.t == pytest.approx(0.1)
+    assert "t = 0.1 h: DAHA did not terminate in 30 iterations" in run.detail
+    run = simulate_quasi_steady(parameters(**{"daha.alpha": 2.0}), 0)
+    assert run.status is Status.NON_FINITE
+    assert run.energy.tolist() == run.violation.tolist() == [np.inf]

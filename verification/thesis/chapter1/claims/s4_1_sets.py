@@ -1,4 +1,4 @@
-"""Chapter 1, sections 4 and 4.1: sets that are not convex, prox-regularity, proximal normals."""
+"""Chapter 1, sections 4 to 4.4: prox-regular sets, hypomonotone normals, support functions."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 from verification.claims import Correction, Effect, Evidence, at_least, at_most, claim, equal
-from verification.claims.formal.reals import reals
-from verification.claims.formal.stated import argument
+from verification.claims.formal.reals import follows, reals, solver_library
+from verification.claims.formal.stated import argument, implication
 from verification.thesis.chapter1.lemmas import NEAREST
 from verification.thesis.chapter1.sets import ROUNDING, contact_gradients
 
@@ -83,4 +83,53 @@ _projection_normal = argument(
     "The difference of y and its projection is a proximal normal; so is x_k + hF(x_k) − x_{k+1} in a step of catch-up.",
     NEAREST,
     also=("c1.catch-up-normal", "c1.step-inclusion"),
+)
+
+
+# p = v.(y - x), q = w.(x - y), D = |x - y|^2, k = 1/(2 eta); c = p/|v|, square is |x + eta v/|v| - y|^2.
+p, q, v, w, D, k, eta, c, square = reals("p q v w D k eta c square")
+
+BALL = [eta > 0, v > 0, D >= 0, p == v * c, square >= eta * eta]
+
+_hypomonotone = argument(
+    "c1.hypomonotone",
+    "(1.28)",
+    "-(v - w)·(x - y) ≤ (‖v‖ + ‖w‖)/(2η) ‖x - y‖²",
+    "Normals of prox-regular sets are monotone up to a quadratic term.",
+    follows(
+        [*BALL, square == D - 2 * eta * c + eta * eta],
+        2 * eta * p <= v * D,
+        ([*BALL, square == D + 2 * eta * c + eta * eta], 2 * eta * p <= v * D),
+        "no point y of S is nearer to x + ηv/‖v‖ than x, so v·(y − x) ≤ ‖v‖‖x − y‖²/(2η)",
+        "x − ηv/‖v‖",
+    ),
+    follows(
+        [k > 0, v >= 0, w >= 0, D >= 0, p <= v * k * D, q <= w * k * D],
+        p + q <= (v + w) * k * D,
+        p + q <= (v - w) * k * D,
+        "v·(y − x) ≤ ‖v‖‖x − y‖²/(2η) and w·(x − y) ≤ ‖w‖‖x − y‖²/(2η) sum to (1.28)",
+        "‖v‖ − ‖w‖",
+    ),
+)
+
+
+z3 = solver_library()
+a, b, p = reals("a b p")
+
+_support = implication(
+    "c1.support",
+    "(1.30)",
+    "A ⊆ B ⟺ σ(A, v) ≤ σ(B, v) for all v",
+    "A set A lies in B if and only if σ(A, ·) ≤ σ(B, ·).",
+    given=[a <= b, p <= b, -p <= -a],
+    then=[a <= p, p <= b],
+    wrong=z3.Or(p == a, p == b),
+    correction=Correction(
+        "“⇐” holds if B is closed and convex",
+        Effect.PROOF,
+        "(1.73), where B is closed and convex",
+        why="support functions do not tell a set from its closed convex hull: {0, 1} and [0, 1] have the same one",
+        place=759,
+    ),
+    chosen="sets of the line: σ(B, 1) = b and σ(B, −1) = −a for B = [a, b], and for B = {a, b}, which is not convex",
 )

@@ -1,20 +1,120 @@
-"""The third dimension: what is measured, what is kept, and what the page says of it."""
+"""Examples of tissue: what is measured of curved layers, sheets, fits and simpler models, and what the tables say."""
 
 import numpy as np
 import pandas as pd
 import pytest
 
 import tissue
-from tissue.frames.section import section
+from tests.executors import Nowhere
 from tissue.state.cells import CONTROL
 from tissue.study.plan import load_study
-from verification.site.store import shipped
+from tissue.study.simplifications import KINDS
+from verification.site.context import Context
+from verification.site.store import DATA, shipped
+from verification.thesis.chapter4.questions import QUESTIONS as CHAPTER4
+from verification.tissues import curved
+from verification.tissues.fits import HEIGHT, MISFIT_SEEN, OTHERS, OWN
+from verification.tissues.needs import page
+from verification.tissues.needs.study import EIGHT, NAME, QUESTIONS, placed, without_protrusions
 from verification.tissues.space import growth, isolated
 from verification.tissues.space import sheet as fitted
-from verification.tissues.space.growth import part_that_stays, roughness
+from verification.tissues.space.growth import roughness
 from verification.tissues.space.isolated import are_inner, counted, with_intervals
+from verification.tissues.studies import STUDIES
 
 pytestmark = pytest.mark.filterwarnings("ignore:.* never begins")
+
+
+def test_ways_out_are_counted_with_their_intervals():
+    table = shipped(curved.NAME)
+    assert len(table) == 2 * len(curved.study().runs) == 2 * 6 * len(curved.LAYERS)
+    assert ((table["low"] <= table["value"]) & (table["value"] <= table["high"])).all()
+    assert table["value"].to_numpy() == pytest.approx((table["count"] / table["of"]).to_numpy())
+
+
+def test_curvature_matters_as_the_page_says():
+    table = shipped(curved.NAME).query("side == 'basal'").set_index(["events", "layer"])
+    of_a = table.loc["[A]"]
+    assert of_a.loc["inside", "low"] > 2 * of_a.loc["line", "high"]
+    assert of_a.loc["outside", "high"] < 0.7 * of_a.loc["line", "low"]
+    assert (table.loc["[BP]", "low"] > 0.5).all()
+
+
+# Fits
+
+
+def test_coverage_is_within_its_range():
+    table = shipped("fit_coverage")
+    for data, names in ((OWN, ("mu", "two_daughters")), (HEIGHT, ("mu", "two_daughters"))):
+        rows = table[(table["data"] == data) & (table["points"] == 96)]
+        assert len(rows) > 200
+        for name in names:
+            inside = (rows[f"{name}_low"] <= rows[name]) & (rows[name] <= rows[f"{name}_high"])
+            assert 0.9 <= inside.mean() <= 0.99
+        widths = (rows["two_daughters_high"] - rows["two_daughters_low"]).median()
+        assert widths < 0.2 if data == OWN else widths > 0.45
+        assert (rows["p"] < 0.05).mean() <= 0.1
+    for name in OTHERS:
+        rows = table[table["data"].str.startswith(f"preset {name},")]
+        assert (rows["p"] < MISFIT_SEEN).mean() > 0.9
+
+
+# What a scene needs
+
+
+def test_verdicts_follow_from_the_intervals() -> None:
+    kept = shipped(NAME)
+    assert list(dict.fromkeys(kept["question"])) == list(QUESTIONS)
+    shown = kept[kept["difference"].notna()]
+    within = shown[["low", "high"]].abs().max(axis=1) < shown["tolerance"]
+    assert within[shown["verdict"] == "equivalent"].all()
+    assert ((shown[["low", "high"]].abs().min(axis=1) > shown["tolerance"]) == (shown["verdict"] == "different")).all()
+    assert (kept.loc[kept["difference"].isna(), "reason"] != "").all()
+    for row in kept[kept["answer"]].to_dict("records"):
+        assert row["verdict"] == "equivalent"
+        kinds = [KINDS[name] for name in row["model"].split(" + ")]
+        assert len(kinds) == len(set(kinds))
+    assert kept.groupby("question")["answer"].sum().max() <= 1
+
+
+def cells(**columns: list[float]) -> pd.DataFrame:
+    return pd.DataFrame({"replicate": [0, 0, 0, 0], "ab_48h": [-0.1, 0.5, -0.2, 0.5], **columns})
+
+
+def test_the_place_at_the_onset_is_weighed_by_its_share() -> None:
+    """The cells of THERE = 7 % begin below a fifth: the mean is the difference of both ratios of basal extrusion."""
+    low, high = 7, 93
+    table = pd.DataFrame(
+        {
+            "replicate": 0,
+            "onset_ab": [0.1] * low + [0.6] * high,
+            "ab_48h": [-0.1] * 5 + [0.5] * 2 + [-0.1] * 31 + [0.5] * 62,
+        }
+    )
+    assert placed(table, 48.0).mean() == pytest.approx(5 / 7 - 31 / 93)
+
+
+def test_cells_with_protrusions_are_left_out_of_the_mean() -> None:
+    table = cells(t_p_h=[10.0, np.inf, np.inf, 12.0])
+    # Of the two without protrusions, the second and the third, one leaves.
+    assert without_protrusions(table, 48.0).mean() == 0.5
+    assert without_protrusions(cells(t_p_h=[1.0] * 4), 48.0).tolist() == [0.0] * 4
+
+
+def test_the_questions_are_those_of_chapter_4() -> None:
+    assert set(EIGHT) == {*CHAPTER4} - {"Q5, mixtures"}
+
+
+def test_the_summary_names_a_simplest_model_or_says_why_not(tmp_path) -> None:
+    context = Context(tmp_path, False, Nowhere(), STUDIES, complete=DATA)
+    page.run(context)
+    table = context.tables["needs_summary"].set_index("id")
+    assert table["work"].isna().tolist() == table["model"].isin(["not decided", "the full model"]).tolist()
+    first = context.tables[NAME].groupby("question", sort=False)[["full", "tolerance"]].first()
+    assert (table["remark"] != "").tolist() == (first["full"].abs() <= first["tolerance"]).tolist()
+
+
+# Sheets
 
 
 def sheet(**more):
@@ -57,22 +157,6 @@ def test_folded_runs_have_no_height():
     assert (mean.height, mean.section, mean.runs, mean.folded) == (2.5, 5.0, 3, 1)
     (lost,) = growth.means(pd.DataFrame(rows[2:])).itertuples()
     assert np.isnan(lost.height)
-
-
-def test_sections_of_a_sheet_that_cannot_spread_keep_their_share_of_the_cells():
-    """Over all planes a plane meets 2 N r / L nuclei, so p of ``part_that_stays`` is 1 but for the mean radius r."""
-    given = {"tissue.dimension": 3, "tissue.cells": 182, "tissue.two_daughters": 1}
-    given |= {"numerics.t_end": "6 h", "numerics.keep": "6 h"}
-    frames = tissue.simulate(tissue.preset("published").changed(given), 1).frames
-    period, counts = frames[0].sheets.surface.period_z, []
-    for frame in frames:
-        planes = period * (np.arange(500) + 0.5) / 500
-        counts.append(np.mean([len(section(frame, z).cells.x) for z in planes]))
-        assert counts[-1] == pytest.approx(2 * frame.cells.radius.sum() / period, rel=0.01)
-    first, last = (frame.cells.radius for frame in frames)
-    number, radius = len(last) / len(first), last.mean() / first.mean()
-    assert number > 1.2
-    assert part_that_stays(counts[1] / counts[0] / radius, number) == pytest.approx(1.0, abs=0.06)
 
 
 def test_outlines_of_hexagons():
@@ -141,14 +225,6 @@ def test_inner_cells_begin_away_from_the_edge():
     ]
     assert are_inner(given).tolist() == around
     assert sum(around) == 17
-
-
-def test_inner_cells_are_part_of_those_of_the_growing_sheets():
-    counts = shipped("space_isolated").pivot(index=["scenario", "what"], columns="tissue", values=["count", "of"])
-    assert set(counts["of"]["growing"]) == {4 * 36}
-    assert set(counts["of"]["inner"]) == {4 * 17}
-    outside = counts["count"]["growing"] - counts["count"]["inner"]
-    assert outside.between(0, 4 * 19).all()
 
 
 def test_cells_that_share_a_fate_count_as_one():
