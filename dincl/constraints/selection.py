@@ -65,7 +65,7 @@ class Selection:
             return flat
         before, after = (constraint.displacement(time, self.shape[1]) for time in times)
         if before is not None and after is not None:
-            return flat.shifted(after - before)
+            return linearised(flat.placed(None, after - before), x)
         length = row_lengths(rows, x)
         change = later.values(x) * length / row_lengths(later, x) - rows.values(x)
         return AffineRows(flat.matrix, flat.bound - change)

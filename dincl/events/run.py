@@ -170,7 +170,7 @@ class EventRun:
         sets, x = system.compiled.sets, start.ravel() / unit.length
         begin = system.scales.start
         sets.spacing = SPACING * (end - begin) / parts or SPACING
-        sets.spacings = system.scales.set_pieces * (1.0, PART / parts)
+        sets.spacings = system.scales.pieces * (1.0, PART / parts)
         size, last = system.size / unit.length, end / unit.time
         before, behind = system.scales.stops.T / unit.time
         # A stage at the end of a step, whose time is rounded, is still before the break.

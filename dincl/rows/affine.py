@@ -45,8 +45,10 @@ class AffineRows(RowsOfOneKind):
         lipschitz = None if self.lipschitz is None else self.lipschitz[keep]
         return self if keep.all() else AffineRows(self.matrix[keep], self.bound[keep], lipschitz)
 
-    def shifted(self, displacement: NDArray[np.float64]) -> AffineRows:
-        everywhere = np.tile(displacement, self.matrix.shape[1] // len(displacement))
+    def placed(self, turn: NDArray[np.float64] | None, shift: NDArray[np.float64]) -> RowsOfOneKind:
+        if turn is not None:
+            return super().placed(turn, shift)
+        everywhere = np.tile(shift, self.matrix.shape[1] // len(shift))
         return replace(self, bound=self.bound + self.matrix @ everywhere)
 
     def scaled(self, scaling: Scaling) -> AffineRows:
@@ -109,11 +111,9 @@ class HeightRows(AffineRows):
     def take(self, keep: NDArray[np.bool_]) -> HeightRows:
         return HeightRows(self.normal, self.particle[keep], self.bound[keep], self.count)
 
-    def shifted(self, displacement: NDArray[np.float64]) -> HeightRows:
-        return HeightRows(self.normal, self.particle, self.bound + float(self.normal @ displacement), self.count)
-
-    def placed(self, turn: NDArray[np.float64], shift: NDArray[np.float64]) -> HeightRows:
-        return HeightRows(turn @ self.normal, self.particle, self.bound, self.count).shifted(shift)
+    def placed(self, turn: NDArray[np.float64] | None, shift: NDArray[np.float64]) -> HeightRows:
+        normal = self.normal if turn is None else turn @ self.normal
+        return HeightRows(normal, self.particle, self.bound + float(normal @ shift), self.count)
 
     def label(self, k: int, d: int) -> str:
         return f"particle {self.particle[k]}"

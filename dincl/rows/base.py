@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -74,17 +74,13 @@ class RowsOfOneKind(Rows):
     def take(self, keep: NDArray[np.bool_]) -> RowsOfOneKind:
         """Return the rows where ``keep`` (m,) is true, in their order."""
 
-    @abstractmethod
-    def shifted(self, displacement: NDArray[np.float64]) -> RowsOfOneKind:
-        """Return the rows g(x - displacement) of the set translated by a displacement of shape (d,)."""
-
-    def placed(self, turn: NDArray[np.float64], shift: NDArray[np.float64]) -> RowsOfOneKind:
-        """Return the rows g(R^T (x - b)) of the set carried by X -> R X + b, R (d, d) a rotation, b (d,)."""
-        return PlacedRows(self, turn, shift)
+    def placed(self, turn: NDArray[np.float64] | None, shift: NDArray[np.float64]) -> RowsOfOneKind:
+        """Return the rows g(R^T (x - b)) of the set carried by X -> R X + b, R (d, d) a rotation or None, b (d,)."""
+        return MappedRows(self, None, shift, turn)
 
     def scaled(self, scaling: Scaling) -> RowsOfOneKind:
         """Return the rows g(origin + root z) for scaled coordinates z, see ``dincl.mobility``."""
-        return ScaledRows(self, scaling)
+        return MappedRows(self, scaling.root, -scaling.origin)
 
     @abstractmethod
     def keys(self) -> NDArray[np.int64]:
@@ -132,10 +128,13 @@ class StackedRows(Rows):
 
 
 @dataclass(frozen=True, eq=False)
-class WrappedRows(RowsOfOneKind):
-    """Rows of a function of other coordinates; what does not depend on coordinates is that of ``rows``."""
+class MappedRows(RowsOfOneKind):
+    """g((root_i X_i - shift_i) turn) >= 0 for rows g: ``root`` (N,) and ``turn`` (d, d), None for 1."""
 
     rows: RowsOfOneKind
+    root: NDArray[np.float64] | None
+    shift: NDArray[np.float64]
+    turn: NDArray[np.float64] | None = None
 
     def __len__(self) -> int:
         return len(self.rows)
@@ -148,7 +147,22 @@ class WrappedRows(RowsOfOneKind):
     def concave(self) -> bool:
         return self.rows.concave
 
-    def take(self, keep: NDArray[np.bool_]) -> Self:
+    def values(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        return self.rows.values(self._points(x))
+
+    def jacobian(self, x: NDArray[np.float64]) -> csr_array:
+        found = self.rows.jacobian(self._points(x))
+        if self.turn is not None:
+            from scipy.sparse import csr_array, eye_array, kron
+
+            found = csr_array(found @ kron(eye_array(len(x)), self.turn.T, format="csr"))
+            found.sort_indices()
+        if self.root is not None:
+            found = found.copy()
+            found.data *= np.repeat(self.root, x.shape[1])[found.indices]
+        return found
+
+    def take(self, keep: NDArray[np.bool_]) -> MappedRows:
         return replace(self, rows=self.rows.take(keep))
 
     def keys(self) -> NDArray[np.int64]:
@@ -163,45 +177,9 @@ class WrappedRows(RowsOfOneKind):
         failure: StepFailure = rows.coincidence(k)
         return failure
 
-
-@dataclass(frozen=True, eq=False)
-class ScaledRows(WrappedRows):
-    """g(origin + root z) >= 0 for rows g(x) >= 0, see ``dincl.mobility``."""
-
-    scaling: Scaling
-
-    def values(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        return self.rows.values(self.scaling.positions(x))
-
-    def jacobian(self, x: NDArray[np.float64]) -> csr_array:
-        found = self.rows.jacobian(self.scaling.positions(x)).copy()
-        found.data *= np.repeat(self.scaling.root, x.shape[1])[found.indices]
-        return found
-
-    def shifted(self, displacement: NDArray[np.float64]) -> ScaledRows:
-        return replace(self, rows=self.rows.shifted(displacement))
-
-
-@dataclass(frozen=True, eq=False)
-class PlacedRows(WrappedRows):
-    """g(R^T (x - b)) >= 0 for rows g(x) >= 0, with a rotation ``turn`` R (d, d) and ``shift`` b (d,)."""
-
-    turn: NDArray[np.float64]
-    shift: NDArray[np.float64]
-
-    def values(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        return self.rows.values((x - self.shift) @ self.turn)
-
-    def jacobian(self, x: NDArray[np.float64]) -> csr_array:
-        from scipy.sparse import csr_array, eye_array, kron
-
-        of_set = self.rows.jacobian((x - self.shift) @ self.turn)
-        turned: csr_array = csr_array(of_set @ kron(eye_array(len(x)), self.turn.T, format="csr"))
-        turned.sort_indices()
-        return turned
-
-    def shifted(self, displacement: NDArray[np.float64]) -> PlacedRows:
-        return replace(self, shift=self.shift + displacement)
+    def _points(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        points: NDArray[np.float64] = (x if self.root is None else self.root[:, None] * x) - self.shift
+        return points if self.turn is None else points @ self.turn
 
 
 class DiscPairs(NamedTuple):

@@ -93,11 +93,11 @@ class DistanceRows(RowsOfOneKind):
         sign = self.sign[keep] if np.ndim(self.sign) else self.sign
         return DistanceRows(self.i[keep], j, self.length[keep], sign, anchor, scale, self.box)
 
-    def shifted(self, displacement: NDArray[np.float64]) -> DistanceRows:
-        return self if self.j is not None else replace(self, anchor=np.asarray(self.anchor) + displacement)
-
-    def placed(self, turn: NDArray[np.float64], shift: NDArray[np.float64]) -> DistanceRows:
-        return self if self.j is not None else replace(self, anchor=np.asarray(self.anchor) @ turn.T + shift)
+    def placed(self, turn: NDArray[np.float64] | None, shift: NDArray[np.float64]) -> DistanceRows:
+        if self.j is not None:
+            return self
+        anchor: NDArray[np.float64] = np.asarray(self.anchor)
+        return replace(self, anchor=(anchor if turn is None else anchor @ turn.T) + shift)
 
     def scaled(self, scaling: Scaling) -> DistanceRows:
         anchor = np.zeros((len(self), scaling.origin.shape[1])) if self.anchor is None else self.anchor

@@ -26,7 +26,7 @@ MOST_PARTICLES = 1_000_003
 
 @dataclass(frozen=True, eq=False)
 class SmoothRows(RowsOfOneKind):
-    """g(x - shift) >= 0 for callables g: (N, d) -> (m,) and derivative: (N, d) -> (m, N*d), dense or sparse.
+    """g(x) >= 0 for callables g: (N, d) -> (m,) and derivative: (N, d) -> (m, N*d), dense or sparse.
 
     ``index`` lists the rows taken of the ``total`` rows that g has; ``names`` are the names of the two callables in
     messages; ``negated`` says that the second half of the rows are the negatives of the first.
@@ -36,7 +36,6 @@ class SmoothRows(RowsOfOneKind):
     derivative: Callable[[NDArray[np.float64]], Any]
     total: int
     index: NDArray[np.int64]
-    shift: NDArray[np.float64] | float = 0.0
     names: tuple[str, str] = ("g", "jacobian")
     negated: bool = False
 
@@ -48,12 +47,12 @@ class SmoothRows(RowsOfOneKind):
         return self.negated
 
     def values(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        return _function_of_x(self.names[0]).evaluated(self.g, x - self.shift, shape=(self.total,))[self.index]
+        return _function_of_x(self.names[0]).evaluated(self.g, x, shape=(self.total,))[self.index]
 
     def jacobian(self, x: NDArray[np.float64]) -> csr_array:
         """Check what ``derivative`` returns: real numbers of shape (m, N*d) or (m, N, d), or a sparse matrix."""
         function, shape = _function_of_x(self.names[1]), (self.total, x.size)
-        raw = function.call(self.derivative, x - self.shift)
+        raw = function.call(self.derivative, x)
         if hasattr(raw, "tocsr"):
             if raw.shape != shape:
                 function.refuse(f"returned a sparse matrix of shape {raw.shape}: must have shape {shape}.")
@@ -68,9 +67,6 @@ class SmoothRows(RowsOfOneKind):
 
     def take(self, keep: NDArray[np.bool_]) -> SmoothRows:
         return replace(self, index=self.index[keep], negated=self.negated and bool(keep.all()))
-
-    def shifted(self, displacement: NDArray[np.float64]) -> SmoothRows:
-        return replace(self, shift=self.shift + displacement)
 
     def keys(self) -> NDArray[np.int64]:
         return np.column_stack((self.index, self.index))
@@ -116,7 +112,6 @@ class FormulaRows(RowsOfOneKind):
     formula: Any
     particles: NDArray[np.int64]
     parameters: NDArray[np.float64]
-    shift: NDArray[np.float64] | float = 0.0
 
     def __len__(self) -> int:
         return len(self.particles)
@@ -129,9 +124,6 @@ class FormulaRows(RowsOfOneKind):
 
     def take(self, keep: NDArray[np.bool_]) -> FormulaRows:
         return replace(self, particles=self.particles[keep], parameters=self.parameters[keep])
-
-    def shifted(self, displacement: NDArray[np.float64]) -> FormulaRows:
-        return replace(self, shift=self.shift + displacement)
 
     def keys(self) -> NDArray[np.int64]:
         """Two numbers, each with half of the particles as its digits."""
@@ -159,7 +151,7 @@ class FormulaRows(RowsOfOneKind):
         """dg/dx and, last, g, shape (m, p d + 1)."""
         from dincl.rows.formulas import evaluate_formula
 
-        point = (x - self.shift).ravel()[coordinates(self.particles, x.shape[1])]
+        point = x.ravel()[coordinates(self.particles, x.shape[1])]
         out = np.empty((len(self), point.shape[1] + 1))
         failed = evaluate_formula(self.formula.address, point, np.ascontiguousarray(self.parameters), x.shape[1], out)
         if failed >= 0:

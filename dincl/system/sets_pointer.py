@@ -237,7 +237,7 @@ class SetsPointer(PythonFunction):
         """Write values and Jacobian of the rows that Python evaluates."""
         sets, unit, row, entry = self.arrays, self._units, 0, 0
         for family, block in self._called:
-            moved = block.shifted(sets.shift[family] * unit.length) if family in self._translated else block
+            moved = block.placed(None, sets.shift[family] * unit.length) if family in self._translated else block
             if family in self._general:
                 moved = self._general[family].rows_at(t, block, self._shape)
             values, matrix = moved.values(x), moved.jacobian(x)

@@ -8,7 +8,6 @@ of the slope. Without one the piece is cut in two.
 from __future__ import annotations
 
 import math
-from bisect import bisect_left
 from contextlib import suppress
 from functools import cache, partial
 from heapq import heappop, heappush
@@ -16,7 +15,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.polynomial.chebyshev import chebder, chebroots, chebtrim, chebval, chebvander
+from numpy.polynomial.chebyshev import chebval, chebvander
 
 from dincl.drifts import compiled
 from dincl.drifts.base import CountedDrift
@@ -39,17 +38,16 @@ NONE_SMOOTH: Mapping[int, Sequence[Interval]] = {}
 EPS = float(np.finfo(float).eps)
 # Values of one function at most: as many as a run of a few hundred steps takes. They resolve about sixty breaks.
 MOST_VALUES = 5000
-# The first look is at so many equal parts; then parts that are not smooth are cut. No cut is at a time that people
-# choose, for a break that lies on a cut is in neither part.
-PARTS, CUT = 13, 0.3819660112501051
+# What is not smooth is cut at this part. No cut is at a time that people choose, for a break that lies on a cut is in
+# neither part.
+CUT = 0.3819660112501051
 # A run of at least so many equal steps looks at sets at the time of one step in so many, but at most so many times,
 # besides output times.
 FEWEST_STEPS, STEPS_OF_A_LOOK, MOST_LOOKS = 200, 8, 50_000
-# A set with more functions of time than these is asked whether it accepts them at all looks, not where one is extreme.
-MOST_EXTREMES = 8
-# A look is taken at so many times besides; at output times; and beside each of at most so many of them, at these parts
-# of the time to the next one. A drift that has the same value at x0 at all of them does not depend on time.
-LOOKS, FEW, BESIDE = 61, 100, (1e-5, 1e-2)
+# A look is taken at so many times besides, at more of what depends on time; at output times; and beside each of at most
+# so many of them, at these parts of the time to the next one. A drift that has the same value at x0 at all of the first
+# ones does not depend on time.
+LOOKS, MORE_LOOKS, FEW, BESIDE = 61, 233, 100, (1e-5, 1e-2)
 # Chebyshev nodes in [0, 1], and the matrix from values there to coefficients. Of the last two coefficients a jump
 # leaves at least one. How much more than they a value between the nodes may differ.
 NODES = 0.5 - 0.5 * np.cos(np.pi * np.arange(18) / 17)
@@ -73,8 +71,6 @@ FALLS = 0.25
 ROUGH = 9
 # A function that is smooth from one break to the next is resolved by this part of the way.
 RESOLVED = 4
-# Around a singularity pieces become shorter and shorter; so small a part of the run no equal steps need resolve.
-NEGLECTED = 1e-3
 # A polynomial that leaves so small a part of the accuracy resolves a function for steps that estimate their error.
 PART_OF_ACCURACY = 1e-3
 # Noise of a drift that moves a particle by no more than this part of the accuracy during a run is not resolved.
@@ -86,7 +82,7 @@ class TimeScales(NamedTuple):
 
     ``breaks`` (K, 2) are intervals, as short as rounding allows, with a jump of a set or of its velocity in each;
     ``stops`` (S, 2) are these and those of the drift at x0. Pieces (P, 2) are times until which, since the one before,
-    all functions are resolved by steps of the second number [time]; ``set_pieces`` are those of the sets alone.
+    all functions are resolved by steps of the second number [time].
     ``smooth`` are intervals, from break to break or shorter, in which a polynomial of degree 17 leaves no more than
     rounding of the numbers of a set, by its index; a set that is not resolved has none.
     ``rest`` is how far a set may be from where it is taken to be, since it has more breaks than are looked for
@@ -97,22 +93,12 @@ class TimeScales(NamedTuple):
     breaks: NDArray[np.float64] = NO_BREAKS
     stops: NDArray[np.float64] = NO_BREAKS
     pieces: NDArray[np.float64] = NO_BREAKS
-    set_pieces: NDArray[np.float64] = NO_BREAKS
     rest: float = 0.0
     detail: str = ""
     failure: StepFailure | None = None
     evaluations: int = 0
     smooth: Mapping[int, Sequence[Interval]] = NONE_SMOOTH
     start: float = 0.0
-
-    @property
-    def shortest(self) -> float:
-        """The step that resolves all but a small part of the run [time]; infinite if nothing depends on time."""
-        if not len(self.pieces):
-            return np.inf
-        order = self.pieces[:, 1].argsort()
-        passed = np.diff(self.pieces[:, 0], prepend=self.start)[order].cumsum()
-        return float(self.pieces[order, 1][passed > NEGLECTED * (self.pieces[-1, 0] - self.start)].min())
 
 
 def time_scales(
@@ -126,8 +112,8 @@ def time_scales(
     that fails, perhaps later than the run ends, is left out. No function is called more than MOST_VALUES times, once
     for each look, and 18 times for each named break.
     """
-    looks = _looks(np.atleast_1d(np.asarray(times, dtype=np.float64)), start)
-    length = float(looks[-1]) - start
+    kept = np.unique(np.append(np.asarray(times, dtype=np.float64), start))
+    looks, length = _looks(kept, MORE_LOOKS), float(kept[-1]) - start
     breaks: list[Interval] = []
     stops: list[Interval] = []
     sides: list[list[int]] = []
@@ -135,18 +121,18 @@ def time_scales(
     size = float(np.abs(problem.x0).max(initial=0.0))
     for k, name, path in _paths(problem):
         try:
-            found = _Search(path, looks, 0.0, name, named)
+            resolved = PART_OF_ACCURACY * accuracy / max(1.0, size)
+            found = _Search(path, looks, name, named, MOST_VALUES, resolved)
         except StepFailure as raised:
             failure = failure or raised
             continue
         breaks += found.breaks
         sides.append(found.sides)
         smooth[k] = _smooth_if_accepted(problem, k, found)
-        pieces.append(found.pieces(PART_OF_ACCURACY * accuracy / max(1.0, size), at_nodes=False))
+        pieces.append(found.pieces(at_nodes=False))
         if found.rest(size) > rest:
             rest = found.rest(size)
             detail = f"{name} changes too often, near t = {found.place:.6g}, to be resolved by {MOST_VALUES} values."
-    set_pieces = _common(pieces)
     drift, calls = compiled(problem.drift), 0
     if drift is None or not drift.autonomous:
 
@@ -158,16 +144,17 @@ def time_scales(
 
         with suppress(StepFailure):  # a run that gets so far says why
             first = at_start(start)
-            if length > 0 and any((at_start(float(t)) != first).any() for t in looks):
-                found = _Search(at_start, looks, NEGLIGIBLE * accuracy / length, "drift", named)
+            if length > 0 and any((at_start(float(t)) != first).any() for t in _looks(kept, LOOKS)):
+                allowed = PART_OF_ACCURACY * accuracy / length, NEGLIGIBLE * accuracy / length
+                found = _Search(at_start, looks, "drift", named, MOST_VALUES, *allowed)
                 stops += found.breaks
                 sides.append(found.sides)
-                pieces.append(found.pieces(PART_OF_ACCURACY * accuracy / length, at_nodes=True))
+                pieces.append(found.pieces(at_nodes=True))
     for t, *each in zip(named, *sides, strict=True):
         found_at = {side for side in each if side}
         breaks.append(_beside(t, found_at.pop() if len(found_at) == 1 else 0, float(looks[-1])))
     joined = _joined(breaks, length), _joined(breaks + stops, length)
-    return TimeScales(*joined, _common(pieces), set_pieces, rest, detail, failure, calls, smooth, start)
+    return TimeScales(*joined, _common(pieces), rest, detail, failure, calls, smooth, start)
 
 
 def smooth_pieces(problem: Problem, grids: Sequence[TimeGrid], times: NDArray[np.float64]) -> dict[int, list[Interval]]:
@@ -189,17 +176,17 @@ def smooth_pieces(problem: Problem, grids: Sequence[TimeGrid], times: NDArray[np
     looks = np.union1d(np.concatenate(of_steps), times)
     for k, name, path in _paths(problem):
         with suppress(StepFailure):  # the run says why, if it gets so far
-            search = _Search(path, looks, 0.0, name, named, parts=0, most=min(steps // 2, MOST_VALUES))
+            search = _Search(path, looks, name, named, min(steps // 2, MOST_VALUES))
             found[k] = _smooth_if_accepted(problem, k, search)
     return found
 
 
 def _smooth_if_accepted(problem: Problem, k: int, search: _Search) -> list[Interval]:
-    """Return the smooth pieces of a set; none if it refuses its numbers at a time in them."""
+    """Return the smooth pieces of a set; none if it refuses its numbers at one of LOOKS times or more."""
     one, x0, pieces = problem.constraints[k], problem.x0, search.smooth()
     if one.displacement(0.0, x0.shape[1]) is None:  # what is only translated has numbers that it accepted before
         try:
-            for t in search.extreme_times(pieces):
+            for t in search.looks[:: max(1, len(search.looks) // LOOKS)].tolist():
                 one.select_at(t, x0, 0.0)
         except StepFailure:
             return []
@@ -225,10 +212,9 @@ def _counted(drift: CountedDrift, path: Path, t: float) -> NDArray[np.float64]:
     return path(t)
 
 
-def _looks(times: NDArray[np.float64], start: float) -> NDArray[np.float64]:
-    """Return the times to look at besides the nodes of pieces, from the start to the end."""
-    kept = np.unique(np.concatenate(([start], times)))
-    found = [start + (np.arange(LOOKS) + CUT) / LOOKS * (float(times[-1]) - start), kept]
+def _looks(kept: NDArray[np.float64], number: int) -> NDArray[np.float64]:
+    """Return the times to look at besides the nodes of pieces, for a run from the first to the last time kept."""
+    found = [kept[0] + (np.arange(number) + CUT) / number * (kept[-1] - kept[0]), kept]
     if len(kept) <= FEW + 1:
         gaps = np.diff(kept)
         found += [side for part in BESIDE for side in (kept[:-1] + part * gaps, kept[1:] - part * gaps)]
@@ -275,45 +261,45 @@ class _Piece(NamedTuple):
     axis: int
     outlier: float | None
     times: NDArray[np.float64]
+    resolved: bool = False
 
 
 class _Search:
     """The breaks of one function of time from the first to the last of ``looks``, and smooth pieces between them.
 
-    ``named`` are times of breaks that are known. Noise up to ``negligible`` [units of the function] counts as smooth.
-    The first look is at ``parts`` parts, and at most ``most`` values are computed, besides those at ``looks`` and next
-    to named breaks.
+    ``named`` are times of breaks that are known. What a polynomial leaves up to ``resolved`` [units of the function]
+    does not limit steps, and noise up to ``negligible`` counts as smooth. At most ``most`` values are computed, besides
+    those at ``looks`` and next to named breaks.
     """
 
     def __init__(
         self,
         function: Path,
         looks: NDArray[np.float64],
-        negligible: float,
         name: str,
         named: Sequence[float],
-        *,
-        parts: int = PARTS,
-        most: int = MOST_VALUES,
+        most: int,
+        resolved: float = 0.0,
+        negligible: float = 0.0,
     ) -> None:
-        self._function, self._negligible, self._name = function, negligible, name
+        self._function, self._name = function, name
+        self._enough, self._negligible = resolved, negligible
         self._start, self._end = float(looks[0]), float(looks[-1])
         self._length = self._end - self._start
-        self._looks, self._most = looks, most + len(looks) + len(NODES) * len(named)
+        self.looks, self._most = looks, most + len(looks) + len(NODES) * len(named)
         self._values: dict[float, NDArray[np.float64]] = {}
         self._largest: NDArray[np.float64] | float = 0.0
         self.breaks: list[Interval] = []
         self._smooth: list[Interval] = []
+        # The longest pieces that are smooth enough for steps.
+        self._resolved: list[Interval] = []
         # Pieces that are not smooth: the roughest first.
         self._waiting: list[tuple[float, float, _Piece]] = []
         self._value(self._start)
         self.sides = [self._side(t) for t in named]
         self._named = [_beside(t, side, self._end) for t, side in zip(named, self.sides, strict=True)]
-        cuts = self._start + (np.arange(parts) + CUT) / max(parts, 1) * self._length
         for start, stop in self._edges():
-            inside = cuts[(cuts > start) & (cuts < stop)]
-            for a, b in pairwise([start, *inside.tolist(), stop]):
-                self._add(a, b, np.inf)
+            self._add(start, stop)
         while self._waiting and len(self._values) < self._most:
             self._split(heappop(self._waiting)[-1])
 
@@ -332,63 +318,19 @@ class _Search:
             found = max(found, float((rough * np.maximum(1.0, size / np.maximum(self._largest, 1e-300))).max()))
         return found
 
-    def extreme_times(self, pieces: Sequence[Interval]) -> list[float]:
-        """Return the ends of smooth pieces, and where a value has an extremum; all looks if there are many values."""
-        many = self._values[self._start].size > MOST_EXTREMES
-        found: list[float] = self._looks.tolist() if many else [t for piece in pieces for t in piece]
-        for a, b in () if many else pieces:
-            for one in (COEFFICIENTS @ self._at(a + (b - a) * NODES)).T if b - a > SHORT * self._length else ():
-                slope = chebtrim(chebder(one), ROUNDING * float(np.abs(one).max()))
-                roots = chebroots(slope) if len(slope) > 1 else np.zeros(0)
-                inside = np.real(roots[(np.abs(np.imag(roots)) < SHORT) & (np.abs(np.real(roots)) <= 1.0)])
-                found += (a + (b - a) * 0.5 * (1.0 + inside)).tolist()
-        return found
-
-    def pieces(self, unresolved: float, *, at_nodes: bool) -> NDArray[np.float64]:
-        """Return until when steps may be how long, (P, 2): what is not resolved in one step, or from node to node.
-
-        A part of the run is resolved by one polynomial that leaves no more than rounding or ``unresolved``.
-        """
-        found, ordered = list[Interval](), sorted(self._smooth)
-        rough = [piece for *_, piece in self._waiting]
-        for a, b in self._edges():
-            if b - a <= SHORT * self._length:
-                continue
-            within = [piece for piece in rough if a <= piece.a < b]
-            smooth = ordered[bisect_left(ordered, (a,)) : bisect_left(ordered, (b,))]
-            found += self._merged(a, b, smooth, unresolved) if not within else [(v, v - u) for u, v in smooth]
-            for piece in within:
+    def pieces(self, *, at_nodes: bool) -> NDArray[np.float64]:
+        """Return until when steps may be how long, (P, 2): what is not resolved in one step, or from node to node."""
+        found = [(b, (b - a) / RESOLVED) for a, b in self._resolved]
+        for *_, piece in self._waiting:
+            if not piece.resolved:
                 times = piece.times if at_nodes else np.array([piece.a, piece.b])
                 found += list(zip(times[1:].tolist(), np.diff(times).tolist(), strict=True))
         return np.array(sorted(found)).reshape(-1, 2)
 
-    def _merged(self, a: float, b: float, smooth: list[Interval], unresolved: float) -> list[Interval]:
-        """Return the steps that resolve the smooth pieces from a to b, by as few polynomials as halving them finds."""
-        if len(self._values) >= self._most or not smooth:
-            return [(stop, stop - start) for start, stop in smooth]
-        piece = self._looked_at(a, b)
-        if piece.ratio <= 1.0 or max(piece.defect, self._missed(piece)) <= unresolved:
-            return [(b, (b - a) / RESOLVED)]
-        if len(smooth) == 1 or unresolved == 0.0:
-            return [(stop, stop - start) for start, stop in smooth]
-        half = len(smooth) // 2
-        middle = smooth[half][0]
-        return self._merged(a, middle, smooth[:half], unresolved) + self._merged(middle, b, smooth[half:], unresolved)
-
     def smooth(self) -> list[Interval]:
-        """Return intervals from break to break, if one polynomial leaves no more than rounding, or the pieces in them.
-
-        Returns none if a piece is not resolved.
-        """
-        found, ordered = list[Interval](), sorted(self._smooth)
-        for a, b in self._edges():
-            within = ordered[bisect_left(ordered, (a,)) : bisect_left(ordered, (b,))]
-            if len(within) > 1 and len(self._values) < self._most:
-                whole = self._looked_at(a, b)
-                if whole.ratio <= 1.0 and self._missed(whole) <= BETWEEN * ROUNDING * np.max(self._largest):
-                    within = [(a, b)]
-            found += within or [(a, b)]
-        return [] if self._waiting else found
+        """Return intervals in which one polynomial leaves no more than rounding; none if a piece is not resolved."""
+        short = [one for one in self._edges() if one[1] - one[0] <= SHORT * self._length]
+        return [] if self._waiting else sorted(self._smooth + short)
 
     def _edges(self) -> list[Interval]:
         """Return the intervals from break to break."""
@@ -402,13 +344,6 @@ class _Search:
         before, behind = (np.abs(values[0] - other).max() for other in values[1:])
         jumps = abs(before - behind) > ROUNDING * np.max(self._largest)
         return 0 if not jumps else 1 if behind > before else -1
-
-    def _missed(self, piece: _Piece) -> float:
-        """Return how far the polynomial of a piece is from any value that is known in it."""
-        a, b = piece.a, piece.b
-        known = np.array([t for t in self._values if a <= t <= b])
-        coefficients = COEFFICIENTS @ self._at(np.append(a + (b - a) * NODES[:-1], b))
-        return float(np.abs(self._at(known) - chebval(2.0 * (known - a) / (b - a) - 1.0, coefficients).T).max())
 
     def _value(self, t: float) -> NDArray[np.float64]:
         found = self._values.get(t)
@@ -426,18 +361,21 @@ class _Search:
     def _at(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.array([self._value(float(t)) for t in times])
 
-    def _add(self, a: float, b: float, before: float) -> None:
-        """Add the piece from a to b; ``before`` is the defect of the one that it is a part of."""
+    def _add(self, a: float, b: float, before: float = np.inf, *, resolved: bool = False) -> None:
+        """Add the piece from a to b; ``before`` is the defect of the one that it is a part of, if nothing breaks it."""
         if b - a <= SHORT * self._length:
             if a < b:
                 self.breaks.append((a, b))
             return
         piece = self._looked_at(a, b)
-        is_noise = FALLS * before <= piece.defect <= self._negligible
-        if piece.ratio <= 1.0 or is_noise:
+        is_smooth = piece.ratio <= 1.0 or FALLS * before <= piece.defect <= self._negligible
+        enough = is_smooth or piece.defect <= self._enough
+        if enough and not resolved:
+            self._resolved.append((a, b))
+        if is_smooth:
             self._smooth.append((a, b))
         else:
-            heappush(self._waiting, (-piece.ratio, a, piece))
+            heappush(self._waiting, (-piece.ratio, a, piece._replace(resolved=resolved or enough)))
 
     def _looked_at(self, a: float, b: float) -> _Piece:
         """Compare a function from a to b with the polynomial through its values at the nodes."""
@@ -447,7 +385,7 @@ class _Search:
         steepest = (np.abs(np.diff(values, axis=0)) / np.diff(nodes)[:, None]).max(axis=0)
         coefficients = COEFFICIENTS @ values
         defect, outlier = np.abs(coefficients[-2:]).max(axis=0), None
-        looks = self._looks[(self._looks > a) & (self._looks < b)]
+        looks = self.looks[(self.looks > a) & (self.looks < b)]
         between = np.zeros((0, len(defect)))
         if len(looks):
             between = np.abs(self._at(looks) - chebval(2.0 * (looks - a) / (b - a) - 1.0, coefficients).T) / BETWEEN
@@ -467,8 +405,8 @@ class _Search:
         found = self._break_of(piece) if piece.defect > self._negligible else None
         if found is None:
             cut = a + CUT * (b - a)
-            self._add(a, cut, piece.defect)
-            self._add(cut, b, piece.defect)
+            self._add(a, cut, piece.defect, resolved=piece.resolved)
+            self._add(cut, b, piece.defect, resolved=piece.resolved)
             return
         self.breaks.append(found)
         short = SHORT * self._length
@@ -479,7 +417,7 @@ class _Search:
             edges.append(min(found[1] + near, b) if found[0] - a <= short else max(found[0] - near, a))
         for start, stop in pairwise(sorted(edges)):
             if (start, stop) != found:
-                self._add(start, stop, np.inf)
+                self._add(start, stop, resolved=piece.resolved)
 
     def _break_of(self, piece: _Piece) -> Interval | None:
         """Locate a break in the part of a piece between two of its times where the slope changes most."""

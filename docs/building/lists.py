@@ -28,8 +28,7 @@ version in the metadata of their schema, and each folder of results has it as `c
 `python -m docs.building.lists` makes this page from `tissue/runs/columns.toml`.
 """
 HEADS = {
-    "table": """`Run.table`, `table.parquet`: one row for each output time and cell, by time, then along the tissue.
-`Results.trajectory` and the folder `trajectories` of a study have the same, the latter with `replicate`.""",
+    "table": """`Run.table`, `table.parquet`: one row for each output time and cell, by time, then along the tissue.""",
     "summary": """`Run.summary`, `summary.csv`: one row for each output time. Where the apical layer is folded, what
 means nothing is NaN.""",
     "networks": "`Run.networks` in three dimensions: one row for each output time and pair of neighbours.",

@@ -194,7 +194,7 @@ POOL |= {"begin": own.BEGINS, "last": own.LASTS, "measure": own.MEASURES, "split
 POOL |= {"after": (None, "a", "b"), "unit": ("", "um", "h")}
 POOL |= {"time": ("0.1 h", "0.1 h to 0.3 h", "0.2 h, 50 %", "never"), "name": ("generated", "x2")}
 POOL |= {"meaning": ("what it means", ""), "source": ("what it means", ""), "thing": THINGS, "other": THINGS}
-POOL |= {"force": THINGS[:1], "run": RUNS, "ax": (None,), "replicate": (0, 1), "study": (FOLDER / "study.toml",)}
+POOL |= {"force": THINGS[:1], "run": RUNS, "ax": (None,), "study": (FOLDER / "study.toml",)}
 POOL |= {"out": (FOLDER / "results",), "executor": (None,), "scenario": ("B", "AB"), "outcome": ("basal", "height_um")}
 POOL |= {"path": ("built.npz", FOLDER / "again.npz", FOLDER / "no" / "folder.npz", FOLDER)}
 POOL |= {"file": ("run.gif", FOLDER / "run.webp", "run.txt", FOLDER)}
@@ -216,5 +216,5 @@ CALLS = calls(
     *(pushed, begun, divided, measured, tissue.force_error, studied, Results),
     (RESULTS.cells, {"columns": (["replicate"], None, ("cell", "inm"))}),
     (RESULTS.runs, {"columns": (["seed"], None)}),
-    *(RESULTS.values, RESULTS.parameters, RESULTS.trajectory, plotted, animated),
+    *(RESULTS.values, RESULTS.parameters, plotted, animated),
 )

@@ -29,28 +29,24 @@ class InEllipse(dincl.DifferentiableConstraint):
 
 @dataclass(frozen=True, eq=False)
 class EllipseRows(RowsOfOneKind):
-    """The same as a kind of row of its own: particles ``i`` (m,), and where the middle was carried."""
+    """The same as a kind of row of its own: particles ``i`` (m,)."""
 
     i: np.ndarray
     axes: np.ndarray
-    middle: np.ndarray
 
     def __len__(self):
         return len(self.i)
 
     def values(self, x):
-        return 1 - (((x[self.i] - self.middle) / self.axes) ** 2).sum(axis=1)
+        return 1 - ((x[self.i] / self.axes) ** 2).sum(axis=1)
 
     def jacobian(self, x):
         d = x.shape[1]
-        gradients = -2 * (x[self.i] - self.middle) / np.square(self.axes)
+        gradients = -2 * x[self.i] / np.square(self.axes)
         return from_equal_rows(d * self.i[:, None] + np.arange(d), gradients, x.size)
 
     def take(self, keep):
         return replace(self, i=self.i[keep])
-
-    def shifted(self, displacement):
-        return replace(self, middle=self.middle + displacement)
 
     def keys(self):
         return np.column_stack((self.i, self.i))
@@ -64,7 +60,7 @@ class InEllipseByRows(InEllipse):
     """It selects rows of its own kind, and only those of particles that can get out."""
 
     def select(self, x, search_radius):
-        rows = EllipseRows(np.arange(len(x)), np.asarray(self.axes), np.zeros(x.shape[1]))
+        rows = EllipseRows(np.arange(len(x)), np.asarray(self.axes))
         # |X / axes| grows by at most search_radius / min(axes).
         farthest = np.sqrt(1 - rows.values(x)) + search_radius / min(self.axes)
         return rows.take(farthest >= 1)

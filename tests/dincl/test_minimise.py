@@ -5,9 +5,16 @@ import pytest
 
 import dincl
 from dincl.errors import StepFailure
-from dincl.minimise import ArrowHurwicz, DampedArrowHurwicz, MinimisationFailed, RelativeMove, Stationary, Uzawa
+from dincl.minimise import (
+    ArrowHurwicz,
+    DampedArrowHurwicz,
+    MinimisationFailed,
+    RelativeMove,
+    Stationary,
+    Uzawa,
+    free_minimum,
+)
 from dincl.minimise import minimise as find
-from dincl.minimise.methods import free_minimum
 from dincl.status import Status
 
 TOL = 1e-9

@@ -381,20 +381,6 @@ def test_output_times_change_no_step_and_states_between_are_on_straight_lines(na
         assert np.abs(found - np.reshape(lines, (*problem.x0.shape, -1)).transpose(2, 0, 1)).max() < 1e-12
 
 
-@slow_when_controlled
-@pytest.mark.parametrize("name", [name for name in ALL if name[:7] not in ("Penalty", "XPBD so")])
-def test_a_run_in_parts_is_the_run(name):
-    """From a state that it reached, in what is left of the time."""
-    setting = SETTINGS.get(name, DT)
-    for whole, _ in (gathering(1), gathering(2)) if name[:7] in ("CatchUp", "EventDr") else ((scenes.two_disks(), 0),):
-        sets = [replace(one, path=lambda t, p=one.path: p(t + 0.5)) if one.timed else one for one in whole.constraints]
-        found = dincl.solve(whole, ALL[name](setting), [0.5 - DT, 0.5, 1.0, 2.0])
-        start = {"v0": (found.x[1] - found.x[0]) / DT} if name == "SecondOrderPBD" else {}
-        rest = dincl.Problem(found.x[1], lambda t, x, p=whole: p.drift(t + 0.5, x), sets)
-        part = dincl.solve(rest, replace(ALL[name](setting), **start), [0.5, 1.5])
-        assert np.abs(part.x - found.x[2:]).max() < (2 * setting if name in CONTROLLED else 1e-9)
-
-
 # The same sets in other words ---------------------------------------------------------------------------------------
 
 START = np.array([[0.1, 0.0], [1.1, 0.2], [-0.6, 0.8]])

@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 from tests.browser import HEIGHT, WIDTHS, draw_all, fits, visit
-from tests.verification.live import cheapest, choose, listed
+from verification.instruments.cheapest import UNDECIDED, costs, rank
+from verification.instruments.interactive import DECADES
 from verification.methods.chart import work_precision
 from verification.site.cells import VERDICTS
 
@@ -25,6 +26,50 @@ RESULTS = [
 ]
 PAGES = ("docs/index", "docs/explain/which_method", *(f"docs/results/{name}" for name in RESULTS))
 IN_SIGHT = "e => { const box = e.getBoundingClientRect(); return box.bottom > 0 && box.top < innerHeight; }"
+
+
+# The live chart: what a reader chooses, what the page lists, and what the instrument says of the same choice.
+ROWS = """() => [...document.querySelectorAll(".live tbody tr")]
+    .map(row => [Number(row.dataset.target), row.dataset.word, row.dataset.tied, Number(row.dataset.cost)])"""
+# As a reader would, but in one step: a page of many families is asked often.
+CHOOSE = """([scene, norm, cost, without]) => {
+    const root = document.getElementById("live");
+    for (const [name, value] of Object.entries({scene, norm, cost})) root.querySelector(`[name=${name}]`).value = value;
+    for (const box of root.querySelectorAll("input")) box.checked = !without.includes(box.value);
+    root.querySelector("select").dispatchEvent(new Event("change", {bubbles: true}));
+}"""
+
+
+def choose(page, scene, error, cost, without=()):
+    """Choose scene, error and cost, and untick families."""
+    page.evaluate(CHOOSE, [scene, error, cost, list(without)])
+
+
+def listed(page):
+    """Return target, word ("" for one method), methods and cost of each row of the page.
+
+    Costs have six digits. Methods are sorted: the order of methods of one cost has no meaning.
+    """
+    return [(target, word, _ordered(tied), _rounded(cost)) for target, word, tied, cost in page.evaluate(ROWS)]
+
+
+def cheapest(one, error, cost, without=()):
+    """Return what the instrument says, as ``listed``."""
+    kept = [label for label, look in one.looks.items() if look["family"] not in without]
+    found = costs(one.table, DECADES, error, cost)
+    limit = one.budget.certain() if cost == one.budget.column else float("inf")
+    return [
+        (row.target, row.cheapest if row.cheapest in UNDECIDED else "", _ordered(row.tied), _rounded(row.cost))
+        for row in rank(found[found["method"].isin(kept)], limit).itertuples()
+    ]
+
+
+def _ordered(methods):
+    return sorted(methods.split("; "))
+
+
+def _rounded(cost):
+    return float(f"{0.0 if cost != cost else cost:.6g}")
 
 
 class PagesInABrowser:

@@ -18,8 +18,7 @@ from dincl.study import progress
 from tissue.cli.fits import fit, sensitivity
 from tissue.cli.messages import RUN_FAILED, messages
 from tissue.cli.parameters import list_parameters
-from tissue.cli.simplify import simplify
-from tissue.cli.studies import page, study, summarise
+from tissue.cli.studies import page, simplify, study, summarise
 from tissue.files.parameter_files import BASES, PRESETS
 
 if TYPE_CHECKING:

@@ -1,4 +1,4 @@
-"""The commands ``tissue study``, ``tissue summary`` and ``tissue page``."""
+"""The commands ``tissue study``, ``tissue summary``, ``tissue page`` and ``tissue simplify``."""
 
 from __future__ import annotations
 
@@ -34,8 +34,8 @@ Out = Annotated[Path, typer.Option(help="Folder of the results: new, empty, or o
 def study(file: File, out: Out) -> None:
     """Make all runs of a study that are not in its folder yet, on this machine's cores.
 
-    A study file has title, base, replicates and seed, then scenarios or factors, and on request overrides, paired,
-    trajectories and compare; the tutorial "An EMT study" shows each. The keys of overrides and scenarios are
+    A study file has title, base, replicates and seed, then scenarios or factors, and on request overrides, paired and
+    compare; the tutorial "An EMT study" shows each. The keys of overrides and scenarios are
     those that "tissue parameters" lists. After any interruption the same command goes on.
 
     Exit codes: 0 all runs are stored, failed ones with their status; 2 bad input; 3 the study could not go on, as on a
@@ -70,6 +70,10 @@ def _summary(results: Results, runs: int, seconds: float) -> str:
     return f"{stored['runs'].sum()} runs, {now}; {stored['failed'].sum()} failed; {results.folder}"
 
 
+OUTCOMES = (
+    "A share: basal, apical, below, controls_apical, controls_basal; or a number of a run: height_um, "
+    "nucleus_height_um, apical_width_um, basal_width_um, nuclei_width_um, or an observable of your own."
+)
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Results of a study, or a folder with such folders in it.")]
 Trust = Annotated[
     bool, typer.Option("--trust", help="Run the files of Python that the study names: they may do all that you may.")
@@ -140,7 +144,7 @@ def _said(results: Results) -> str:
         found = answers.answers_shown(results)
         said.append(table(f"Answers: {answers.how_text(results, compare)}", found.columns, found.to_numpy()))
     ends = answers.shares_shown(results)
-    title = f"{_emt_cells(results)} and control cells at the end, mean over runs of the share of a run"
+    title = "EMT cells and control cells at the end, mean over runs of the share of a run"
     said.append(table(title, ends.columns, ends.to_numpy()))
     if ends.empty:
         said.append("No run that did not fail.\n" if stored["runs"].any() else "No run yet.\n")
@@ -154,13 +158,6 @@ def failures(results: Results, stored: pd.DataFrame) -> Iterator[tuple[str, str,
     for scenario in stored.loc[stored["failed"] > 0, "scenario"]:
         counts = results.runs(scenario, ["status"])["status"].value_counts()
         yield from ((scenario, status, str(runs)) for status, runs in counts.items() if runs and status != "SUCCESS")
-
-
-def _emt_cells(results: Results) -> str:
-    """Name the EMT cells, with the types that are pooled."""
-    groups = (one for name in results.study.scenarios for one in results.parameters(name).groups())
-    names = dict.fromkeys(one.name for one in groups if one.may_leave and one.cells)
-    return "EMT cells" if [*names] == ["emt"] else f"EMT cells ({', '.join(names)})"
 
 
 def _write_csv(results: Results) -> Iterator[Path]:
@@ -189,3 +186,44 @@ def _write_csv(results: Results) -> Iterator[Path]:
             path = results.folder / "csv" / f"{name}.csv"
             write_csv(rows, path)
             yield path
+
+
+def simplify(
+    file: File,
+    tolerance: Annotated[float, typer.Option(help="Difference that does not matter; 0.03: 3 points.")],
+    outcome: Annotated[str, typer.Option(help=OUTCOMES)] = "basal",
+    scenario: Annotated[list[str] | None, typer.Option(help="One of the study, or two: first minus second.")] = None,
+    at: Annotated[str | None, typer.Option(metavar="TIME", help='When, such as "48 h"; else at the end.')] = None,
+    runs: Annotated[int, typer.Option(help="Of each model.")] = 256,
+    out: Annotated[Path | None, typer.Option(help="Folder to write to.", show_default="results/simplify_FILE")] = None,
+) -> None:
+    """Find the simplest model that answers a question of a study as the full one does, within a tolerance.
+
+    Fewer substeps, no noise, fewer cells and others run beside the full model with the same seeds; equivalence tests
+    decide. Writes answer.csv. After any interruption the same command goes on.
+    """
+    from dincl.study.table import write_csv
+    from tissue.study.simplify import simplify as find
+
+    folder = out or Path("results") / f"simplify_{Path(file).stem}"
+    with messages(resumes=True):
+        found = find(file, tolerance, outcome=outcome, scenarios=scenario or (), at=at, runs=runs, out=folder)
+        write_csv(found.table, folder / "answer.csv")
+    heads = ("model", "verdict", "difference", "work", "runs")
+    rows = (
+        (
+            row.model,
+            row.verdict,
+            row.reason or f"{row.difference:+.3g} [{row.low:+.3g}, {row.high:+.3g}]",
+            f"{row.work:.2f}",
+            row.runs,
+        )
+        for row in found.table.itertuples()
+    )
+    print(table(f"Simpler minus full model, within {tolerance:g}; work over that of the full model", heads, rows))
+    print(table("Left out", ("model", "why"), found.left_out.items()))
+    if found.answer:
+        print(f"Enough: {', '.join(found.answer)}. A run takes {found.saving:.1f} times less work.")
+    else:
+        print("No simplification is shown to be enough: take the full model.")
+    print(f"{folder}: answer.csv")

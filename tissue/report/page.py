@@ -21,8 +21,7 @@ from tissue.pictures.emt import event_colours, label_of
 from tissue.pictures.movie import small_movie
 from tissue.pictures.picture import stills
 from tissue.pictures.sheet import COLOURS, Figure, webp, write
-from tissue.report.effects import effect_figure
-from tissue.report.in_time import positions, ratios_against_time
+from tissue.report.figures import effect_figure, positions, ratios_against_time
 from tissue.runs.simulate import simulate
 from tissue.state.surface import SPHERE
 from tissue.study.answers import (

@@ -30,7 +30,6 @@ TABLES: dict[str, dict[str, str]] = tomllib.loads(Path(__file__).with_suffix(".t
 TABLES["summary"] = {one.column: one.meaning for one in (*SUMMARY_COLUMNS, *TUBE_COLUMNS)}
 TABLES["summary"]["folded"] = '"no", or why height and y_AB mean nothing'
 TABLES["runs"] |= {f"{name}_{{t}}h": TABLES["summary"][name] for name in (*EXTENTS, *SHAPE)}
-TABLES["trajectories"] = {"replicate": TABLES["runs"]["replicate"], **TABLES["table"]}
 TABLES["design"] = {"batch": "runs side by side", "point": "number of the Sobol point", **TABLES["runs"]}
 TABLES["design"] |= {f"{name}_{{t}}h": meaning for name, meaning in TABLES["summary"].items()}
 TABLES["design"] |= {f"{name}_{{t}}h": f"share of the EMT cells {where}" for name, where in SHARES.items()}
@@ -51,8 +50,7 @@ def facts(table: str, column: str) -> ColumnFacts:
     """Return what is known of a column of one of TABLES; without a meaning if it is none of them."""
     match, known = TIMED.fullmatch(column), TABLES[table]
     name, at = (match[1], "_{t}h") if match else (column, "")
-    of_cells = table in ("table", "trajectories")
-    added: tuple[Any, ...] = registered(Variable) if of_cells else registered(Observable)
+    added: tuple[Any, ...] = registered(Variable) if table == "table" else registered(Observable)
     for one in (one for one in added if one.column == name):
         return ColumnFacts(name + at, one.unit, one.meaning)
     if (event := _EVENT.fullmatch(name)) and not at:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 import pyarrow as pa
@@ -13,16 +13,12 @@ from numpy.typing import NDArray
 from dincl.status import Status
 from tissue.events.known import OF_THESIS, acting, events
 from tissue.files.parameters import Parameters
-from tissue.frames.frame import Frame
 from tissue.kernels.lanes import WIDTH
 from tissue.plugins import Observable, registered
 from tissue.runs.batch import Batch
 from tissue.runs.columns import EXTENTS, SHAPE
 from tissue.state.cells import Flags, Floats, Integers
 from tissue.state.running import CELLS, TissueState
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 SIDES = ("basal", "no", "apical")
 ENDS = (Status.NON_FINITE, Status.SUCCESS, Status.LUMEN_CLOSED, Status.NETWORK_TORN, Status.UNSTABLE, Status.FOLDED)
@@ -35,21 +31,12 @@ class Outcomes(NamedTuple):
 
     cells: pa.Table  # one row for each EMT cell of the start of each run that did not fail
     runs: pa.Table  # one row for each run
-    tables: dict[int, pd.DataFrame]  # of all cells at all output times, for the replicates asked for
-
-    def by_kind(self) -> dict[str, pa.Table]:
-        """Return the tables by the kinds of files of a study; those of all cells are one, with the replicate."""
-        each = (table.assign(replicate=number) for number, table in self.tables.items())
-        whole = [pa.Table.from_pandas(table, preserve_index=False) for table in each]
-        stored = {"cells": self.cells, "runs": self.runs}
-        return stored | {"trajectories": pa.concat_tables(whole)} if whole else stored
 
 
 def outcomes(
     parameters: Parameters,
     replicates: Sequence[int],
     seeds: Sequence[int],
-    whole: Collection[int] = (),
     ask: Callable[[], None] | None = None,
 ) -> Outcomes:
     """Simulate, and measure the EMT cells.
@@ -60,8 +47,6 @@ def outcomes(
         Of all replicates.
     replicates, seeds
         The number of each replicate, and its seed; a multiple of eight is simulated at the least cost for each.
-    whole
-        The replicates whose cells are all wanted, at all output times.
     ask
         Called every now and then, about ten times a second; what it raises ends the work.
 
@@ -77,11 +62,10 @@ def outcomes(
         If more cells are to start than fit.
     """
     parts = [
-        _batch(parameters, replicates[begin : begin + WIDTH], seeds[begin : begin + WIDTH], whole, ask)
+        _batch(parameters, replicates[begin : begin + WIDTH], seeds[begin : begin + WIDTH], ask)
         for begin in range(0, len(seeds), WIDTH)
     ]
-    tables = {name: table for part in parts for name, table in part.tables.items()}
-    return Outcomes(pa.concat_tables(p.cells for p in parts), pa.concat_tables(p.runs for p in parts), tables)
+    return Outcomes(pa.concat_tables(p.cells for p in parts), pa.concat_tables(p.runs for p in parts))
 
 
 def emt_count(parameters: Parameters) -> int:
@@ -93,11 +77,9 @@ def _batch(
     parameters: Parameters,
     replicates: Sequence[int],
     seeds: Sequence[int],
-    whole: Collection[int],
     ask: Callable[[], None] | None,
 ) -> Outcomes:
     batch, n = Batch(parameters, seeds), len(seeds)
-    wanted: dict[int, list[Frame]] = {k: [] for k, name in enumerate(replicates) if name in whole}
     of_cells: dict[str, NDArray[Any]] = {}
     of_runs: dict[str, NDArray[Any]] = {}
     for t in batch.times(ask):
@@ -109,14 +91,11 @@ def _batch(
         of_cells[f"below_{t:g}h"] = positions <= lowest[:, None]
         names = [*CONTROLS, *EXTENTS, *SHAPE, *(one.column for one in registered(Observable))]
         of_runs |= {f"{name}_{t:g}h": column for name, column in zip(names, rows.T, strict=True)}
-        for k, frames in wanted.items():
-            frames.append(batch.frame(k, t))
     sound = np.array([batch.goes_on(k) and not _left_out(batch, k) for k in range(n)])
     for name, array in of_cells.items():
         if name.startswith("ab_"):
             sound &= np.isfinite(array).all(axis=1)
-    tables = {replicates[k]: batch.run(k, frames).table() for k, frames in wanted.items()}
-    return Outcomes(_cells(batch, replicates, of_cells, sound), _runs(batch, replicates, of_runs, sound), tables)
+    return Outcomes(_cells(batch, replicates, of_cells, sound), _runs(batch, replicates, of_runs, sound))
 
 
 def _left_out(batch: Batch, k: int) -> bool:

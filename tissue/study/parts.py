@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import groupby
@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     import pandas as pd
     import pyarrow as pa
 
+# Tables of a part: of its runs, and of their EMT cells.
+KINDS = ("runs", "cells")
 NAME = re.compile(r"replicates-([0-9]{5,8})-([0-9]{5,8})\.parquet")
 
 
@@ -60,12 +62,9 @@ class Parts:
     ----------
     folder
         Folder of all kinds.
-    kinds
-        The kinds of tables. None: each part has one; else those parts that contain one of these replicates.
     """
 
     folder: Path
-    kinds: Mapping[str, Collection[int] | None]
 
     def file(self, kind: str, part: Part) -> Path:
         """Return the file of a table of a part."""
@@ -74,21 +73,21 @@ class Parts:
 
     def stored(self, scenario: str) -> list[Part]:
         """List the parts of a scenario that are there, in the order of their replicates."""
-        files = self._folder(next(iter(self.kinds)), scenario).glob("replicates-*.parquet")
+        files = self._folder(KINDS[0], scenario).glob("replicates-*.parquet")
         ends = sorted((int(name[1]), int(name[2])) for name in (NAME.fullmatch(file.name) for file in files) if name)
         found: list[Part] = []
         begin = 0
         for first, last in ends:
             part = Part(scenario, first, last - first + 1)
             # The first one counts of parts that overlap, which somebody put there by hand.
-            if begin <= first <= last and all(self.file(kind, part).exists() for kind in self._kinds_of(part)):
+            if begin <= first <= last and all(self.file(kind, part).exists() for kind in KINDS):
                 found.append(part)
                 begin = last + 1
         return found
 
     def write(self, part: Part, tables: Mapping[str, pa.Table]) -> None:
         """Write the tables of a part, by their kinds."""
-        for kind in self._kinds_of(part):
+        for kind in KINDS:
             write_arrow(tables[kind], self.file(kind, part))
 
     def read(self, kind: str, parts: Sequence[Part], columns: Sequence[str] | None = None) -> pd.DataFrame:
@@ -114,9 +113,9 @@ class Parts:
         import pyarrow.parquet as pq
 
         first = [part for name in scenarios for part in self.stored(name)[:1]]
-        found: dict[str, dict[str, None]] = {kind: {} for kind in self.kinds}
+        found: dict[str, dict[str, None]] = {kind: {} for kind in KINDS}
         for kind, names in found.items():
-            for file in (self.file(kind, part) for part in first if kind in self._kinds_of(part)):
+            for file in (self.file(kind, part) for part in first):
                 names.update(dict.fromkeys(pq.read_schema(file).names))
         return {kind: [*names] for kind, names in found.items()}
 
@@ -124,13 +123,6 @@ class Parts:
         """Remove what killed processes left half written, in a folder that this process holds."""
         for partial in self.folder.rglob(f"{PARTIAL}*"):
             partial.unlink()
-
-    def _kinds_of(self, part: Part) -> list[str]:
-        return [
-            kind
-            for kind, some in self.kinds.items()
-            if some is None or any(number in part.replicates for number in some)
-        ]
 
     def _folder(self, kind: str, scenario: str) -> Path:
         return self.folder / kind / f"scenario={quote(scenario, safe='')}"

@@ -68,11 +68,6 @@ def _one_line(text: str) -> str:
     return text
 
 
-def _different(numbers: tuple[int, ...]) -> tuple[int, ...]:
-    _refused_if(len(set(numbers)) < len(numbers))
-    return tuple(sorted(numbers))
-
-
 def _named(tables: Tables) -> Tables:
     for name in tables:
         fits = name and name.isprintable() and len(quote(name, safe="")) <= LONGEST_NAME
@@ -105,10 +100,6 @@ class StudyFile(Section):
     replicates: Annotated[int, count(MOST_REPLICATES)]
     seed: Annotated[int, count(2**63 - 1, least=0)]
     paired: Annotated[bool, Allowed("true or false", "flag", (Strict(),))] = False
-    trajectories: Annotated[
-        tuple[Annotated[int, count(MOST_REPLICATES - 1, least=0)], ...],
-        Allowed("a list of different replicates, which count from 0", "list", (AfterValidator(_different),)),
-    ] = ()
     overrides: Annotated[Tables, Allowed("sections of parameters, such as [overrides.numerics]", "table")] = Field({})
     scenarios: Annotated[Tables, Allowed(SCENARIOS, "table", (AfterValidator(_named),))] = Field({})
     factors: Annotated[dict[str, Tables], Allowed(FACTORS, "table", (AfterValidator(_factors),))] = Field({})
@@ -121,9 +112,6 @@ class StudyFile(Section):
     def _together(self) -> StudyFile:
         none = not self.scenarios and not self.factors
         _refused_if(none, f"scenarios is missing: must be {SCENARIOS}")
-        late = any(number >= self.replicates for number in self.trajectories)
-        numbers = describe(list(self.trajectories))
-        _refused_if(late, f"trajectories = {numbers}: must be below replicates = {self.replicates}")
         keys = {
             name: {key for level in levels.values() for key in flat(level)} for name, levels in self.factors.items()
         }
@@ -212,7 +200,6 @@ class TissueStudy:
     title: str
     replicates: int  # of each scenario
     seed: int
-    trajectories: tuple[int, ...]  # the replicates whose saved states are all stored
     scenarios: Mapping[str, Parameters]
     text: str  # the file
     compare: PlannedComparisons | None = None  # what it was made to compare
@@ -239,9 +226,9 @@ def load_study(path: str | PathLike[str]) -> TissueStudy:
 
     Its keys: ``title``; ``base``, a preset or the path of a parameter file, relative to this one; ``replicates`` of
     each scenario; ``seed``; on request ``paired = true``, with which replicate k of every scenario has the same random
-    numbers, ``trajectories``, a list of the replicates whose saved states are all stored, and ``[overrides.SECTION]``,
-    parameters of all scenarios; ``[scenarios.NAME]``, at least one, with the parameters of its own, sections as keys.
-    Or ``[factors.NAME]``, tables of levels: each combination is a scenario, such as "early, arc".
+    numbers, and ``[overrides.SECTION]``, parameters of all scenarios; ``[scenarios.NAME]``, at least one, with the
+    parameters of its own, sections as keys. Or ``[factors.NAME]``, tables of levels: each combination is a scenario,
+    such as "early, arc".
 
     On request ``[compare]``, what the study is made to compare: ``outcomes``, a list; ``measures``; ``effect``, a
     factor, and ``by``, another one; ``contrasts``, a table for each question with the weights of scenarios. ``effect``
@@ -282,8 +269,8 @@ def load_study(path: str | PathLike[str]) -> TissueStudy:
             compare = _planned(asked, file.factors, scenarios)
         except InvalidProblem as error:
             raise InvalidProblem(f"{path}: {error}") from None
-    head = file.title, file.replicates, file.seed, file.trajectories
-    return TissueStudy(*head, scenarios, path.read_text("utf-8-sig"), compare, file.paired)
+    head = file.title, file.replicates, file.seed, scenarios
+    return TissueStudy(*head, path.read_text("utf-8-sig"), compare, file.paired)
 
 
 def shipped() -> list[str]:

@@ -7,7 +7,7 @@ from html import escape
 from os import PathLike
 from typing import TYPE_CHECKING, get_args
 
-from dincl.checks import describe, flag, instance, integer, items, text
+from dincl.checks import describe, flag, instance, items, text
 from dincl.checks import path as checked_path
 from dincl.errors import InvalidProblem
 from tissue.files.own_modules import not_imported
@@ -15,7 +15,8 @@ from tissue.files.parameter_files import flat
 from tissue.files.parameters import Parameters, preset
 from tissue.runs.columns import TIMED
 from tissue.study.categories import CONTROL_SIDES, What, run_values
-from tissue.study.store import about, parts_of
+from tissue.study.parts import Parts
+from tissue.study.store import about
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -43,8 +44,7 @@ class Results:
     Attributes
     ----------
     study
-        Its record: ``title``, ``replicates`` of each scenario, ``seed``, ``paired``, ``trajectories``, ``scenarios``
-        and ``compare``.
+        Its record: ``title``, ``replicates`` of each scenario, ``seed``, ``paired``, ``scenarios`` and ``compare``.
 
     Raises
     ------
@@ -59,7 +59,7 @@ class Results:
         if record is None:
             raise InvalidProblem(f"{self.folder}: must be the folder of a study; its record is missing")
         self.study = record
-        self._parts = parts_of(self.folder, record.trajectories)
+        self._parts = Parts(self.folder)
 
     @property
     def complete(self) -> bool:
@@ -164,17 +164,6 @@ class Results:
         if found.isna().any():
             raise NoValues(f"{found.isna().sum()} of {len(found)} runs of {describe(scenario)} have no {outcome}")
         return found
-
-    def trajectory(self, scenario: str, replicate: int) -> pd.DataFrame:
-        """Return every saved state of one of the replicates that the study names, as ``Run.table`` has it."""
-        self._check(scenario)
-        replicate = integer("replicate", replicate, least=0)
-        stored = [part for part in self._parts.stored(scenario) if replicate in part.replicates]
-        if not stored or replicate not in self.study.trajectories:
-            may = list(self.study.trajectories)
-            raise InvalidProblem(f"replicate = {describe(replicate)}: must be stored, as may be {may}")
-        found = self._parts.read("trajectories", stored)
-        return found[found["replicate"] == replicate].drop(columns="replicate").reset_index(drop=True)
 
     def end_columns(self, scenario: str) -> list[str]:
         """Return the columns of ``cells`` from which the outcomes at the end follow."""

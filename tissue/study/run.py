@@ -83,16 +83,13 @@ def _compute(study: TissueStudy, parts: Parts, executor: Executor, watch: Watch 
     done, here = study.runs - sum(part.runs for part in todo), code()
 
     def submit(part: Part) -> Future[Outcomes]:
-        whole = [number for number in study.trajectories if number in part.replicates]
-        return executor.submit(
-            _outcomes, here, study.scenarios[part.scenario], part.replicates, study.seeds(part), whole
-        )
+        return executor.submit(_outcomes, here, study.scenarios[part.scenario], part.replicates, study.seeds(part))
 
     def keep(part: Part, made: Outcomes) -> None:
         nonlocal done
         try:
             about = {"seed": study.seed, "scenario": part.scenario}
-            parts.write(part, {kind: labelled(table, kind, about) for kind, table in made.by_kind().items()})
+            parts.write(part, {kind: labelled(table, kind, about) for kind, table in made._asdict().items()})
         except OSError as error:
             raise StudyStopped(f"{parts.folder} cannot be written to: {error}") from error
         done += part.runs

@@ -26,12 +26,11 @@ MOST_DIFFERENCES = 12
 
 
 class Record(Section):
-    """Record of the study in a folder, ``study.json``. The rows are a function of its first five fields."""
+    """Record of the study in a folder, ``study.json``. The rows are a function of its first four fields."""
 
     code: dict[str, str]
     seed: int
     paired: bool
-    trajectories: tuple[int, ...]  # replicates whose saved states are all stored
     parameters: dict[str, dict[str, Any]]  # of each scenario, as in a file
     title: str
     compare: PlannedComparisons | None  # what it was made to compare
@@ -51,11 +50,7 @@ class Record(Section):
 
     def rows(self) -> dict[str, Any]:
         """Return by key what the rows are a function of; types in their order, on which runs depend, too."""
-        found: dict[str, Any] = self.code | {
-            "seed": self.seed,
-            "paired": self.paired,
-            "trajectories": self.trajectories,
-        }
+        found: dict[str, Any] = self.code | {"seed": self.seed, "paired": self.paired}
         for name, tables in self.parameters.items():
             found |= {f"scenario {name!r}: {key}": value for key, value in flat(tables).items()}
             found[f"scenario {name!r}: order of types"] = list(tables.get("types", {}))
@@ -85,11 +80,6 @@ def about(folder: Path) -> Record | None:
         raise InvalidProblem(f"{path}: must be the record of a study, as this version writes it: {why}") from error
 
 
-def parts_of(folder: Path, trajectories: tuple[int, ...]) -> Parts:
-    """Return the parts in a folder: tables of runs and of EMT cells, and the saved states of some replicates."""
-    return Parts(folder, {"runs": None, "cells": None, "trajectories": trajectories})
-
-
 @contextmanager
 def opened(study: TissueStudy, out: str | os.PathLike[str]) -> Iterator[Parts]:
     """Open the folder of a study, made if it is new, for this process alone; give its parts.
@@ -101,7 +91,7 @@ def opened(study: TissueStudy, out: str | os.PathLike[str]) -> Iterator[Parts]:
         on it, or if it cannot be written to.
     """
     folder = Path(out)
-    parts = parts_of(folder, study.trajectories)
+    parts = Parts(folder)
     with ExitStack() as held:
         try:
             if about(folder) is None:
@@ -136,7 +126,6 @@ def _record(folder: Path, study: TissueStudy) -> Record:
         code=code(),
         seed=study.seed,
         paired=study.paired,
-        trajectories=study.trajectories,
         parameters={name: parameters.as_dict() for name, parameters in study.scenarios.items()},
         title=study.title,
         compare=study.compare,

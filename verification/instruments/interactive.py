@@ -24,7 +24,7 @@ from verification.instruments.error_norms import reference_error
 from verification.site.render import render
 
 if TYPE_CHECKING:
-    from verification.instruments.chart import WorkPrecision
+    from verification.instruments.speed_accuracy import WorkPrecision
 
 HEIGHT = 560  # dots
 # Errors for which the page lists the cheapest method.

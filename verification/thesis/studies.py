@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 
 from dincl.study import Study
 from verification.thesis.chapter3 import accuracy, daha, growth, stability, substeps
@@ -16,7 +15,7 @@ STUDIES: dict[str, Callable[..., Study]] = {
     "tissue_motion": accuracy.motion,
     "tissue_judged": accuracy.steps,
     "tissue_growth": growth.study,
-    **{name: partial(stability.map_study, name) for name in stability.TITLES},
+    stability.NAME: stability.study,
     "tissue_daha": daha.study,
     "emt_in_time": in_time.study,
     "emt_ratios": programs.study,

@@ -7,13 +7,12 @@ from collections.abc import Callable
 from dincl.study import Study
 from verification.tissues import curved, fits
 from verification.tissues.needs import study as needs
-from verification.tissues.space import choices, growth, isolated, sheet
+from verification.tissues.space import growth, isolated, sheet
 
 # Name -> the function ``study(smallest=False)``; the smallest form has some of the runs of the complete one.
 STUDIES: dict[str, Callable[..., Study]] = {
     "space_growth": growth.study,
     "space_isolated": isolated.study,
-    "space_choices": choices.study,
     "space_sheet": sheet.study,
     "curved_ways_out": curved.study,
     "needs_answers": needs.study,

@@ -3,8 +3,6 @@
 import numpy as np
 from scipy.sparse import csr_array
 
-from dincl import scenes
-from dincl.rows.affine import linearised
 from dincl.solvers.dual import bounded_conjugate_gradients
 
 
@@ -23,17 +21,3 @@ def test_the_iteration_keeps_its_word_and_counts():
     cut = np.zeros(3)
     assert bounded_conjugate_gradients(*arrays, cut, 1, 1e-12)[0] == 1
     assert (cut >= 0).all()
-
-
-def test_the_kernel_is_its_own_text_run_by_python():
-    scene = scenes.pile(12)
-    rows = linearised(scene.rows_within(0.0, scene.x0, 0.2), scene.x0)
-    least = -rows.values(scene.x0 - [0.0, 0.1])
-    matrix = rows.matrix
-    results = []
-    for function in (bounded_conjugate_gradients, bounded_conjugate_gradients.py_func):
-        mu = np.zeros(len(least))
-        arrays = matrix.indptr, matrix.indices, matrix.data, matrix.shape[1], least
-        results.append((*function(*arrays, mu, 40, 1e-9), mu))
-    assert results[0][:2] == results[1][:2]
-    assert (results[0][2] == results[1][2]).all()

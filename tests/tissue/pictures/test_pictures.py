@@ -1,11 +1,12 @@
 """Pictures, movies and views: to scale, with the colours of phases, events and types, in one scale for all states."""
 
 import sys
+from functools import cache
 
 import matplotlib as mpl
 import numpy as np
 import pytest
-from matplotlib.colors import to_hex
+from matplotlib.colors import to_hex, to_rgb
 from PIL import Image
 
 import tissue
@@ -14,16 +15,53 @@ from dincl.extras import MissingLibrary
 from tests.optional import need_rendering
 from tests.tissue.space.in_space import SURFACES, of_surface
 from tests.tissue.states import layers
-from tests.tissue.stills import THESIS, UM, coloured, drawn, pair, trio, two_hours
+from tests.tissue.states import tissue as tissue_of
 from tissue.events.known import EVENTS
-from tissue.files.sections import MOST_TYPES
+from tissue.files.parameters import preset
+from tissue.frames.frame import Frame
 from tissue.frames.observables import PHASES, height
 from tissue.frames.section import section
 from tissue.pictures import movie as film
 from tissue.pictures import space
-from tissue.pictures.emt import EMT_COLOURS, OTHER_COLOURS, event_colours
+from tissue.pictures.emt import EMT_COLOURS
 from tissue.pictures.picture import drawing, stills
-from tissue.pictures.sheet import APICAL, BASAL, COLOURS, TYPE_COLOURS, write
+from tissue.pictures.sheet import APICAL, BASAL, COLOURS, write
+from tissue.runs.simulate import simulate
+
+THESIS = preset("thesis")
+UM = 5.0
+AGES = {"G1/S": 3.0, "G2": 14.2, "mitosis": 14.7}
+
+
+def pair(phase="mitosis", distance=12.0, radius=0.7, t=0.0):
+    """Two cells that stand upright, of one phase, this far apart."""
+    x, a, b = ([[0.0, y], [distance, y]] for y in (4.0, 8.0, 0.0))
+    state = tissue_of(x, a, b, radius=radius, birth=t - AGES[phase], cycle=15.0)
+    return Frame(t, state, layers(2))
+
+
+def drawn(frame):
+    return next(iter(stills([frame], THESIS)))
+
+
+def coloured(still, colour, tolerance=3):
+    """Where the picture has this colour: rows and columns of the panel, without the legend below."""
+    found = np.abs(still.astype(int) - np.round(255 * np.array(to_rgb(colour)))).max(axis=2) <= tolerance
+    return np.nonzero(found[:-90])
+
+
+@cache
+def two_hours():
+    """A run, a state every half hour."""
+    return simulate(THESIS.changed({"numerics.t_end": "2 h", "numerics.keep": "0.5 h"}), 1)
+
+
+def trio(events="A"):
+    """Two control cells and one EMT cell with these events in the middle."""
+    x, a, b = ([[0.0, y], [6.0, y], [12.0, y]] for y in (4.0, 8.0, 0.0))
+    state = tissue_of(x, a, b, cycle=15.0, emt=[-1, 0, -1], events=[0, EVENTS.index(events), 0])
+    kept = {"apical": [0, 2] if "A" in events else None, "basal": [0, 2] if "B" in events else None}
+    return Frame(0.0, state, layers(3, **kept))
 
 
 def names(figure):
@@ -86,42 +124,6 @@ def test_an_emt_cell_has_the_colour_of_its_events_a_dark_edge_and_crosses_at_fre
     crosses = [(line.get_color(), line.get_xydata().tolist()) for line in panel.lines if line.get_marker() == "x"]
     apical, basal = "A" in events, "B" in events
     assert [one for one in crosses if one[1]] == [(APICAL, [[30.0, 40.0]])] * apical + [(BASAL, [[30.0, 0.0]])] * basal
-
-
-def test_sets_of_events_have_colours_of_their_own():
-    """Those of the thesis that can be, constricted cells, and others as long as there are colours."""
-    possible = {name for name in map(EVENTS.__getitem__, range(16)) if "P" not in name or "B" in name}
-    assert set(EMT_COLOURS) == possible | {f"{lost}AC" for lost in ("", "A", "B", "AB")}
-    every = [*EMT_COLOURS.values(), *OTHER_COLOURS, *COLOURS.values()]
-    assert len(set(every)) == len(every)
-    others = [EVENTS[k] for k in range(16, 32) if EVENTS[k] not in EMT_COLOURS][: len(OTHER_COLOURS)]
-    found = event_colours([trio(name) for name in ("A", *others)])
-    assert {found[name] for name in others} == set(OTHER_COLOURS)
-
-
-def test_constricted_cells_are_joined_and_a_named_type_has_an_edge():
-    frame = trio("AC")
-    frame.cells.emt[:2], frame.cells.chain[:2], frame.cells.events[:2] = (0, 1), 1, EVENTS.index("AC")
-    figure = drawing(frame._replace(layers=layers(3, apical=[2])), THESIS)
-    *_, chain = figure.axes[0].collections
-    assert [path.vertices.tolist() for path in chain.get_paths()] == [[[0.0, 40.0], [30.0, 40.0]]]
-    assert names(figure)[-1] == "joined, left layer"
-    given = THESIS.changed({"types.soft.cells": 1, "types.hard.cells": 1, "types.hard.place": 0})
-    frame = trio()
-    frame.cells.kind[:] = [3, 1, 0]
-    figure = drawing(frame, given)
-    hard = figure.axes[0].collections[3]
-    assert [to_hex(colour) for colour in hard.get_edgecolors()] == [TYPE_COLOURS[1], "#000000", "#ffffff"]
-    assert names(figure)[-1] == "type hard"
-    assert len(TYPE_COLOURS) == MOST_TYPES
-
-
-def test_a_picture_is_to_scale(run):
-    figure = drawing(run.final, run.parameters)
-    figure.draw_without_rendering()
-    (panel,) = figure.axes
-    box, (left, right), (low, high) = panel.get_window_extent(), panel.get_xlim(), panel.get_ylim()
-    assert box.width / (right - left) == pytest.approx(box.height / (high - low))
 
 
 def test_titles_say_what_it_is():
@@ -193,21 +195,6 @@ def test_a_movie_shows_every_state_once(run, tmp_path, ending):
             assert (image[:20, -20:] == 255).all()  # the paper stays white
             durations.append(movie.info["duration"])
     assert durations == [80] * 4 + [2000]
-
-
-@pytest.mark.parametrize("shown", ["phases", "events"])
-def test_a_gif_knows_the_colours_of_all_states(tmp_path, shown):
-    """Also of events that are over at the end."""
-    frames, colours = [pair("G1/S"), pair("G2", t=1.0), pair("mitosis", t=2.0)], list(COLOURS.values())
-    if shown == "events":
-        frames, colours = [pair(), pair(t=1.0), pair(t=2.0)], [EMT_COLOURS[name] for name in ("A", "AB", "AC")]
-        for frame, events in zip(frames, ("A", "AB", "AC"), strict=True):
-            frame.cells.emt[0], frame.cells.events[0] = 0, EVENTS.index(events)
-    film.movie(frames, THESIS, tmp_path / "movie.gif")
-    with Image.open(tmp_path / "movie.gif") as movie:
-        for k, colour in enumerate(colours):
-            movie.seek(k)
-            assert len(coloured(np.asarray(movie.convert("RGB")), colour, tolerance=6)[0]) > 300
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""A study that takes no time: outcomes that are a function of (parameters, seed), as those of the simulation are."""
+"""Studies that take no time: outcomes that are a function of (parameters, seed), as those of the simulation are."""
 
 from pathlib import Path
 
@@ -7,6 +7,8 @@ import pandas as pd
 import pyarrow as pa
 
 import tissue
+from tissue.events.known import row
+from tissue.files.groups import drawn
 from tissue.study.outcomes import Outcomes
 
 # Its two scenarios have parts of 32 runs: three with 70 replicates.
@@ -15,7 +17,6 @@ title = "small"
 base = "thesis"
 replicates = {replicates}
 seed = 7
-trajectories = [2, 33]
 [overrides.emt]
 cells = 2
 [scenarios."[A]"]
@@ -37,7 +38,7 @@ def run(**options):
     return tissue.run_study("small.toml", "out", **options)
 
 
-def outcomes(parameters, replicates, seeds, whole=()):
+def outcomes(parameters, replicates, seeds):
     """Random numbers; every 50th run fails."""
     draws = [np.random.default_rng(seed).random(3) for seed in seeds]
     failed = [number % 50 == 49 for number in replicates]
@@ -56,11 +57,72 @@ def outcomes(parameters, replicates, seeds, whole=()):
         "extruded": pa.array(["basal" if x[0] < 0.5 else "no" for _, x in sound for _ in range(2)]).dictionary_encode(),
         "ab_0h": [parameters.emt.inm + draw[1 + cell] for _, draw in sound for cell in range(2)],
     }
-    seed_of = dict(zip(replicates, seeds, strict=True))
-    tables = {number: pd.DataFrame({"time_h": [0.0, 1.0], "y_ab": seed_of[number] % 97}) for number in whole}
-    return Outcomes(pa.table(cells), pa.table(runs), tables)
+    return Outcomes(pa.table(cells), pa.table(runs))
 
 
 def stored(folder):
     """The contents of all tables in a folder."""
     return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(Path(folder).glob("*/*/*"))}
+
+
+# Two factors, with all columns
+
+HEAD = """
+title = "Does the time matter, and more inside?"
+base = "thesis"
+replicates = 40
+seed = 3
+[overrides.numerics]
+keep = "24 h"
+[overrides.emt]
+cells = 5
+"""
+FACTORS = """
+[factors.time]
+late = { emt.a = "18 h" }
+early = { emt.a = "6 h" }
+[factors.shape]
+line = {}
+arc = { layer = { shape = "circle", perimeter = "400 um" } }
+"""
+COMPARE = """
+[compare]
+outcomes = ["basal", "controls_apical"]
+measures = ["difference", "ratio"]
+effect = "time"
+by = "shape"
+"""
+INTERACTION = "(early - late, arc) - (early - late, line)"
+
+
+def write(text, path="study.toml"):
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(text)
+    return path
+
+
+def random_outcomes(parameters, replicates, seeds):
+    """Tables with all columns, of random numbers; times of events as they are drawn for the scenario."""
+    m, rows, runs = parameters.emt.cells, [], []
+    times = [
+        parameters.numerics.keep.value * k for k in range(round(parameters.t_end / parameters.numerics.keep.value) + 1)
+    ]
+    for replicate, seed in zip(replicates, seeds, strict=True):
+        rng = np.random.default_rng(seed)
+        at, inm = drawn(parameters.groups()[0], rng)
+        began = {f"t_{name}_h": at[row(name)] for name in "absp"}
+        onset = at.min(axis=0)
+        table = {"replicate": np.full(m, replicate), "cell": np.arange(m), "inm": inm, **began, "onset_h": onset}
+        table["onset_ab"] = np.where(np.isfinite(onset), rng.random(m), np.nan)
+        for t in times:
+            table |= {f"ab_{t:g}h": rng.uniform(-0.8, 1.4, m), f"below_{t:g}h": rng.random(m) < 0.3}
+        ends = table[f"ab_{times[-1]:g}h"]
+        table["extruded"] = np.select([ends < 0, ends > 1], ["basal", "apical"], "no")
+        table["extruded_h"] = np.where(table["extruded"] == "no", np.nan, times[-1] - 1.0)
+        rows.append(pd.DataFrame(table))
+        counts = {
+            f"controls{side}_{t:g}h": n for t in times for side, n in (("", 50), ("_apical", seed % 7), ("_basal", 0))
+        }
+        runs.append({"replicate": replicate, "seed": seed, "status": "SUCCESS", "detail": "", "folded": "no", **counts})
+    cells, done = pd.concat(rows, ignore_index=True), pd.DataFrame(runs)
+    return Outcomes(*(pa.Table.from_pandas(table, preserve_index=False) for table in (cells, done)))

@@ -1,12 +1,15 @@
 """The rows of a study, measured again from the states of the same runs."""
 
 import numpy as np
+import pandas as pd
 import pytest
 
+from dincl.errors import InvalidProblem
 from tissue.events.known import bit
 from tissue.files.parameters import preset
 from tissue.frames.observables import ab_positions
 from tissue.runs.simulate import simulate_many
+from tissue.study.categories import control_shares, outcome, run_shares, run_shares_in_time
 from tissue.study.outcomes import EXTENTS, SIDES, outcomes
 
 WILD = {"tissue.diffusion": "1e12 um^2/h"}
@@ -26,7 +29,7 @@ SCENARIO = {
 @pytest.fixture(scope="module", params=["thesis", "published"])
 def made(request):
     parameters = preset(request.param).changed(SCENARIO)
-    return outcomes(parameters, REPLICATES, SEEDS, [41, 48]), simulate_many(parameters, SEEDS)
+    return outcomes(parameters, REPLICATES, SEEDS), simulate_many(parameters, SEEDS)
 
 
 def columns(table, name):
@@ -35,7 +38,7 @@ def columns(table, name):
 
 
 def test_rows_are_in_order(made):
-    cells, runs = (table.to_pandas() for table in made[0][:2])
+    cells, runs = (table.to_pandas() for table in made[0])
     assert cells["replicate"].tolist() == [number for number in REPLICATES for _ in range(6)]
     assert cells["cell"].tolist() == [*range(6)] * 10
     assert runs["replicate"].tolist() == list(REPLICATES)
@@ -45,7 +48,7 @@ def test_rows_are_in_order(made):
 
 
 def test_positions_are_those_of_the_states(made):
-    cells, runs = (table.to_pandas() for table in made[0][:2])
+    cells, runs = (table.to_pandas() for table in made[0])
     positions, below = columns(cells, "ab"), columns(cells, "below")
     counts = [columns(runs, name) for name in ("controls", "controls_apical", "controls_basal")]
     for k, run in enumerate(made[1]):
@@ -88,13 +91,6 @@ def test_what_became_of_the_cells(made):
     assert (cells["inm"] == moves).all()
 
 
-def test_every_state_of_the_replicates_asked_for(made):
-    outcome, runs = made
-    assert set(outcome.tables) == {41, 48}
-    for number, table in outcome.tables.items():
-        assert table.equals(runs[number - 40].table())
-
-
 def test_a_run_that_fails_has_no_cells_and_says_so():
     """Noise throws nuclei out of all bounds."""
     wild = preset("thesis").changed(SCENARIO | WILD)
@@ -120,14 +116,13 @@ def test_a_tissue_without_emt_has_runs_and_no_cells():
 def test_to_be_asked_often_changes_no_row(changes, monkeypatch):
     """Also of runs that fail between two output times."""
     parameters = preset("thesis").changed(SCENARIO | changes)
-    whole = outcomes(parameters, range(8), SEEDS[:8], [3])
+    whole = outcomes(parameters, range(8), SEEDS[:8])
     monkeypatch.setattr("tissue.runs.batch.ASKED", 500)
     asked = []
-    again = outcomes(parameters, range(8), SEEDS[:8], [3], ask=lambda: asked.append(1))
+    again = outcomes(parameters, range(8), SEEDS[:8], ask=lambda: asked.append(1))
     assert len(asked) == 100  # each step
     assert again.cells.equals(whole.cells)
     assert again.runs.equals(whole.runs)
-    assert again.tables[3].equals(whole.tables[3])
 
 
 def test_work_without_an_end_ends_when_that_is_said():
@@ -142,3 +137,38 @@ def test_work_without_an_end_ends_when_that_is_said():
     endless = preset("thesis").changed(SCENARIO | {"numerics.t_end": "1e7 h", "numerics.keep": "1e7 h"})
     with pytest.raises(LookupError):
         outcomes(endless, [0], [5], ask=ask)
+
+
+# Shares of the cells of runs, on tables written by hand
+
+
+def table_of(*rows, step=0.5):
+    """A table with the positions of cells at times 0, step, 2 step, ..."""
+    columns = {f"ab_{step * k:g}h": column for k, column in enumerate(zip(*rows, strict=True))}
+    below = {f"below_{step * k:g}h": [y < 0.2 for y in column] for k, column in enumerate(zip(*rows, strict=True))}
+    return pd.DataFrame({"replicate": range(len(rows))} | columns | below)
+
+
+def test_outcomes_by_the_thesis():
+    cells = table_of((0.5, -0.1), (0.1, 0.0), (1.0, 1.1))
+    assert list(outcome(cells, "basal", 0.5)) == [True, False, False]
+    assert list(outcome(cells, "apical", 0.5)) == [False, False, True]
+    assert list(outcome(cells, "apical", 0)) == [False, False, False]
+    assert list(outcome(cells, "below", 0)) == [False, True, False]
+
+
+def test_outcomes_that_can_not_be():
+    cells = table_of((0.5, -0.1))
+    with pytest.raises(InvalidProblem, match=r"t = 0\.7: must be an output time; these are \[0\.0, 0\.5\] h"):
+        outcome(cells, "basal", 0.7)
+    with pytest.raises(InvalidProblem, match="what = 'out': must be one of basal, apical, below"):
+        outcome(cells, "out", 0.5)
+
+
+def test_runs_count_alike_however_many_cells_they_have():
+    cells = table_of((0.5, -0.1), (0.1, 0.0), (1.0, 1.1), (0.4, -0.2)).assign(replicate=[7, 7, 7, 3])
+    assert run_shares(cells, "basal", 0.5).to_dict() == pytest.approx({3: 1.0, 7: 1 / 3})
+    assert run_shares_in_time(cells)["basal"].tolist() == [[0.0, 1.0], [0.0, pytest.approx(1 / 3)]]
+    columns = {"status": ["SUCCESS", "NON_FINITE", "SUCCESS", "SUCCESS"], "controls_1h": [50, 50, 0, 40]}
+    runs = pd.DataFrame({"replicate": range(4), **columns, "controls_apical_1h": [5, 5, 0, 0]})
+    assert control_shares(runs, "apical", 1.0).to_dict() == {0: 0.1, 3: 0.0}

@@ -6,7 +6,7 @@ import pytest
 
 import tissue
 from dincl.errors import InvalidProblem
-from tests.tissue.study.figures_stand_in import COMPARE, FACTORS, HEAD, INTERACTION, write
+from tests.tissue.study.stand_in import COMPARE, FACTORS, HEAD, INTERACTION, write
 from tissue.study.parts import Part
 from tissue.study.plan import load_study, part_size, run_seeds, shipped
 
@@ -15,7 +15,6 @@ title = "two scenarios"
 base = "thesis"
 replicates = 70
 seed = 3
-trajectories = [5, 0]
 [overrides.numerics]
 keep = "2 h"
 [overrides.emt]
@@ -42,7 +41,7 @@ def refused(text):
 
 def test_a_study_is_what_its_file_says(tmp_path):
     study = load_study(write(GOOD))
-    assert (study.title, study.replicates, study.seed, study.trajectories) == ("two scenarios", 70, 3, (0, 5))
+    assert (study.title, study.replicates, study.seed) == ("two scenarios", 70, 3)
     assert (study.text, study.paired, study.runs) == (GOOD, False, 140)
     common = {"numerics.keep": "2 h", "emt.cells": 1}
     second = {"emt.a": "never", "emt.b": "6 h to 24 h, 70 %", "emt.inm": 0}
@@ -72,8 +71,6 @@ def test_parts_of_large_tissues_have_few_runs(cells, dimension, runs):
         ("seed = 3", "seed = -1", ["seed = -1: must be a whole number from 0 to 9223372036854775807"]),
         ("seed = 3", "sead = 3", ["seed is missing", "sead = 3: unknown key; the nearest known one is seed"]),
         ("seed = 3", "seed = 3\npaired = 1", ["paired = 1: must be true or false"]),
-        ("[5, 0]", "[5, 5]", ["trajectories = [5, 5]: must be a list of different replicates"]),
-        ("[5, 0]", "[70]", ["trajectories = [70]: must be below replicates = 70"]),
         ('"thesis"', '"these"', ["base = 'these': must be \"thesis\", \"corrected\", \"published\", \"chick\""]),
         ('keep = "2 h"', 'kep = "2 h"', ["scenario '[A]': numerics.kep = '2 h': unknown key; the nearest"]),
         ("inm = 0", "inm = 2", ["scenario '[B] / no INM': emt.inm = 2: must be a number from 0 to 1"]),

@@ -59,7 +59,7 @@ def outcomes(parameters: Parameters, replicates: Sequence[int], seeds: Sequence[
     runs |= {f"height_um_{end}h": np.array(heights) + noise}
     runs |= {"controls_0h": [parameters.tissue.cells] * n, f"controls_{end}h": [parameters.tissue.cells] * n}
     cells = {"replicate": np.repeat(list(replicates), 2), f"ab_{end}h": np.zeros(2 * n)}
-    return Outcomes(pa.table(cells), pa.table(runs), {})
+    return Outcomes(pa.table(cells), pa.table(runs))
 
 
 @pytest.fixture(autouse=True)

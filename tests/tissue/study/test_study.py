@@ -74,7 +74,7 @@ def test_files_are_the_same_for_any_number_of_workers(workers, whole):
     with ThreadPoolExecutor(workers) as executor:
         run(executor=executor, watch=told.append)
     assert stored("out") == whole
-    assert len(whole) == 2 * (3 + 3 + 2)
+    assert len(whole) == 2 * (3 + 3)
     assert (told[0], told[-1], len(told)) == (0, 140, 7)
 
 
@@ -93,7 +93,6 @@ title = "real"
 base = "published"
 replicates = 5
 seed = 5
-trajectories = [1]
 [overrides.numerics]
 t_end = "1 h"
 keep = "0.5 h"
@@ -135,7 +134,6 @@ def test_rows_of_the_simulation_stopped_and_taken_up_by_processes_are_those_of_s
         assert whole.runs(name).loc[1, "height_um_1h"] == pytest.approx(
             alone.summary()["height_um"].iloc[-1], rel=1e-12
         )
-        pd.testing.assert_frame_equal(whole.trajectory(name, 1), alone.table())
         assert whole.cells(name)["ab_1h"].nunique() == 10
 
 
@@ -218,20 +216,6 @@ def opened_parts():
         return parts
 
 
-@pytest.mark.parametrize("kind", ["cells", "runs", "trajectories"])
-def test_a_part_without_one_of_its_files_is_computed_again(kind, computed, whole):
-    run()
-    file = sorted(OUT.glob(f"{kind}/*5D/*"))[1]
-    half = file.with_name(f"_partial-{file.name}")
-    file.rename(half)
-    assert Results("out").runs("[A]")["replicate"].tolist() == [*range(32), *range(64, 70)]
-    computed.clear()
-    assert run().complete
-    assert computed == [(1, 32)]
-    assert stored("out") == whole
-    assert not half.exists()
-
-
 def test_more_replicates_go_on_with_the_rows_that_are_there(computed):
     first = run()
     assert first.as_planned
@@ -255,20 +239,22 @@ def test_more_replicates_go_on_with_the_rows_that_are_there(computed):
 
 # Refused if other
 
+SOFT, HARD = (f'[overrides.types.{name}]\ncells = 1\nplace = "scattered"\n' for name in ("soft", "hard"))
+
 
 @pytest.mark.parametrize(
     ("old", "new", "difference"),
     [
         ("seed = 7", "seed = 8", "seed: 7 -> 8"),
         ("seed = 7", "seed = 7\npaired = true", "paired: False -> True"),
-        ("[2, 33]", "[2]", "trajectories: (2, 33) -> (2,)"),
         ("inm = 0", "inm = 0.5", "scenario '[A] no INM': emt.inm: 0.0 -> 0.5"),
         ('"thesis"', '"published"', "scenario '[A]': tissue.cells: 60 -> 45"),
         ('.types.soft]', '.types.late]', "scenario '[A]': types.soft.cells: 1 -> None"),
+        (SOFT + HARD, HARD + SOFT, "scenario '[A]': order of types: ['soft', 'hard'] -> ['hard', 'soft']"),
     ],
 )  # fmt: skip
 def test_results_of_another_study_are_refused_with_what_differs(old, new, difference, computed):
-    change('[scenarios."[A]"]', '[overrides.types.soft]\ncells = 1\nplace = "scattered"\n[scenarios."[A]"]')
+    change('[scenarios."[A]"]', f'{SOFT}{HARD}[scenarios."[A]"]')
     run()
     before, made = stored("out"), len(computed)
     change(old, new)
@@ -277,14 +263,6 @@ def test_results_of_another_study_are_refused_with_what_differs(old, new, differ
     assert difference in lines
     assert len(lines) <= 13
     assert (stored("out"), len(computed)) == (before, made)
-
-
-def test_another_order_of_types_is_another_study():
-    soft, hard = (f'[overrides.types.{name}]\ncells = 1\nplace = "scattered"\n' for name in ("soft", "hard"))
-    change('[scenarios."[A]"]', f'{soft}{hard}[scenarios."[A]"]')
-    run()
-    change(soft + hard, hard + soft)
-    assert "order of types: ['soft', 'hard'] -> ['hard', 'soft']" in refusal()
 
 
 def test_results_of_another_version_are_refused(monkeypatch):
@@ -336,13 +314,12 @@ def test_another_title_or_comparison_is_no_other_study(computed):
 def test_results_are_the_tables_in_order():
     results = run()
     record = results.study
-    assert (record.title, record.replicates, record.seed, record.trajectories) == ("small", 70, 7, (2, 33))
+    assert (record.title, record.replicates, record.seed) == ("small", 70, 7)
     for name, parameters in load_study("small.toml").scenarios.items():
         assert results.parameters(name) == parameters
-        made = outcomes(parameters, list(range(70)), run_seeds(7, name, range(70)), [33])
+        made = outcomes(parameters, list(range(70)), run_seeds(7, name, range(70)))
         pd.testing.assert_frame_equal(results.cells(name), made.cells.to_pandas())
         pd.testing.assert_frame_equal(results.runs(name), made.runs.to_pandas())
-        pd.testing.assert_frame_equal(results.trajectory(name, 33), made.tables[33])
     assert results.cells("[A]", ["ab_0h", "cell"]).columns.tolist() == ["ab_0h", "cell"]
     counts = {"scenario": ["[A]", "[A] no INM"], "runs": [70, 70], "failed": [1, 1], "folded": [0, 0]}
     assert results.summary().to_dict("list") == counts
@@ -362,8 +339,6 @@ def test_results_refuse_what_is_not_there():
         results.cells("A")
     with pytest.raises(InvalidProblem, match=r"columns = \['ab'\]: must be of replicate, cell, extruded, ab_0h"):
         results.cells("[A]", ["cell", "ab"])
-    with pytest.raises(InvalidProblem, match=r"replicate = 3: must be stored, as may be \[2, 33\]"):
-        results.trajectory("[A]", 3)
     for file in OUT.glob("runs/*/*"):
         file.unlink()
     assert results.summary()["runs"].tolist() == [0, 0]
@@ -374,9 +349,10 @@ def test_results_refuse_what_is_not_there():
         results.to_frame()
 
 
-@pytest.mark.parametrize("how", ["flipped", "cut", "empty", "pipe"])
-@pytest.mark.parametrize("kind", ["cells", "runs", "trajectories"])
+@pytest.mark.parametrize("how", ["half written", "flipped", "cut", "empty", "pipe"])
+@pytest.mark.parametrize("kind", ["cells", "runs"])
 def test_a_damaged_file_is_named_and_computed_again_once_it_is_removed(kind, how, whole, computed):
+    """A part of which a file is not there is none."""
     results = run()
     path = sorted(OUT.glob(f"{kind}/*5D/*"))[1]
     data = bytearray(path.read_bytes())
@@ -384,18 +360,22 @@ def test_a_damaged_file_is_named_and_computed_again_once_it_is_removed(kind, how
         column = pq.ParquetFile(path).metadata.row_group(0).column(0)
         data[(column.dictionary_page_offset or column.data_page_offset) + column.total_compressed_size - 1] ^= 1
     path.unlink()
-    if how == "pipe":  # to open one would wait
-        os.mkfifo(path)
+    if how == "half written":
+        path.with_name(f"_partial-{path.name}").write_bytes(data)
+        assert results.runs("[A]")["replicate"].tolist() == [*range(32), *range(64, 70)]
     else:
-        path.write_bytes({"cut": data[:-50], "empty": b""}.get(how, data))
-    read = {"cells": results.cells, "runs": results.runs, "trajectories": lambda name: results.trajectory(name, 33)}
-    with pytest.raises(DamagedTable, match=f"{path.name}: must be as it was written, but .*; .*remove it to have it"):
-        read[kind]("[A]")
-    path.unlink()
+        if how == "pipe":  # to open one would wait
+            os.mkfifo(path)
+        else:
+            path.write_bytes({"cut": data[:-50], "empty": b""}.get(how, data))
+        with pytest.raises(DamagedTable, match=f"{path.name}: must be as it was written, but .*; .*remove it to have"):
+            getattr(results, kind)("[A]")
+        path.unlink()
     computed.clear()
     assert run().complete
     assert computed == [(1, 32)]
     assert stored("out") == whole
+    assert not list(OUT.rglob("_partial-*"))
 
 
 # Results of somebody else are data

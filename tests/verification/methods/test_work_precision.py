@@ -141,7 +141,7 @@ def test_chapter_writes_its_charts_from_its_tables(tmp_path, monkeypatch):
     chapter.show(context)
     scenes = set(context.tables["work_precision"]["scene"])
     pictures = list((tmp_path / "figures").glob("*.png"))
-    assert len(pictures) == 3 + len(scenes)  # profiles, programs of others
+    assert len(pictures) == 2 + len(scenes)  # profiles, programs of others
     assert all(path.stat().st_size > 1000 for path in pictures)
     shown = {f"decisions_{name}" for name in ("profile", "promise", "cost")}
     assert set(context.grids) == shown | {"cheapest", "programs"} | {f"cheapest_{name}" for name in scenes}

@@ -9,7 +9,7 @@ from tissue.frames.section import section
 from tissue.state.cells import CONTROL
 from tissue.study.plan import load_study
 from verification.site.store import shipped
-from verification.tissues.space import choices, growth, isolated
+from verification.tissues.space import growth, isolated
 from verification.tissues.space import sheet as fitted
 from verification.tissues.space.growth import part_that_stays, roughness
 from verification.tissues.space.isolated import are_inner, counted, with_intervals
@@ -130,18 +130,6 @@ def test_sheets_have_the_events_of_the_slices_beside_them():
             assert parameters.tissue.two_daughters == (1 if of == "growing" else beside.tissue.two_daughters)
 
 
-def test_a_run_of_choices_has_a_row_for_each_cell(monkeypatch):
-    short = {"tissue.cells": 64, "types.isolated.cells": 4, "numerics.t_end": "1 h", "numerics.keep": "1 h"}
-    monkeypatch.setattr(choices, "SHEET", choices.SHEET | short)
-    rows = [row for k in (3, 4) for row in choices.run({"choice": "rests at the distance", "events": "[A]", "seed": k})]
-    assert len(rows) == 8
-    table = pd.DataFrame(rows)
-    (mean,) = choices.means(table).itertuples()
-    assert (mean.runs, mean.lost) == (2, 0)
-    assert mean.height_low < mean.height < mean.height_high
-    assert choices.ratios(table)["of"].tolist() == [8, 8]
-
-
 def test_inner_cells_begin_away_from_the_edge():
     given = load_study(isolated.PLAN).scenarios["[A], growing"]
     first = tissue.simulate(given.changed({"numerics.t_end": "0.05 h", "numerics.keep": "0.05 h"}), 3).frames[0]
@@ -161,20 +149,6 @@ def test_inner_cells_are_part_of_those_of_the_growing_sheets():
     assert set(counts["of"]["inner"]) == {4 * 17}
     outside = counts["count"]["growing"] - counts["count"]["inner"]
     assert outside.between(0, 4 * 19).all()
-
-
-def test_without_an_edge_all_cells_are_inner_ones():
-    assert are_inner(choices.parameters("no edge", "[A]")).all()
-
-
-def test_ratios_of_choices_are_of_all_cells_and_of_inner_ones():
-    names = [(seed, cell) for seed in (0, 1) for cell in range(9)]
-    table = pd.DataFrame(names, columns=["seed", "cell"]).assign(choice="784 cells", events="[A]")
-    table["inner"] = table["cell"] > 5
-    table["side"] = np.where(table["inner"], "basal", "no")
-    told = choices.ratios(table).set_index(["part", "side"])
-    assert told["of"].tolist() == [18, 18, 6, 6]
-    assert told["value"].tolist() == pytest.approx([1 / 3, 0.0, 1.0, 0.0])
 
 
 def test_cells_that_share_a_fate_count_as_one():

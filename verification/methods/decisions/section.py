@@ -11,7 +11,7 @@ from scipy.stats import binomtest
 from verification.methods.decisions.study import AUTO, LOOKS, charts
 from verification.site.cells import number, percent
 from verification.site.context import Context
-from verification.site.sheet import Axes, legend_below, sheet
+from verification.site.sheet import legend_below, sheet
 
 # Ranges of the errors that are asked for [length].
 BANDS = ((1e-3, 10**-1.5), (1e-4, 1e-3), (1e-5, 1e-4))
@@ -26,11 +26,6 @@ OVER = {
 # Shares of scenes that are wanted: true error at most the one asked for, stated error at least the true one. No error
 # is larger than so many times the one asked for.
 WANTED, BEYOND = {"right": 0.97, "stated": 0.99}, 3.0
-
-
-def in_band(rows: pd.DataFrame, band: tuple[float, float]) -> pd.DataFrame:
-    """Return the rows whose error asked for is above the first bound, and at most the second one."""
-    return rows[(rows["asked"] > band[0]) & (rows["asked"] <= band[1])]
 
 
 def band_words(band: tuple[float, float]) -> str:
@@ -95,36 +90,17 @@ def costs_of_auto(rows: pd.DataFrame) -> pd.DataFrame:
 
 def draw(rows: pd.DataFrame, path: Path) -> Path:
     """Draw the performance profiles over all scenes, by CPU time and by counted work."""
+    profiles, asked = charts(rows)
     with sheet(path, 4.2) as figure:
         panels = figure.subplots(1, len(COSTS), sharey=True)
         for panel, cost in zip(panels, COSTS, strict=True):
-            _draw(panel, rows, cost)
+            profiles.plot(panel, asked, cost=cost)
+            panel.set_title(f"{len(asked)} random scenes")
+            if legend := panel.get_legend():
+                legend.remove()
         panels[1].set_ylabel("")
         legend_below(figure, panels[:1], len(LOOKS))
     return path
-
-
-def draw_bands(rows: pd.DataFrame, path: Path) -> Path:
-    """Draw the performance profiles by CPU time, a panel for each range of errors."""
-    with sheet(path, 3.2) as figure:
-        panels = figure.subplots(1, len(BANDS), sharey=True)
-        for panel, band in zip(panels, BANDS, strict=True):
-            count = _draw(panel, in_band(rows, band), "cpu_seconds")
-            panel.set_title(f"error {band_words(band)}, {count} scenes")
-        for panel in panels[1:]:
-            panel.set_ylabel("")
-        legend_below(figure, panels[:1], len(LOOKS))
-    return path
-
-
-def _draw(panel: Axes, rows: pd.DataFrame, cost: str) -> int:
-    """Draw the profiles of some scenes; return how many these are."""
-    profiles, asked = charts(rows)
-    profiles.plot(panel, asked, cost=cost)
-    panel.set_title(f"{len(asked)} random scenes")
-    if legend := panel.get_legend():
-        legend.remove()
-    return len(asked)
 
 
 def run(context: Context) -> None:
@@ -136,10 +112,9 @@ def run(context: Context) -> None:
 
 
 def show(context: Context) -> None:
-    """Give the performance profiles, how often each method is the cheapest, and what ``Auto`` keeps at which cost."""
+    """Give the performance profile, how often each method is the cheapest, and what ``Auto`` keeps at which cost."""
     rows, found = context.tables["decisions"], context.tables["decisions_profile"]
     context.draw("decisions_profile", draw, rows)
-    context.draw("decisions_bands", draw_bands, rows)
     for name in ("profile", "promise", "cost"):
         context.show(f"decisions_{name}", context.headed("decisions", context.tables[f"decisions_{name}"]))
     by_time = found[(found["error"] == band_words(ALL)) & (found["cost"] == COSTS["cpu_seconds"])]

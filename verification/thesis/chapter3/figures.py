@@ -12,7 +12,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from verification.site.sheet import GREY, NOTE, Axes, legend_below, sheet
-from verification.thesis.chapter3.daha import DOUBLED_CASE, PBD_SUBSTEPS, TERMINATING
+from verification.thesis.chapter3.daha import DOUBLED_CASE, TERMINATING
 from verification.thesis.chapter3.growth import DOUBLED
 from verification.thesis.chapter3.substeps import ENOUGH
 
@@ -118,40 +118,35 @@ def _bands(panel: Axes, rows: pd.DataFrame) -> None:
 
 
 def iterations(table: pd.DataFrame, case: str, path: Path) -> Path:
-    """Draw Figure 11: iterations per step for each tolerance, and where the runs ended that did not terminate."""
-    mine = table[(table["kind"] == "step") & (table["case"] == case)]
+    """Draw Figure 11: iterations per step, and where the runs ended that did not terminate."""
+    rows = table[(table["kind"] == "step") & (table["case"] == case)]
+    done = rows["terminated"].astype(bool)
     with sheet(path, 3.0) as figure:
         left, right = figure.subplots(1, 2)
-        for (eps, rows), colour in zip(mine.groupby("eps"), ("#009e73", "#0072b2", "#d55e00"), strict=False):
-            done = rows["terminated"].astype(bool)
-            left.hist(rows.loc[done, "iterations"], ITERATIONS, color=colour, alpha=0.5, label=f"ε = {eps:.0e}")
-            right.semilogy(rows.loc[done, "t"], rows.loc[done, "iterations"], ".", color=colour, markersize=3)
-            right.semilogy(rows.loc[~done, "t"], rows.loc[~done, "iterations"], "x", color=colour)
+        left.hist(rows.loc[done, "iterations"], ITERATIONS, color=SHADES[1])
+        right.semilogy(rows.loc[done, "t"], rows.loc[done, "iterations"], ".", color=SHADES[1], markersize=3)
+        right.semilogy(rows.loc[~done, "t"], rows.loc[~done, "iterations"], "x", color=SHADES[1])
         left.set(xscale="log", xlabel="iterations in a step", ylabel="steps", title="Steps that terminated")
         right.set(xlabel="time [h]", ylabel="iterations in a step", title="In time; crosses: not terminated")
-        legend_below(figure, [left], 3)
     return path
 
 
 def damping(table: pd.DataFrame, fits: pd.DataFrame, path: Path) -> Path:
     """Draw the distance of nuclei and the heights of PBD against mu, means with intervals; dashed: the best fit."""
-    few = min(PBD_SUBSTEPS)
-    last = table["t"].max()
-    shown = table[(table["kind"] == "pbd") & (table["t"] == last) & (table["substeps"] == few)]
+    shown = table[table["kind"] == "pbd"]
     with sheet(path, 3.3) as figure:
         left, right = figure.subplots(1, 2)
         for case, (colour, label) in CASES.items():
             mine = shown[shown["case"] == case].sort_values("mu")
-            fit = fits[(fits["case"] == case) & (fits["t"] == last) & (fits["substeps"] == few)]
-            for panel, names, best in (
-                (left, ("relative", "low", "high"), "mu"),
-                (right, ("height", "height_low", "height_high"), "equal"),
+            for panel, names in (
+                (left, ("relative", "low", "high")),
+                (right, ("height", "height_low", "height_high")),
             ):
                 mean, low, high = (100 * mine[name].to_numpy() for name in names)
                 ends = np.array([mean - low, high - mean])
                 panel.errorbar(mine["mu"], mean, ends, color=colour, marker="o", label=label, elinewidth=1, capsize=2)
-                for mu in fit[best].dropna():
-                    panel.axvline(mu, color=colour, linestyle="--", linewidth=0.9)
+            for mu in fits.loc[fits["case"] == case, "mu"]:
+                left.axvline(mu, color=colour, linestyle="--", linewidth=0.9)
         right.axhline(0.0, color=GREY, linewidth=0.9)
         for panel in (left, right):
             panel.set(xscale="log", xlabel="μ of PBD [h]")

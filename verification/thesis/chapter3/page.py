@@ -52,8 +52,7 @@ def run(context: Context) -> None:
     context.keep("tissue_accuracy", made)
     context.keep("tissue_orders", substeps.orders(made))
     context.rows("tissue_motion")
-    maps = {name: context.rows(name) for name in stability.TITLES}
-    context.keep("tissue_losses", stability.losses(maps))
+    context.keep("tissue_losses", stability.losses(context.rows(stability.NAME)))
     for part in (grow, compare, judge):
         part(context)
 
@@ -80,8 +79,7 @@ def show(context: Context) -> None:
     context.draw("tissue_accuracy", figures.substeps, tables["tissue_accuracy"])
     context.draw("tissue_motion", accuracy.MOTION.result(tables["tissue_motion"]).draw)
     context.draw("tissue_growth", figures.growth, tables["tissue_growth"], growth.fine(tables["tissue_growth"]))
-    for name in stability.TITLES:
-        context.draw(name, stability.map_of(name, tables[name]).draw)
+    context.draw(stability.NAME, stability.map_of(tables[stability.NAME]).draw)
     context.draw("tissue_daha_iterations", figures.iterations, tables["tissue_daha"], daha.PRINTED)
     context.draw("tissue_daha_damping", figures.damping, tables["tissue_daha_distances"], tables["tissue_daha_fits"])
     orders = tables["tissue_orders"]

@@ -1,8 +1,7 @@
-"""Stability of substeps: growing tissues over dt, damping and substeps, with the linear limit of a cell in mitosis."""
+"""Stability of substeps: growing tissues over dt and substeps, with the linear limit of a cell in mitosis."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cache, partial
 from typing import Any
@@ -31,10 +30,7 @@ COLUMNS = {
     "held": "No cell lost up to",
     "lost": "Cells lost from",
 }
-TITLES = {
-    "tissue_map_steps": "Growing tissues: dt and substeps",
-    "tissue_map_damping": "Growing tissues: damping and substeps",
-}
+NAME, TITLE = "tissue_map_steps", "Growing tissues: dt and substeps"
 
 
 def bending(alpha: float, u: float, v: float) -> float:
@@ -69,49 +65,42 @@ def grow(name: str, **changes: float) -> dict[str, Any]:
     return {"scale": scale, "outcome": outcome.value, "amplitude": amplitude, "status": run.status}
 
 
-def _mitotic(of: Callable[[Any, float], Callable[[float], float]]) -> list[Limit]:
-    """Return the substeps at which h/mu is the limit of a cell in mitosis, over dt or over mu."""
-    return [
-        Limit("a cell in mitosis", of(preset(name).numbers(), mitotic_limit(name)), [label])
-        for name, label in LABELS.items()
-    ]
-
-
 @cache
-def maps() -> Mapping[str, StabilityRuns]:
-    """Return the maps by the names of their tables."""
-    of_presets = {LABELS[name]: partial(grow, name) for name in PRESETS}
-    substeps = ("substeps", (1, 2, 3, 5, 7, 10, 14, 20, 28, 40, 57, 80, 160), "substeps in dt")
-    dt = ("dt", tuple(0.0125 * 2.0**k for k in range(8)), "dt [h]")
-    mu = ("mu", tuple(np.geomspace(0.0125, 0.4, 16).tolist()), "μ [h]")
-    over_dt = _mitotic(lambda numbers, limit: lambda dt: dt / (numbers.mu * limit))
-    over_mu = _mitotic(lambda numbers, limit: lambda mu: numbers.dt / limit / mu)
-    return {
-        "tissue_map_steps": StabilityRuns(None, of_presets, dt, substeps, limits=over_dt),
-        "tissue_map_damping": StabilityRuns(None, of_presets, mu, substeps, limits=over_mu),
-    }
+def runs() -> StabilityRuns:
+    """Return the map, with the substeps at which h/mu is the limit of a cell in mitosis."""
+    limits = []
+    for name, label in LABELS.items():
+        scale = preset(name).numbers().mu * mitotic_limit(name)
+        limits.append(Limit("a cell in mitosis", lambda dt, scale=scale: dt / scale, [label]))
+    return StabilityRuns(
+        None,
+        {LABELS[name]: partial(grow, name) for name in PRESETS},
+        ("dt", tuple(0.0125 * 2.0**k for k in range(8)), "dt [h]"),
+        ("substeps", (1, 2, 3, 5, 7, 10, 14, 20, 28, 40, 57, 80, 160), "substeps in dt"),
+        limits=limits,
+    )
 
 
-def map_study(name: str, smallest: bool = False) -> Study:
-    """Return the runs of a map."""
-    made = maps()[name].study(name, f"Map: {TITLES[name]}", smallest)
+def study(smallest: bool = False) -> Study:
+    """Return the runs of the map."""
+    made = runs().study(NAME, f"Map: {TITLE}", smallest)
     return replace(made, columns={**made.columns, **COLUMNS})
 
 
-def map_of(name: str, rows: pd.DataFrame) -> StabilityMap:
-    """Return a map from its rows."""
-    return replace(maps()[name].result(rows), title=TITLES[name])
+def map_of(rows: pd.DataFrame) -> StabilityMap:
+    """Return the map from its rows."""
+    return replace(runs().result(rows), title=TITLE)
 
 
-def losses(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
-    """Return one row for each preset, from all maps: between which h/mu cells are lost.
+def losses(table: pd.DataFrame) -> pd.DataFrame:
+    """Return one row for each preset: between which h/mu cells are lost.
 
     ``held`` is the largest below which none were, ``lost`` the least at which some were; beside them the limit of a
     cell in mitosis.
     """
     rows = []
     for name, label in LABELS.items():
-        grown = pd.concat([tables[one][tables[one]["method"] == label] for one in TITLES])
+        grown = table[table["method"] == label]
         lost = grown.loc[grown["outcome"] == Outcome.UNSTABLE.value, "scale"].min()
         held = grown.loc[grown["scale"] < lost * (1 - ROUNDING), "scale"].max()
         rows.append({"preset": label, "mitosis": mitotic_limit(name), "held": held, "lost": lost})

@@ -1,8 +1,8 @@
-"""Counterparts of Figures 10, 12, 14, 15 and 17 to 21 of chapter 4, the readings of the model beside each other."""
+"""Counterparts of Figures 10, 12, 14, 15, 20 and 21 of chapter 4, the readings of the model beside each other."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -27,18 +27,18 @@ from tissue.pictures.sheet import GREY, Axes, Figure, Line2D, Patch, style, writ
 from verification.claims import Tables
 from verification.thesis.chapter4.categories import NO_INM
 from verification.thesis.chapter4.ensembles import POPULATIONS, PRESETS
-from verification.thesis.chapter4.groups import EVENTS, ONSETS, TIMES
+from verification.thesis.chapter4.groups import ONSETS, TIMES
 from verification.thesis.chapter4.in_time import CONTROL
 from verification.thesis.chapter4.ratios import wilson
 
 PROGRAMS = ("[ABP]", "[BAP]", "[BPx]", "[BxP]", "[AxB]", "[BxA]", "[Ax]", "[xA]", "[Bx]", "[xB]", "no EMT")
-ALONE = ("[A]", "[B]", "[S]", "[BP]", "no EMT")
 # Figures 10, 12 and 14: the scenarios; of the last one time counts from [A] on in another panel.
-STILL = ("[A] no INM", "[B] no INM", "[S] no INM", "no EMT no INM")
-CURVES = {10: ALONE[:4], 12: STILL, 14: ("[AxB]", "[AB]", "[BxA]")}
+CURVES = {
+    10: ("[A]", "[B]", "[S]", "[BP]"),
+    12: ("[A] no INM", "[B] no INM", "[S] no INM", "no EMT no INM"),
+    14: ("[AxB]", "[AB]", "[BxA]"),
+}
 SINCE, SHADES = "Basal positioning since [A]", dict(zip(CURVES[14], ("#e0a100", "#8f6400", "#3f2c00"), strict=True))
-# Figures 17 to 19: the events, and the scenario of cells alone and in a homogeneous group.
-DELAYED = {17: ("[AB]", "[AxB]"), 18: ("[A]", "[Ax]"), 19: ("[B]", "[Bx]")}
 # Around a cell, with its colour.
 ENVIRONMENTS = {"individual": "#808080", "homogeneous group": "#8c6bb1"}
 COLOURS = dict(zip(POPULATIONS, ("#00796b", "#2fa89a", "#7fcabf"), strict=True))
@@ -47,7 +47,7 @@ ENDINGS = {"with INM": "", "without INM": NO_INM}
 BY_TIME = {"[A], cells without [P]": "t_a_h", "[B], cells without [P]": "t_b_h", "[P]": "t_p_h"}
 TWO = ("thesis", "published")  # the readings whose cells were followed in time
 END, HEIGHT, LINE, ROOM = "ratio of basal extrusion at the end [%]", 1.9, 0.23, 0.5  # inches: a panel, a line in one
-FIGURES = (10, 12, 14, 15, 17, 18, 19, 20, 21)
+FIGURES = (10, 12, 14, 15, 20, 21)
 Entries = dict[str, Line2D | Patch]
 Drawn = tuple[Figure, Entries]
 
@@ -55,17 +55,11 @@ Drawn = tuple[Figure, Entries]
 def draw(number: int, tables: Tables, path: Path) -> Path:
     """Draw the counterpart of a figure from the tables of this chapter."""
     with style(**CHART_STYLE):
-        figure, entries = _kind(number)(number, tables)
-        if entries:
-            legend(figure, entries)
+        of = {15: programs, 20: by_time, 21: by_place}
+        figure, entries = in_time(number, tables) if number in CURVES else of[number](tables)
+        legend(figure, entries)
     write(figure, path)
     return path
-
-
-def _kind(number: int) -> Callable[[int, Tables], Drawn]:
-    if number in CURVES:
-        return in_time
-    return {15: programs, 20: by_time, 21: by_place}.get(number, environments)
 
 
 def _grid(
@@ -115,7 +109,7 @@ def _of(tables: Tables, study: str, what: str = "basal") -> pd.DataFrame:
     return table[(table["study"] == study) & (table["what"] == what)].set_index("scenario")
 
 
-def programs(number: int, tables: Tables) -> Drawn:
+def programs(tables: Tables) -> Drawn:
     """Draw basal extrusion at the end: eleven programs of events, alone and in a group, with INM and without."""
     figure, panels = _grid(list(ENDINGS), list(PRESETS), ROOM + LINE * len(PROGRAMS), END, sharex=True)
     entries: Entries = {}
@@ -130,26 +124,7 @@ def programs(number: int, tables: Tables) -> Drawn:
     return figure, entries
 
 
-def environments(number: int, tables: Tables) -> Drawn:
-    """Draw cells with the same events alone, in a homogeneous group and in the heterogeneous ones."""
-    order, scenario = DELAYED[number]
-    names = [*ENVIRONMENTS, *(f"heterogeneous, {name}" for name in POPULATIONS.values())]
-    colours = [*ENVIRONMENTS.values(), *COLOURS.values()]
-    figure, panels = _grid([f"{order} {inm}" for inm in ENDINGS], list(PRESETS), HEIGHT, END, sharex=True)
-    mixed = tables["emt_groups"]
-    mixed = mixed[mixed["given"] == EVENTS].set_index(["study", "kind"])
-    for (inm, ending), (preset, suffix) in product(ENDINGS.items(), PRESETS.items()):
-        alone = _of(tables, f"figure15{suffix}")
-        rows = [alone.loc[f"{scenario}{ending}{group}"] for group in ("", ", 10 cells")]
-        rows += [mixed.loc[(study + suffix, order + ending)] for study in POPULATIONS]
-        table = pd.DataFrame(rows).set_axis(names)
-        for name, colour in zip(names, colours, strict=True):
-            look: dict[str, Any] = {"color": colour, "marker": "o"}
-            draw_series(panels[f"{order} {inm}", preset], names, [RatioSeries("", table.loc[[name]], look)])
-    return figure, {}
-
-
-def by_time(number: int, tables: Tables) -> Drawn:
+def by_time(tables: Tables) -> Drawn:
     """Draw E[basal extrusion | time of the event] of (4.12) for [A], [B], [P], with INM and without.
 
     The caption of the thesis names [S] in place of [P], but [S] does not happen in the populations of Table 5.
@@ -169,7 +144,7 @@ def by_time(number: int, tables: Tables) -> Drawn:
     return figure, _groups() | lines
 
 
-def by_place(number: int, tables: Tables) -> Drawn:
+def by_place(tables: Tables) -> Drawn:
     """Draw E[basal extrusion | position at the onset] of 3.3.4, cells without [P], with INM and without."""
     x, y = "position at the onset, $y_{AB}$", "basal extrusion at the end [%]"
     figure, panels = _grid(list(ENDINGS), list(PRESETS), HEIGHT, x, y, sharex=True)

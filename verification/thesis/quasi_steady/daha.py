@@ -9,7 +9,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dincl.checks import instance, integer, number
 from dincl.constraints import Constraint
 from dincl.errors import InvalidProblem
 from dincl.status import Status
@@ -89,25 +88,10 @@ class TissueArrowHurwicz:
     The rule looks at the last move only: it asks neither for a small gradient nor for g >= 0. |z| depends on the
     origin of the coordinates: the farther away it is, the earlier the iteration stops.
 
-    Parameters
-    ----------
-    numbers
-        alpha, beta, gamma, c, dtau, eps and most_iterations, as ``Parameters.daha_numbers()`` gives them.
-
-    Raises
-    ------
-    InvalidProblem
-        For numbers that cannot be right.
+    ``numbers`` are alpha, beta, gamma, c, dtau, eps and most_iterations, as ``Parameters.daha_numbers()`` gives them.
     """
 
     numbers: Daha
-
-    def __post_init__(self) -> None:
-        instance("numbers", self.numbers, Daha, "those of Parameters.daha_numbers()")
-        for name in ("alpha", "beta", "c", "dtau", "eps"):
-            number(name, getattr(self.numbers, name), positive=True)
-        number("gamma", self.numbers.gamma, non_negative=True)
-        integer("most_iterations", self.numbers.most_iterations, least=1)
 
     def minimise(self, cells: Cells, layers: CellLayers, numbers: Numbers) -> Stopped:
         """Return the state at which the rule (3.24) stops the iteration from ``cells``, which need not be in S.

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from dincl.checks import instance, number, within
 from dincl.constraints import Constraint, MaxDistance, NonOverlap, Ordered
 from dincl.errors import InvalidProblem
 from dincl.problem import Problem
@@ -28,31 +27,18 @@ def frozen_problem(cells: Cells, layers: CellLayers, numbers: Numbers) -> Proble
     The 3n particles are the nuclei, then the apical points, then the basal points, each in the order of the cells; the
     way back is ``cells_at``. A basal point of the basal layer has y = 0 and no velocity in y: (C3) by construction.
 
-    Parameters
-    ----------
-    cells
-        The start, with the rest lengths, stiffnesses and radii that stay [R_soft]; copied.
-    layers
-        The junctions and the basal layer; they stay, too.
-    numbers
-        ``mu`` [h], ``max_basal_distance``, and the constants of the energy.
-
-    Raises
-    ------
-    InvalidProblem
-        For a start outside of S, a basal point of the layer off the line, a state that has no forces.
+    ``cells`` are the start, with rest lengths, stiffnesses and radii that stay [R_soft], ``layers`` the junctions and
+    the basal layer. Raises InvalidProblem for a start outside of S, or a basal point of the layer off the line.
 
     Right after a division the daughters overlap: from such a state there is no solution, and it is refused. Schemes
     agree on the motion after a division only if they start from one state of S, as by ``made_feasible``.
     """
-    of_a_frame(cells, layers, numbers)
     frozen, network = first(cells, len(cells.x)), CellLayers(layers.apical.copy(), layers.basal.copy())
-    mu = number("mu", numbers.mu, positive=True)
     sets = constraints(frozen, network, numbers)
     held = 2 * len(frozen.x) + network.basal
 
     def drift(t: float, x: Floats) -> Floats:
-        velocity = particles(forces(cells_at(x, frozen, network), network, numbers)) / mu
+        velocity = particles(forces(cells_at(x, frozen, network), network, numbers)) / numbers.mu
         velocity[held, 1] = 0.0
         return velocity
 
@@ -62,12 +48,9 @@ def frozen_problem(cells: Cells, layers: CellLayers, numbers: Numbers) -> Proble
 def constraints(cells: Cells, layers: CellLayers, numbers: Numbers) -> tuple[Constraint, ...]:
     """(C1), (C4) and (C2) on the particles of ``frozen_problem``, in the order in which a substep projects.
 
-    Arguments and errors are those of ``frozen_problem``, but the state need not be in S.
+    The state need not be in S.
     """
-    of_a_frame(cells, layers, numbers)
     n = len(cells.x)
-    within("layers.apical", layers.apical, n)
-    within("layers.basal", layers.basal, n)
     off = layers.basal[cells.by[layers.basal] != 0]
     if off.size:
         raise InvalidProblem(f"cells.by[{off[0]}] = {cells.by[off[0]]}: must be 0 in the basal layer  (C3)")
@@ -84,20 +67,12 @@ def constraints(cells: Cells, layers: CellLayers, numbers: Numbers) -> tuple[Con
     )
 
 
-def of_a_frame(cells: Cells, layers: CellLayers, numbers: Numbers) -> None:
-    """Refuse what are no cells and layers of a frame, or no numbers of parameters."""
-    instance("cells", cells, Cells, "the cells of a tissue.Frame")
-    instance("layers", layers, CellLayers, "the layers of a tissue.Frame")
-    instance("numbers", numbers, Numbers, "those of Parameters.numbers()")
-
-
 def made_feasible(cells: Cells, layers: CellLayers, numbers: Numbers, projection: Projection) -> Cells:
     """P_S(Z): a state near the given one, locally the nearest, in which (C1) to (C4) hold; all but positions stays.
 
-    Arguments and errors are those of ``frozen_problem``, but the state need not be in S; and ``projection`` computes
-    nearest points of S itself, such as ``dincl.Ipopt(tol=1e-9)``. Raises ``dincl.ProjectionFailed`` if it finds none.
+    ``projection`` computes nearest points of S itself, such as ``dincl.Ipopt(tol=1e-9)``. Raises
+    ``dincl.ProjectionFailed`` if it finds none.
     """
-    of_a_frame(cells, layers, numbers)
     state, sets = particles(cells), constraints(cells, layers, numbers)
     # A problem needs a start in its set, so it has one with all nuclei apart.
     n, apart = len(cells.x), np.zeros_like(state)
@@ -114,8 +89,6 @@ def particles(points: Cells | Forces) -> Floats:
 def cells_at(x: Floats, cells: Cells, layers: CellLayers) -> Cells:
     """Give the cells the coordinates of the particles x (3n, 2); those of the basal layer stay at the height 0."""
     n = len(cells.x)
-    if x.shape != (3 * n, 2):
-        raise InvalidProblem(f"x of shape {x.shape}: must have the shape (3n, 2) of {n} cells")
     lines: Any = {}
     for k, letter in enumerate(POINTS):
         lines |= {letter + axis: x[k * n : (k + 1) * n, c].copy() for c, axis in enumerate("xy")}

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
-from dincl.checks import instance
-from dincl.errors import InvalidProblem
 from dincl.status import Status
 from tissue.files.parameters import Parameters
-from tissue.files.sections import PAIR_KEYS
 from tissue.frames.frame import Frame
 from tissue.runs.batch import checkpoint_at, output_steps
 from tissue.runs.compiled_rules import answered, rules_pointer, users_of
@@ -51,55 +47,12 @@ def simulate_quasi_steady(parameters: Parameters, seed: int = 0) -> QuasiSteadyR
     """Grow a tissue from t = 0 to ``parameters.t_end`` through minima of its energy.
 
     Z^{k+1} in argmin W(Z, P^{k+1}) over S, near (A^k, X^k + noise, B^k)  (Model 3.1). Rules, noise and divisions are
-    those of ``simulate`` with the same seed; mu and the substeps do not matter.
+    those of ``simulate`` with the same seed; mu and the substeps do not matter. The numbers of DAHA are those in
+    ``parameters``, which must be of a slice on a line, with noise in each step, hard discs and without EMT cells.
 
-    Parameters
-    ----------
-    parameters, seed
-        As of ``simulate``; the numbers of DAHA are those in ``parameters``.
-
-    Returns
-    -------
-    QuasiSteadyRun
-        Up to the step in which DAHA fails, such as one in which it does not terminate; ``status`` says so.
-
-    Raises
-    ------
-    InvalidProblem
-        As ``simulate``, and in three dimensions, for noise in each substep, a basal layer that is no line, EMT cells,
-        a force that is not of the thesis, or cells without hard discs.
+    The run goes up to the step in which DAHA fails, such as one in which it does not terminate; ``status`` says so.
     """
-    instance("parameters", parameters, Parameters, "tissue.Parameters, made by load, preset or changed")
-    if faults := list(_faults(parameters)):
-        raise InvalidProblem(faults[0])
     return _Steps(parameters, seed).run()
-
-
-def _faults(parameters: Parameters) -> Iterator[str]:
-    """Say what the quasi-steady model does not have: a line for each."""
-    noise, layer, types = parameters.numerics.noise, parameters.layer, parameters.types.named()
-    if parameters.in_space:
-        yield "tissue.dimension = 3: must be 2, the quasi-steady model is one of slices"
-    if noise != "step":
-        yield f'numerics.noise = "{noise}": must be "step", the quasi-steady model has no substeps'
-    if layer.shape != "line":
-        yield f'layer.shape = "{layer.shape}": must be "line" for the quasi-steady model'
-    cells = {"emt": parameters.emt.cells} | {
-        f"types.{name}": one.cells for name, one in types.items() if one.has_events
-    }
-    for section, count in cells.items():
-        if count:
-            yield f"{section}.cells = {count}: must be 0, the quasi-steady model has no EMT events"
-    for force, strength in parameters.forces.acting():
-        yield f"forces.{force.name} = {strength:g}: must be 0, the quasi-steady model does not know it"
-    for name, one in types.items():
-        for key in PAIR_KEYS:
-            if key in one.own():
-                yield f"types.{name}.{key}: must be left out, the quasi-steady model has one of all cells"
-    of = ("cell", *(f"types.{name}" for name in types))
-    for section, numbers in zip(of, (parameters.numbers(), *parameters.named_numbers()), strict=True):
-        if numbers.hard_radius == 0:
-            yield f"{section}.hard_radius = 0: must be > 0, the quasi-steady model has hard discs"
 
 
 class _Steps:

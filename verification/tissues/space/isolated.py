@@ -23,9 +23,9 @@ from verification.thesis.chapter4.frequencies import more
 from verification.thesis.chapter4.ratios import as_ratio, difference, wilson
 
 PLAN = "space_published"
-SLICE, GROWING, INNER, PERIODIC, WHOLE = "slice", "growing", "inner", "periodic", "all"
-# INNER: those cells of the growing sheets that begin farther than EDGE [distances of neighbours] from their edge. In
-# the study of choices cells nearer than that leave less often, in sheets of 196, 784 and 1,764 cells.
+SLICE, GROWING, INNER, PERIODIC = "slice", "growing", "inner", "periodic"
+# INNER: those cells of the growing sheets that begin farther than EDGE [distances of neighbours] from their edge. Cells
+# nearer than that leave less often, in sheets of 196, 784 and 1,764 cells.
 TISSUES, EDGE = (SLICE, GROWING, INNER, PERIODIC), 3.0
 # Without "below all control cells": the lowest of many cells of a sheet is lower than that of a slice.
 SIDES: tuple[What, ...] = ("basal", "apical")
@@ -102,16 +102,13 @@ def completed(key: Key) -> list[Row]:
 
 
 def are_inner(parameters: Parameters) -> Flags:
-    """Return whether each isolated cell (m,) begins farther than EDGE from the edge of a flat sheet.
-
-    All do in a periodic sheet, which has none.
-    """
+    """Return whether each isolated cell (m,) begins farther than EDGE from the edge of a flat sheet."""
     lattice = parameters.lattice()
     crowd = crowd_of(parameters.groups(), parameters.tissue.cells, streams(0), lattice)
     sheet = lattice.basal[::2]
     cells = sheet[:, crowd.kind != CONTROL]
     away = np.minimum(cells - sheet.min(axis=1)[:, None], sheet.max(axis=1)[:, None] - cells).min(axis=0)
-    inner: Flags = (away > EDGE * lattice.spacing) | (parameters.space.boundary == "periodic")
+    inner: Flags = away > EDGE * lattice.spacing
     return inner
 
 
@@ -127,11 +124,11 @@ def counted(hits: pd.Series, replicate: pd.Series) -> dict[str, float]:
     return {"count": count, "of": of, "runs": replicates, "squares": squares, "expected": count * (1 - count / of)}
 
 
-def with_intervals(rows: pd.DataFrame, together: str | list[str]) -> pd.DataFrame:
+def with_intervals(rows: pd.DataFrame, together: str) -> pd.DataFrame:
     """Return counts with their ratio, its design effect, its effective number of cells, and Wilson's 95 % interval.
 
     The design effect, sum of squares over sum of expected ones and at least 1, is taken of all rows with the same
-    values in the columns ``together``: for p = 0 or 1 a single row says nothing about it.
+    value in the column ``together``: for p = 0 or 1 a single row says nothing about it.
 
     Source
     ------

@@ -12,7 +12,7 @@ from verification.thesis.chapter3 import accuracy, daha
 from verification.thesis.chapter3.frozen import Frozen, begun, floored
 from verification.thesis.quasi_steady.run import simulate_quasi_steady
 
-KEY = {"case": daha.TERMINATING, "eps": 1e-6, "seed": 3}
+KEY = {"case": daha.TERMINATING, "seed": 3}
 
 
 @pytest.fixture(scope="module")
@@ -26,30 +26,27 @@ def steps():
 
 
 def test_the_steps_are_those_of_the_quasi_steady_run(rows):
-    chosen = daha.parameters_of(daha.TERMINATING, daha.OWN, 1.0)
+    chosen = daha.parameters_of(daha.TERMINATING, 1.0)
     run = simulate_quasi_steady(chosen, 3)
     assert rows.loc[rows["kind"] == "step", "iterations"].tolist() == run.iterations.tolist()
     pbd = simulate(chosen.changed({"numerics.mu": "0.2 h", "numerics.substeps": 20}), 3)
     x, y = (np.array([found.final.cells.x, found.final.cells.y]) for found in (run, pbd))
-    found = rows[(rows["kind"] == "pbd") & (rows["mu"] == 0.2) & (rows["substeps"] == 20)]
+    found = rows[(rows["kind"] == "pbd") & (rows["mu"] == 0.2)]
     expected = np.sqrt(((x - y) ** 2).sum() / (x**2).sum())
     assert found["relative"].tolist() == pytest.approx([expected], rel=1e-10)
     assert found["rms"].tolist() == pytest.approx([np.sqrt(((x - y) ** 2).sum() / x.shape[1])], rel=1e-10)
 
 
-def test_baselines_are_other_runs(rows):
-    assert set(rows["kind"]) == {"step", "run", "pbd", "other noise", "pbd with itself"}
-    same = rows[(rows["kind"] == "pbd") & (rows["mu"] == 0.14)].set_index("substeps")["rms"]
-    itself, noisy = (rows.loc[rows["kind"] == kind, "rms"].item() for kind in ("pbd with itself", "other noise"))
-    assert abs(same[20] - same[200]) <= itself
-    assert noisy > 0
-    assert noisy != same[20]
+def test_other_noise_is_another_run(rows):
+    assert set(rows["kind"]) == {"step", "run", "pbd", "other noise"}
+    same = rows.loc[(rows["kind"] == "pbd") & (rows["mu"] == 0.14), "rms"].item()
+    assert 0 < same < rows.loc[rows["kind"] == "other noise", "rms"].item()
 
 
 def test_quartiles_are_of_steps_that_terminated_and_half_is_the_step_of_3_25():
     made = [{"kind": "step", "iterations": n, "terminated": True, "violation": 0.0} for n in (1000, 5000, 6000)]
     made.append({"kind": "step", "iterations": 100_000, "terminated": False, "violation": 0.5})
-    found = daha.iterations(pd.DataFrame(made).assign(case=daha.PRINTED, eps=1e-6)).iloc[0]
+    found = daha.iterations(pd.DataFrame(made).assign(case=daha.PRINTED)).iloc[0]
     assert (found["low"], found["median"], found["high"]) == (3000, 5000, 5500)
     assert found["whole"] == pytest.approx(0.1 / (5000 * 1e-4))
     assert found["half"] == pytest.approx(0.1 / (5000 * 0.5e-4))
@@ -58,9 +55,8 @@ def test_quartiles_are_of_steps_that_terminated_and_half_is_the_step_of_3_25():
 
 def test_failures_are_runs_that_ended_early():
     made = pd.DataFrame({"t": [2.0, 4.0, 10.0, 10.0], "terminated": [False, False, True, True]})
-    found = daha.failures(made.assign(kind="run", case=daha.PRINTED, eps=1e-6, stiffness=[5.0, 7.0, 1.0, 1.0])).iloc[0]
+    found = daha.failures(made.assign(kind="run", case=daha.PRINTED)).iloc[0]
     assert (found["failed"], found["share"], found["first"], found["last"]) == (2, 0.5, 2.0, 4.0)
-    assert found["stiffness"] == 6.0
 
 
 def test_seeds_beyond_those_compared_have_how_they_end_alone():
@@ -77,17 +73,12 @@ def test_the_best_damping_of_a_parabola():
     assert daha.best(mu, mu) == pytest.approx(mu[0])
 
 
-def test_fit_and_equal_height_over_seeds():
-    def seed(k, best):
-        mu = np.array(daha.DAMPINGS)
-        tall = {"height": 10 - np.log(mu / best), "reference_height": 10.0}
-        return pd.DataFrame({"mu": mu, "relative": 0.1 + np.log(mu / best) ** 2, "seed": k} | tall)
-
-    both = pd.concat([seed(0, 0.16), seed(1, 0.25)]).assign(kind="pbd", case="any", t=10.0, substeps=20)
-    found = daha.fitted(both).iloc[0]
+def test_a_fit_over_seeds():
+    mu = np.array(daha.DAMPINGS)
+    seeds = [{"seed": k, "mu": mu, "relative": 0.1 + np.log(mu / best) ** 2} for k, best in enumerate((0.16, 0.25))]
+    found = daha.fitted(pd.concat(map(pd.DataFrame, seeds)).assign(kind="pbd", case="any")).iloc[0]
     assert found["mu"] == pytest.approx(0.2, rel=1e-6)
     assert (found["mu_low"], found["mu_high"]) == pytest.approx((0.16, 0.25), rel=1e-6)
-    assert found["equal"] == pytest.approx(0.205, rel=1e-6)
 
 
 def test_what_is_left_of_the_gradient_is_nothing_at_a_minimum():

@@ -185,9 +185,9 @@ def test_maps_tell_jitter_from_loss():
 
 
 def test_cells_are_lost_beyond_the_limit_that_is_drawn_only():
-    tables = {name: shipped(name) for name in stability.TITLES}
-    found = stability.losses(tables)
+    table = shipped(stability.NAME)
+    found = stability.losses(table)
     assert (found["mitosis"] < found["lost"]).all()
-    drawn = stability.map_of("tissue_map_steps", tables["tissue_map_steps"]).limits
+    drawn = stability.map_of(table).limits
     mine = drawn[drawn["method"] == "Thesis"]  # dt = substeps mu limit
     np.testing.assert_allclose(mine["x"] / mine["y"], 0.15 * stability.mitotic_limit("thesis"))

@@ -27,7 +27,7 @@ def coloured(panel, colour):
     return [line for line in panel.lines if to_hex(line.get_color()) == colour]
 
 
-@pytest.mark.slow_with("10", "12", "14", "15", "17", "18", "20")
+@pytest.mark.slow_with("10", "12", "14", "15", "20")
 @pytest.mark.parametrize("number", figures.FIGURES)
 def test_figures_are_drawn(number: int, tmp_path, monkeypatch) -> None:
     """Of Figures 10 and 21 a line has the numbers of the table."""

@@ -147,30 +147,18 @@ def test_a_feasible_state_stays_where_it_is():
 
 
 BAD = {
-    "off the line": ({"by": [0.0, 0.1]}, layers(2), {}, r"cells.by\[1\] = 0.1: must be 0 in the basal layer"),
-    "not a cell": ({}, layers(3), {}, "layers.apical = 2: .*below .* 2"),
-    "not a basal cell": ({}, layers(2, basal=[0, 5]), {}, "layers.basal = 5: .*below .* 2"),
-    "no damping": ({}, layers(2), {"mu": 0.0}, "mu = 0.0: must be .* > 0"),
-    "no distance": ({}, layers(2), {"max_basal_distance": 0.0}, "length = 0.0: must be .* > 0"),
-    "no radius": ({"radius": [1.0, 0.0]}, layers(2), {}, "radius = .*> 0"),
-    "overlap": ({"radius": [1.0, 1.5]}, layers(2), {}, "violates NonOverlap by 1.5"),
-    "order": ({"bx": [0.1, 0.0]}, layers(2), {}, "violates Ordered by 0.1"),
-    "too far": ({"bx": [0.0, 1.0]}, layers(2), {}, "violates MaxDistance by 0.667"),
-    "no force": ({"y": [5.0, 2.5]}, layers(2), {}, "nucleus and apical point of cell 0 lie on one point"),
-    "nan": ({"ax": [np.nan, 0.0]}, layers(2), {}, "nan"),
+    "off the line": ({"by": [0.0, 0.1]}, r"cells.by\[1\] = 0.1: must be 0 in the basal layer"),
+    "overlap": ({"radius": [1.0, 1.5]}, "violates NonOverlap by 1.5"),
+    "order": ({"bx": [0.1, 0.0]}, "violates Ordered by 0.1"),
+    "too far": ({"bx": [0.0, 1.0]}, "violates MaxDistance by 0.667"),
 }
 
 
 @pytest.mark.parametrize("case", BAD)
-def test_bad_input_is_refused(case):
-    change, network, changes, message = BAD[case]
+def test_starts_outside_of_the_set_are_refused(case):
+    change, message = BAD[case]
     good = tissue([[0.0, 2.5], [1.0, 2.5]], [[0.0, 5.0], [1.0, 5.0]], [[0.0, 0.0], [0.3, 0.0]])
     frozen_problem(good, layers(2), numbers())
     bad = good._replace(**{name: np.array(values) for name, values in change.items()})
     with pytest.raises(dincl.InvalidProblem, match=message):
-        frozen_problem(bad, network, numbers(**changes))
-
-
-def test_states_of_another_number_of_cells_are_refused():
-    with pytest.raises(dincl.InvalidProblem, match=r"x of shape \(6, 2\): must have the shape \(3n, 2\) of 3 cells"):
-        cells_at(np.zeros((6, 2)), cells(3, 0), layers(3))
+        frozen_problem(bad, layers(2), numbers())

@@ -5,7 +5,6 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
-import dincl
 from dincl.status import Status
 from tissue.files.parameters import preset
 from tissue.runs.simulate import simulate
@@ -99,23 +98,3 @@ def test_a_step_that_fails_ends_the_run():
     run = simulate_quasi_steady(parameters(**{"daha.alpha": 2.0}), 0)
     assert run.status is Status.NON_FINITE
     assert run.energy.tolist() == run.violation.tolist() == [np.inf]
-
-
-TYPE = {"types.mine.cells": 3}
-REFUSED = {
-    "dimension": ({"tissue.dimension": 3, "tissue.cells": 182}, r"tissue\.dimension = 3: must be 2"),
-    "noise": ({"numerics.noise": "substep"}, '"substep": must be "step"'),
-    "layer": ({"layer.shape": "circle"}, r'layer\.shape = "circle": must be "line"'),
-    "EMT": ({"emt.cells": 1}, r"emt\.cells = 1: must be 0, the quasi-steady model has no EMT events"),
-    "events of a type": (TYPE | {"types.mine.a": "1 h"}, r"types\.mine\.cells = 3: must be 0, .* has no EMT"),
-    "no cores": ({"cell.hard_radius": "0 um"}, r"cell\.hard_radius = 0: must be > 0, .* has hard discs"),
-    "a type without cores": (TYPE | {"types.mine.hard_radius": "0 um"}, r"types\.mine\.hard_radius = 0: must be > 0"),
-    "an own number": (TYPE | {"types.mine.alpha_xx": 4}, r"types\.mine\.alpha_xx: must be left out"),
-}
-
-
-@pytest.mark.parametrize("name", REFUSED)
-def test_what_the_model_does_not_have_is_refused(name):
-    changes, message = REFUSED[name]
-    with pytest.raises(dincl.InvalidProblem, match=message):
-        simulate_quasi_steady(preset("thesis").changed(changes))

@@ -26,7 +26,7 @@ from verification.claims import (
 )
 from verification.thesis.chapter3 import tables as made
 from verification.thesis.chapter3.accuracy import minimum
-from verification.thesis.chapter3.daha import COMPARED, DOUBLED_CASE, OWN, PRINTED, TERMINATING, THEORY, TIMES
+from verification.thesis.chapter3.daha import COMPARED, DOUBLED_CASE, OWN, PRINTED, TERMINATING, THEORY
 from verification.thesis.chapter3.frozen import begun, floored
 from verification.thesis.chapter3.growing import PRESETS
 from verification.thesis.chapter3.intervals import CONFIDENCE
@@ -137,7 +137,7 @@ def _failures(tables: Tables) -> Evidence:
     chosen="thesis preset, Table 4, steps that end; close: within a quarter",
 )
 def _iterations(tables: Tables) -> Evidence:
-    row = row_of(tables["tissue_daha_iterations"], case=PRINTED, eps=OWN)
+    row = row_of(tables["tissue_daha_iterations"], case=PRINTED)
     half = NOTCH * (row["high"] - row["low"]) / math.sqrt(row["terminated"])
     interval = (row["median"] - half) / USUAL, (row["median"] + half) / USUAL
     what = f"median over 7500 of the iterations of {row['terminated']} steps, {row['mean']:.0f} on average"
@@ -172,7 +172,7 @@ def _iterations(tables: Tables) -> Evidence:
 )
 def _optimal(tables: Tables) -> Evidence:
     fits = tables["tissue_daha_fits"]
-    own, doubled = (row_of(fits, case=case, t=max(TIMES), substeps=SUBSTEPS) for case in (TERMINATING, DOUBLED_CASE))
+    own, doubled = (row_of(fits, case=case) for case in (TERMINATING, DOUBLED_CASE))
     low, best, high = (float(doubled[name]) for name in ("mu_low", "mu", "mu_high"))
     what = f"best μ over 0.1333 h, with a step of α (with α/2, as by (3.25), {own['mu'] / THEORY:.2f})"
     return Evidence(
@@ -197,7 +197,7 @@ def _optimal(tables: Tables) -> Evidence:
 )
 def _work(tables: Tables) -> Evidence:
     table = tables["tissue_daha"]
-    runs = table[(table["kind"] == "run") & (table["eps"] == OWN) & (table["case"] == TERMINATING)]
+    runs = table[(table["kind"] == "run") & (table["case"] == TERMINATING)]
     work = (runs.loc[runs["terminated"].eq(True), "iterations"] / (STEPS * SUBSTEPS)).tolist()
     gradients = of_mean("gradients of DAHA over gradients of PBD", work, at_least, 300.0)
     low, high = gradients.interval or (np.nan, np.nan)
@@ -241,7 +241,7 @@ def beyond(row: pd.Series, value: float) -> float:
     chosen=f"the step of DAHA is α, as in (3.26); {FLOOR}; one run is compared with the spread of single runs",
 )
 def _distance(tables: Tables) -> Evidence:
-    at = {"kind": "pbd", "t": max(TIMES), "mu": COMPARED, "substeps": SUBSTEPS}
+    at = {"kind": "pbd", "mu": COMPARED}
     doubled, own = (row_of(tables["tissue_daha_distances"], case=case, **at) for case in (DOUBLED_CASE, TERMINATING))
     mean = f"{100 * doubled['relative']:.1f} % on average, {100 * doubled['least']:.1f} % at least"
     half = f"{100 * own['relative']:.1f} %, {beyond(own, DISTANCE):.1f}"
@@ -307,7 +307,7 @@ def _condition(tables: Tables) -> Evidence:
     chosen=f"the step of DAHA is α, as in (3.26); {FLOOR}; height and apical width at 10 h within 10 %, μ = 0.14 h",
 )
 def _macroscopic(tables: Tables) -> Evidence:
-    at = {"kind": "pbd", "t": max(TIMES), "mu": COMPARED, "substeps": SUBSTEPS}
+    at = {"kind": "pbd", "mu": COMPARED}
     row = row_of(tables["tissue_daha_distances"], case=DOUBLED_CASE, **at)
     return Evidence(
         printed=(daha_runs_ending(tables, "as printed"),),
@@ -403,7 +403,7 @@ def _less_than_half(tables: Tables) -> Evidence:
     chosen=f"similar: heights at 10 h within 10 %; {FLOOR}",
 )
 def _similar(tables: Tables) -> Evidence:
-    at = {"kind": "pbd", "t": max(TIMES), "mu": MATCHING, "substeps": SUBSTEPS}
+    at = {"kind": "pbd", "mu": MATCHING}
     own, doubled = (row_of(tables["tissue_daha_distances"], case=case, **at) for case in (TERMINATING, DOUBLED_CASE))
     what = "height by PBD over height by DAHA, less 1"
     return Evidence(

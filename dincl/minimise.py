@@ -1,4 +1,4 @@
-"""Minimisers: Arrow-Hurwicz, its damped form, Uzawa; and the rules that end them."""
+"""Minimisers of an energy over a set: the Arrow-Hurwicz method, its damped form, and Uzawa's; ``minimise``."""
 
 from __future__ import annotations
 
@@ -6,20 +6,27 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dincl.checks import bounded, flag, instance, integer, number
+from dincl.constants import LARGEST
+from dincl.constraints.selection import Candidates, Selection, transfer_multipliers
 from dincl.errors import StepFailure
-from dincl.matrices import combined
+from dincl.matrices import combined, stacked
+from dincl.norms import longest
+from dincl.problem import Problem
+from dincl.rows.base import RowsOfOneKind, StackedRows
 from dincl.status import Status
+from dincl.work import Work
 
 if TYPE_CHECKING:
-    from dincl.minimise.solve import Iterate, Point
+    from scipy.sparse import csr_array
 
-Slope = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+Floats = NDArray[np.float64]
+Slope = Callable[[Floats], Floats]
 # Steps after which an iteration ends unless another limit is given.
 LIMIT = 100_000
 # Tolerance of the inner problem of Uzawa's method relative to the outer one, and its Newton steps at most.
@@ -42,7 +49,7 @@ class Stop(ABC):
     def at(self, point: Point) -> bool:
         """Return whether a point with its multipliers meets the rule."""
 
-    def after(self, before: NDArray[np.float64], x: NDArray[np.float64], dtau: float) -> bool:
+    def after(self, before: Floats, x: Floats, dtau: float) -> bool:
         """Return whether the step from ``before`` to x, of length ``dtau``, meets the rule."""
         return False
 
@@ -91,8 +98,120 @@ class RelativeMove(Stop):
     def at(self, point: Point) -> bool:
         return False
 
-    def after(self, before: NDArray[np.float64], x: NDArray[np.float64], dtau: float) -> bool:
+    def after(self, before: Floats, x: Floats, dtau: float) -> bool:
         return float(np.linalg.norm(x - before)) <= dtau * self.eps * float(np.linalg.norm(before))
+
+
+class Point(NamedTuple):
+    """An iterate with everything that its step and its residual need.
+
+    ``gaps`` (m,) are the g of the problem, ``values`` the g that the iteration works with, ``steepness`` the ratio of
+    their gradients; ``multipliers`` belong to ``values``; ``jacobian`` has the rows where ``active``: multiplier > 0.
+    """
+
+    x: Floats
+    gradient: Floats
+    gaps: Floats
+    values: Floats
+    steepness: Floats
+    multipliers: Floats
+    active: NDArray[np.bool_]
+    jacobian: csr_array
+
+    def reaction(self, multipliers: Floats) -> Floats:
+        """Sum multipliers_k grad g_k over the active rows, shape (N, d)."""
+        return combined(self.jacobian, multipliers[self.active]).reshape(self.x.shape)
+
+    def residuals(self) -> tuple[float, float, float]:
+        """Compute stationarity, violation of the rows at hand, and complementarity as in ``Minimum``."""
+        slope = float(np.abs(self.gradient - self.reaction(self.multipliers)).max())
+        both = np.minimum(self.steepness * self.multipliers, self.gaps)
+        return slope, float(np.max(-self.gaps, initial=0.0)), float(np.max(np.abs(both), initial=0.0))
+
+
+class Iterate:
+    """The present and the previous point (N, d), starting at x0, and multipliers (m,), starting at zero; all finite.
+
+    It has the rows near x, among them all that have a multiplier; others have zero.
+
+    Where distances are taken squared, a row g = sign (|X_i - X_j| - L) is replaced by sign (|X_i - X_j|^2 - L^2), which
+    is >= 0 just where g is. The gradient is 2 |X_i - X_j| times as long; the multipliers of g are that many times
+    larger.
+    """
+
+    def __init__(self, problem: Problem, minimiser: Minimiser) -> None:
+        self.problem = problem
+        self.work = Work(degrees_of_freedom=problem.x0.size)
+        self.x = self.previous = problem.x0
+        self._squared, self._ahead = minimiser.squared, minimiser.ahead
+        self._candidates = Candidates(problem.constraints, self.work)
+        self._list(self._candidates.select(0.0, self.x, 0.0), np.zeros(0))
+
+    def _list(self, selection: Selection, multipliers: Floats) -> None:
+        """Take the rows of a selection, and their multipliers; none: zero."""
+        self._selection, self.blocks = selection, selection.at(0.0).blocks
+        self.multipliers = multipliers if multipliers.size else np.zeros(len(selection))
+
+    def gradient(self, x: Floats) -> Floats:
+        """Evaluate grad W = -F(0, x), and count it."""
+        self.work.drift_evaluations += 1
+        return -self.problem.velocity(0.0, x)
+
+    def point(self) -> Point:
+        """Evaluate everything that belongs to the present x and multipliers."""
+        gradient, active = self.gradient(self.x), self.multipliers > 0
+        gaps, values, steepness = self.values(self.x)
+        jacobian = self.jacobian(self.take(active), self.x)
+        return Point(self.x, gradient, gaps, values, steepness, self.multipliers, active, jacobian)
+
+    def set_multipliers(self, multipliers: Floats) -> None:
+        """Take new multipliers (m,), in the order of the rows."""
+        if not bounded(multipliers):
+            raise StepFailure(Status.NON_FINITE, f"A multiplier exceeds {LARGEST:g}.")
+        self.multipliers = multipliers
+
+    def move(self, x: Floats) -> None:
+        """Go to a new x, and list the rows near it; their multipliers change places with the rows."""
+        if not bounded(x):
+            raise StepFailure(Status.NON_FINITE, f"A coordinate is not a number, or exceeds {LARGEST:g} in magnitude.")
+        self.previous, self.x = self.x, x
+        radius = self._ahead * longest(x - self.previous)
+        while (near := self._candidates.select(0.0, x, radius)) is not self._selection:
+            held = self.multipliers > 0
+            multipliers = transfer_multipliers(self._selection, self.multipliers, near)
+            if np.count_nonzero(multipliers) == np.count_nonzero(held):
+                self._list(near, multipliers)
+                break
+            radius = max(2 * radius, float(self.values(x)[0][held].max()))
+
+    def values(self, x: Floats) -> tuple[Floats, Floats, Floats]:
+        """Evaluate g, the values that the iteration works with, and the ratio of their gradients, each (m,)."""
+        gaps, steepness = [block.values(x) for block in self.blocks], self.steepness(x)
+        values = gaps
+        if self._squared:
+            each = zip(self.blocks, gaps, self._parts(steepness), strict=True)
+            values = [block.squared_values(own, length) for block, own, length in each]
+        return np.concatenate([np.zeros(0), *gaps]), np.concatenate([np.zeros(0), *values]), steepness
+
+    def steepness(self, x: Floats) -> Floats:
+        """Compute by how much the gradients of the values are longer than the gradients of g, shape (m,)."""
+        if not self._squared:
+            return np.ones(len(self.multipliers))
+        return np.concatenate([np.zeros(0), *(block.squared_steepness(x) for block in self.blocks)])
+
+    def take(self, keep: NDArray[np.bool_]) -> list[RowsOfOneKind]:
+        """Select the rows where ``keep`` is true, block after block."""
+        chosen = zip(self.blocks, self._parts(keep), strict=True)
+        return [block.take(part) for block, part in chosen if part.any()]
+
+    def jacobian(self, blocks: list[RowsOfOneKind], x: Floats) -> csr_array:
+        """Evaluate the gradients at x of some of the rows, in the form that the iteration works with."""
+        found = [block.squared_jacobian(x) if self._squared else block.jacobian(x) for block in blocks]
+        return stacked(found, self.problem.x0.size)
+
+    def _parts(self, values: NDArray[Any]) -> list[NDArray[Any]]:
+        """Cut an array of all rows into those of the blocks."""
+        return np.split(values, np.cumsum([len(block) for block in self.blocks]))[:-1]
 
 
 class Minimiser(ABC):
@@ -105,7 +224,7 @@ class Minimiser(ABC):
     limit: int
     # Whether distances are taken squared, the length of a step in (3.24), and the moves of the present length that a
     # list of near rows lasts for.
-    squared: bool
+    squared: bool = False
     dtau: float
     ahead: ClassVar[float] = 4.0
 
@@ -242,7 +361,6 @@ class Uzawa(Minimiser):
     step: float
     stop: Stationary
     limit: int = LIMIT
-    squared: bool = field(default=False, init=False, repr=False)
     dtau: float = field(default=1.0, init=False, repr=False)
     # Moves are long at first: rows are listed for where the point is, not for where it may go.
     ahead: ClassVar[float] = 0.0
@@ -254,7 +372,7 @@ class Uzawa(Minimiser):
     def advance(self, iterate: Iterate, point: Point) -> None:
         blocks, weights = iterate.take(point.active), point.multipliers[point.active]
 
-        def slope(flat: NDArray[np.float64]) -> NDArray[np.float64]:
+        def slope(flat: Floats) -> Floats:
             """Evaluate grad W - sum_k lambda_k grad g_k over the rows that have a multiplier."""
             x = flat.reshape(point.x.shape)
             return iterate.gradient(x).ravel() - combined(iterate.jacobian(blocks, x), weights)
@@ -265,7 +383,7 @@ class Uzawa(Minimiser):
         iterate.set_multipliers(np.maximum(0.0, iterate.multipliers - self.step * iterate.values(iterate.x)[0]))
 
 
-def free_minimum(slope: Slope, x: NDArray[np.float64], tol: float) -> tuple[NDArray[np.float64], int]:
+def free_minimum(slope: Slope, x: Floats, tol: float) -> tuple[Floats, int]:
     """Find a point near x (n,) where max |slope| <= tol, for slope = grad f, going downhill in f; count the steps.
 
     Newton's method with conjugate gradients, from gradients alone: a Problem does not define its energy. StepFailure
@@ -279,7 +397,7 @@ def free_minimum(slope: Slope, x: NDArray[np.float64], tol: float) -> tuple[NDAr
     raise StepFailure(Status.NOT_CONVERGED, f"The Lagrangian was not minimised in {MOST_STEPS} Newton steps.")
 
 
-def _direction(slope: Slope, x: NDArray[np.float64], gradient: NDArray[np.float64]) -> NDArray[np.float64]:
+def _direction(slope: Slope, x: Floats, gradient: Floats) -> Floats:
     """Solve H step = -gradient by conjugate gradients, which end early at a direction without curvature."""
     size = float(np.linalg.norm(gradient))
     scale = QUOTIENT * (1 + float(np.linalg.norm(x)))
@@ -299,9 +417,7 @@ def _direction(slope: Slope, x: NDArray[np.float64], gradient: NDArray[np.float6
     return step
 
 
-def _along(
-    slope: Slope, x: NDArray[np.float64], gradient: NDArray[np.float64], d: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _along(slope: Slope, x: Floats, gradient: Floats, d: Floats) -> tuple[Floats, Floats]:
     """Double or bisect t until |slope . d| at x + t d is at most FLAT of its value at x; return x + t d and slope."""
     steep = -float(gradient @ d)
     short, t, far = 0.0, 1.0, math.inf
@@ -318,3 +434,128 @@ def _along(
         else:
             far, t = t, (short + t) / 2
     raise StepFailure(Status.NOT_CONVERGED, "The Lagrangian has no minimum for the present multipliers.")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Minimum:
+    """A point x and multipliers >= 0 with, up to the residuals, grad W = J^T multipliers, g >= 0, multipliers . g = 0.
+
+    Attributes
+    ----------
+    x
+        Shape (N, d); after a failure the last iterate of finite numbers.
+    rows, families, multipliers
+        The rows near x, for each the index of its constraint in the problem, shape (m,), and its multiplier >= 0, shape
+        (m,). Rows of the problem that are not among them have the multiplier zero.
+    status, detail
+        How the iteration ended, and the particulars in words ("" when its rule was met).
+    iterations
+        Steps made.
+    stats
+        The counted work.
+    stationarity, violation, complementarity
+        max |grad W - J^T multipliers|, max_k max(0, -g_k), max_k |min(multipliers_k, g_k)|, recomputed from the
+        problem; infinite where they are not defined.
+    """
+
+    x: Floats
+    rows: StackedRows
+    families: NDArray[np.int64]
+    multipliers: Floats
+    status: Status
+    detail: str
+    iterations: int
+    stats: Work
+    problem: Problem
+    minimiser: Minimiser
+    stationarity: float
+    violation: float
+    complementarity: float
+
+    @property
+    def residual(self) -> float:
+        """The largest of the three residuals."""
+        return max(self.stationarity, self.violation, self.complementarity)
+
+    def reactions(self) -> dict[tuple[int, str], float]:
+        """Return the multipliers > 0, by the index of their constraint in the problem and the row in words."""
+        d = self.x.shape[1]
+        labels = [block.label(k, d) for block in self.rows.blocks for k in range(len(block))]
+        found = zip(self.families.tolist(), labels, self.multipliers.tolist(), strict=True)
+        return {(family, label): multiplier for family, label, multiplier in found if multiplier > 0}
+
+    def __repr__(self) -> str:
+        how = f"{self.status.name}, {type(self.minimiser).__name__}, {self.iterations} iterations"
+        return f"Minimum({how}, residual = {self.residual:.2g})"
+
+
+class MinimisationFailed(RuntimeError):
+    """An iteration that did not meet its rule; ``minimum`` has its last point, with its Status."""
+
+    def __init__(self, minimum: Minimum) -> None:
+        super().__init__(f"{minimum.status.name}: {minimum.detail}")
+        self.minimum = minimum
+
+
+def minimise(problem: Problem, minimiser: Minimiser, *, throw: bool = True) -> Minimum:
+    """Find a local minimum of W over S = {x : g(x) >= 0} near the start of the problem  (3.18), (3.19).
+
+    Parameters
+    ----------
+    problem
+        Its drift must be F(0, x) = -grad W(x); W itself is not needed. Sets that move are taken at t = 0.
+    minimiser
+        The method, e.g. ``DampedArrowHurwicz``.
+    throw
+        Whether an iteration that does not meet its rule raises; otherwise its Minimum is returned with the Status:
+        NOT_CONVERGED at the limit of steps, NON_FINITE when it leaves the finite numbers, or why a step failed.
+
+    Raises
+    ------
+    InvalidProblem
+        For arguments of the wrong type.
+    MinimisationFailed
+        When the rule was not met and ``throw`` is true; ``minimum`` has the last point.
+    """
+    instance("problem", problem, Problem, "a dincl.Problem")
+    instance("minimiser", minimiser, Minimiser, "a minimiser such as DampedArrowHurwicz")
+    raises = flag("throw", throw)
+    status, detail, cause = Status.SUCCESS, "", None
+    # Numbers that overflow end the iteration with a Status of their own.
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        iterate, rule = Iterate(problem, minimiser), minimiser.stop
+        try:
+            for _ in range(minimiser.limit):
+                point = iterate.point()
+                if rule.at(point):
+                    break
+                minimiser.advance(iterate, point)
+                iterate.work.steps += 1
+                if rule.after(iterate.previous, iterate.x, minimiser.dtau):
+                    break
+            else:
+                if not rule.at(iterate.point()):
+                    status, detail = Status.NOT_CONVERGED, f"{rule} was not met."
+        except StepFailure as failure:
+            status, detail, cause = failure.status, failure.detail, failure
+        found = _result(iterate, minimiser, status, detail)
+    if raises and not status:
+        raise MinimisationFailed(found) from cause
+    return found
+
+
+def _result(iterate: Iterate, minimiser: Minimiser, status: Status, detail: str) -> Minimum:
+    """Compute the residuals anew."""
+    problem, x, steps = iterate.problem, iterate.x, iterate.work.steps
+    multipliers, violation = iterate.multipliers * iterate.steepness(x), problem.violation(0.0, x)
+    try:
+        stationarity, _, complementarity = iterate.point().residuals()
+    except StepFailure:
+        stationarity = complementarity = math.inf
+    if not status:
+        residual = max(stationarity, violation, complementarity)
+        detail = f"{detail} After {steps} of at most {minimiser.limit} steps the residual is {residual:.2g}."
+    rows, work = StackedRows(iterate.blocks, x.size), iterate.work
+    families = np.repeat(np.arange(len(rows.blocks)), [len(block) for block in rows.blocks])
+    parts = (x, rows, families, multipliers, status, detail, steps, work, problem, minimiser)
+    return Minimum(*parts, stationarity, violation, complementarity)
