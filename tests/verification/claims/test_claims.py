@@ -26,9 +26,8 @@ from verification.claims import (
     put_right,
     stated_in,
 )
-from verification.claims.formal import UnsoundProof, enclosures
+from verification.claims.formal import UnsoundProof
 from verification.claims.formal.algebra import library, matrices, squares, vanishes
-from verification.claims.formal.enclosures import least_upper_bound
 from verification.claims.formal.reals import follows, reals
 from verification.claims.formal.stated import argument, identity, implication
 from verification.claims.graph import corrected_below, ordered
@@ -258,24 +257,6 @@ def test_two_programs_decide_implications_of_real_numbers():
     assert found.technique is Technique.REALS
     assert re.fullmatch(r"z3 [\d.]+, cvc5 [\d.]+", found.tool)
     assert found.given == "r >= 1 ⊢ r*r >= r"
-
-
-def test_a_bound_is_above_all_values_and_near_one():
-    bound = least_upper_bound(lambda x: x * (1 - x), [(0.0, 1.0)], 1e-6)
-    assert 0.25 <= bound <= 0.25 + 1e-6
-
-
-def test_boxes_are_cut_where_it_helps():
-    """Cuts of y, on which the function hardly depends, would never end."""
-    bound = least_upper_bound(lambda x, y: x * (1 - x) + y * 1e-3, [(0.0, 1.0), (0.0, 1.0)], 1e-6)
-    assert 0.251 <= bound <= 0.251 + 1e-6
-
-
-def test_a_ball_that_is_not_finite_bounds_nothing(monkeypatch):
-    """Where 1/x is not finite the search goes on, and gives up."""
-    monkeypatch.setattr(enclosures, "LARGEST", 500)
-    with pytest.raises(ArithmeticError, match="no bound within"):
-        least_upper_bound(lambda x: 1 / x, [(-1.0, 1.0)])
 
 
 @pytest.mark.parametrize(("tried_on", "verdict"), [("", Verdict.PROVED), ("two numbers", Verdict.PROVED_INSTANCE)])
