@@ -10,7 +10,7 @@ from dincl import checks
 from dincl.checks import array, describe, flag, function, instance, number
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.problem import Problem, at_end, check_start
-from dincl.schemes.base import Scheme, Span, Watch
+from dincl.schemes.base import WHOLE, Scheme, Span, Watch
 from dincl.trajectory import RunOutcome, StepFailed, Trajectory
 
 if TYPE_CHECKING:
@@ -103,10 +103,11 @@ def _breaks(value: ArrayLike, start: float, end: float) -> tuple[float, ...]:
 
 
 def _run(problem: Problem, scheme: Scheme, times: NDArray[np.float64], span: Span) -> RunOutcome:
-    """Run a scheme, in scaled coordinates if there are mobilities."""
+    """Run a scheme, in scaled coordinates if there are mobilities; with a span only where its ``run`` needs it."""
     if problem.mobility is None:
-        return scheme.run(problem, times, span)
+        whole = span[:3] == WHOLE[:3] and span.velocity is None
+        return scheme.run(problem, times) if whole else scheme.run(problem, times, span)
     from dincl.mobility import in_scaled_coordinates, scaled_span, unscaled
 
     scaled, scaling = in_scaled_coordinates(problem)
-    return unscaled(scheme.run(scaled, times, scaled_span(span, scaling)), scaling)
+    return unscaled(_run(scaled, scheme, times, scaled_span(span, scaling)), scaling)

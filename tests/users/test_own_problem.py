@@ -98,7 +98,7 @@ def test_what_is_no_scheme_is_named():
         dincl.solve(problem, Forgetful(0.1), t=[1.0])
 
     class Endless(dincl.Scheme):
-        def run(self, problem, times, span):
+        def run(self, problem, times):
             return times
 
     with pytest.raises(dincl.InvalidProblem, match=r"Endless.run returned array\(\[1.\]\): must be a RunOutcome"):

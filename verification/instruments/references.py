@@ -34,7 +34,7 @@ BETWEEN = 4
 # Finer steps mend violations if the distance from the set falls at least by this factor from one run to the next.
 FALLS = 0.75
 # Greatest step relative to the longest that resolves all functions of time in a run of high order.
-PART = 0.25
+PART, NEGLECTED = 0.25, 1e-3
 # Greatest step of an explicit method (Euler, midpoint) times the rate of the drift.
 STABLE = 2.0
 # States of a run in which the rate is estimated, iterations in each, and the relative spacing of their differences.
@@ -285,8 +285,14 @@ def _exact(t: Floats, x: ArrayLike) -> Known:
 
 
 def _resolving_step(problem: dincl.Problem, times: Floats, accuracy: float) -> float:
-    """Return the longest step that resolves all functions of time until ``times[-1]`` [time]; infinite without any."""
-    return PART * time_scales(problem, times, accuracy).shortest
+    """Return the longest step that resolves all functions of time until ``times[-1]`` [time]; infinite without any.
+
+    Pieces that are a NEGLECTED part of the time in all do not count.
+    """
+    until, steps = time_scales(problem, times, accuracy).pieces.T
+    order = steps.argsort()
+    passed = np.diff(until, prepend=0.0)[order].cumsum()
+    return float(PART * steps[order][passed > NEGLECTED * times[-1]].min(initial=np.inf))
 
 
 def _stable_step(problem: dincl.Problem, times: Floats, x: Floats) -> float:
