@@ -8,7 +8,6 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -170,17 +169,14 @@ def _first(
         return {"status": "OUT_OF_BUDGET", "detail": f"Stopped after {budget}."}
     if isinstance(outcome, Failure):
         return outcome.columns
-    between = None if known.between is None else outcome.dense(known.between.t)
-    answer = Computed(outcome.x, between, outcome.stated)
-    return outcome.columns | measured(problem, answer, known, norms)
+    return outcome.columns | measured(problem, Computed(outcome.x, outcome.stated), known, norms)
 
 
 @dataclass(frozen=True)
 class _Outcome:
-    """States at the output times, NaN where the run did not arrive; its dense output; columns; the error it states."""
+    """States at the output times, NaN where the run did not arrive; columns; the error it states."""
 
     x: Floats
-    dense: Callable[[Floats], Floats]
     columns: dict[str, Any]
     stated: float = np.nan
 
@@ -223,23 +219,14 @@ def _run(problem: Any, method: Method, setting: float, t: Floats, budget: Budget
         status = "SUCCESS" if np.isfinite(states).all() else "NON_FINITE"
         evaluations = drift.evaluations if drift else np.nan
         columns = {"status": status, "detail": "", "drift_evaluations": evaluations}
-        return _Outcome(states, partial(_straight, problem, t, states), columns)
+        return _Outcome(states, columns)
     path = dincl.solve(watched, _scheme(method, setting), t=t, throw=False)
     work = asdict(path.stats)
     columns = {"status": path.status.name, "detail": path.detail} | {name: work[name] for name in COUNTERS}
     if method.compiled is None:
         columns["compiled"] = work["callbacks"] == 0
     stated = np.nan if path.error is None else float(np.max(path.error))
-    return _Outcome(reached(path, t), path, columns, stated)
-
-
-def _straight(problem: Any, t: Floats, states: Floats, times: Floats) -> Floats:
-    """Interpolate states of a program on straight lines between the start and the output times."""
-    if isinstance(problem, dincl.Problem):
-        t, states = np.append(0.0, t), np.concatenate((problem.x0[None], states))
-    flat = states.reshape(len(t), -1)
-    found = [np.interp(times, t, column) for column in flat.T]
-    return np.stack(found, axis=1).reshape(len(times), *states.shape[1:])
+    return _Outcome(reached(path, t), columns, stated)
 
 
 def _check_call(method: Method, function: Callable[..., Any], name: str, arguments: str, count: int) -> None:
