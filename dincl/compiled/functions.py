@@ -14,9 +14,10 @@ from contextlib import contextmanager, nullcontext
 from functools import cached_property
 from itertools import count
 from types import CodeType
-from typing import Any, TypeVar, cast
+from typing import Any, ClassVar, TypeVar, cast
 
 import numba
+from llvmlite.binding import Linkage
 from numba.core import typed_passes, untyped_passes
 from numba.core.bytecode import FunctionIdentity
 from numba.core.ccallback import CFunc
@@ -24,7 +25,9 @@ from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler, Flags
 from numba.core.event import Listener, install_recorder, register
 from numba.core.sigutils import normalize_signature
+from numba.core.types import Function as BuiltIn
 from numba.core.types import unliteral
+from numba.core.typing import Context
 
 from dincl.compiled.cache import code_cache, is_ours, say
 
@@ -153,11 +156,33 @@ class _Options(Flags):
         return isinstance(other, _Options) and self._values == other._values
 
 
+class _Typing(Context):
+    """The typing context of numba, which it is made from; it remembers the types of its own functions and operators.
+
+    Numba tries all that may stand for an operator at each place where it is used: a tenth of the time of compiling.
+    """
+
+    _known: ClassVar[dict[Any, Any]] = {}
+
+    def __init__(self, shared: Context) -> None:
+        self.__dict__ = shared.__dict__
+
+    def resolve_function_type(self, func: Any, args: Any, kws: Any) -> Any:
+        """Return the signature of a function for types of arguments."""
+        if kws or type(func) is not BuiltIn:
+            return super().resolve_function_type(func, args, kws)
+        key = func, args
+        if key not in self._known:
+            self._known[key] = super().resolve_function_type(func, args, kws)
+        return self._known[key]
+
+
 class _Compiler(Compiler):
     """The compiler of numba, with options that are compared fast."""
 
     def _compile_core(self) -> Any:
         self.state.flags = _Options(self.state.flags)  # type: ignore[no-untyped-call]
+        self.state.typingctx = _Typing(self.state.typingctx)
         return super()._compile_core()  # type: ignore[no-untyped-call]
 
 
@@ -172,6 +197,8 @@ _RARE = (
     untyped_passes.LiteralPropagationSubPipelinePass,
     typed_passes.InlineOverloads,
 )
+# What fuses expressions of arrays, and releases variables: functions without new arrays have neither.
+_OF_ARRAYS = (typed_passes.NopythonRewrites, typed_passes.IRLegalization)
 
 
 class _InlinedCompiler(_Compiler):
@@ -187,13 +214,17 @@ class _InlinedCompiler(_Compiler):
         self.state.library = library(self.state.targetctx.codegen(), function.func_qualname)
         pipelines: Any = super().define_pipelines()  # type: ignore[no-untyped-call]
         if is_ours(function.func) and not any(isinstance(part, CodeType) for part in function.code.co_consts):
+            spared = _RARE if self.state.flags.nrt else (*_RARE, *_OF_ARRAYS)
             for one in pipelines:
-                one.passes = [step for step in one.passes if step[0] not in _RARE]
+                one.passes = [step for step in one.passes if step[0] not in spared]
         return pipelines
 
 
 class _InlinedCode(JITCodeLibrary):
-    """A library of code without an entry point of its own; the kernels optimise it."""
+    """A library of code without an entry point of its own; the kernels optimise it.
+
+    It is linked with all that it calls when a kernel asks for it, not with each function that calls it.
+    """
 
     def get_pointer_to_function(self, name: str) -> int:
         """Return 0: this library has no entry point."""
@@ -207,11 +238,33 @@ class _InlinedCode(JITCodeLibrary):
     def set_env(self, name: str, environment: Any) -> None:
         """Do nothing."""
 
-    def _optimize_final_module(self) -> None:
-        """Do nothing."""
-
-    def _finalize_final_module(self) -> None:
+    def finalize(self) -> None:
+        """Let the functions be linked into others, as often as they are called."""
+        for function in self._final_module.functions:
+            if not function.is_declaration and function.linkage == Linkage.external:
+                function.linkage = "linkonce_odr"
         self._finalized = True
+
+    def _get_module_for_linking(self) -> Any:
+        """Link this code with all that it calls: callers first, since LLVM drops what nobody has called so far."""
+        if self._shared_module is None:
+            called: list[Any] = []
+            _list_called(self, called)
+            for library in reversed(called[:-1]):
+                inside = isinstance(library, _InlinedCode)
+                self._final_module.link_in(
+                    library._final_module if inside else library._get_module_for_linking(), preserve=True
+                )
+            self._shared_module = self._final_module
+        return self._shared_module
+
+
+def _list_called(library: Any, found: list[Any]) -> None:
+    """List the code that this one calls, and then itself, if it is not listed."""
+    for called in library._linking_libraries if isinstance(library, _InlinedCode) else ():
+        if called not in found:
+            _list_called(called, found)
+    found.append(library)
 
 
 class CompilerMessages(Listener):
