@@ -101,7 +101,7 @@ def measure(
     start = {"status": "", "detail": ""} | nothing
     attempts = [Attempt(setting, {"method": method.label, "setting": setting} | start) for setting in settings]
     for index, attempt in enumerate(attempts):
-        why = _left_out(problem, method) if index == 0 else _after(attempts[index - 1], budget, enough)
+        why = _after(attempts[index - 1], budget, enough) if index else ""
         if why:
             attempt.row |= {"status": "LEFT_OUT", "detail": why}
             continue
@@ -120,13 +120,6 @@ def measure(
 
 # After these nothing finer is tried.
 STOPS = ("OUT_OF_BUDGET", "REFUSED")
-
-
-def _left_out(problem: Any, method: Method) -> str:
-    size = problem.x0.size if isinstance(problem, dincl.Problem) else 0
-    if method.most_unknowns is None or size <= method.most_unknowns:
-        return ""
-    return f"Made for at most {method.most_unknowns} unknowns; here are {size}."
 
 
 def _after(before: Attempt, budget: Budget | None, enough: float | None) -> str:

@@ -229,7 +229,7 @@ def test_compiling_spends_no_budget():
     assert len(calls) > 40
 
 
-# A method whose library is missing, or that is not made for the problem, is left out
+# A method whose library is missing is left out
 
 
 WHY = "Clarabel needs clarabel, not installed here; in a clone: pip install '.[yardsticks]'"
@@ -245,10 +245,8 @@ def test_what_is_left_out_is_said_and_the_others_are_measured(monkeypatch):
         v.Method("PBD", scheme=dincl.PBD),
         v.Method("Clarabel", scheme=lambda dt: dincl.LinearisedCatchUp(dt, dincl.Clarabel(1e-9))),
         v.Method("own", run=missing),
-        v.Method("small", scheme=dincl.PBD, most_unknowns=1),
     ]
     why = {"Clarabel": WHY, "own": "No module named 'no_such_library'"}
-    why["small"] = "Made for at most 1 unknowns; here are 2."
     found, orders = chart(methods, STEPS), v.order_study(SLIDE, methods, STEPS, T, SLIDE.exact)
     for result in (found, orders):
         rows = result.table.set_index("method")
