@@ -22,6 +22,8 @@ from numpy.typing import ArrayLike, NDArray
 from dincl.constants import LARGEST, LARGEST_INTEGER, SMALLEST
 from dincl.errors import InvalidProblem
 
+Floats = NDArray[np.float64]
+
 T = TypeVar("T")
 
 # Longest text [characters] and list [entries] that messages write out.
@@ -38,7 +40,7 @@ def attempt(convert: Callable[[Any], T], value: Any) -> T | None:
         return None
 
 
-def plain(value: Any) -> NDArray[np.float64] | None:
+def plain(value: Any) -> Floats | None:
     """Return ``value`` as float64 numbers, which may be infinite or NaN; None if it is not real numbers.
 
     An array of float64 is returned as it is.
@@ -80,7 +82,7 @@ def _whole(value: Any) -> int | None:
     return attempt(int, value)
 
 
-def bounded(x: NDArray[np.float64]) -> bool:
+def bounded(x: Floats) -> bool:
     """Return whether all numbers are finite and at most LARGEST in magnitude; a NaN is neither above nor below."""
     return bool(x.max(initial=0.0) <= LARGEST and x.min(initial=0.0) >= -LARGEST)
 
@@ -101,7 +103,7 @@ def describe(value: Any) -> str:
     return text if len(text) <= LONGEST_TEXT else text[: LONGEST_TEXT - 3] + "..."
 
 
-def array(name: str, value: ArrayLike, allowed: str = "finite real numbers") -> NDArray[np.float64]:
+def array(name: str, value: ArrayLike, allowed: str = "finite real numbers") -> Floats:
     """Return a new read-only array of finite numbers, none beyond LARGEST in magnitude."""
     found = plain(value)
     if found is None:
@@ -124,7 +126,7 @@ def shape_in_words(shape: Sequence[int | str | None]) -> str:
     return f"({', '.join(words)}{',' if len(words) == 1 else ''})"
 
 
-def shaped(name: str, value: ArrayLike, shape: tuple[int | str | None, ...]) -> NDArray[np.float64]:
+def shaped(name: str, value: ArrayLike, shape: tuple[int | str | None, ...]) -> Floats:
     """Return an ``array`` of a shape, not empty; None or a name in it is any length > 0."""
     allowed = f"finite real numbers of shape {shape_in_words(shape)}"
     checked = array(name, value, allowed)
@@ -134,7 +136,7 @@ def shaped(name: str, value: ArrayLike, shape: tuple[int | str | None, ...]) -> 
     return checked
 
 
-def times(name: str, value: ArrayLike, start: float = 0.0) -> NDArray[np.float64]:
+def times(name: str, value: ArrayLike, start: float = 0.0) -> Floats:
     """Return output times (K,), K >= 1, from one number or a list: >= ``start`` and increasing."""
     checked = np.atleast_1d(array(name, value))
     if checked.ndim != 1 or checked.size == 0 or checked[0] < start or (np.diff(checked) <= 0).any():
@@ -253,7 +255,7 @@ def indices(name: str, value: ArrayLike, columns: int | None = None, *, distinct
     return checked
 
 
-def lengths(name: str, value: ArrayLike, *, positive: bool, of: str = "length") -> NDArray[np.float64]:
+def lengths(name: str, value: ArrayLike, *, positive: bool, of: str = "length") -> Floats:
     """Return one length or a list of them, shape () or (m,), all > 0 or all >= 0; none but 0 is below SMALLEST."""
     allowed = f"one {of} or a list of {of}s, " + ("> 0" if positive else ">= 0")
     checked = array(name, value, allowed)
@@ -264,7 +266,7 @@ def lengths(name: str, value: ArrayLike, *, positive: bool, of: str = "length") 
     return checked
 
 
-def spread(name: str, value: NDArray[np.float64], count: int, per: str) -> NDArray[np.float64]:
+def spread(name: str, value: Floats, count: int, per: str) -> Floats:
     """Return lengths of shape () or (count,) as an array of shape (count,)."""
     if value.ndim == 1 and len(value) != count:
         raise InvalidProblem(f"{name} has {len(value)} entries: must have one, or one for each of the {count} {per}")
@@ -279,7 +281,7 @@ def within(name: str, index: NDArray[np.int64], count: int) -> None:
         )
 
 
-def vector(name: str, value: NDArray[np.float64], d: int) -> None:
+def vector(name: str, value: Floats, d: int) -> None:
     """Refuse a vector that has not the problem's dimension."""
     if value.shape != (d,):
         raise InvalidProblem(f"{name} of shape {value.shape}: must have shape ({d},), as the particles have d = {d}")

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
     from scipy.sparse import csr_array
 
+    from dincl.compiled.arrays import Floats
     from dincl.problem import Problem
 
 # Rows whose gap is at most this part of the largest coordinate touch, also without a force.
@@ -32,8 +33,8 @@ class Reaction(NamedTuple):
 
     problem: Problem
     t: float
-    x: NDArray[np.float64]
-    value: NDArray[np.float64]
+    x: Floats
+    value: Floats
     search_radius: float
     second_order: bool = False
 
@@ -71,24 +72,24 @@ class Forces:
     constraint: NDArray[np.int64]
     row: tuple[str, ...]
     particles: tuple[tuple[int, ...], ...]
-    gap: NDArray[np.float64]
-    multiplier: NDArray[np.float64]
+    gap: Floats
+    multiplier: Floats
     gradients: csr_array
     shape: tuple[int, int]
 
     @property
-    def force(self) -> NDArray[np.float64]:
+    def force(self) -> Floats:
         """sum_k multiplier_k grad g_k: the force of all contacts on each particle, shape (N, d)."""
         return combined(self.gradients, self.multiplier).reshape(self.shape)
 
-    def load(self, constraint: int) -> NDArray[np.float64]:
+    def load(self, constraint: int) -> Floats:
         """Return the total force of a constraint on all particles, shape (d,); a wall bears its negative.
 
         Zero for constraints between particles, whose forces are opposite. Raises InvalidProblem unless ``constraint``
         is an integer >= 0.
         """
         chosen = self.constraint == integer("constraint", constraint, least=0)
-        total: NDArray[np.float64] = combined(self.gradients, self.multiplier * chosen).reshape(self.shape).sum(axis=0)
+        total: Floats = combined(self.gradients, self.multiplier * chosen).reshape(self.shape).sum(axis=0)
         return total
 
     def to_frame(self) -> DataFrame:

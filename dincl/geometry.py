@@ -18,12 +18,13 @@ from dincl.norms import length
 from dincl.problem import Problem
 from dincl.projection.certificate import on_active_rows, row_lengths
 from dincl.projection.quadratic import Daqp, Piqp
-from dincl.rows.affine import AffineRows
+from dincl.rows.kinds import AffineRows
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
     from scipy.sparse import csr_array
 
+    from dincl.compiled.arrays import Floats
     from dincl.constraints.selection import Name
 
 __all__ = ["NormalCone", "normal_cone", "support"]
@@ -36,7 +37,7 @@ NEGLIGIBLE = 10 * TOLERANCE
 WEIGHT = 1e-4
 
 
-def split(u: NDArray[np.float64], gradients: csr_array) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def split(u: Floats, gradients: csr_array) -> tuple[Floats, Floats]:
     """Moreau's decomposition u = A^T lambda + rest of u (n,), to 1e-10 |u|: lambda (m,) >= 0, and rest (n,).
 
     The rest is orthogonal to A^T lambda, in the polar cone {z : A z <= 0} of that of the rows of A.
@@ -50,12 +51,12 @@ def split(u: NDArray[np.float64], gradients: csr_array) -> tuple[NDArray[np.floa
     return size * found.multipliers, size * found.point.ravel()
 
 
-def distance_to_cone(u: NDArray[np.float64], gradients: csr_array) -> float:
+def distance_to_cone(u: Floats, gradients: csr_array) -> float:
     """min |u - A^T lambda| over lambda >= 0, for u of shape (n,) and the rows of A; accurate to 1e-10 |u|."""
     return length(split(u, gradients)[1])
 
 
-def shortest_multipliers(u: NDArray[np.float64], gradients: csr_array) -> NDArray[np.float64]:
+def shortest_multipliers(u: Floats, gradients: csr_array) -> Floats:
     """The shortest lambda (m,) >= 0 of the nearest point A^T lambda to u, which is unique also for dependent rows.
 
     The program min |A^T lambda - u|^2 + w^2 |lambda|^2 finds the rows with lambda > 0, and nearly their multipliers;
@@ -96,23 +97,23 @@ class NormalCone:
     shape: tuple[int, int]
 
     @property
-    def generators(self) -> NDArray[np.float64]:
+    def generators(self) -> Floats:
         """grad g_k, shape (m, N, d); they point into S, so the cone is spanned by their negatives."""
-        generators: NDArray[np.float64] = self.matrix.toarray().reshape(-1, *self.shape)
+        generators: Floats = self.matrix.toarray().reshape(-1, *self.shape)
         return generators
 
-    def multipliers(self, u: ArrayLike) -> NDArray[np.float64]:
+    def multipliers(self, u: ArrayLike) -> Floats:
         """Compute lambda (m,) >= 0 of the nearest point of the cone to u, -sum_k lambda_k grad g_k.
 
         They are unique only if the gradients with lambda_k > 0 are independent.
         """
         return self._split(u)[0]
 
-    def normal_part(self, u: ArrayLike) -> NDArray[np.float64]:
+    def normal_part(self, u: ArrayLike) -> Floats:
         """Compute P_N(u), shape (N, d): the nearest point of the cone to u."""
         return -combined(self.matrix, self._split(u)[0]).reshape(self.shape)
 
-    def tangent_part(self, u: ArrayLike) -> NDArray[np.float64]:
+    def tangent_part(self, u: ArrayLike) -> Floats:
         """Compute P_T(u) = u - P_N(u), shape (N, d), with the polar cone T = {v : grad g_k . v >= 0 for all k} of N."""
         return self._split(u)[1]
 
@@ -120,7 +121,7 @@ class NormalCone:
         """Compute min |u - n| over the n of the cone."""
         return length(self._split(u)[1].ravel())
 
-    def _split(self, u: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _split(self, u: ArrayLike) -> tuple[Floats, Floats]:
         """Compute the multipliers and the tangent part of u."""
         vector = shaped("u", u, self.shape)
         with _projection_failures():

@@ -19,14 +19,12 @@ from dincl.constraints.base import Constraint
 from dincl.drifts.affine import AffineDrift
 from dincl.matrices import row_squares
 from dincl.problem import Problem
-from dincl.rows.affine import AffineRows
 from dincl.rows.base import DiscPairs
-from dincl.rows.distance import DistanceRows
+from dincl.rows.kinds import AffineRows, DistanceRows
 from dincl.trajectory import Between
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from dincl.compiled.arrays import Floats
     from dincl.constraints.base import Swept
     from dincl.forces import Reaction
     from dincl.rows.base import RowsOfOneKind
@@ -38,27 +36,27 @@ if TYPE_CHECKING:
 class Scaling:
     """x = origin + root z for ``root`` (N,), in [0, 1], and ``origin`` (N, d); ``most`` is the largest mobility b*."""
 
-    root: NDArray[np.float64]
-    origin: NDArray[np.float64]
+    root: Floats
+    origin: Floats
     most: float
 
-    def positions(self, z: NDArray[np.float64]) -> NDArray[np.float64]:
+    def positions(self, z: Floats) -> Floats:
         """Compute x from scaled coordinates (..., N, d)."""
-        found: NDArray[np.float64] = self.origin + self.root[:, None] * z
+        found: Floats = self.origin + self.root[:, None] * z
         return found
 
-    def coordinates(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+    def coordinates(self, x: Floats) -> Floats:
         """Compute z from positions (..., N, d); 0 for fixed particles."""
         return self.velocities(x - self.origin)
 
-    def velocities(self, v: NDArray[np.float64]) -> NDArray[np.float64]:
+    def velocities(self, v: Floats) -> Floats:
         """Compute z' from velocities x' (..., N, d); 0 for fixed particles."""
         fixed = self.root == 0.0
-        found: NDArray[np.float64] = np.where(fixed, 0.0, 1.0)[:, None] * v / np.where(fixed, 1.0, self.root)[:, None]
+        found: Floats = np.where(fixed, 0.0, 1.0)[:, None] * v / np.where(fixed, 1.0, self.root)[:, None]
         return found
 
 
-def scaling_of(x0: NDArray[np.float64], mobility: NDArray[np.float64]) -> Scaling:
+def scaling_of(x0: Floats, mobility: Floats) -> Scaling:
     """Make the coordinates for mobilities (N,) >= 0, of which one is > 0, and a start (N, d)."""
     most = float(mobility.max())
     return Scaling(np.sqrt(mobility / most), np.where((mobility > 0)[:, None], 0.0, x0), most)
@@ -79,24 +77,24 @@ class Scaled(Constraint):
     def at(self, t: float) -> Scaled:
         return replace(self, constraint=self.constraint.at(t))
 
-    def parameters(self, t: float, x: NDArray[np.float64]) -> NDArray[np.float64] | None:
+    def parameters(self, t: float, x: Floats) -> Floats | None:
         return self.constraint.parameters(t, self.scaling.positions(x))
 
-    def select(self, x: NDArray[np.float64], search_radius: float) -> RowsOfOneKind:
+    def select(self, x: Floats, search_radius: float) -> RowsOfOneKind:
         return self._scaled(self.constraint.select(self.scaling.positions(x), search_radius))
 
-    def sweep_rows(self, x: NDArray[np.float64]) -> Swept:
+    def sweep_rows(self, x: Floats) -> Swept:
         rows: Any = self.constraint.sweep_rows(self.scaling.positions(x))
         found: Swept = rows if self.raw and not isinstance(rows, DiscPairs) else rows.scaled(self.scaling)
         return found
 
-    def select_at(self, t: float, x: NDArray[np.float64], search_radius: float) -> RowsOfOneKind:
+    def select_at(self, t: float, x: Floats, search_radius: float) -> RowsOfOneKind:
         return self._scaled(self.constraint.select_at(t, self.scaling.positions(x), search_radius))
 
     def rows_at(self, t: float, rows: Any, shape: tuple[int, ...]) -> Any:
         return self.constraint.rows_at(t, rows, shape).scaled(self.scaling) if self.raw else rows
 
-    def change(self, t: float, later: float, x: NDArray[np.float64], search_radius: float) -> float:
+    def change(self, t: float, later: float, x: Floats, search_radius: float) -> float:
         return self.constraint.change(t, later, self.scaling.positions(x), search_radius)
 
     def _scaled(self, rows: RowsOfOneKind) -> RowsOfOneKind:
@@ -120,7 +118,7 @@ class ScaledDrift:
     drift: Any
     scaling: Scaling
 
-    def __call__(self, t: float, z: NDArray[np.float64]) -> Any:
+    def __call__(self, t: float, z: Floats) -> Any:
         x = self.scaling.positions(z)
         x.flags.writeable = False
         found = self.drift(t, x)
@@ -163,10 +161,10 @@ class Unscaled(Between):
     between: Between
     scaling: Scaling
 
-    def states(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+    def states(self, times: Floats) -> Floats:
         return self.scaling.positions(self.between.states(times))
 
-    def reactions(self, times: NDArray[np.float64]) -> list[Reaction | None]:
+    def reactions(self, times: Floats) -> list[Reaction | None]:
         return self.between.reactions(times)
 
 

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from dincl.compiled.arrays import Floats
 
 
 # Range of squares that keep all their digits.
 LEAST_SQUARE, LARGEST_SQUARE = 1e-280, 1e280
 
 
-def length(vector: NDArray[np.float64]) -> float:
+def length(vector: Floats) -> float:
     """Compute |v| for a vector (n,) of any size, scaled where squares would overflow or vanish."""
     with np.errstate(over="ignore"):
         square = float(vector @ vector)
@@ -28,18 +28,18 @@ def length(vector: NDArray[np.float64]) -> float:
     return largest * math.sqrt(float(scaled @ scaled))
 
 
-def norms(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+def norms(vectors: Floats) -> Floats:
     """Compute |v_i| for vectors (m, d), shape (m,)."""
-    lengths: NDArray[np.float64] = np.sqrt(_squares(vectors))
+    lengths: Floats = np.sqrt(_squares(vectors))
     return lengths
 
 
-def longest(vectors: NDArray[np.float64]) -> float:
+def longest(vectors: Floats) -> float:
     """Compute max_i |v_i| for vectors (m, d), 0 if there are none."""
     return float(np.sqrt(_squares(vectors).max(initial=0.0)))
 
 
-def _squares(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+def _squares(vectors: Floats) -> Floats:
     """Compute |v_i|^2, axis after axis; NumPy takes three to seven times as long to sum over a short axis."""
     squares = vectors * vectors
     total = squares[:, 0].copy()

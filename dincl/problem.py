@@ -13,19 +13,20 @@ from numpy.typing import ArrayLike, NDArray
 from dincl.callables import UserFunction
 from dincl.checks import array, describe, function, items, lengths, number, spread
 from dincl.constraints.base import Constraint
-from dincl.constraints.derivatives import check_jacobian
 from dincl.constraints.selection import select
-from dincl.constraints.smooth import Smooth
+from dincl.constraints.smooth import Smooth, check_jacobian
 from dincl.drifts import compiled
 from dincl.drifts.base import CompiledDrift, CountedCompiledDrift, CountedDrift
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.rows.base import MappedRows, RowsOfOneKind, StackedRows
-from dincl.rows.functions import SmoothRows
+from dincl.rows.kinds import SmoothRows
 from dincl.status import Status
 
 if TYPE_CHECKING:
     from dincl.mobility import Scaling
     from dincl.plotting import Axes
+
+Floats = NDArray[np.float64]
 
 # A start may miss a constraint by this much, times the largest coordinate, radius or offset: contacts in decimal
 # numbers are not exact, and the gap of a wall, n . x - offset - radius, rounds with its largest part.
@@ -33,7 +34,7 @@ START_TOLERANCE = 1e-9
 
 DRIFT = UserFunction("drift", ("t", "x"), Status.DRIFT_FAILED)
 
-Drift = Callable[[float, NDArray[np.float64]], Any]
+Drift = Callable[[float, Floats], Any]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -64,11 +65,11 @@ class Problem:
         For wrong shapes, numbers that are not finite, a start that is not feasible, a drift that fails at the start.
     """
 
-    x0: NDArray[np.float64]
+    x0: Floats
     drift: Drift
     constraints: Sequence[Constraint] = ()
-    mobility: NDArray[np.float64] | None = None
-    box: NDArray[np.float64] | None = None
+    mobility: Floats | None = None
+    box: Floats | None = None
     # Of a problem in scaled coordinates, see ``dincl.mobility``.
     scaling: ClassVar[Scaling | None] = None
 
@@ -102,18 +103,18 @@ class Problem:
         sets = ", ".join(repr(one) if isinstance(one, Smooth) else type(one).__name__ for one in self.constraints)
         return f"{type(self).__name__}(N = {n}, d = {d}, constraints = [{sets}])"
 
-    def velocity(self, t: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
+    def velocity(self, t: float, x: Floats) -> Floats:
         """Evaluate F(t, x), shape (N, d), finite; StepFailure otherwise."""
         # A copy, as the base of a view could be written to.
         seen = x.copy()
         seen.flags.writeable = False
         return DRIFT.evaluated(self.drift, t, seen, shape=x.shape)
 
-    def rows_within(self, t: float, x: NDArray[np.float64], search_radius: float) -> StackedRows:
+    def rows_within(self, t: float, x: Floats, search_radius: float) -> StackedRows:
         """Select all rows that can be violated at time t once every particle moved at most ``search_radius`` from x."""
         return select(self.constraints, t, x, search_radius).at(t)
 
-    def violation(self, t: float, x: NDArray[np.float64]) -> float:
+    def violation(self, t: float, x: Floats) -> float:
         """Compute max_k max(0, -g_k(x)) at time t over all constraints [units of g]; infinite if one is not defined."""
         try:
             return max(0.0, float(np.max(-self.rows_within(t, x, 0.0).values(x), initial=0.0)))
@@ -168,7 +169,7 @@ class Problem:
             raise InvalidProblem(f"{place}: {failure.detail}") from failure
 
 
-def _mobilities(value: ArrayLike, count: int) -> NDArray[np.float64]:
+def _mobilities(value: ArrayLike, count: int) -> Floats:
     """Return mobilities (count,), of which at least one is not 0."""
     found = spread("mobility", lengths("mobility", value, positive=False, of="number"), count, "particles")
     if not found.any():
@@ -176,7 +177,7 @@ def _mobilities(value: ArrayLike, count: int) -> NDArray[np.float64]:
     return found
 
 
-def _periods(box: Sequence[float | None], d: int) -> NDArray[np.float64]:
+def _periods(box: Sequence[float | None], d: int) -> Floats:
     """Return periods (d,), 0 for axes that do not repeat."""
     allowed = f"must be {d} numbers > 0, or None for an axis that does not repeat"
     if not hasattr(box, "__len__") or len(box) != d:
@@ -185,7 +186,7 @@ def _periods(box: Sequence[float | None], d: int) -> NDArray[np.float64]:
     return array("box", found)
 
 
-def constraints_around(x: NDArray[np.float64], constraints: Sequence[Constraint]) -> Problem:
+def constraints_around(x: Floats, constraints: Sequence[Constraint]) -> Problem:
     """Make a problem of constraints alone, to project onto: nothing moves, and x (N, d) need not be feasible.
 
     Raises InvalidProblem if a constraint does not fit x, or cannot be evaluated there.
@@ -200,7 +201,7 @@ def constraints_around(x: NDArray[np.float64], constraints: Sequence[Constraint]
     return problem
 
 
-def _check_rows(constraint: Constraint, x: NDArray[np.float64], place: str, tolerance: float, t: float) -> None:
+def _check_rows(constraint: Constraint, x: Floats, place: str, tolerance: float, t: float) -> None:
     """Raise InvalidProblem unless x violates no row by more than the tolerance, and rows are of a known kind."""
     name, selection = type(constraint).__name__, select((constraint,), t, x, 0.0)
     found: Any = selection.blocks[0]
@@ -221,7 +222,7 @@ def _check_rows(constraint: Constraint, x: NDArray[np.float64], place: str, tole
         check_jacobian(rows, x, "jacobian" if smooth.names[0] == "g" else smooth.names[1])
 
 
-def at_end(problem: Problem, x: NDArray[np.float64]) -> Problem:
+def at_end(problem: Problem, x: Floats) -> Problem:
     """Return the problem with the end x (N, d) of a run as its start, which need not be feasible."""
     start = x.copy()
     start.flags.writeable = False

@@ -22,13 +22,15 @@ from dincl.constraints import (
     Ordered,
     OutsideBall,
 )
-from dincl.constraints.timed import members
+from dincl.constraints.base import members
 from dincl.errors import InvalidProblem
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
     from dincl.problem import Problem
+
+Floats = NDArray[np.float64]
 
 
 # Rounding error of the sum of two opposite unit normals.
@@ -43,10 +45,10 @@ FARTHEST, WIDEST = 1.0, 8.0
 class Wall(NamedTuple):
     """{X : normal . X >= offset} is free, for a unit ``normal`` of shape (d,)."""
 
-    normal: NDArray[np.float64]
+    normal: Floats
     offset: float
 
-    def placed(self, turn: NDArray[np.float64], shift: NDArray[np.float64]) -> Wall:
+    def placed(self, turn: Floats, shift: Floats) -> Wall:
         """Return the wall carried by X -> turn X + shift, (d, d) and (d,)."""
         normal = turn @ self.normal
         return Wall(normal, self.offset + float(normal @ shift))
@@ -60,11 +62,11 @@ class Wall(NamedTuple):
 class Ball(NamedTuple):
     """{X : |X - centre| <= radius}, a container (``inside``) or an obstacle."""
 
-    centre: NDArray[np.float64]
+    centre: Floats
     radius: float
     inside: bool
 
-    def placed(self, turn: NDArray[np.float64], shift: NDArray[np.float64]) -> Ball:
+    def placed(self, turn: Floats, shift: Floats) -> Ball:
         """Return the ball carried by X -> turn X + shift, (d, d) and (d,)."""
         return self._replace(centre=turn @ self.centre + shift)
 
@@ -74,7 +76,7 @@ class Bonds(NamedTuple):
 
     pairs: NDArray[np.int64]
 
-    def placed(self, turn: NDArray[np.float64], shift: NDArray[np.float64]) -> Bonds:
+    def placed(self, turn: Floats, shift: Floats) -> Bonds:
         """Return the same: bonds go with their particles."""
         return self
 
@@ -82,9 +84,9 @@ class Bonds(NamedTuple):
 class Curve(NamedTuple):
     """{X : g(X) >= 0} is free for one particle in the plane; ``g`` maps X of shape (2,) to a number."""
 
-    g: Callable[[NDArray[np.float64]], float]
+    g: Callable[[Floats], float]
 
-    def placed(self, turn: NDArray[np.float64], shift: NDArray[np.float64]) -> Curve:
+    def placed(self, turn: Floats, shift: Floats) -> Curve:
         """Return the curve carried by X -> turn X + shift, (2, 2) and (2,)."""
         return Curve(lambda place: self.g((place - shift) @ turn))
 
@@ -92,7 +94,7 @@ class Curve(NamedTuple):
 Shape = Wall | Ball | Bonds | Curve
 
 
-def radii(problem: Problem, t: float = 0.0) -> NDArray[np.float64]:
+def radii(problem: Problem, t: float = 0.0) -> Floats:
     """Return the radius of each particle at time t, shape (N,) [length].
 
     A Scene whose discs do not grow states it; else it is the largest one of a ``NonOverlap`` or ``HalfSpace``, also a
@@ -117,14 +119,14 @@ def shapes_at(problem: Problem, t: float) -> list[Shape]:
     return [shape for one in problem.constraints for shape in _shapes_at(one, time, problem.x0, known)]
 
 
-def _shapes_at(constraint: Constraint, t: float, x: NDArray[np.float64], radius: NDArray[np.float64]) -> list[Shape]:
+def _shapes_at(constraint: Constraint, t: float, x: Floats, radius: Floats) -> list[Shape]:
     if not isinstance(constraint, Moving):
         return shapes_of(constraint.at(t), x, radius)
     place = constraint.placement(t, x.shape[1])
     return [shape.placed(*place) for shape in _shapes_at(constraint.constraint, t, constraint.seen(t, x), radius)]
 
 
-def _radii_of(constraint: Constraint, t: float, count: int) -> NDArray[np.float64]:
+def _radii_of(constraint: Constraint, t: float, count: int) -> Floats:
     if isinstance(constraint, Moving):
         return _radii_of(constraint.constraint, t, count)
     now = constraint.at(t)
@@ -132,7 +134,7 @@ def _radii_of(constraint: Constraint, t: float, count: int) -> NDArray[np.float6
 
 
 @singledispatch
-def shapes_of(constraint: Constraint, x: NDArray[np.float64], radius: NDArray[np.float64]) -> list[Shape]:
+def shapes_of(constraint: Constraint, x: Floats, radius: Floats) -> list[Shape]:
     """Return what to draw of a constraint that does not depend on time, for particles x (N, d) with ``radius`` (N,).
 
     Register your own constraints by ``@dincl.shapes.shapes_of.register``. Of a set without an entry in the plane, each
@@ -143,7 +145,7 @@ def shapes_of(constraint: Constraint, x: NDArray[np.float64], radius: NDArray[np
     if x.shape[1] != 2 or not _one_for_each(constraint.select(aside, np.inf).jacobian(aside), len(x)):
         return []
 
-    def least(place: NDArray[np.float64]) -> float:
+    def least(place: Floats) -> float:
         at = np.tile(place, (len(x), 1))
         return float(constraint.select(at, np.inf).values(at).min(initial=np.inf))
 
@@ -158,19 +160,19 @@ def _one_for_each(jacobian: csr_array, count: int) -> bool:
 
 
 @shapes_of.register
-def _(constraint: NonOverlap, x: NDArray[np.float64], radius: NDArray[np.float64]) -> list[Shape]:
+def _(constraint: NonOverlap, x: Floats, radius: Floats) -> list[Shape]:
     """Nothing but the particles, which are drawn to scale."""
     return []
 
 
 @shapes_of.register
-def _(constraint: HalfSpace, x: NDArray[np.float64], radius: NDArray[np.float64]) -> list[Shape]:
+def _(constraint: HalfSpace, x: Floats, radius: Floats) -> list[Shape]:
     return [Wall(np.asarray(constraint.normal), constraint.offset)]
 
 
 @shapes_of.register(InsideBall)
 @shapes_of.register(OutsideBall)
-def _(constraint: InsideBall | OutsideBall, x: NDArray[np.float64], radius: NDArray[np.float64]) -> list[Shape]:
+def _(constraint: InsideBall | OutsideBall, x: Floats, radius: Floats) -> list[Shape]:
     """The distance is to the centre of a particle: less its radius for an obstacle, more for a container."""
     inside, held = isinstance(constraint, InsideBall), members(constraint.particles, len(x))
     reach = constraint.distances(len(x))[held] + (radius if inside else -radius)[held]
@@ -179,20 +181,18 @@ def _(constraint: InsideBall | OutsideBall, x: NDArray[np.float64], radius: NDAr
 
 
 @shapes_of.register
-def _(constraint: MaxDistance, x: NDArray[np.float64], radius: NDArray[np.float64]) -> list[Shape]:
+def _(constraint: MaxDistance, x: Floats, radius: Floats) -> list[Shape]:
     return [Bonds(np.asarray(constraint.pairs))]
 
 
 @shapes_of.register
-def _(constraint: Ordered, x: NDArray[np.float64], radius: NDArray[np.float64]) -> list[Shape]:
+def _(constraint: Ordered, x: Floats, radius: Floats) -> list[Shape]:
     """Neighbours in the chain are joined."""
     chain = np.asarray(constraint.chain)
     return [Bonds(np.column_stack((chain[:-1], chain[1:])))]
 
 
-def region(
-    problem: Problem, x: NDArray[np.float64], times: Sequence[float]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def region(problem: Problem, x: Floats, times: Sequence[float]) -> tuple[Floats, Floats]:
     """Return the corners of a picture of states x (K, N, d) with the balls and the near walls of some times."""
     radius = np.max([radii(problem, t) for t in times], axis=0)[:, None]
     low, high = (x - radius).min(axis=(0, 1)), (x + radius).max(axis=(0, 1))
@@ -214,7 +214,7 @@ def region(
     return low - room, high + room
 
 
-def values_on_grid(curve: Curve, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+def values_on_grid(curve: Curve, x: Floats, y: Floats) -> Floats:
     """Return g at each point of a grid, (len(y), len(x))."""
     with np.errstate(all="ignore"):
         return np.array([[curve.g(np.array([a, b])) for a in x] for b in y])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -83,9 +82,8 @@ def solve(
     outcome = _run(problem, scheme, times, Span(start, named, until, velocity))
     if not isinstance(outcome, RunOutcome):
         raise InvalidProblem(f"scheme: {type(scheme).__name__}.run returned {describe(outcome)}: must be a RunOutcome")
-    names = {part.name for part in fields(outcome)} - {"failure", "scheme"}
-    parts = {name: getattr(outcome, name) for name in names}
-    trajectory = Trajectory(problem=problem, scheme=outcome.scheme or scheme, t0=start, **parts)
+    parts = vars(outcome) | {"failure": None, "scheme": outcome.scheme or scheme}
+    trajectory = Trajectory(problem=problem, t0=start, **parts)
     if raises and not trajectory.status:
         raise StepFailed(trajectory) from outcome.failure
     return trajectory

@@ -17,9 +17,10 @@ from dincl.shapes import radii
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
     from pandas import DataFrame
 
+    from dincl.compiled.arrays import Floats
     from dincl.plotting import Axes, Film
     from dincl.problem import Problem
     from dincl.schemes.base import Scheme
@@ -52,51 +53,22 @@ class Between(ABC):
     """The solution between the output times of a run, and its reactions."""
 
     @abstractmethod
-    def states(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+    def states(self, times: Floats) -> Floats:
         """Compute x at increasing times (K,) within the run, shape (K, N, d)."""
 
-    def at(self, t: float) -> NDArray[np.float64]:
+    def at(self, t: float) -> Floats:
         """Compute x at one time, shape (N, d)."""
-        found: NDArray[np.float64] = self.states(np.array([t]))[0]
+        found: Floats = self.states(np.array([t]))[0]
         return found
 
     @abstractmethod
-    def reactions(self, times: NDArray[np.float64]) -> list[Reaction | None]:
+    def reactions(self, times: Floats) -> list[Reaction | None]:
         """Compute x' - F at increasing times (K,) within the run; None where it is not defined."""
 
 
 @dataclass(frozen=True, eq=False)
 class RunOutcome:
-    """Result of a scheme: a ``Trajectory`` without the problem and the scheme that it belongs to.
-
-    Attributes
-    ----------
-    t, x, status, detail, stats, events, error, velocity
-        As in ``Trajectory``.
-    between
-        The states between the output times, and the residuals.
-    failure
-        The error that ended the run early, the cause of that which solve raises.
-    scheme
-        The scheme that was taken, of a scheme that chooses one.
-    """
-
-    t: NDArray[np.float64]
-    x: NDArray[np.float64]
-    status: Status
-    detail: str
-    stats: Work
-    between: Between
-    events: tuple[Event, ...] = ()
-    error: NDArray[np.float64] | None = None
-    failure: StepFailure | None = None
-    scheme: Scheme | None = None
-    velocity: NDArray[np.float64] | None = None
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Trajectory:
-    """The solution at the output times.
+    """Result of a scheme.
 
     Attributes
     ----------
@@ -109,40 +81,52 @@ class Trajectory:
         How the run ended, and the particulars in words ("" on success).
     stats
         The counted work.
+    between
+        The states between the output times, and the residuals.
     events
         Contacts and releases in the order of time; empty for time steps, which do not look for them.
     error
         Estimated error max_i |X_i - exact| at the output times, shape (K,); None from schemes that make no estimate.
+    failure
+        The error that ended the run early, the cause of that which solve raises.
+    scheme
+        The scheme that was taken, of a scheme that chooses one.
     velocity
         At the last time, of second-order schemes, shape (N, d).
-    t0
-        Time of the start.
     """
 
-    t: NDArray[np.float64]
-    x: NDArray[np.float64]
+    t: Floats
+    x: Floats
     status: Status
     detail: str
     stats: Work
-    problem: Problem
-    scheme: Scheme
     between: Between
     events: tuple[Event, ...] = ()
-    error: NDArray[np.float64] | None = None
-    velocity: NDArray[np.float64] | None = None
+    error: Floats | None = None
+    failure: StepFailure | None = None
+    scheme: Scheme | None = None
+    velocity: Floats | None = None
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class Trajectory(RunOutcome):
+    """The solution at the output times: the outcome of a run, of its ``problem``, from the time ``t0`` on."""
+
+    problem: Problem
+    scheme: Scheme
     t0: float = 0.0
 
     @property
-    def final(self) -> NDArray[np.float64]:
+    def final(self) -> Floats:
         """The last state, shape (N, d)."""
-        last: NDArray[np.float64] = self.x[-1]
+        last: Floats = self.x[-1]
         return last
 
-    def violation(self) -> NDArray[np.float64]:
+    def violation(self) -> Floats:
         """Recompute max_k max(0, -g_k(x)) at each output time from the problem, shape (K,) [units of g]."""
         return np.array([self.problem.violation(t, x) for t, x in zip(self.t, self.x, strict=True)])
 
-    def normal_cone_residual(self) -> NDArray[np.float64]:
+    def normal_cone_residual(self) -> Floats:
         """Compute how far the velocity is from F - N(S, x) at each output time, shape (K,) [length / time].
 
         For time steps dist((x_{k+1} - x_k)/h - F(t_k, x_k), -N^g(x_{k+1})) for the step that ends at or after the
@@ -193,7 +177,7 @@ class Trajectory:
                 raise ProjectionFailed(failure.status, failure.detail) from failure
         return tuple(found) if times.ndim else found[0]
 
-    def __call__(self, t: ArrayLike) -> NDArray[np.float64]:
+    def __call__(self, t: ArrayLike) -> Floats:
         """Return x(t) for one time, (N, d), or several, (..., N, d): (1.48), or the dense output of the scheme.
 
         Raises InvalidProblem for times outside of the run.
@@ -204,7 +188,7 @@ class Trajectory:
         values[order] = self.between.states(times.ravel()[order])
         return values.reshape(*times.shape, *self.problem.x0.shape)
 
-    def _inside(self, t: ArrayLike) -> NDArray[np.float64]:
+    def _inside(self, t: ArrayLike) -> Floats:
         """Return times; InvalidProblem for those outside of the run."""
         times = array("t", t)
         outside = (times < self.t0) | (times > self.t[-1])
@@ -257,7 +241,7 @@ class Trajectory:
 
         return to_html(self._film(self.t, self.x))
 
-    def _film(self, times: NDArray[np.float64], states: NDArray[np.float64]) -> Film:
+    def _film(self, times: Floats, states: Floats) -> Film:
         from dincl.plotting import Film
 
         name = getattr(self.problem, "title", type(self.scheme).__name__)

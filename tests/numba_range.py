@@ -22,7 +22,8 @@ TESTS = (
     "tests/dincl/solvers",
     "tests/meanfield/test_model.py",
     "tests/meanfield/test_pde.py",
-    "tests/tissue/kernels",
+    "tests/tissue/test_lanes.py",
+    "tests/tissue/test_substeps.py",
 )
 
 

@@ -27,7 +27,6 @@ if TYPE_CHECKING:
         put_right,
     )
     from verification.instruments.budget import Budget, CpuSeconds, DriftEvaluations
-    from verification.instruments.chart import WorkPrecision
     from verification.instruments.meanfield_methods import (
         DensityProblem,
         ParticleProblem,
@@ -38,13 +37,12 @@ if TYPE_CHECKING:
     from verification.instruments.order import Order, estimate
     from verification.instruments.orders import OrderStudy, order_study
     from verification.instruments.outcome import Outcome
-    from verification.instruments.problem_sets import WorkPrecisionSet
     from verification.instruments.rates import W1Rates, w1_rates
     from verification.instruments.recommend import Recommendation, recommend
     from verification.instruments.references import Known, Reference, reference
     from verification.instruments.result import Result
     from verification.instruments.save import save
-    from verification.instruments.speed_accuracy import work_precision
+    from verification.instruments.speed_accuracy import WorkPrecision, WorkPrecisionSet, work_precision
     from verification.instruments.stability import Limit, StabilityMap, stability_map
     from verification.proofs.proof import NotProved, Proof, prove
 
@@ -75,9 +73,7 @@ _PLACES = {
     "instruments.recommend": ("Recommendation", "recommend"),
     "instruments.references": ("Known", "Reference", "reference"),
     "instruments.result": ("Result",),
-    "instruments.problem_sets": ("WorkPrecisionSet",),
-    "instruments.speed_accuracy": ("work_precision",),
-    "instruments.chart": ("WorkPrecision",),
+    "instruments.speed_accuracy": ("WorkPrecision", "WorkPrecisionSet", "work_precision"),
     "instruments.stability": ("Limit", "StabilityMap", "stability_map"),
 }
 _MODULE_OF = {name: module for module, names in _PLACES.items() for name in names}

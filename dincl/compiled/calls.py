@@ -9,7 +9,6 @@ from typing import Any, cast
 
 import numba
 from llvmlite import ir
-from llvmlite.binding import get_host_cpu_name
 from numba import types
 from numba.core.errors import NumbaError
 from numba.extending import intrinsic, is_jitted
@@ -143,9 +142,3 @@ def floats_at(typing: Any, place: Any, size: Any) -> Any:
 def _as_read_only(typing: Any, array: Any) -> Any:
     """Return the same array for functions that must not write to it."""
     return _READ_ONLY(array), lambda context, builder, signature, values: values[0]
-
-
-def processor_name() -> str:
-    """Return the name of this processor, for whose instructions machine code is made."""
-    name: str = get_host_cpu_name()
-    return name

@@ -13,7 +13,9 @@ from dincl.drifts.base import CompiledDrift
 from dincl.errors import InvalidProblem
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
+
+    from dincl.compiled.arrays import Floats
 
 _ZERO = array("zero", 0.0)
 
@@ -21,10 +23,10 @@ _ZERO = array("zero", 0.0)
 class AffineTerm(NamedTuple):
     """Numbers of a term velocity_i + stretch_i (X_i - centre) + turn_i J (X_i - centre) as they were given."""
 
-    velocity: NDArray[np.float64]
-    centre: NDArray[np.float64]
-    stretch: NDArray[np.float64]
-    turn: NDArray[np.float64]
+    velocity: Floats
+    centre: Floats
+    stretch: Floats
+    turn: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,17 +47,17 @@ class AffineDrift(CompiledDrift):
         was made of c, a and b it is one term with centre 0.
     """
 
-    velocity: NDArray[np.float64]
-    stretch: NDArray[np.float64]
-    turn: NDArray[np.float64]
+    velocity: Floats
+    stretch: Floats
+    turn: Floats
     terms: tuple[AffineTerm, ...] = field(init=False, repr=False)
     autonomous = True
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "terms", (AffineTerm(self.velocity, _ZERO, self.stretch, self.turn),))
 
-    def __call__(self, t: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        value: NDArray[np.float64] | None
+    def __call__(self, t: float, x: Floats) -> Floats:
+        value: Floats | None
         value, stretch, turn = self._terms
         if stretch is not None:
             value = stretch * x if value is None else value + stretch * x
@@ -90,7 +92,7 @@ class AffineDrift(CompiledDrift):
         if d != 2 and self.turn.any():
             raise InvalidProblem(f"drift: a swirl needs particles in the plane, d = 2, but they have d = {d}")
 
-    def pointer(self) -> tuple[int, NDArray[np.float64]]:
+    def pointer(self) -> tuple[int, Floats]:
         from dincl.drifts.functions import affine
 
         return affine.address, self._data
@@ -103,7 +105,7 @@ class AffineDrift(CompiledDrift):
         return (self.velocity if alone or self.velocity.any() else None, *rates)
 
     @cached_property
-    def _data(self) -> NDArray[np.float64]:
+    def _data(self) -> Floats:
         """For each term the index of its first number, and the step from particle to particle; then the numbers."""
         head, numbers = np.zeros(6), np.zeros(0)
         for k, term in enumerate(self._terms):
@@ -182,31 +184,31 @@ def _of_terms(drift: AffineDrift, *terms: AffineTerm) -> AffineDrift:
     return drift
 
 
-def _centre(centre: ArrayLike) -> NDArray[np.float64]:
+def _centre(centre: ArrayLike) -> Floats:
     checked = array("centre", centre)
     if checked.ndim > 1 or checked.size == 0 or (checked.ndim == 0 and checked != 0):
         raise InvalidProblem(f"centre = {describe(centre)}: must have shape (d,), or be 0 for the origin")
     return checked
 
 
-def _rate(rate: ArrayLike) -> NDArray[np.float64]:
+def _rate(rate: ArrayLike) -> Floats:
     checked = array("rate", rate)
     if checked.ndim > 1 or checked.size == 0:
         raise InvalidProblem(f"rate = {describe(rate)}: must be one number, or one for each particle, shape (N,)")
     return checked
 
 
-def _column(rate: NDArray[np.float64]) -> NDArray[np.float64] | float:
+def _column(rate: Floats) -> Floats | float:
     """One number, which NumPy multiplies by faster than by an array, or one for each particle, shape (N, 1)."""
     return rate[:, None] if rate.ndim else float(rate)
 
 
-def _scaled(rate: NDArray[np.float64], place: NDArray[np.float64]) -> NDArray[np.float64]:
+def _scaled(rate: Floats, place: Floats) -> Floats:
     """rate_i place, of shape () if place is 0, (d,) or (N, d)."""
     return _ZERO if place.ndim == 0 else array("rate times centre", rate[..., None] * place)
 
 
-def _sum(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
+def _sum(a: Floats, b: Floats) -> Floats:
     """Numbers of shape (), or for all particles, or for each, which must fit."""
     same = a.shape == b.shape if a.ndim == b.ndim else 0 in (a.ndim, b.ndim) or a.shape[-1] == b.shape[-1]
     if not same:

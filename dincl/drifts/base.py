@@ -11,7 +11,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from dincl.compiled.arrays import Floats
 
 
 class CompiledDrift(ABC):
@@ -28,11 +28,11 @@ class CompiledDrift(ABC):
     autonomous: bool = False
 
     @abstractmethod
-    def __call__(self, t: float, x: NDArray[np.float64]) -> Any:
+    def __call__(self, t: float, x: Floats) -> Any:
         """Compute F(t, x), (N, d) -> (N, d) [length / time]."""
 
     @abstractmethod
-    def pointer(self) -> tuple[int, NDArray[np.float64]]:
+    def pointer(self) -> tuple[int, Floats]:
         """Return the address of F as a C function, and its data; both live as long as the drift.
 
         ``int64 f(double t, double *x, double *out, int64 n, int64 d, double *data)`` writes F(t, x) to out and returns
@@ -53,10 +53,10 @@ class DispatchedDrift(CompiledDrift):
     def __init__(self, drift: Any, function: Any) -> None:
         self._drift, self._function = drift, function
 
-    def __call__(self, t: float, x: NDArray[np.float64]) -> Any:
+    def __call__(self, t: float, x: Floats) -> Any:
         return self._drift(t, x)
 
-    def pointer(self) -> tuple[int, NDArray[np.float64]]:
+    def pointer(self) -> tuple[int, Floats]:
         return self._function.address, np.zeros(1)
 
 
@@ -113,5 +113,5 @@ class CountedCompiledDrift(CountedDrift, CompiledDrift):
         super().__init__(drift, is_spent)
         self._compiled, self.autonomous = drift, drift.autonomous
 
-    def pointer(self) -> tuple[int, NDArray[np.float64]]:
+    def pointer(self) -> tuple[int, Floats]:
         return self._compiled.pointer()

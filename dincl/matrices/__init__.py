@@ -13,9 +13,11 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.sparse import csr_array
 
+    from dincl.compiled.arrays import Floats
+
 
 def from_rows(
-    indptr: NDArray[np.integer[Any]], indices: NDArray[np.integer[Any]], data: NDArray[np.float64], columns: int
+    indptr: NDArray[np.integer[Any]], indices: NDArray[np.integer[Any]], data: Floats, columns: int
 ) -> csr_array:
     """Make the matrix whose row k holds ``data[indptr[k]:indptr[k + 1]]`` in the columns ``indices[...]``."""
     made: csr_array = object.__new__(type(_template()))
@@ -32,7 +34,7 @@ def _template() -> csr_array:
     return csr_array((1, 1))
 
 
-def from_equal_rows(indices: NDArray[np.int64], data: NDArray[np.float64], columns: int) -> csr_array:
+def from_equal_rows(indices: NDArray[np.int64], data: Floats, columns: int) -> csr_array:
     """Make the matrix with as many entries in each row: indices and data of shape (rows, entries)."""
     m, width = indices.shape
     return from_rows(np.arange(m + 1) * width, indices.ravel(), data.ravel(), columns)
@@ -52,7 +54,7 @@ def stacked(blocks: Sequence[csr_array], columns: int) -> csr_array:
     )
 
 
-def row_squares(matrix: csr_array) -> NDArray[np.float64]:
+def row_squares(matrix: csr_array) -> Floats:
     """Compute |a_k|^2 of each row, shape (rows,)."""
     from dincl.matrices import products
 
@@ -61,33 +63,33 @@ def row_squares(matrix: csr_array) -> NDArray[np.float64]:
     return squares
 
 
-def divided(matrix: csr_array, lengths: NDArray[np.float64]) -> csr_array:
+def divided(matrix: csr_array, lengths: Floats) -> csr_array:
     """Divide the rows by lengths (rows,)."""
     data = matrix.data / np.repeat(lengths, np.diff(matrix.indptr))
     return from_rows(matrix.indptr, matrix.indices, data, matrix.shape[1])
 
 
-def multiplied(matrix: csr_array, lengths: NDArray[np.float64]) -> csr_array:
+def multiplied(matrix: csr_array, lengths: Floats) -> csr_array:
     """Multiply the rows by lengths (rows,)."""
     data = matrix.data * np.repeat(lengths, np.diff(matrix.indptr))
     return from_rows(matrix.indptr, matrix.indices, data, matrix.shape[1])
 
 
-def applied(matrix: csr_array, x: NDArray[np.float64]) -> NDArray[np.float64]:
+def applied(matrix: csr_array, x: Floats) -> Floats:
     """Compute a_k . x, shape (rows,): faster than the product of SciPy for small matrices."""
     from dincl.matrices import products
 
     out: Any = np.empty(matrix.shape[0])
     products.times(matrix.indptr, matrix.indices, matrix.data, x, out)
-    found: NDArray[np.float64] = out
+    found: Floats = out
     return found
 
 
-def combined(matrix: csr_array, weights: NDArray[np.float64]) -> NDArray[np.float64]:
+def combined(matrix: csr_array, weights: Floats) -> Floats:
     """Compute sum_k weights_k a_k, shape (columns,): faster than the transpose of SciPy for small matrices."""
     from dincl.matrices import products
 
     total: Any = np.empty(matrix.shape[1])
     products.transposed_times(matrix.indptr, matrix.indices, matrix.data, weights, total)
-    found: NDArray[np.float64] = total
+    found: Floats = total
     return found

@@ -13,15 +13,16 @@ from dincl.constants import NARROW, OPPOSITE
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.matrices import combined, divided, row_squares
 from dincl.norms import length
-from dincl.rows.affine import linearised
+from dincl.rows.kinds import linearised
 from dincl.status import Status
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.sparse import csr_array
 
-    from dincl.rows.affine import AffineRows
+    from dincl.compiled.arrays import Floats
     from dincl.rows.base import Rows
+    from dincl.rows.kinds import AffineRows
 
 # A point that violates by less than this part of the tolerance is its own nearest point, which its certificate says.
 NEGLIGIBLE = 1e-3
@@ -69,8 +70,8 @@ class Projected:
         The rows linearised at the point; None for a point that was feasible.
     """
 
-    point: NDArray[np.float64]
-    multipliers: NDArray[np.float64]
+    point: Floats
+    multipliers: Floats
     violation: float
     stationarity: float
     complementarity: float
@@ -128,13 +129,7 @@ class Solver(ABC):
     def __init__(self, tol: float) -> None:
         self.tol, self.size = tol, 0.0
 
-    def nearest(
-        self,
-        rows: Rows,
-        y: NDArray[np.float64],
-        guess: NDArray[np.float64],
-        multipliers: NDArray[np.float64] | None = None,
-    ) -> Projected:
+    def nearest(self, rows: Rows, y: Floats, guess: Floats, multipliers: Floats | None = None) -> Projected:
         """The nearest point to y (N, d) with rows >= 0, searched from ``guess``; StepFailure if it is not found.
 
         ``multipliers`` (m,) are those of a similar projection, from which a back end may start.
@@ -157,9 +152,7 @@ class Solver(ABC):
         refuse_wedge(rows, found, self.tol)
         return found
 
-    def _reason(
-        self, failure: StepFailure, rows: Rows, y: NDArray[np.float64], guess: NDArray[np.float64]
-    ) -> StepFailure:
+    def _reason(self, failure: StepFailure, rows: Rows, y: Floats, guess: Floats) -> StepFailure:
         """Return why there is no nearest point, by the rows linearised at ``guess``, if it is seen."""
         if failure.status is not Status.NOT_CONVERGED:
             return failure
@@ -170,17 +163,13 @@ class Solver(ABC):
         return why_unsolved(failure, divided(linear.matrix, lengths), -linear.values(y) / lengths, size, binding)
 
     @abstractmethod
-    def compute(
-        self, rows: Rows, y: NDArray[np.float64], guess: NDArray[np.float64], multipliers: NDArray[np.float64]
-    ) -> Projected:
+    def compute(self, rows: Rows, y: Floats, guess: Floats, multipliers: Floats) -> Projected:
         """The same for a y that violates a row, as ``certify`` gives it; StepFailure(NOT_CONVERGED) if it gives up.
 
         The certificate may miss ``tol``: ``nearest`` then raises StepFailure, and says INFEASIBLE where that is proved.
         """
 
-    def certify(
-        self, linear: AffineRows, y: NDArray[np.float64], x: NDArray[np.float64], lam: NDArray[np.float64], work: int
-    ) -> Projected:
+    def certify(self, linear: AffineRows, y: Floats, x: Floats, lam: Floats, work: int) -> Projected:
         """The certificate of x with multipliers ``lam`` (m,), from ``linearised(rows, x)`` and ``work`` iterations."""
         values = linear.values(x)
         misfit = (x - y).ravel() - combined(linear.matrix, lam)
@@ -195,7 +184,7 @@ class Solver(ABC):
             linear=linear,
         )
 
-    def completed(self, rows: Rows, y: NDArray[np.float64], found: Projected, tol: float) -> Projected:
+    def completed(self, rows: Rows, y: Floats, found: Projected, tol: float) -> Projected:
         """The answer of a back end, put exactly onto its active rows until it reaches ``tol`` or gets no better.
 
         Only a smaller certified residual is taken.
@@ -256,16 +245,14 @@ def refuse_wedge(rows: Rows, found: Projected, tol: float) -> None:
         raise wedge(2 * width)
 
 
-def row_lengths(matrix: csr_array) -> NDArray[np.float64]:
+def row_lengths(matrix: csr_array) -> Floats:
     """Compute |a_k|, 1 for a row that vanishes, shape (m,)."""
-    lengths: NDArray[np.float64] = np.sqrt(row_squares(matrix))
+    lengths: Floats = np.sqrt(row_squares(matrix))
     lengths[lengths == 0] = 1.0
     return lengths
 
 
-def on_active_rows(
-    linear: AffineRows, y: NDArray[np.float64], x: NDArray[np.float64], multipliers: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def on_active_rows(linear: AffineRows, y: Floats, x: Floats, multipliers: Floats) -> tuple[Floats, Floats]:
     """Nearest point to y with A z = bound in the active rows, and its multipliers (m,), zero in the others.
 
     With rows scaled to length 1, those are active whose multiplier is larger than their gap at x. Solves
@@ -308,10 +295,10 @@ class Combination(NamedTuple):
 def why_unsolved(
     failure: StepFailure,
     matrix: csr_array,
-    missing: NDArray[np.float64],
+    missing: Floats,
     size: float,
     binding: NDArray[np.bool_] | None = None,
-    multipliers: NDArray[np.float64] | None = None,
+    multipliers: Floats | None = None,
 ) -> StepFailure:
     """Return INFEASIBLE if it is proved that no u has A u >= missing; else the failure, with its reason if one is seen.
 
@@ -370,9 +357,7 @@ def _is_proof(found: Combination, size: float) -> bool:
     return found.remainder <= OPPOSITE and found.missing > max(found.remainder, ROUNDING) * REGION * size
 
 
-def least_combination(
-    matrix: csr_array, missing: NDArray[np.float64], multipliers: NDArray[np.float64] | None = None
-) -> Combination | None:
+def least_combination(matrix: csr_array, missing: Floats, multipliers: Floats | None = None) -> Combination | None:
     """Find multipliers mu >= 0 that minimise |A^T mu|^2 + (mu . missing / max missing - 1)^2; None if none are found.
 
     This is the dual of the least-distance program (Lawson, Hanson 1974, chapter 23): for an empty set the minimum is

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dincl.checks import array, describe, number
+from dincl.checks import array, describe, number, shaped
 from dincl.constraints.selection import Candidates, Selection, transfer_multipliers
 from dincl.errors import InvalidProblem, ProjectionFailed, StepFailure
 from dincl.norms import longest
@@ -133,7 +133,7 @@ def project(
     """
     check_projection(projection)
     if isinstance(problem, Problem):
-        target = _positions("y", y, problem)
+        target = shaped("y", y, problem.x0.shape)
     else:
         target = array("y", y)
         if target.ndim != 2 or 0 in target.shape:
@@ -142,7 +142,7 @@ def project(
             raise InvalidProblem(f"problem = {describe(problem)}: must be a dincl.Problem, or a list of constraints")
         problem = constraints_around(target, problem)
     time = number("t", t)
-    around = target if linearised_at is None else _positions("linearised_at", linearised_at, problem)
+    around = target if linearised_at is None else shaped("linearised_at", linearised_at, problem.x0.shape)
     try:
         with np.errstate(all="ignore"):  # what overflows is found in the certificate
             feasible = FeasibleSet(problem, projection.solver(), Work(), linearised=linearised_at is not None)
@@ -150,10 +150,3 @@ def project(
             return feasible.nearest(time, target, around, reach)
     except StepFailure as failure:
         raise ProjectionFailed(failure.status, failure.detail) from failure
-
-
-def _positions(name: str, value: ArrayLike, problem: Problem) -> NDArray[np.float64]:
-    checked = array(name, value)
-    if checked.shape != problem.x0.shape:
-        raise InvalidProblem(f"{name} of shape {checked.shape}: must have the shape of x0, {problem.x0.shape}")
-    return checked

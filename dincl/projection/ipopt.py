@@ -13,8 +13,7 @@ from dincl.extras import needs
 from dincl.matrices import divided
 from dincl.projection.certificate import Projected, Projection, Solver
 from dincl.projection.quadratic import remembered
-from dincl.rows.affine import AffineRows, linearised
-from dincl.rows.distance import DistanceRows
+from dincl.rows.kinds import AffineRows, DistanceRows, linearised
 from dincl.status import Status
 
 if TYPE_CHECKING:
@@ -23,6 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.sparse import csr_array
 
+    from dincl.compiled.arrays import Floats
     from dincl.rows.base import Rows, RowsOfOneKind
 
 MOST_ITERATIONS = 500
@@ -61,10 +61,8 @@ class Ipopt(Projection):
     The answer is a point where the first-order conditions hold, searched from the state before the step. Lengths are in
     units of the largest violation; tolerances are 1e-11 of it, bounds are not relaxed, iterations are limited to 500.
     Rows of distances are polynomials with exact sparse derivatives, so a program is compiled once for the rows that are
-    near, not at every step: 19 times in 1,000 steps of ten discs that fall into a corner. Of a start only the point is
-    used: multipliers of the last step changed the number of iterations in both directions. What is missing to ``tol``
-    is completed on the active rows. Measured on settled piles of discs, one step of gravity, in milliseconds (first,
-    with compilation / again): 4 / 1.2 at 4, 7 / 1.5 at 10, 27 / 5.6 at 100, 200 / 56 at 1,000.
+    near, not at every step. Of a start only the point is used. What is missing to ``tol`` is completed on the active
+    rows.
 
     Parameters
     ----------
@@ -87,9 +85,7 @@ class _IpoptSolver(Solver):
         self._casadi = casadi
         self._programs: dict[Hashable, _Program] = {}
 
-    def compute(
-        self, rows: Rows, y: NDArray[np.float64], guess: NDArray[np.float64], multipliers: NDArray[np.float64]
-    ) -> Projected:
+    def compute(self, rows: Rows, y: Floats, guess: Floats, multipliers: Floats) -> Projected:
         blocks = rows.by_kind()
         scale = float(-rows.values(y).min())
         make = partial(_Program, self._casadi, blocks, y.shape)
@@ -126,8 +122,8 @@ class _Program:
         self._solver: Any = casadi.nlpsol("nearest", "ipopt", program, options)
 
     def solve(
-        self, blocks: Sequence[RowsOfOneKind], y: NDArray[np.float64], guess: NDArray[np.float64], scale: float
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64], int, str]:
+        self, blocks: Sequence[RowsOfOneKind], y: Floats, guess: Floats, scale: float
+    ) -> tuple[Floats, Floats, int, str]:
         """Solve with the numbers of ``blocks`` around y, from ``guess``: x (N, d), multipliers (m,), iterations, word.
 
         The word is that of Ipopt on how it ended.
@@ -166,14 +162,14 @@ class _Polynomial(NamedTuple):
     ``i`` and ``j`` (m,) are the particles of the square. Without ``j`` it is |w_i|^2, without ``i`` there is none.
     """
 
-    constant: NDArray[np.float64]
+    constant: Floats
     linear: csr_array
-    weight: NDArray[np.float64]
+    weight: Floats
     i: NDArray[np.int64] | None = None
     j: NDArray[np.int64] | None = None
 
 
-def _polynomial(rows: RowsOfOneKind, y: NDArray[np.float64], scale: float) -> _Polynomial | None:
+def _polynomial(rows: RowsOfOneKind, y: Floats, scale: float) -> _Polynomial | None:
     """Return g / s of affine rows, and sign (|X_i - X_j|^2 - L^2) / (2 L s); None if g itself is to be called."""
     if isinstance(rows, DistanceRows) and rows.plain:
         twice, values = 2.0 * rows.length, rows.squared_values(rows.values(y), rows.squared_steepness(y))
@@ -184,7 +180,7 @@ def _polynomial(rows: RowsOfOneKind, y: NDArray[np.float64], scale: float) -> _P
     return None
 
 
-def _steepness(rows: RowsOfOneKind, x: NDArray[np.float64]) -> NDArray[np.float64]:
+def _steepness(rows: RowsOfOneKind, x: Floats) -> Floats:
     """Compute the length of the gradient of the polynomial over that of g / s at x, shape (m,)."""
     if isinstance(rows, DistanceRows) and rows.plain:
         return rows.squared_steepness(x) / (2.0 * rows.length)
@@ -235,20 +231,18 @@ class _UserRows:
         self.failure: StepFailure | None = None
         self.function = _callback()("g", self._values, self._size, self._slopes, {})
 
-    def place(self, rows: RowsOfOneKind, y: NDArray[np.float64], scale: float) -> None:
+    def place(self, rows: RowsOfOneKind, y: Floats, scale: float) -> None:
         """Take these rows from now on."""
         self._rows, self._y, self._scale, self.failure = rows, y, scale, None
 
-    def _values(self, w: Any) -> NDArray[np.float64]:
+    def _values(self, w: Any) -> Floats:
         return self._evaluated(lambda x: self._rows.values(x) / self._scale, w, self._size[:1])
 
-    def _slopes(self, w: Any) -> NDArray[np.float64]:
+    def _slopes(self, w: Any) -> Floats:
         """Compute dg/dx, dense, since it is not known which entries are always zero."""
         return self._evaluated(lambda x: self._rows.jacobian(x).toarray(), w, self._size)
 
-    def _evaluated(
-        self, function: Callable[[NDArray[np.float64]], NDArray[np.float64]], w: Any, shape: tuple[int, ...]
-    ) -> NDArray[np.float64]:
+    def _evaluated(self, function: Callable[[Floats], Floats], w: Any, shape: tuple[int, ...]) -> Floats:
         try:
             return function(self._y + self._scale * np.array(w).reshape(self._shape))
         except StepFailure as failure:

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from dincl.checks import array, as_array, attempt, describe, shaped
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.matrices import divided, from_rows, row_squares
-from dincl.matrices.definite import Factor, factorised, pivoted_cholesky
 from dincl.norms import length
 from dincl.projection.certificate import (
     DAMPING,
@@ -27,7 +27,7 @@ from dincl.projection.certificate import (
 )
 from dincl.projection.compiled import ActiveSet, ProjectedCG
 from dincl.projection.quadratic import Daqp
-from dincl.rows.affine import AffineRows
+from dincl.rows.kinds import AffineRows
 from dincl.status import Status
 
 if TYPE_CHECKING:
@@ -44,11 +44,9 @@ if TYPE_CHECKING:
 TOLERANCE, MANY = 1e-9, 300
 # The part of the tolerance for the back end; the way back into the coordinates of the user adds rounding.
 SHARE = 0.5
-# Eigenvalues above minus this are rounding in a W with ones in its diagonal, as are parts of rows of length 1.
+# Eigenvalues above minus this are rounding in a W with ones in its diagonal, as are skew parts, and parts of rows of
+# length 1.
 ROUNDING = 1e-10
-# A skew part of W up to this is moved into q with the last multipliers, at most this often: each time it shortens the
-# error by about its own size.
-SKEW, MOST_REPETITIONS = 1e-3, 20
 # Rows of dense matrices that are made at once, and rows that a message names.
 BLOCK, NAMED = 256, 10
 
@@ -278,8 +276,7 @@ class Lcp(_Program):
     Parameters
     ----------
     W
-        Shape (m, m), an array or a sparse matrix. A skew part of up to a thousandth of the entries is allowed, as
-        gyroscopic terms leave it, and obeyed.
+        Shape (m, m), an array or a sparse matrix, which is treated as an array.
     q
         Shape (m,).
 
@@ -296,29 +293,29 @@ class Lcp(_Program):
         q = shaped("q", self.q, (None,))
         W = _matrix("W", self.W, (len(q), len(q)))
         self.__dict__.update(W=W, q=q, equal=np.zeros(len(q), dtype=np.bool_))
-        even, skew = self._scaled
         refused = ": must be symmetric and positive semidefinite, else the problem is no projection"
-        i, j = np.unravel_index(int(abs(skew).argmax()), skew.shape)
-        if skew[i, j] > SKEW or skew[j, i] > SKEW:
+        skew = np.abs(self._scaled - self._scaled.T)
+        i, j = np.unravel_index(int(skew.argmax()), skew.shape)
+        if skew[i, j] > ROUNDING:
             raise InvalidProblem(f"W[{i}, {j}] = {W[i, j]:g}, W[{j}, {i}] = {W[j, i]:g}{refused}")
         try:
-            factorised(even + ROUNDING * np.eye(len(q)))
+            factorised(self._scaled + ROUNDING * np.eye(len(q)))
         except np.linalg.LinAlgError:
             raise InvalidProblem(f"W is not positive semidefinite{refused}") from None
 
     @cached_property
-    def _scaled(self) -> tuple[Floats, Floats]:
-        """The symmetric and the skew part of W for rows of length 1."""
+    def _scaled(self) -> Floats:
+        """W for rows of length 1."""
         lengths = self._start()[0]
-        whole = (self.W if isinstance(self.W, np.ndarray) else self.W.toarray()) / lengths / lengths[:, None]
-        return (whole + whole.T) / 2, (whole - whole.T) / 2
+        scaled: Floats = (self.W if isinstance(self.W, np.ndarray) else self.W.toarray()) / lengths / lengths[:, None]
+        return scaled
 
     @cached_property
     def _rows(self) -> csr_array:
         """A with A A^T = W, for rows of length 1, and as many columns as the rank."""
         from scipy.sparse import csr_array
 
-        low, order = pivoted_cholesky(self._scaled[0])
+        low, order = pivoted_cholesky(self._scaled)
         rows = np.empty_like(low)
         rows[order] = low
         return csr_array(rows)
@@ -333,27 +330,17 @@ class Lcp(_Program):
         return gaps, gaps, np.zeros(0)
 
     def _search(self, how: Projection, least: Floats) -> tuple[Floats, int]:
-        """Project with the factor of W, again and again with the skew part of the last multipliers."""
-        (even, skew), solver, work = self._scaled, how.solver(), 0
-        origin = np.zeros((self._rows.shape[1], 1))
-        tilted, weights = np.abs(skew).max() > ROUNDING, np.zeros(len(least))
-        for _ in range(MOST_REPETITIONS if tilted else 1):
-            now = least - skew @ weights if tilted else least
-            try:
-                # ``nearest`` would also look for wedges, in which u is inaccurate, but u is not the answer.
-                found = solver.compute(AffineRows(self._rows, now), origin, origin, weights)
-                weights, left = _on_active_gram(even, now, found.multipliers, how.tol)
-                if not left <= how.tol:
-                    raise missed(solver.name, left, how.tol)
-            except StepFailure as failure:
-                if tilted:  # that there is no point without the skew part proves nothing
-                    detail = f"Without the skew part of W: {failure.detail}"
-                    raise StepFailure(Status.NOT_CONVERGED, detail) from failure
-                raise _named(why_unsolved(failure, self._rows, now, 1.0), self._rows, now) from failure
-            work += found.iterations
-            if np.abs(np.minimum(weights, even @ weights + skew @ weights - least)).max() <= how.tol:
-                break
-        return weights, work
+        """Project with the factor of W; the multipliers are completed with W itself."""
+        solver, origin = how.solver(), np.zeros((self._rows.shape[1], 1))
+        try:
+            # ``nearest`` would also look for wedges, in which u is inaccurate, but u is not the answer.
+            found = solver.compute(AffineRows(self._rows, least), origin, origin, np.zeros(len(least)))
+            weights, left = _on_active_gram(self._scaled, least, found.multipliers, how.tol)
+            if not left <= how.tol:
+                raise missed(solver.name, left, how.tol)
+        except StepFailure as failure:
+            raise _named(why_unsolved(failure, self._rows, least, 1.0), self._rows, least) from failure
+        return weights, found.iterations
 
 
 def _on_active_gram(gram: Floats, least: Floats, multipliers: Floats, tol: float) -> tuple[Floats, float]:
@@ -378,6 +365,45 @@ def _on_active_gram(gram: Floats, least: Floats, multipliers: Floats, tol: float
         multipliers = np.zeros_like(best)
         multipliers[active] = inner
     return best, smallest
+
+
+class Factor(NamedTuple):
+    """M^-1 B and F B for B (n, k), where F^T F = M^-1."""
+
+    solve: Callable[[Floats], Floats]
+    half: Callable[[Floats], Floats]
+
+
+def factorised(matrix: Any) -> Factor:
+    """Factorise a matrix M, an array or sparse; LinAlgError unless it is positive definite."""
+    if isinstance(matrix, np.ndarray):
+        from scipy.linalg import cho_solve, cholesky, solve_triangular
+
+        low = cholesky(matrix, lower=True, check_finite=False)
+        return Factor(
+            lambda b: cho_solve((low, True), b, check_finite=False),
+            lambda b: solve_triangular(low, b, lower=True, check_finite=False),
+        )
+    from scipy.sparse.linalg import splu, spsolve_triangular
+
+    try:
+        found = splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    except RuntimeError as error:
+        raise np.linalg.LinAlgError(str(error)) from error
+    pivots, place = found.U.diagonal(), np.argsort(found.perm_r)
+    if not ((pivots > 0).all() and (found.perm_r == found.perm_c).all()):
+        raise np.linalg.LinAlgError("a pivot is not positive")
+    low, roots = found.L.tocsr(), np.sqrt(pivots)[:, None]
+    return Factor(found.solve, lambda b: spsolve_triangular(low, b[place], unit_diagonal=True) / roots)
+
+
+def pivoted_cholesky(matrix: Floats) -> tuple[Floats, NDArray[np.int64]]:
+    """Return L (m, rank) and an order with M[order][:, order] = L L^T, up to rounding of the largest entry."""
+    from scipy.linalg.lapack import dpstrf
+
+    size = float(matrix.diagonal().max(initial=0.0))
+    lower, order, rank, _ = dpstrf(matrix, tol=len(matrix) * np.finfo(float).eps * size, lower=1)
+    return np.tril(lower)[:, :rank], order.astype(np.int64) - 1
 
 
 def _matrix(name: str, value: Any, shape: tuple[int, int]) -> Any:

@@ -15,13 +15,13 @@ from dincl.extras import needs
 from dincl.matrices import combined, divided, from_rows, row_squares
 from dincl.norms import length as norm
 from dincl.projection.certificate import NEGLIGIBLE, Projected, Projection, Solver, missed, row_lengths
-from dincl.rows.affine import AffineRows, linearised
+from dincl.rows.kinds import AffineRows, linearised
 from dincl.status import Status
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
     from scipy.sparse import csr_array
 
+    from dincl.compiled.arrays import Floats
     from dincl.rows.base import Rows
 
 Program = TypeVar("Program")
@@ -36,8 +36,8 @@ ACROSS = 1e-8
 class QpAnswer(NamedTuple):
     """Solution u (n,), multipliers (m,) >= 0 and iterations of a least-distance program."""
 
-    u: NDArray[np.float64]
-    multipliers: NDArray[np.float64]
+    u: Floats
+    multipliers: Floats
     iterations: int
 
 
@@ -48,9 +48,7 @@ class QpSolver(Solver):
     violation s, so that its tolerances are relative to the move and not to the coordinates.
     """
 
-    def compute(
-        self, rows: Rows, y: NDArray[np.float64], guess: NDArray[np.float64], multipliers: NDArray[np.float64]
-    ) -> Projected:
+    def compute(self, rows: Rows, y: Floats, guess: Floats, multipliers: Floats) -> Projected:
         """Solve one program for affine rows, else a sequence of programs that know the curvature of the set.
 
         A program in coordinates that are ``root`` times those of z has the Hessian D = root^2, see ``_hessian``.
@@ -71,12 +69,8 @@ class QpSolver(Solver):
         raise missed(self.name, found.residual, self.tol, bent - 1.0, float(np.abs(y).max()))
 
     def _program(
-        self,
-        linear: AffineRows,
-        target: NDArray[np.float64],
-        root: NDArray[np.float64],
-        multipliers: NDArray[np.float64],
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64], int]:
+        self, linear: AffineRows, target: Floats, root: Floats, multipliers: Floats
+    ) -> tuple[Floats, Floats, int]:
         """Find the move v with the least |root v| so that target + v meets the rows, its multipliers, and the work."""
         scaled, tol = linear.matrix, self.tol / float(root.max())
         if tol != self.tol:
@@ -96,9 +90,7 @@ class QpSolver(Solver):
         done = self.completed(relative, origin, certified, tol)
         return done.point.ravel() / root, done.multipliers, done.iterations
 
-    def _solve(
-        self, matrix: csr_array, missing: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float
-    ) -> QpAnswer:
+    def _solve(self, matrix: csr_array, missing: Floats, multipliers: Floats, tol: float) -> QpAnswer:
         """min 1/2 |u|^2 s.t. matrix u >= missing, to the residual ``tol``, for rows of length 1 or 0."""
         scale = float(missing.max(initial=0.0))
         if scale <= NEGLIGIBLE * tol:
@@ -111,9 +103,7 @@ class QpSolver(Solver):
         return QpAnswer(scale * found.u, scale * found.multipliers, found.iterations)
 
     @abstractmethod
-    def qp(
-        self, matrix: csr_array, least: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float
-    ) -> QpAnswer:
+    def qp(self, matrix: csr_array, least: Floats, multipliers: Floats, tol: float) -> QpAnswer:
         """min 1/2 |u|^2 s.t. matrix u >= least, to the residual ``tol``, from the multipliers of a similar program.
 
         Rows of ``matrix`` (m, n) have length 1 (or 0), max ``least`` = 1; the solution obeys u = matrix^T multipliers.
@@ -121,9 +111,7 @@ class QpSolver(Solver):
         """
 
 
-def _hessian(
-    before: csr_array, now: csr_array, step: NDArray[np.float64], multipliers: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _hessian(before: csr_array, now: csr_array, step: Floats, multipliers: Floats) -> Floats:
     """Compute the diagonal D (n,) of the next program, from the gradients before and after a step.
 
     ``dincl.steps.programs.bend`` is the same in compiled code, and derives it.
@@ -139,7 +127,7 @@ def _hessian(
     return 1.0 + combined(pattern, weights)
 
 
-def stop_if_suspected(matrix: csr_array, least: NDArray[np.float64], weights: NDArray[np.float64]) -> None:
+def stop_if_suspected(matrix: csr_array, least: Floats, weights: Floats) -> None:
     """StepFailure if ``weights`` (m,) >= 0 show that all u with A u >= least are far away: iterations would not end.
 
     Any such u has |u| >= least . weights / |A^T weights|; of an empty set, multipliers grow towards such weights.
@@ -184,7 +172,7 @@ def _stopped(name: str, why: object) -> StepFailure:
 def _daqp() -> Callable[..., QpAnswer]:
     import daqp
 
-    def solve(matrix: csr_array, least: NDArray[np.float64], multipliers: NDArray[np.float64]) -> QpAnswer:
+    def solve(matrix: csr_array, least: Floats, multipliers: Floats) -> QpAnswer:
         """Solve -A u <= -least: DAQP takes active rows at the start to be at their upper bound; it changes arrays."""
         n, start = matrix.shape[1], (multipliers > 0).astype(np.int32)
         options = {"primal_tol": PRIMAL_TOLERANCE, "iter_limit": DAQP_ITERATIONS}
@@ -201,7 +189,7 @@ def _piqp() -> Callable[..., QpAnswer]:
         import piqp
     from scipy.sparse import csc_matrix, eye_array
 
-    def solve(matrix: csr_array, least: NDArray[np.float64], multipliers: Any) -> QpAnswer:
+    def solve(matrix: csr_array, least: Floats, multipliers: Any) -> QpAnswer:
         solver: Any = piqp.SparseSolver()
         settings = solver.settings
         settings.max_iter = PIQP_ITERATIONS
@@ -228,7 +216,7 @@ def _clarabel() -> Callable[..., QpAnswer]:
     settings.static_regularization_constant = REGULARISATION
     settings.reduced_tol_feas = settings.reduced_tol_gap_abs = settings.reduced_tol_gap_rel = REDUCED_TOLERANCE
 
-    def solve(matrix: csr_array, least: NDArray[np.float64], multipliers: Any) -> QpAnswer:
+    def solve(matrix: csr_array, least: Floats, multipliers: Any) -> QpAnswer:
         """Solve with -A u + s = -least, s >= 0."""
         settings.tol_feas = settings.tol_gap_abs = settings.tol_gap_rel = TOLERANCE
         m, n = matrix.shape
@@ -260,7 +248,7 @@ def _cvxpy() -> Callable[..., QpAnswer]:
         rows = summing @ library.multiply(data, u[matrix.indices]) >= least
         return library.Problem(library.Minimize(library.sum_squares(u) / 2), [rows]), u, data, least, rows
 
-    def solve(matrix: csr_array, least: NDArray[np.float64], multipliers: Any) -> QpAnswer:
+    def solve(matrix: csr_array, least: Floats, multipliers: Any) -> QpAnswer:
         key = (matrix.indptr.tobytes(), matrix.indices.tobytes())
         problem, u, data, right, rows = remembered(programs, key, lambda: canonicalised(matrix), MOST_PROGRAMS)
         data.value, right.value = matrix.data, least
@@ -295,9 +283,7 @@ class _LibrarySolver(QpSolver):
         super().__init__(tol)
         self.name, self._library = name, library
 
-    def qp(
-        self, matrix: csr_array, least: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float
-    ) -> QpAnswer:
+    def qp(self, matrix: csr_array, least: Floats, multipliers: Floats, tol: float) -> QpAnswer:
         return self._library(matrix, least, multipliers)
 
 

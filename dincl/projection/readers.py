@@ -14,8 +14,7 @@ import numpy as np
 from dincl.errors import InvalidProblem
 from dincl.extras import needs
 from dincl.files import open_file
-from dincl.matrices.definite import factorised
-from dincl.projection.polyhedra import Lcp, NearestPoint
+from dincl.projection.polyhedra import Lcp, NearestPoint, factorised
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

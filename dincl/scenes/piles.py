@@ -14,7 +14,7 @@ from dincl.drifts import constant
 from dincl.scenes.base import Scene
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from dincl.compiled.arrays import Floats
 
 # Mean radius, and how far single ones differ from it: enough that the pile does not crystallise.
 RADIUS = 0.5
@@ -67,7 +67,7 @@ def _pile(n: int, seed: int, d: int, name: str, bodies: str) -> Scene:
     )
 
 
-def _layers(n: int, d: int, rng: np.random.Generator) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
+def _layers(n: int, d: int, rng: np.random.Generator) -> tuple[Floats, Floats, float]:
     """Place n discs or balls without overlap above the floor x_d = 0, numbered layer by layer from below.
 
     Returns centres (n, d), radii (n,) and the width of the box along each horizontal axis. Each layer is a jittered
@@ -88,13 +88,11 @@ def _layers(n: int, d: int, rng: np.random.Generator) -> tuple[NDArray[np.float6
     return x[:n], radius.reshape(-1)[:n], (side + 0.5) * PERIOD
 
 
-def _heights(
-    lateral: NDArray[np.float64], radius: NDArray[np.float64], gap: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _heights(lateral: Floats, radius: Floats, gap: Floats) -> Floats:
     """Stack the layers: heights (layers, side, ...) for lateral places of shape (layers, side, ..., d - 1)."""
     height = radius + gap
 
-    def clear(lowest: NDArray[np.float64], disc: tuple[Any, ...], below: tuple[Any, ...]) -> None:
+    def clear(lowest: Floats, disc: tuple[Any, ...], below: tuple[Any, ...]) -> None:
         """Raise ``lowest`` in place until the discs of one layer clear the discs below; both are given by indices."""
         squares = (radius[disc] + radius[below]) ** 2 - ((lateral[disc] - lateral[below]) ** 2).sum(axis=-1)
         np.maximum(lowest, height[below] + np.sqrt(squares), out=lowest)

@@ -250,7 +250,7 @@ def _apart(one: RunOutcome, other: RunOutcome) -> Floats:
     return found
 
 
-def distance_outside(problem: Problem, times: NDArray[np.float64], x: NDArray[np.float64]) -> float:
+def distance_outside(problem: Problem, times: Floats, x: Floats) -> float:
     """Return a lower bound of max_i |X_i - exact| over all times, to first order: a solution stays in the set.
 
     It is max_k (-g_k) / sum_i |grad_i g_k|, and max_k (-g_k) of rows that no particle can mend.

@@ -22,8 +22,7 @@ from dincl.steps.grid import Output, Reached, Stepper, StepState, TimeGrid, divi
 from dincl.trajectory import Between, RunOutcome
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from dincl.compiled.arrays import Floats
     from dincl.problem import Problem
 
 
@@ -33,7 +32,7 @@ EPS = float(np.finfo(float).eps)
 WATCHED = 6400
 
 
-Until = Callable[[float, "NDArray[np.float64]"], Any]
+Until = Callable[[float, "Floats"], Any]
 
 
 class Span(NamedTuple):
@@ -45,7 +44,7 @@ class Span(NamedTuple):
     t0: float = 0.0
     breaks: tuple[float, ...] = ()
     until: Until | None = None
-    velocity: NDArray[np.float64] | None = None
+    velocity: Floats | None = None
 
 
 WHOLE = Span()
@@ -54,11 +53,11 @@ WHOLE = Span()
 class Watch:
     """The function ``until`` along one run, from a time and a state on: where its value changes its sign."""
 
-    def __init__(self, until: Until, t: float, x: NDArray[np.float64]) -> None:
+    def __init__(self, until: Until, t: float, x: Floats) -> None:
         self._until, self._sign = until, 0.0
         self.crossed(t, x)
 
-    def crossed(self, t: float, x: NDArray[np.float64]) -> bool:
+    def crossed(self, t: float, x: Floats) -> bool:
         """Return whether the value at t has another sign than the first one that is not zero; StepFailure if it fails.
 
         Zero is another sign.
@@ -70,7 +69,7 @@ class Watch:
             self._sign = sign
         return sign != self._sign
 
-    def locate(self, a: float, b: float, state: Callable[[float], NDArray[np.float64]]) -> float:
+    def locate(self, a: float, b: float, state: Callable[[float], Floats]) -> float:
         """Return the first time, to rounding, at which the sign has changed between a and b; ``state(t)`` is x(t)."""
         while b - a > EPS * b and a < (middle := 0.5 * (a + b)) < b:
             a, b = (a, middle) if self.crossed(middle, state(middle)) else (middle, b)
@@ -82,7 +81,7 @@ class Scheme(ABC):
     """A way to solve x' in F(t, x) - N(S, x), an object that ``solve`` is given."""
 
     @abstractmethod
-    def run(self, problem: Problem, times: NDArray[np.float64], span: Span = WHOLE) -> RunOutcome:
+    def run(self, problem: Problem, times: Floats, span: Span = WHOLE) -> RunOutcome:
         """Compute the solution at increasing ``times`` (K,) >= t0, or until it fails; InvalidProblem if it cannot."""
 
 
@@ -98,7 +97,7 @@ class FixedStep(Scheme):
     def __post_init__(self) -> None:
         object.__setattr__(self, "dt", number("dt", self.dt, positive=True))
 
-    def run(self, problem: Problem, times: NDArray[np.float64], span: Span = WHOLE) -> RunOutcome:
+    def run(self, problem: Problem, times: Floats, span: Span = WHOLE) -> RunOutcome:
         """Make equal steps of at most ``dt`` to the last of ``times``."""
         return run_steps(partial(self.stepper, problem), self.dt, times, span)
 
@@ -107,7 +106,7 @@ class FixedStep(Scheme):
         """Bind to a problem; InvalidProblem if the two do not go together."""
 
 
-def run_steps(bind: Callable[[], Stepper], dt: float, times: NDArray[np.float64], span: Span = WHOLE) -> RunOutcome:
+def run_steps(bind: Callable[[], Stepper], dt: float, times: Floats, span: Span = WHOLE) -> RunOutcome:
     """Make equal steps of at most ``dt`` until the last of ``times`` (K,), or until one fails.
 
     ``bind()`` makes a Stepper; it is stored, and must pickle for the outcome to pickle.
@@ -142,12 +141,7 @@ def run_steps(bind: Callable[[], Stepper], dt: float, times: NDArray[np.float64]
 
 
 def _run_grid(
-    bind: Callable[[], Stepper],
-    stepper: Stepper,
-    grid: TimeGrid,
-    start: StepState,
-    times: NDArray[np.float64],
-    watch: Watch | None,
+    bind: Callable[[], Stepper], stepper: Stepper, grid: TimeGrid, start: StepState, times: Floats, watch: Watch | None
 ) -> tuple[RunOutcome, StepState]:
     """Make the steps of a grid, with output at ``times`` in it; return their end, too."""
     output, stop = Output.at(grid, times, start), None
@@ -171,31 +165,19 @@ def _run_grid(
     return RunOutcome(t, x, status, detail, stepper.work, lines, failure=failure, velocity=v), reached.state
 
 
-def _prepared(bind: Callable[[], Stepper], grids: tuple[TimeGrid, ...], times: NDArray[np.float64]) -> Stepper:
+def _prepared(bind: Callable[[], Stepper], grids: tuple[TimeGrid, ...], times: Floats) -> Stepper:
     stepper = bind()
     stepper.prepare(grids, times)
     return stepper
 
 
-class _Line(NamedTuple):
-    """The straight line of a step of length h from ``start`` on."""
-
-    start: float
-    h: float
-    before: StepState
-    after: StepState
-
-    def at(self, t: float) -> NDArray[np.float64]:
-        return self.before.towards(self.after, (t - self.start) / self.h)
+def _on_line(on: TimeGrid, k: int, before: StepState, after: StepState, t: float) -> Floats:
+    """Compute x(t) on the straight line of step k."""
+    return before.towards(after, (t - on.time(k)) / on.h)
 
 
 def _advance_until(
-    watch: Watch,
-    stepper: Stepper,
-    on: TimeGrid,
-    state: StepState,
-    output: Output,
-    times: NDArray[np.float64],
+    watch: Watch, stepper: Stepper, on: TimeGrid, state: StepState, output: Output, times: Floats
 ) -> tuple[Reached, tuple[float, StepState] | None]:
     """Make steps, some in one call, and look at the state after each; return the last one, and where it stopped."""
     most, k, made = max(WATCHED // len(state.x), 1), 0, 0
@@ -207,11 +189,11 @@ def _advance_until(
             for q in range(reached.k - k):
                 state, after, made = ends.stored(q), StepState(ends.x[q]), k + q
                 if watch.crossed(on.time(k + q + 1), after.x):
-                    line = _Line(on.time(k + q), on.h, state, after)
-                    t = watch.locate(line.start, on.time(k + q + 1), line.at)
+                    line = partial(_on_line, on, k + q, state, after)
+                    t = watch.locate(on.time(k + q), on.time(k + q + 1), line)
                     output.fill(k + q, state, after, most=int(np.searchsorted(times, t)))
                     v = None if state.v is None else (after.x - state.x) / on.h
-                    return Reached(k + q, state), (t, StepState(line.at(t), v))
+                    return Reached(k + q, state), (t, StepState(line(t), v))
                 output.fill(k + q, state, after)
             k, state = reached.k, reached.state
             if reached.failure is not None:
@@ -225,18 +207,18 @@ def _advance_until(
 class Joined(Between):
     """Parts of a run, one after another, which end at ``ends`` but for the last one."""
 
-    ends: NDArray[np.float64]
+    ends: Floats
     parts: tuple[Between, ...]
 
-    def states(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+    def states(self, times: Floats) -> Floats:
         """Compute x in each of the parts."""
         return np.concatenate([part.states(here) for part, here in self._split(times)])
 
-    def reactions(self, times: NDArray[np.float64]) -> list[Reaction | None]:
+    def reactions(self, times: Floats) -> list[Reaction | None]:
         """Compute the reactions in each of the parts."""
         return [one for part, here in self._split(times) for one in part.reactions(here)]
 
-    def _split(self, times: NDArray[np.float64]) -> Iterator[tuple[Between, NDArray[np.float64]]]:
+    def _split(self, times: Floats) -> Iterator[tuple[Between, Floats]]:
         which = np.searchsorted(self.ends, times)
         for k in np.unique(which).tolist():
             yield self.parts[k], times[which == k]
@@ -257,7 +239,7 @@ class StraightLines(Between):
     start: StepState
     last: Reached | None = None
 
-    def states(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+    def states(self, times: Floats) -> Floats:
         """Compute x between two steps by (1.48)."""
         values = np.empty((len(times), *self.start.x.shape))
         weights = self.grid.weights(times, self.grid.before(times)).tolist()
@@ -267,7 +249,7 @@ class StraightLines(Between):
             values[q] = state.x if after is None else state.towards(after, weight)
         return values
 
-    def reactions(self, times: NDArray[np.float64]) -> list[Reaction | None]:
+    def reactions(self, times: Floats) -> list[Reaction | None]:
         """Compute the reactions of the steps that end at or after each time; None at the start."""
         stepper, found = self.bind(), list[Reaction | None]()
         for k, state, after in self._steps(stepper, times):
@@ -278,7 +260,7 @@ class StraightLines(Between):
         return found
 
     def _steps(
-        self, stepper: Stepper, times: NDArray[np.float64]
+        self, stepper: Stepper, times: Floats
     ) -> Iterator[tuple[int, StepState, StepState | StepFailure | None]]:
         """Repeat the step of each time; give its number, the state before it, and that after it, None at the start."""
         k, state = 0, self.start
@@ -303,7 +285,7 @@ class StraightLines(Between):
         return Reached(int(self.output.step[q]), self.output.stored(q)) if q >= 0 else Reached(-1, self.start)
 
 
-def step_reaction(problem: Problem, t: float, h: float, before: StepState, after: NDArray[np.float64]) -> Reaction:
+def step_reaction(problem: Problem, t: float, h: float, before: StepState, after: Floats) -> Reaction:
     """Compute (after - before) / h - F(t, before) of a step, or of second order ((after - before) / h - v) / h - F."""
     drift = velocity = problem.velocity(t, before.x)
     rate = (after - before.x) / h

@@ -18,8 +18,7 @@ from dincl.trajectory import Between, RunOutcome
 from dincl.work import Work
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from dincl.compiled.arrays import Floats
     from dincl.events.run import EventRun
     from dincl.forces import Reaction
     from dincl.problem import Problem
@@ -66,23 +65,10 @@ class EventDriven(Scheme):
 
     ``Trajectory.error`` holds the estimate, with all overlaps in it, ``Trajectory.events`` the events. For at most
     1,000 particles. A run is made in compiled code, and its cost is that of its events times that of a factorisation
-    of the contacts. A path of 1,000 discs takes 90 kB for each of its steps. Measured to t = 2, on one core, with all
-    Python around it:
-
-    ============== ======= ============ =============
-    scene          events  tol = 1e-8   tol = 1e-12
-    ============== ======= ============ =============
-    four discs           5 1 ms         1.2 ms
-    ten discs           20 4 ms         5 ms
-    pile of 30          80 34 ms        41 ms
-    pile of 100        336 0.7 s        0.8 s
-    pile of 200        898 1.6 s        not reached
-    pile of 500      2,892 18 s
-    pile of 1,000    6,878 95 s
-    ============== ======= ============ =============
-
-    In piles of 10 to 100 discs it is the cheapest method for errors of 1e-4 and less, and catch-up for coarser ones. A
-    tolerance of 1e-3 costs a half to four fifths of 1e-8: events are as many.
+    of the contacts: milliseconds for ten discs, a second or two for some hundred, minutes for a thousand. A path of
+    1,000 discs takes 90 kB for each of its steps. In piles of 10 to 100 discs it is the cheapest method for errors of
+    1e-4 and less, and catch-up for coarser ones; a coarse tolerance costs little less than a fine one, since events are
+    as many.
     """
 
     tol: float = field()
@@ -90,7 +76,7 @@ class EventDriven(Scheme):
     def __post_init__(self) -> None:
         object.__setattr__(self, "tol", number("tol", self.tol, positive=True))
 
-    def run(self, problem: Problem, times: NDArray[np.float64], span: Span = WHOLE) -> RunOutcome:
+    def run(self, problem: Problem, times: Floats, span: Span = WHOLE) -> RunOutcome:
         """Two runs or more, each compared with the one before it."""
         from dincl.events.run import EventRun, EventSystem
 
@@ -140,13 +126,13 @@ class EventDriven(Scheme):
 class _Start(Between):
     """A run that did not begin: there is x0 (N, d), and no velocity."""
 
-    x0: NDArray[np.float64]
+    x0: Floats
 
-    def states(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+    def states(self, times: Floats) -> Floats:
         """x0."""
         return np.tile(self.x0, (len(times), 1, 1))
 
-    def reactions(self, times: NDArray[np.float64]) -> list[Reaction | None]:
+    def reactions(self, times: Floats) -> list[Reaction | None]:
         """None."""
         return [None] * len(times)
 
@@ -158,14 +144,14 @@ def _hidden(system: CompiledProblem, run: EventRun, start: float, end: float, to
     return largest if largest > tol else 0.0
 
 
-def _error(coarse: NDArray[np.float64], fine: NDArray[np.float64]) -> NDArray[np.float64]:
+def _error(coarse: Floats, fine: Floats) -> Floats:
     """SAFETY times the largest distance of two runs (2 K, N, d) at each kept time and halfway to its neighbours.
 
     A single distance may be small by chance. And what rounding leaves in a state.
     """
     kept, between = np.sqrt(((coarse - fine) ** 2).sum(axis=-1)).max(axis=-1, initial=0.0).reshape(2, -1)
     window = np.max([kept, between, np.append(between[1:], 0.0)], axis=0)
-    error: NDArray[np.float64] = SAFETY * window + ROUNDING * np.abs(fine[: len(kept)]).max()
+    error: Floats = SAFETY * window + ROUNDING * np.abs(fine[: len(kept)]).max()
     return error
 
 
@@ -176,7 +162,7 @@ def not_begun(problem: Problem, work: Work, failure: StepFailure, t0: float) -> 
     return RunOutcome(t, x, failure.status, detail, work, _Start(problem.x0), failure=failure)
 
 
-def _failed(run: EventRun, times: NDArray[np.float64], work: Work, failure: StepFailure) -> RunOutcome:
+def _failed(run: EventRun, times: Floats, work: Work, failure: StepFailure) -> RunOutcome:
     """The states kept until a run failed, and the one that it reached; those that cannot be read are left out."""
     reached, x = [], []
     for t in times[times <= run.now].tolist():
@@ -191,13 +177,7 @@ def _failed(run: EventRun, times: NDArray[np.float64], work: Work, failure: Step
 
 
 def _outcome(
-    run: EventRun,
-    t: NDArray[np.float64],
-    x: NDArray[np.float64],
-    work: Work,
-    status: Status,
-    detail: str,
-    error: NDArray[np.float64] | None = None,
+    run: EventRun, t: Floats, x: Floats, work: Work, status: Status, detail: str, error: Floats | None = None
 ) -> RunOutcome:
     events = run.events if run.stopped is None else tuple(one for one in run.events if one.t <= run.stopped)
     return RunOutcome(t.copy(), x, status, detail, work, run.between, events, error)

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dincl.checks import array, integer, number
-from dincl.errors import InvalidProblem
+from dincl.checks import array, integer, number, shaped
 from dincl.schemes.base import FixedStep
 
 if TYPE_CHECKING:
@@ -74,9 +73,7 @@ class SecondOrderPBD(FixedStep):
         object.__setattr__(self, "sweeps", integer("sweeps", self.sweeps, least=1, most=MOST_SWEEPS))
 
     def stepper(self, problem: Problem) -> Stepper:
-        v0 = np.zeros_like(problem.x0) if self.v0 is None else np.asarray(self.v0)
-        if v0.shape != problem.x0.shape:
-            raise InvalidProblem(f"v0 of shape {v0.shape}: must have the shape of x0, {problem.x0.shape}")
+        v0 = np.zeros_like(problem.x0) if self.v0 is None else shaped("v0", self.v0, problem.x0.shape)
         if problem.scaling is not None:
             v0 = problem.scaling.velocities(v0)
         return _sweeping(problem, "run_pbd", self.sweeps, v0=v0)

@@ -5,10 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from dincl.checks import describe, number
-from dincl.errors import InvalidProblem
+from dincl.checks import integer, number
 from dincl.schemes.base import FixedStep
 
 if TYPE_CHECKING:
@@ -41,13 +38,12 @@ class Penalty(FixedStep):
     def __post_init__(self) -> None:
         super().__post_init__()
         object.__setattr__(self, "strength", number("strength", self.strength, positive=True))
-        if not isinstance(self.exponent, (int, np.integer)) or self.exponent not in (1, 2):
-            raise InvalidProblem(f"exponent = {describe(self.exponent)}: must be 1 or 2")
+        object.__setattr__(self, "exponent", integer("exponent", self.exponent, least=1, most=2))
 
     def stepper(self, problem: Problem) -> Stepper:
         from dincl.steps.loop import Settings
         from dincl.steps.stepper import CompiledStepper
         from dincl.steps.sweeping import run_penalty
 
-        settings = Settings(strength=self.strength, exponent=int(self.exponent))
+        settings = Settings(strength=self.strength, exponent=self.exponent)
         return CompiledStepper.sweeping(problem, run_penalty, settings)

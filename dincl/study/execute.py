@@ -122,7 +122,10 @@ def progress(title: str, total: float, unit: str) -> Iterator[Callable[[float], 
         nonlocal first, last
         now = time.monotonic()
         first = first or (amount, now)
-        rate = pace(amount - first[0], now - first[1], total - amount, unit)
+        rate = ""
+        if amount > first[0] and now > first[1]:
+            speed = (amount - first[0]) / (now - first[1])
+            rate = f"{speed:.3g} {unit}/s, {timedelta(seconds=round((total - amount) / speed))} left"
         bar.update(task, completed=amount, pace=rate)
         if not console.is_terminal and now - last > INTERVAL:
             line = f"{title}: {amount:g} of {total:g} {unit}, {now - start:.0f} s{rate and ', '}{rate}"
@@ -132,14 +135,6 @@ def progress(title: str, total: float, unit: str) -> Iterator[Callable[[float], 
     with Progress(*columns, console=console, disable=not console.is_terminal) as bar:
         task = bar.add_task(title, total=total, pace="")
         yield done
-
-
-def pace(done: float, seconds: float, left: float, unit: str) -> str:
-    """Format how fast ``done`` [unit] was done, and how long ``left`` [unit] will take; "" if it is not known yet."""
-    if done <= 0 or seconds <= 0:
-        return ""
-    rate = done / seconds
-    return f"{rate:.3g} {unit}/s, {timedelta(seconds=round(left / rate))} left"
 
 
 @contextmanager

@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
+from functools import partial
 from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -218,16 +219,10 @@ class Study:
         return tuple(rounded(key[column]) for column in self.key)
 
 
-@dataclass(frozen=True)
-class _Joined:
-    """The runs of several studies; the column says which one a key is of."""
-
-    runs: Mapping[str, Callable[[Key], list[Row]]]
-    column: str
-
-    def __call__(self, key: Key) -> list[Row]:
-        name = key[self.column]
-        return [{self.column: name} | dict(row) for row in self.runs[name](key)]
+def _run_of(runs: Mapping[str, Callable[[Key], list[Row]]], column: str, key: Key) -> list[Row]:
+    """Make a run of one of several studies, which a column of its key names."""
+    name = key[column]
+    return [{column: name} | dict(row) for row in runs[name](key)]
 
 
 def joined(name: str, title: str, studies: Mapping[str, Study], column: str = "problem") -> Study:
@@ -256,7 +251,7 @@ def joined(name: str, title: str, studies: Mapping[str, Study], column: str = "p
         title,
         (column, *several[0].key),
         tuple({column: label} | dict(key) for label, study in studies.items() for key in study.runs),
-        _Joined({label: study.run for label, study in studies.items()}, column),
+        partial(_run_of, {label: study.run for label, study in studies.items()}, column),
         {label: study.settings or bound_in(study.run) for label, study in studies.items()},
         columns,
         several[0].by,

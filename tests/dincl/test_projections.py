@@ -28,12 +28,6 @@ def projected(sets, y, projection, **options):
         return None, failure
 
 
-def residual(g, jacobian, y, x, multipliers):
-    """Compute the violation, |x - y - J^T multipliers| and |min(multipliers, g)| of a point, the largest of them."""
-    misfit = (x - y).ravel() - multipliers @ jacobian
-    return max(np.max(-g, initial=0.0), np.abs(misfit).max(), np.abs(np.minimum(multipliers, g)).max(initial=0.0))
-
-
 def certified(problem, y, x, tol, at=None):
     """Return the residual of a point for all rows of a problem, or those linearised, with multipliers found here."""
     rows = problem.rows_within(0.0, x, np.inf)
@@ -42,43 +36,11 @@ def certified(problem, y, x, tol, at=None):
     g = rows.values(base) + jacobian @ (x - base).ravel()
     active, multipliers = g <= tol, np.zeros(len(g))
     multipliers[active], _ = nnls(jacobian[active].T, (x - y).ravel())
-    return residual(g, jacobian, y, x, multipliers)
+    misfit = (x - y).ravel() - multipliers @ jacobian
+    return max(np.max(-g, initial=0.0), np.abs(misfit).max(), np.abs(np.minimum(multipliers, g)).max(initial=0.0))
 
 
-# Polyhedra given by functions, whose multipliers have the order of the rows.
-
-
-def polyhedron(rng):
-    """Rows A x >= b of lengths 1e-3 to 1e3 that a known point meets, some redundant or repeated; and a point."""
-    n = int(rng.integers(1, 31))
-    m = int(rng.integers(1, 3 * n + 2))
-    a, inside = rng.normal(size=(m, n)), rng.normal(size=n)
-    if m > 4:
-        a[m // 2 :] = np.abs(rng.normal(size=(m - m // 2, m // 2))) @ a[: m // 2]
-    a /= np.linalg.norm(a, axis=1)[:, None]
-    b = a @ inside - rng.exponential(size=m) * (rng.random(m) < 0.5)
-    length = 10.0 ** rng.uniform(-3, 3, m)
-    return length[:, None] * a, length * b, inside, inside + rng.normal(size=n)
-
-
-@pytest.mark.parametrize("projection", [one for one in PROJECTIONS if one.id != "Ipopt"])
-def test_polyhedra_in_units_of_g(projection):
-    rng = np.random.default_rng(SEED)
-    reached = 0
-    for _ in range(25):
-        a, b, inside, y = polyhedron(rng)
-        rows = dincl.Smooth(lambda x, a=a, b=b: a @ x.ravel() - b, lambda x, a=a: a)
-        tol = 10.0 ** -int(rng.integers(6, 10))
-        problem = dincl.Problem(inside[:, None], rest, [rows])
-        found, failure = projected(problem, y[:, None], projection(tol))
-        if found is None:
-            assert failure.status is dincl.Status.NOT_CONVERGED
-            continue
-        reached += 1
-        x = found.point.ravel()
-        assert residual(a @ x - b, a, y, x, found.multipliers) <= tol * (1 + 1e-6)
-        assert found.residual <= tol
-    assert reached >= 23
+# Polyhedra.
 
 
 @EVERY
@@ -483,9 +445,9 @@ def test_a_far_point_is_projected_with_rows_that_reach_it():
         ({"problem": [dincl.HalfSpace((1,))]}, "normal of shape"),
         ({"projection": "daqp"}, "projection = 'daqp': must be"),
         ({"projection": dincl.Daqp}, "projection = .*: must be"),
-        ({"y": [0.0, 0.0]}, r"y of shape \(2,\): must have the shape of x0, \(2, 2\)"),
+        ({"y": [0.0, 0.0]}, r"y = .*: must be finite real numbers of shape \(2, 2\), not \(2,\)"),
         ({"y": [[np.nan, 0.0], [1.0, 0.0]]}, r"y = nan at index \(0, 0\)"),
-        ({"linearised_at": [[0.0, 0.0]]}, r"linearised_at of shape \(1, 2\)"),
+        ({"linearised_at": [[0.0, 0.0]]}, r"linearised_at = .*of shape \(2, 2\)"),
         ({"t": np.inf}, "t = inf: must be"),
     ],
 )

@@ -19,7 +19,6 @@ from tissue.cli.app import app
 from tissue.cli.studies import failures
 from tissue.files.keys import all_keys, sections
 from tissue.files.parameters import Parameters
-from tissue.pictures.sheet import write
 from tissue.study.read import Results
 
 HOME = import_module("tissue.runs.simulate")  # the commands import from it
@@ -96,29 +95,23 @@ def listed(path):
     return sorted(file.name for file in Path(path).iterdir())
 
 
-def test_run_writes_what_the_run_holds():
-    result = call("run", "tissue.toml", "--seed", 7, "--out", "deep/results")
+def test_run_writes_what_the_run_holds_and_the_written_parameters_repeat_it():
+    result = call("run", "tissue.toml", "--seed", 7)
     assert result.exit_code == 0, result.stderr
-    assert listed("deep/results") == FILES
+    one = Path("results/tissue_seed7")
+    assert listed(one) == FILES
     run = tissue.simulate(PARAMETERS, 7)
-    pd.testing.assert_frame_equal(pd.read_parquet("deep/results/table.parquet"), run.table())
-    pd.testing.assert_frame_equal(pd.read_csv("deep/results/summary.csv"), run.summary())
+    pd.testing.assert_frame_equal(pd.read_parquet(one / "table.parquet"), run.table())
+    pd.testing.assert_frame_equal(pd.read_csv(one / "summary.csv"), run.summary())
     assert f"8 cells became {len(run.final.cells.x)}" in result.stdout
-    assert result.stdout.splitlines()[-1].startswith("deep/results: table.parquet")
-    write(run.plot().figure, "last.png")
-    assert Path("deep/results/picture.png").read_bytes() == Path("last.png").read_bytes()
-
-
-def test_the_written_parameters_repeat_the_run():
-    assert call("run", "tissue.toml", "--seed", 3).exit_code == 0
-    one = Path("results/tissue_seed3")
+    assert result.stdout.splitlines()[-1].startswith(f"{one}: table.parquet")
     assert tissue.load(one / "parameters.toml") == PARAMETERS
     head = (one / "parameters.toml").read_text("utf-8").splitlines()[:2]
-    assert head[0] == "# All parameters of: tissue run 'tissue.toml' --seed 3"
+    assert head[0] == "# All parameters of: tissue run 'tissue.toml' --seed 7"
     assert "numba" in head[1]
-    assert call("run", one / "parameters.toml", "--seed", 3, "--out", "two").exit_code == 0
+    assert call("run", one / "parameters.toml", "--seed", 7, "--out", "deep/two").exit_code == 0
     for name in ("table.parquet", "summary.csv", "picture.png"):
-        assert Path(one, name).read_bytes() == Path("two", name).read_bytes()
+        assert Path(one, name).read_bytes() == Path("deep/two", name).read_bytes()
 
 
 @pytest.mark.filterwarnings("default:nothing to grow")
@@ -273,17 +266,9 @@ def test_parameters_lists_all_keys_with_meaning_unit_and_values():
     )
     assert " um or R_soft " in rows["tissue.height"]
     assert rows["emt.a"].endswith(' "never" (default)')
+    lines_of_one = call("parameters", "numerics.mu").stdout.splitlines()
+    told = [line.split()[0] for line in lines_of_one]
+    assert told == ["numerics.mu", "meaning", "symbol", "source", "allowed", "value"]
+    assert "that of cell.alpha_ax" in call("parameters", "types.soft.alpha_ax").stdout
+    assert call("parameters", "emt").stdout.startswith("[emt]: the group of cells")
     assert [line.split()[0] for line in lines if line.startswith("[")] == [f"[{name}]" for name in sections(Parameters)]
-
-
-def test_parameters_tells_all_of_a_key_and_of_a_section():
-    lines = call("parameters", "numerics.mu").stdout.splitlines()
-    assert [line.split()[0] for line in lines] == ["numerics.mu", "meaning", "symbol", "source", "allowed", "value"]
-    assert call("parameters", "emt.b").stdout.endswith('  value    "never" (default)\n')
-    told = call("parameters", "types.soft.alpha_ax").stdout
-    assert told.startswith("types.NAME.alpha_ax\n")
-    assert "that of cell.alpha_ax" in told
-    section = call("parameters", "emt").stdout
-    assert section.startswith("[emt]: the group of cells")
-    names = [line for line in section.splitlines() if line in KEYS]
-    assert names == [name for name in KEYS if name.startswith("emt.")]

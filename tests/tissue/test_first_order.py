@@ -10,7 +10,6 @@ from tests.tissue.bits import same_cells
 from tests.tissue.kernel_calls import Tissue
 from tests.tissue.states import cells, layers
 from tissue.files.parameters import preset
-from tissue.kernels.lanes import WIDTH
 from tissue.kernels.workspace import LOST
 from tissue.runs.group import Group
 from tissue.runs.run import RunFailed
@@ -29,11 +28,6 @@ COORDINATES = Forces._fields
 each_preset = pytest.mark.parametrize("name", SHORT)
 
 
-def finite(frame):
-    """Whether all coordinates are finite numbers."""
-    return all(np.isfinite(getattr(frame.cells, name)).all() for name in COORDINATES)
-
-
 # A function of (parameters, seed)
 
 
@@ -43,20 +37,7 @@ def test_bad_seed(seed):
         simulate(SHORT["thesis"], seed)
     with pytest.raises(dincl.InvalidProblem, match="seeds"):
         simulate_many(SHORT["thesis"], [0, seed])
-
-
-def test_no_seeds_no_runs():
     assert simulate_many(SHORT["thesis"], []) == ()
-
-
-def test_a_lost_tissue_leaves_the_others_alone():
-    states, given = [kernels.aged(20, k) for k in range(WIDTH)], kernels.tissue_states.numbers()
-    sound, _ = kernels.together(states, 6, given, range(WIDTH))
-    states[2].cells.y[7] = np.nan
-    made, ended = kernels.together(states, 6, given, range(WIDTH))
-    assert ended.tolist() == [0, 0, 1, 0, 0, 0, 0, 0]
-    for k in range(WIDTH):
-        assert k == 2 or all(a.tobytes() == b.tobytes() for a, b in zip(made[k].cells, sound[k].cells, strict=True))
 
 
 def test_listed_times_are_kept_besides_start_and_end():
@@ -91,9 +72,6 @@ def test_draws_do_not_depend_on_positions(name):
     assert states[0] == states[1]
 
 
-# What is kept
-
-
 # Failure
 
 
@@ -103,28 +81,22 @@ def failing(name, diffusion):
     return simulate(SHORT[name].changed(noise), throw=False)
 
 
-@pytest.mark.parametrize("diffusion", [5e11, 7e11, 1e12])
+@pytest.mark.parametrize("diffusion", [5e11, 1e12])
 def test_a_run_that_leaves_all_bounds(diffusion):
     """Every saved state before the last is sound; the words name the time and the first cell that is lost."""
     run = failing("thesis", diffusion)
-    assert run.status is Status.NON_FINITE
-    assert run.final.t == (len(run.frames) - 1) * SHORT["thesis"].numerics.dt.value
     points = np.array([getattr(run.final.cells, name) for name in COORDINATES])
     lost = run.final.cells.id[~(np.abs(points).sum(axis=0) < LOST)]
+    assert run.status is Status.NON_FINITE
     assert run.detail.startswith(
         f"t = {run.final.t:g} h: cell {lost[0]} has a coordinate that is not finite, or beyond"
     )
-    assert all(finite(frame) for frame in run.frames[:-1])
-
-
-def test_a_failed_run_raises_with_all_frames_so_far():
-    quiet = failing("thesis", 1e12)
-    with pytest.raises(RunFailed, match=r"finite numbers.* t = \d\.\d+ h: cell \d+ has a coordinate") as caught:
-        simulate(quiet.parameters)
-    run = caught.value.run
-    assert len(run.frames) == len(quiet.frames) > 2
-    assert all(map(same_cells, run.frames, quiet.frames))
+    assert all(np.isfinite(getattr(frame.cells, name)).all() for frame in run.frames[:-1] for name in COORDINATES)
     np.testing.assert_allclose([frame.t for frame in run.frames], 0.1 * np.arange(len(run.frames)), rtol=1e-12)
+    with pytest.raises(RunFailed, match=r"finite numbers.* t = \d\.\d+ h: cell \d+ has a coordinate") as caught:
+        simulate(run.parameters)
+    assert len(caught.value.run.frames) == len(run.frames) > 2
+    assert all(map(same_cells, caught.value.run.frames, run.frames))
 
 
 # Work
@@ -143,27 +115,6 @@ def test_pairs_looked_at_grow_linearly(name, company):
         counted.append(group.pairs / (10 * given.numerics.substeps))
     assert 2 * 60 < counted[0] < 14 * 60
     assert counted[1] < 4.4 * counted[0]
-
-
-def test_nothing_is_corrected_where_nothing_touches():
-    free = SHORT["thesis"].changed({**SMALL_DISCS, "tissue.max_basal_distance": "1000 R_soft", "cell.alpha_bx": 0})
-    stats = simulate(free.changed({"cell.alpha_axb": 0, "tissue.two_daughters": 0})).stats
-    assert stats["corrections"] == 0
-    assert stats["basal_corrections"] == 0
-    assert stats["divisions"] == 0
-
-
-def test_noise_once_per_dt_is_drawn_once_per_dt():
-    """The generator stands where 2 n draws for each dt leave it; with noise in substeps, where two for a key do."""
-    n, numbers = 10, preset("thesis").numbers()._replace(two_daughters=0.0)
-    draws = {False: lambda other: other.standard_normal(2 * n * 3), True: lambda other: other.random(2 * 3)}
-    for in_substeps, draw in draws.items():
-        kept = kernels.held(Tissue(cells(n, 0), layers(n), n))
-        cycle, noise = kernels.generators(0)
-        Group([kept], numbers._replace(noise_in_substeps=in_substeps), [kernels.Random(cycle, noise)]).call(0, 3)
-        other = kernels.generators(0)[1]
-        draw(other)
-        assert noise.bit_generator.state == other.bit_generator.state
 
 
 @pytest.mark.parametrize("company", [1, 3])

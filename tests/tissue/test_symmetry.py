@@ -14,9 +14,8 @@ import pytest
 from tests.tissue import kernel_calls as kernels
 from tests.tissue import states
 from tests.tissue.kernel_calls import Tissue, generators
-from tests.tissue.space.calls import SURFACES, make_substeps, random_tissue
+from tests.tissue.space.calls import SURFACES, feet, make_substeps, random_tissue
 from tests.tissue.space.in_space import of_surface, parameters
-from tests.tissue.space.tissues import feet
 from tests.twins.tissue import SpaceTissue, Steps, distance, mapped
 from tissue.events.known import row, settled
 from tissue.files.groups import first_of

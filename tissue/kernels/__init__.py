@@ -1,4 +1,4 @@
-"""The kernels of the tissue: numba, on the arrays of ``Cells``; ``tests/twins/tissue`` do the same in plain NumPy."""
+"""The kernels of the tissue: numba, on the arrays of ``Cells``; ``tests/twins/tissue.py`` has substeps in Python."""
 
 from __future__ import annotations
 

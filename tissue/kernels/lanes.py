@@ -37,8 +37,8 @@ from tissue.kernels.vectors import (
 )
 
 __all__ = [
-    "WIDTH", "binary_parts", "either", "floored", "fma", "gather", "integers_from", "load", "load_from", "load_wide",
-    "lowest_bit", "maximum", "packed", "positive_bits", "root", "shuffle", "spread", "store", "store_to",
+    "WIDTH", "binary_parts", "either", "floored", "fma", "four_integers", "gather", "load", "load_from", "load_wide",
+    "lowest_bit", "maximum", "positive_bits", "root", "shuffle", "spread", "store", "store_four", "three_and_zero",
     "twice_rsqrt", "where_positive",
 ]  # fmt: skip
 
@@ -104,18 +104,15 @@ def load_from(width: int) -> Callable[..., Any]:
     return load_lanes
 
 
-def store_to(width: int) -> Callable[..., Any]:
-    """Make the function ``f(a, k, v)`` that stores v as entries k to k + width - 1 of a flat array of doubles."""
+@instruction
+def store_four(typing: Any, a: Any, k: Any, v: Any) -> Any:
+    """Store v as entries k to k + 3 of a flat array of doubles."""
 
-    @instruction
-    def store_lanes(typing: Any, a: Any, k: Any, v: Any) -> Any:
-        def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-            builder.store(values[2], _lanes_at(context, builder, a, width, *values[:2])).align = 8
-            return context.get_dummy_value()
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        builder.store(values[2], _lanes_at(context, builder, a, 4, *values[:2])).align = 8
+        return context.get_dummy_value()
 
-        return types.none(a, types.intp, LanesType(width)), generate
-
-    return store_lanes
+    return types.none(a, types.intp, LanesType(4)), generate
 
 
 def _lanes_at(context: Any, builder: Any, kind: Any, width: int, array: Any, place: Any) -> Any:
@@ -123,37 +120,30 @@ def _lanes_at(context: Any, builder: Any, kind: Any, width: int, array: Any, pla
     return builder.bitcast(builder.gep(data, [place]), ir.VectorType(DOUBLE, width).as_pointer())
 
 
-def integers_from(width: int) -> Callable[..., Any]:
-    """Make the function ``f(a, k)`` that returns entries k to k + width - 1 of a flat array of 32-bit integers."""
+@instruction
+def four_integers(typing: Any, a: Any, k: Any) -> Any:
+    """Return entries k to k + 3 of a flat array of 32-bit integers."""
 
-    @instruction
-    def load_integers(typing: Any, a: Any, k: Any) -> Any:
-        def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-            data = context.make_array(signature.args[0])(context, builder, values[0]).data
-            first = builder.gep(data, [values[1]])
-            found = (builder.load(builder.gep(first, [ir.Constant(LONG, k)])) for k in range(width))
-            return context.make_tuple(builder, signature.return_type, [builder.sext(one, LONG) for one in found])
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        data = context.make_array(signature.args[0])(context, builder, values[0]).data
+        first = builder.gep(data, [values[1]])
+        found = (builder.load(builder.gep(first, [ir.Constant(LONG, k)])) for k in range(4))
+        return context.make_tuple(builder, signature.return_type, [builder.sext(one, LONG) for one in found])
 
-        return types.UniTuple(types.int64, width)(a, types.intp), generate
-
-    return load_integers
+    return types.UniTuple(types.int64, 4)(a, types.intp), generate
 
 
-def packed(width: int, count: int) -> Callable[..., Any]:
-    """Make the function of a tuple of ``count`` doubles that puts them into the first lanes, and 0 into the others."""
+@instruction
+def three_and_zero(typing: Any, numbers: Any) -> Any:
+    """Put three doubles into the first of four lanes, and 0 into the last."""
 
-    @instruction
-    def pack(typing: Any, numbers: Any) -> Any:
-        def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-            lanes: Any = ir.Constant(ir.VectorType(DOUBLE, width), [0.0] * width)
-            for k in range(count):
-                number = builder.extract_value(values[0], k)
-                lanes = builder.insert_element(lanes, number, ir.Constant(SHORT, k))
-            return lanes
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        lanes: Any = ir.Constant(ir.VectorType(DOUBLE, 4), [0.0] * 4)
+        for k in range(3):
+            lanes = builder.insert_element(lanes, builder.extract_value(values[0], k), ir.Constant(SHORT, k))
+        return lanes
 
-        return LanesType(width)(types.UniTuple(types.float64, count)), generate
-
-    return pack
+    return LanesType(4)(types.UniTuple(types.float64, 3)), generate
 
 
 def shuffle(*places: int) -> Callable[..., Any]:

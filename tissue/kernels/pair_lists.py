@@ -9,27 +9,19 @@ from __future__ import annotations
 from dincl.compiled import inner
 from tissue.kernels.bins import find_beside, sort_in_bins
 from tissue.kernels.lanes import WIDTH, fma, load, load_from, lowest_bit, positive_bits, where_positive
-from tissue.kernels.quads import QUAD_WIDTH
 from tissue.kernels.surface_workspace import (
     ALL,
     FOUND,
     FRESH,
     LISTS,
     MANY,
+    QUAD_WIDTH,
     WHOLE,
     SurfaceWorkspace,
     nearest,
     periods,
 )
 from tissue.kernels.workspace import SOFT
-
-
-@inner
-def begin_hard(work: SurfaceWorkspace, n: int) -> None:
-    """None is found."""
-    work.state[FOUND] = work.state[ALL] = 0
-    for i in range(n + 1):
-        work.hard_row[i] = 0
 
 
 @inner
@@ -101,21 +93,15 @@ def _has_gone_far(work: SurfaceWorkspace, rows: int, n: int) -> bool:
 @inner
 def make_lists(work: SurfaceWorkspace, n: int) -> None:
     """Both lists, from where the nuclei are now."""
-    soft, hard = SOFT + SKIN, 2.0 * largest_radius(work, n) + SKIN
+    largest = 0.0
+    for i in range(n):
+        largest = max(largest, work.radius[i])
+    soft, hard = SOFT + SKIN, 2.0 * largest + SKIN
     work.cutoff[0] = max(soft, hard) if work.repulsion[0] != 0.0 else hard
     list_pairs(work, n, work.cutoff[0])
     for i in range(n):
         work.made_x[i], work.made_y[i], work.made_z[i] = work.x[i], work.y[i], work.z[i]
     work.state[FRESH] = 1
-
-
-@inner
-def largest_radius(work: SurfaceWorkspace, n: int) -> float:
-    """Return the radius of the largest hard ball."""
-    largest = 0.0
-    for i in range(n):
-        largest = max(largest, work.radius[i])
-    return largest
 
 
 @inner
@@ -126,7 +112,9 @@ def list_pairs(work: SurfaceWorkspace, n: int, cutoff: float) -> None:
     """
     work.state[FRESH] = 0
     work.state[MANY], work.state[MANY + 1], work.state[MANY + 2] = sort_in_bins(work, n, cutoff)
-    begin_hard(work, n)
+    work.state[FOUND] = work.state[ALL] = 0
+    for i in range(n + 1):
+        work.hard_row[i] = 0
     whole, end, room = 0, 0, len(work.listed) - n - QUAD_WIDTH
     for b in range(work.state[MANY] * work.state[MANY + 1] * work.state[MANY + 2]):
         if work.start[b] < work.start[b + 1]:

@@ -46,17 +46,18 @@ ALL_SUBSTEPS: Any = signature(int, int, int, int)
 # Calls of these functions by their addresses, with the arguments above.
 call_begin, call_last, call_splits, call_place = call(BEGIN), call(LAST), call(SPLITS), call(PLACE)
 call_substeps, call_split, call_leave = call(ALL_SUBSTEPS), call(SPLIT), call(LEAVE)
-# Machine code by function, for the life of the process; threads come one at a time.
-_COMPILED: dict[Callable[..., Any], Any] = {}
+# Machine code by signature and function, for the life of the process; threads come one at a time.
+_COMPILED: dict[Any, Any] = {}
 _COMPILING = Lock()
 
 
 def address_of(described: Any, function: Callable[..., Any]) -> int:
     """Return the address of the machine code of a function of this signature, compiled on first use."""
     with _COMPILING:
-        if function not in _COMPILED:
-            _COMPILED[function] = c_function(described, function)
-    address: int = _COMPILED[function].address
+        key = described, function
+        if key not in _COMPILED:
+            _COMPILED[key] = c_function(described, function)
+    address: int = _COMPILED[key].address
     return address
 
 

@@ -12,7 +12,6 @@ from dincl.compiled import StructPointer, inner, reader, struct_type
 from dincl.errors import InvalidProblem
 from tissue.kernels.lanes import WIDTH, floored, fma
 from tissue.kernels.layout import CellFloats, CellIntegers, Lane, OfCells, PerTissue, Shared, Size, both_forms
-from tissue.kernels.quads import QUAD_WIDTH
 from tissue.kernels.workspace import SOFT
 from tissue.state.cells import Floats, Integers
 from tissue.state.running import COUNTERS, DIVISIONS
@@ -30,6 +29,8 @@ JUNCTIONS, NEIGHBOURS = range(2)
 FRESH, WHOLE, FOUND, ALL, MANY = range(5)
 # Room for pairs of a cell, on average. The lists of a tissue have half of it; heaps that need more cost time.
 SOFT_ROOM, HARD_ROOM = 64, 24
+# Pairs of the soft repulsion are computed in fours.
+QUAD_WIDTH = 4
 # The most ranges of cells near one bin.
 NEAR = 27
 # A period is longer, so that a nucleus meets one image of each other: twice their range.
@@ -124,6 +125,7 @@ class SurfaceWorkspace(NamedTuple):
     pushed: Quads  # likewise the push on it
     state: Marks
     counts: Counts
+    cells: Annotated[Integers, Shared(lambda size: 1)]  # how many there are
     # Of one substep
     substeps: int = 0  # in one dt
     max_basal_distance: float = 0.0

@@ -16,7 +16,7 @@ from dincl.constants import LARGEST
 from dincl.errors import InvalidProblem
 from dincl.neighbours.search import neighbour_pairs
 from tissue.kernels.workspace import SOFT
-from tissue.model import bending, junctions, repulsion, springs
+from tissue.model import junctions
 from tissue.state.basal_curve import LINE, BasalCurve
 from tissue.state.cells import CellLayers, Cells, Floats, Forces, Integers
 from tissue.state.numbers import Numbers
@@ -57,7 +57,7 @@ def energy(cells: Cells, layers: CellLayers, numbers: Numbers, curve: BasalCurve
 
 
 def parts(cells: Cells, layers: CellLayers, numbers: Numbers, curve: BasalCurve = LINE) -> Parts:
-    """Compute the terms of W of a slice, each as in the file of its name: ``springs``, ``junctions``, ``bending``, ...
+    """Compute the terms of W of a slice.
 
     Parameters
     ----------
@@ -86,13 +86,18 @@ def elastic_of(cells: Cells, layers: CellLayers, numbers: Numbers, curve: BasalC
         least = np.minimum(l_ax, l_bx).min() - 1
         raise InvalidProblem(f"cells.rest_ax, rest_bx = {least}: must be above -1, the radius R_soft")
     stiff = cells.stiff_ax, cells.stiff_bx, cells.stiff_axb
-    k_aa = np.asarray(junctions.stiffness(cells, (i, j), numbers.junction_factor))
+    k_aa = numbers.junction_factor * (cells.stiff_aa[i] + cells.stiff_aa[j]) / 2
     joined = np.stack((i, j), axis=1)
     return Elastic(*stiff, l_ax, l_bx, joined, cells.rest_aa[i], k_aa, numbers.spring_power, numbers.repulsion)
 
 
 def parts_of(x: Floats, a: Floats, b: Floats, elastic: Elastic, surface: Surface = FLAT_SURFACE) -> Parts:
     """Compute the terms of W in two dimensions or three.
+
+    springs        alpha (d - l)^2 / l^p                             (3.9), (3.10)
+    junctions      k / 2 (d - eta)^2                                 (3.11)
+    straightness   alpha (cos gamma + 1), gamma between A - X and B - X; also printed less 2 alpha  (3.12)
+    repulsion      k / 2 (2 - d)^2 for d < 2; printed with a minus sign, which would attract  (3.13)
 
     Parameters
     ----------
@@ -110,11 +115,11 @@ def parts_of(x: Floats, a: Floats, b: Floats, elastic: Elastic, surface: Surface
     """
     (xa, xb, aa, xx), e = _arrows(x, a, b, elastic, surface), elastic
     return Parts(
-        ax=np.sum(springs.energy(xa.length, e.l_ax, e.stiff_ax, e.power)),
-        bx=np.sum(springs.energy(xb.length, e.l_bx, e.stiff_bx, e.power)),
-        aa=np.sum(junctions.energy(aa.length, e.rest, e.k_aa)),
-        axb=np.sum(bending.energy((xa.unit * xb.unit).sum(axis=0), e.stiff_axb)),
-        xx=np.sum(repulsion.energy(xx.length, e.repulsion)),
+        ax=np.sum(e.stiff_ax * (xa.length - e.l_ax) ** 2 / e.l_ax**e.power),
+        bx=np.sum(e.stiff_bx * (xb.length - e.l_bx) ** 2 / e.l_bx**e.power),
+        aa=np.sum(e.k_aa / 2 * (aa.length - e.rest) ** 2),
+        axb=np.sum(e.stiff_axb * ((xa.unit * xb.unit).sum(axis=0) + 1)),
+        xx=np.sum(e.repulsion / 2 * (xx.length - SOFT) ** 2),
     )
 
 
@@ -138,13 +143,13 @@ def forces_of(
     """
     (xa, xb, aa, xx), e = _arrows(x, a, b, elastic, surface), elastic
     cosine = (xa.unit * xb.unit).sum(axis=0)
-    on_a = -springs.tension(xa.length, e.l_ax, e.stiff_ax, e.power) * xa.unit
-    on_b = -springs.tension(xb.length, e.l_bx, e.stiff_bx, e.power) * xb.unit
-    on_a += bending.force(xa.unit, xb.unit, xa.length, cosine, e.stiff_axb)
-    on_b += bending.force(xb.unit, xa.unit, xb.length, cosine, e.stiff_axb)
+    on_a = -(2 * e.stiff_ax * (xa.length - e.l_ax) / e.l_ax**e.power) * xa.unit
+    on_b = -(2 * e.stiff_bx * (xb.length - e.l_bx) / e.l_bx**e.power) * xb.unit
+    on_a += -e.stiff_axb * (xb.unit - cosine * xa.unit) / xa.length
+    on_b += -e.stiff_axb * (xa.unit - cosine * xb.unit) / xb.length
     on_x = -(on_a + on_b)
-    _pull(on_a, aa, junctions.tension(aa.length, e.rest, e.k_aa))
-    _pull(on_x, xx, repulsion.tension(xx.length, e.repulsion))
+    _pull(on_a, aa, e.k_aa * (aa.length - e.rest))
+    _pull(on_x, xx, e.repulsion * (xx.length - SOFT))
     return on_x, on_a, on_b
 
 

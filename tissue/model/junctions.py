@@ -18,21 +18,6 @@ from tissue.kernels.workspace import Workspace
 from tissue.state.cells import CellLayers, Cells, Integers
 
 
-def energy(d: Any, rest: Any, k: Any) -> Any:
-    """Compute W of junctions of lengths d and rest lengths eta, for numbers, arrays and symbols."""
-    return k / 2 * (d - rest) ** 2
-
-
-def tension(d: Any, rest: Any, k: Any) -> Any:
-    """dW/dd."""
-    return k * (d - rest)
-
-
-def stiffness(cells: Cells, ends: tuple[Integers, Integers], factor: float) -> Any:
-    """Compute k of the junctions between these cells."""
-    return factor * (cells.stiff_aa[ends[0]] + cells.stiff_aa[ends[1]]) / 2
-
-
 def pairs(cells: Cells, layers: CellLayers, closed: bool) -> tuple[Integers, Integers]:
     """Return the cells i and j that junctions join, eta being that of i: in the layer, in a tube its ends, and in
     chains.

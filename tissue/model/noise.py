@@ -20,6 +20,7 @@ from tissue.state.cells import Integers
 from tissue.state.running import CELLS, TissueState
 from tissue.state.space import SPATIAL
 
+# How many values each of the two words of a key has.
 WORD_VALUES = 2.0**32
 # Taylor coefficients in x^2 of sin(x)/x and cos x, for |x| <= pi/4, and of artanh(x)/x, for |x| <= 3 - 2 sqrt 2: what
 # they leave out is below 1e-13, the accuracy of ``twice_rsqrt``.
@@ -73,12 +74,6 @@ def add_noise(state: TissueState, variance: float, noise: Generator) -> None:
         y[i] += deviation * noise.standard_normal()
         if state.space.dimension == SPATIAL:
             z[i] += deviation * noise.standard_normal()
-
-
-@inner
-def draw_key(noise: Generator, key: Integers) -> None:
-    """Draw the two words of the key of the noise in substeps."""
-    key[0], key[1] = int(WORD_VALUES * noise.random()), int(WORD_VALUES * noise.random())
 
 
 @inner

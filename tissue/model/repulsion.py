@@ -9,8 +9,6 @@ both are as in the pair energies alpha (R - d)^2/R^p of all variants.
 
 from __future__ import annotations
 
-from typing import Any
-
 from dincl.compiled import inner
 from tissue.kernels.lanes import (
     WIDTH,
@@ -25,17 +23,7 @@ from tissue.kernels.lanes import (
 )
 from tissue.kernels.layout import Lane, Plane
 from tissue.kernels.near import BLOCK, find_boxes, find_near_rows, list_around, list_before, next_window
-from tissue.kernels.workspace import SOFT, Workspace
-
-
-def energy(d: Any, k: Any) -> Any:
-    """Compute W of pairs at distances d <= 2, for numbers, arrays and symbols."""
-    return k / 2 * (d - SOFT) ** 2
-
-
-def tension(d: Any, k: Any) -> Any:
-    """dW/dd < 0 of pairs at distances d < 2."""
-    return k * (d - SOFT)
+from tissue.kernels.workspace import Workspace
 
 
 @inner

@@ -76,20 +76,10 @@ def nearest_to_origin(a: Point, b: Point, c: Point) -> Point:
         return _along(_along(a, u, p / area), v, q / area)
     best, found = math.inf, a
     for side in ((a, b), (b, c), (c, a)):
-        point = _nearest_on(side[0], side[1])
-        square = dot(point, point)
+        square, point = nearest_on_junction((0.0, 0.0, 0.0), side[0], side[1])
         if square < best:
             best, found = square, point
     return found
-
-
-@inner
-def _nearest_on(a: Point, b: Point) -> Point:
-    """Return the point of the line from a to b that is nearest to the origin."""
-    u = minus(b, a)
-    square = dot(u, u)
-    part = min(max(-dot(a, u) / square, 0.0), 1.0) if square > 0.0 else 0.0
-    return _along(a, u, part)
 
 
 @inner
@@ -178,22 +168,19 @@ def beyond_apical(state: TissueState, around: int) -> bool:
 
 
 @inner
-def apical_range(state: TissueState) -> tuple[float, float]:
-    """Return the lowest and the highest y of the apical layer, between which A^ref lies; no bounds where the layer
-    bends.
-    """
-    low, high = math.inf, -math.inf
+def lowest_apical(state: TissueState) -> float:
+    """Return the lowest y of the apical layer, above which A^ref lies; no bound where the layer bends."""
+    low = math.inf
     if state.curve.bent or state.space.surface.bends:
-        return -math.inf, math.inf
+        return -math.inf
     for k in range(state.sizes[APICAL]):
-        i = state.layers.apical[k]
-        low, high = min(low, state.cells.ay[i]), max(high, state.cells.ay[i])
-    return low, high
+        low = min(low, state.cells.ay[state.layers.apical[k]])
+    return low
 
 
 @inner
 def side_of(state: TissueState, i: int, low: float, kind: Kind) -> int:
-    """-1 for y_AB(X_i) < 0, 1 for y_AB(X_i) > 1, else 0 (4.3); ``low`` of ``apical_range``, above the basal line.
+    """-1 for y_AB(X_i) < 0, 1 for y_AB(X_i) > 1, else 0 (4.3); ``low`` of ``lowest_apical``, above the basal line.
 
     In a tube a nucleus is at 1 if it is beyond the apical layer as a whole: the layer encloses a lumen.
     """
@@ -224,7 +211,7 @@ def watch_sides(state: TissueState, t: float, kind: Kind) -> None:
     cells, emt = state.cells, state.emt
     if len(emt.side) == 0:
         return
-    low, _ = apical_range(state)
+    low = lowest_apical(state)
     for i in range(state.sizes[CELLS]):
         k = cells.emt[i]
         if k >= 0:

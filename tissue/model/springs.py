@@ -13,16 +13,6 @@ from tissue.kernels.lanes import fma
 from tissue.state.cells import Cells
 
 
-def energy(d: Any, rest: Any, alpha: Any, power: int) -> Any:
-    """Compute W of springs of lengths d and rest lengths l, for numbers, arrays and symbols."""
-    return alpha * (d - rest) ** 2 / rest**power
-
-
-def tension(d: Any, rest: Any, alpha: Any, power: int) -> Any:
-    """dW/dd."""
-    return 2 * alpha * (d - rest) / rest**power
-
-
 @inner
 def apical_length(cells: Cells, i: int) -> float:
     """Compute |X_i - A_i|."""

@@ -77,10 +77,7 @@ def rules_pointer(states: Sequence[TissueState], division: DivisionRule = BESIDE
 def forces_pointer(forces: Sequence[Force], *of_tissues: Any, in_space: bool) -> Any:
     """Return the forces of users; ``of_tissues``: strengths to ``blame`` of ``UserForces``."""
     signature: Any = forces_of.PART_IN_SPACE if in_space else forces_of.PART
-    parts: Any = (forces_of.evaluate_forces, forces_of.follow_forces)
-    if in_space:
-        parts = (forces_of.evaluate_in_space, forces_of.follow_in_space)
-    addresses = (address_of(signature, part) for part in parts)
+    addresses = (address_of(signature, part) for part in (forces_of.evaluate_forces, forces_of.follow_forces))
     return StructPointer(forces_of.UserForces(code_of("push", forces), *of_tissues, *addresses), forces_of.USER_FORCES)
 
 

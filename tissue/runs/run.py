@@ -12,6 +12,7 @@ import numpy as np
 
 from dincl.checks import describe, instance, number
 from dincl.errors import InvalidProblem
+from dincl.extras import needs
 from dincl.status import Status
 from tissue.frames.frame import Frame
 from tissue.frames.observables import measurable
@@ -147,18 +148,45 @@ class Run:
         Its dimensions are ``time_h`` and ``id``. A cell that is not there has NaN, or ""; whole numbers and flags of
         cells are floats. Raises MissingLibrary without xarray, which the extra ``data`` brings.
         """
-        from tissue.runs.exports import to_xarray
+        from dincl.study.record import PACKAGE, version_of
+        from tissue.runs.columns import facts
 
-        return to_xarray(self)
+        with needs("Run.to_xarray", "data"):
+            import xarray
+        # A seed may be larger than the numbers of files.
+        about = {"version": f"{PACKAGE} {version_of(PACKAGE)}", "seed": str(self.seed), "status": self.status.name}
+        about["parameters"] = self.parameters.as_toml()
+        cells, summary = self.table(), self.summary()
+        flags = dict.fromkeys(cells.select_dtypes("bool"), "float64")
+        cells = cells.astype(flags | dict.fromkeys(cells.select_dtypes(exclude=["number", "bool"]), object))
+        of_cells, of_times = cells.set_index(["time_h", "id"]).to_xarray(), summary.set_index("time_h").to_xarray()
+        found: Any = xarray.merge([of_cells, of_times]).assign_attrs(about)
+        for name, values in found.variables.items():
+            if values.dtype == object:
+                found[name] = found[name].fillna("")
+            known = facts("summary" if values.dims == ("time_h",) else "table", str(name))
+            found[name].attrs = {"units": known.unit or "1", "long_name": known.meaning}
+        return found
 
     def networks(self) -> pd.DataFrame:
         """Return a row for each output time and pair of neighbours of a tissue in three dimensions.
 
         The columns: docs/reference/columns.md, ``networks``. Raises InvalidProblem for a slice.
         """
-        from tissue.runs.exports import networks
+        import pandas as pd
 
-        return networks(self)
+        if not self.parameters.in_space:
+            raise InvalidProblem(
+                "networks: must be of a tissue in three dimensions; layers of a slice are in its table"
+            )
+        um, rows = self.parameters.cell.soft_radius.value, []
+        for frame in measurable(self.frames):
+            for name in ("apical", "basal"):
+                mesh: Any = getattr(frame.sheets, name)
+                i, j = frame.cells.id[mesh.edges].T
+                rest = um * mesh.rest if name == "apical" else np.nan
+                rows.append(pd.DataFrame({"time_h": frame.t, "layer": name, "id": i, "other_id": j, "rest_um": rest}))
+        return pd.concat(rows, ignore_index=True)
 
     def _kept(self, t: float | None) -> Frame:
         """Return the state kept at time t."""

@@ -16,7 +16,7 @@ from tissue.kernels.workspace import LOST, RUNNING, workspace_at
 from tissue.model.cycle import adapt_rest_lengths, count_due, divide, set_phases
 from tissue.model.emt import begin_events
 from tissue.model.extents import is_closed
-from tissue.model.noise import add_noise, draw_key
+from tissue.model.noise import WORD_VALUES, add_noise
 from tissue.model.scale import watch_sides
 from tissue.network.neighbours import has_room
 from tissue.state.cells import Floats, Integers
@@ -160,7 +160,8 @@ def _apply_rules(
     set_phases(state, t, numbers)
     adapt_rest_lengths(state, t, numbers, rules)
     if numbers.noise_in_substeps:
-        draw_key(noise, state.noise_key)
+        for word in range(2):
+            state.noise_key[word] = int(WORD_VALUES * noise.random())
     else:
         add_noise(state, numbers.variance * numbers.dt, noise)
 

@@ -13,7 +13,7 @@ from tissue.kernels.layers import chained_before
 from tissue.kernels.surface_workspace import JUNCTIONS, NEIGHBOURS, SurfaceWorkspace
 from tissue.kernels.workspace import FAR, RUNNING, Workspace
 from tissue.model.springs import apical_length, basal_length, coefficient
-from tissue.state.cells import Cells, Floats, Integers
+from tissue.state.cells import Floats, Integers
 from tissue.state.numbers import Numbers, numbers_at, numbers_of
 from tissue.state.running import (
     APICAL,
@@ -25,7 +25,7 @@ from tissue.state.running import (
     TissueState,
     state_at,
 )
-from tissue.state.space import EDGES, Network
+from tissue.state.space import EDGES
 
 # A point that moves in one dt by more than twice the length of its cell and so many R_soft, besides its noise and its
 # own run, has jumped: springs that contract move it by the length of the cell at most. In stable runs of all presets
@@ -129,22 +129,22 @@ def copy_out(work: Workspace, states: Integers) -> None:
     for k in range(width):
         if work.cells[k] > 0:
             state = state_at(states[k])
-            find_jump(work, state, work.cells[k], k, width)
-            put_back(work, state, k)
+            find_jump(work, state, k, width)
+            put_back(work, state, k, width)
             state.counts[SUBSTEPS] += work.substeps
             state.counts[CORRECTIONS] += int(work.counts[k])
             state.counts[BASAL_CORRECTIONS] += int(work.counts[width + k])
 
 
 @inner
-def find_jump(work: Any, state: TissueState, n: int, first: int, width: int) -> None:
+def find_jump(work: Any, state: TissueState, first: int, width: int) -> None:
     """Note in the sizes of a tissue a cell of which a point jumped in this dt: steps that are unstable throw it.
 
     The state has its points before the substeps, the workspace those after: cell i at place ``first`` + ``width`` i.
     """
     cells, sizes = state.cells, state.sizes
     noise = MOST_NOISE * work.deviation[first] * math.sqrt(work.substeps)
-    for i in range(n):
+    for i in range(sizes[CELLS]):
         place = width * i + first
         length = apical_length(cells, i) + basal_length(cells, i)
         most = MOST_MOVED + noise + 2.0 * length + work.runs[place] * work.substeps
@@ -159,73 +159,45 @@ def find_jump(work: Any, state: TissueState, n: int, first: int, width: int) -> 
 
 
 @inner
-def put_back(work: Workspace, state: TissueState, k: int) -> None:
-    """Copy the positions of lane k back to its tissue."""
-    cells, width, n = state.cells, len(work.cells), work.cells[k]
-    _put_back(work, cells, n, k, width)
-    if work.bent:
-        for i in range(n):
-            cells.along[i] = work.along[width * i + k]
-
-
-@inner
-def _put_back(work: Any, cells: Cells, n: int, k: int, width: int) -> None:
-    """Copy the positions of n cells back, of which the first one is at place k and the others ``width`` apart."""
-    pairs = (cells.x, work.x), (cells.y, work.y), (cells.ax, work.ax), (cells.ay, work.ay)
-    for mine, theirs in (*pairs, (cells.bx, work.bx), (cells.by, work.by)):
-        for i in range(n):
-            mine[i] = theirs[width * i + k]
+def put_back(work: Any, state: TissueState, k: int, width: int) -> None:
+    """Copy the positions of lane k of the workspace of a slice, or of a surface, back to its tissue."""
+    cells = state.cells
+    for i in range(state.sizes[CELLS]):
+        place = width * i + k
+        cells.x[i], cells.y[i], cells.z[i] = work.x[place], work.y[place], load(work.z, place)
+        cells.ax[i], cells.ay[i], cells.az[i] = work.ax[place], work.ay[place], load(work.az, place)
+        cells.bx[i], cells.by[i], cells.bz[i] = work.bx[place], work.by[place], load(work.bz, place)
+        if work.bent:
+            cells.along[i] = load(work.along, place)
 
 
 @inner
 def copy_to_workspace(state: TissueState, work: SurfaceWorkspace, numbers: Numbers, scale: float) -> int:
-    """Copy a tissue to the workspace; ``scale`` = h / mu; how many cells it has."""
-    n = state.sizes[CELLS]
+    """Copy a tissue and the edges of its networks to the workspace; ``scale`` = h / mu; how many cells it has."""
+    n = work.cells[0] = state.sizes[CELLS]
     for i in range(n):
         _copy_cell(state, i, work, i, numbers, numbers.spring_power, scale)
     for word in range(2):
         work.noise_key[word] = state.noise_key[word]
     for k in range(len(work.counts)):
         work.counts[k] = 0
-    _list_junctions(state, work, scale * numbers.junction_factor)
-    _list_neighbours(state.space.basal, work)
+    apical, basal, alpha = state.space.apical, state.space.basal, state.cells.stiff_aa
+    work.sizes[JUNCTIONS], work.sizes[NEIGHBOURS] = apical.sizes[EDGES], basal.sizes[EDGES]
+    for edge in range(apical.sizes[EDGES]):
+        i, j = apical.edges[edge, 0], apical.edges[edge, 1]
+        work.junctions[edge, 0], work.junctions[edge, 1] = i, j
+        work.rest[edge] = apical.rest[edge]
+        work.k_aa[edge] = scale * numbers.junction_factor * (0.5 * (alpha[i] + alpha[j]))
+    for edge in range(basal.sizes[EDGES]):
+        work.neighbours[edge, 0], work.neighbours[edge, 1] = basal.edges[edge, 0], basal.edges[edge, 1]
     copied: int = n
     return copied
 
 
 @inner
-def _list_junctions(state: TissueState, work: SurfaceWorkspace, scale: float) -> None:
-    """List the junctions of the apical network, with k = scale (alpha_i + alpha_j) / 2."""
-    network, alpha = state.space.apical, state.cells.stiff_aa
-    for edge in range(network.sizes[EDGES]):
-        i, j = network.edges[edge, 0], network.edges[edge, 1]
-        work.junctions[edge, 0], work.junctions[edge, 1] = i, j
-        work.rest[edge] = network.rest[edge]
-        work.k_aa[edge] = scale * (0.5 * (alpha[i] + alpha[j]))
-    work.sizes[JUNCTIONS] = network.sizes[EDGES]
-
-
-@inner
-def _list_neighbours(network: Network, work: SurfaceWorkspace) -> None:
-    """List the edges of the basal network."""
-    for edge in range(network.sizes[EDGES]):
-        work.neighbours[edge, 0], work.neighbours[edge, 1] = network.edges[edge, 0], network.edges[edge, 1]
-    work.sizes[NEIGHBOURS] = network.sizes[EDGES]
-
-
-@inner
 def copy_from_workspace(work: SurfaceWorkspace, state: TissueState) -> None:
     """Copy positions and counts back."""
-    find_jump(work, state, state.sizes[CELLS], 0, 1)
-    put_back_in_space(work, state)
+    find_jump(work, state, 0, 1)
+    put_back(work, state, 0, 1)
     for counter in (SUBSTEPS, CORRECTIONS, BASAL_CORRECTIONS):
         state.counts[counter] += work.counts[counter]
-
-
-@inner
-def put_back_in_space(work: SurfaceWorkspace, state: TissueState) -> None:
-    """Copy the positions of a sheet or a closed surface back."""
-    cells, n = state.cells, state.sizes[CELLS]
-    _put_back(work, cells, n, 0, 1)
-    for i in range(n):
-        cells.z[i], cells.az[i], cells.bz[i] = work.z[i], work.az[i], work.bz[i]

@@ -13,15 +13,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from dincl.compiled import call, inner, reader, signature, struct_type
-from tissue.kernels.surface_workspace import SURFACE_WORKSPACE, SurfaceWorkspace
-from tissue.kernels.workspace import WORKSPACE, Workspace
+from tissue.kernels.lanes import load, store
+from tissue.kernels.surface_workspace import SURFACE_WORKSPACE
+from tissue.kernels.workspace import WORKSPACE
 from tissue.model.motion import tangential
 from tissue.state.cells import Floats, Integers, PointForces
 from tissue.state.numbers import NUMBERS, numbers_at
 from tissue.state.running import CELLS, STATE, TissueState, state_at
-from tissue.state.space import SPATIAL
 from tissue.step.advance import find_lost
-from tissue.step.copies import put_back, put_back_in_space
+from tissue.step.copies import put_back
 
 
 class UserForces(NamedTuple):
@@ -53,26 +53,19 @@ call_push, call_energy, call_part, call_part_in_space = map(call, (PUSH, ENERGY,
 @inner
 def clear(state: TissueState) -> None:
     """Set the forces on all points to 0."""
-    on, n = state.on, state.sizes[CELLS]
-    for forces in (on.x, on.y, on.ax, on.ay, on.bx, on.by):
-        for i in range(n):
-            forces[i] = 0.0
-    for forces in (on.z, on.az, on.bz):
-        for i in range(n if state.space.dimension == SPATIAL else 0):
+    on = state.on
+    for forces in (on.x, on.y, on.ax, on.ay, on.bx, on.by, on.z, on.az, on.bz):
+        for i in range(state.sizes[CELLS]):
             forces[i] = 0.0
 
 
 @inner
 def find_not_finite(state: TissueState) -> int:
     """Return a cell on which the forces are not finite, -1 if there is none."""
-    on, n, total = state.on, state.sizes[CELLS], 0.0
-    for i in range(n):
-        total += on.x[i] + on.y[i] + on.ax[i] + on.ay[i] + on.bx[i] + on.by[i]
-    for i in range(n if state.space.dimension == SPATIAL else 0):
-        total += on.z[i] + on.az[i] + on.bz[i]
-    for i in range(0 if math.isfinite(total) else n):
-        in_plane = on.x[i] + on.y[i] + on.ax[i] + on.ay[i] + on.bx[i] + on.by[i]
-        if not math.isfinite(in_plane + on.z[i] + on.az[i] + on.bz[i]):
+    on = state.on
+    for i in range(state.sizes[CELLS]):
+        total = on.x[i] + on.y[i] + on.ax[i] + on.ay[i] + on.bx[i] + on.by[i] + on.z[i] + on.az[i] + on.bz[i]
+        if not math.isfinite(total):
             return i
     return -1
 
@@ -92,55 +85,35 @@ def add_forces(own: UserForces, state: TissueState, k: int) -> None:
                 own.blame[0, k], own.blame[1, k] = 1 + number, state.cells.id[i]
 
 
-def evaluate_forces(own: UserForces, work: Workspace) -> None:
+def evaluate_forces(own: UserForces, work: Any) -> None:
     """The sum of the forces where the points of each tissue in the workspace, seen flat, are now:
     ``TissueState.on``.
     """
     for k in range(len(work.cells)):
         if work.cells[k] > 0:
             state = state_at(own.states[k])
-            put_back(work, state, k)
+            put_back(work, state, k, len(work.cells))
             add_forces(own, state, k)
 
 
-def evaluate_in_space(own: UserForces, work: SurfaceWorkspace) -> None:
-    """Compute the same for a sheet or a closed surface."""
-    state = state_at(own.states[0])
-    put_back_in_space(work, state)
-    add_forces(own, state, 0)
-
-
-def follow_forces(own: UserForces, work: Workspace) -> None:
+def follow_forces(own: UserForces, work: Any) -> None:
     """Move the points of each tissue by (h / mu) times these forces, a basal point as the others do, see ``move``."""
     width = len(work.cells)
     for k in range(width):
-        scale, on = own.scale[k], state_at(own.states[k]).on
-        for points, force in ((work.x, on.x), (work.y, on.y), (work.ax, on.ax), (work.ay, on.ay)):
-            for i in range(work.cells[k]):
-                points[width * i + k] += scale * force[i]
-        if work.bent:
-            for i in range(work.cells[k]):
-                place = width * i + k
-                along = scale * on.bx[i] * work.tangent_x[place] + scale * on.by[i] * work.tangent_y[place]
-                work.along[place] += work.held[place] * along
+        scale, state = own.scale[k], state_at(own.states[k])
+        on, cells = state.on, state.cells
         for i in range(work.cells[k]):
             place = width * i + k
-            moves = work.moves[place]
-            work.bx[place] += moves * (scale * on.bx[i])
-            work.by[place] += moves * (1.0 - work.held[place]) * (scale * on.by[i])
-
-
-def follow_in_space(own: UserForces, work: SurfaceWorkspace) -> None:
-    """Move the points of a sheet or a closed surface likewise, basal points that it holds along it."""
-    scale, state = own.scale[0], state_at(own.states[0])
-    on, cells = state.on, state.cells
-    apical = (work.ax, on.ax), (work.ay, on.ay), (work.az, on.az)
-    for points, pushes in ((work.x, on.x), (work.y, on.y), (work.z, on.z), *apical):
-        for i in range(state.sizes[CELLS]):
-            points[i] += scale * pushes[i]
-    for i in range(state.sizes[CELLS]):
-        force = scale * on.bx[i], scale * on.by[i], scale * on.bz[i]
-        moved = tangential(work, work.held[i], (cells.bx[i], cells.by[i], cells.bz[i]), force)
-        work.bx[i] += work.moves[i] * moved[0]
-        work.by[i] += work.moves[i] * moved[1]
-        work.bz[i] += work.moves[i] * moved[2]
+            moves, held = work.moves[place], work.held[place]
+            for points, force in ((work.x, on.x), (work.y, on.y), (work.ax, on.ax), (work.ay, on.ay)):
+                points[place] += scale * force[i]
+            store(work.z, place, load(work.z, place) + scale * on.z[i])
+            store(work.az, place, load(work.az, place) + scale * on.az[i])
+            basal = scale * on.bx[i], scale * on.by[i], scale * on.bz[i]
+            if work.bent:
+                along = basal[0] * load(work.tangent_x, place) + basal[1] * load(work.tangent_y, place)
+                store(work.along, place, load(work.along, place) + held * along)
+            basal = tangential(work, held, (cells.bx[i], cells.by[i], cells.bz[i]), basal)
+            work.bx[place] += moves * basal[0]
+            work.by[place] += moves * basal[1]
+            store(work.bz, place, load(work.bz, place) + moves * basal[2])

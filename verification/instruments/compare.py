@@ -6,12 +6,8 @@ import runpy
 import shutil
 import sys
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
-import pandas as pd
+from typing import Any
 
 from dincl import InvalidProblem, Problem
 from dincl.checks import describe
@@ -24,17 +20,9 @@ from verification.instruments.result import Result
 from verification.instruments.save import save
 from verification.instruments.speed_accuracy import work_precision
 
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
-
-    from verification.site.sheet import Axes
-
 NEEDED = ("problem", "methods", "settings", "t")
 BUDGET = CpuSeconds(2.0)
 TOL = 1e-11
-# What a folder of rows under way may hold.
-OWN = {f"{name}.{ending}" for name in ("orders", "work_precision") for ending in ("parquet", "csv", "lock")}
-OWN |= {"superseded"}
 
 
 def compare(file: Path, out: Path) -> tuple[Path, list[Result]]:
@@ -60,53 +48,17 @@ def compare(file: Path, out: Path) -> tuple[Path, list[Result]]:
     source = named.get("reference")
     known = known_at(_reference(problem, file) if source is None else source, t, problem=problem)
     budget = named.get("budget", BUDGET)
-    rows = _rows(file, out)
+    # Rows under way are of these programs alone.
+    programs = [one.read_bytes() for one in sorted({file, *file.parent.glob("*.py")})]
+    rows = out / f"rows_{digest(programs)}"
     chart = work_precision(problem, methods, settings, t, known, budget, store=rows / "work_precision.parquet")
     results: list[Result] = [chart]
     if not isinstance(settings, Mapping) and len(settings) >= MIN_STEPS:
         orders = order_study(problem, methods, settings, t, known, budget=budget, store=rows / "orders.parquet")
         results.insert(0, orders)
-    pictures = [drawn(problem, t)] if isinstance(problem, Problem) and problem.x0.shape[1] <= 2 else []
-    page = save([*pictures, *results], out)
+    page = save(results, out)
     shutil.rmtree(rows, ignore_errors=True)
     return page, results
-
-
-def _rows(file: Path, out: Path) -> Path:
-    """Return the folder of rows under way, which are of these programs alone; those of other ones are removed."""
-    programs = [one.read_bytes() for one in sorted({file, *file.parent.glob("*.py")})]
-    mine = out / f"rows_{digest(programs)}"
-    for other in out.glob("rows_" + 16 * "[0-9a-f]"):  # and no folder of the user
-        if other != mine and other.is_dir() and not other.is_symlink() and {one.name for one in other.iterdir()} <= OWN:
-            shutil.rmtree(other)
-    return mine
-
-
-@dataclass(frozen=True)
-class ProblemPicture(Result):
-    """Start and sets of a problem, dotted at later times; ``table`` has the particles at the start."""
-
-    problem: Problem
-    t: tuple[float, ...]
-    table: pd.DataFrame
-    name: str = "problem"
-    title: str = "The problem"
-
-    def plot(self, ax: Axes | None = None) -> Axes:
-        return self.problem.plot(self.t, ax)
-
-    def summaries(self) -> dict[str, pd.DataFrame]:
-        """Return the sets, and whether they depend on time."""
-        names = [type(one).__name__ for one in self.problem.constraints]
-        moves = ["yes" if one.timed else "no" for one in self.problem.constraints]
-        return {"Sets.": pd.DataFrame({"set": names, "depends on time": moves})}
-
-
-def drawn(problem: Problem, t: ArrayLike) -> ProblemPicture:
-    """Return the picture of a problem with its sets at the start and at times t."""
-    start = pd.DataFrame(problem.x0, columns=list("xyz")[: problem.x0.shape[1]])
-    times = (0.0, *np.unique(np.asarray(t, dtype=np.float64).ravel()).tolist())
-    return ProblemPicture(problem, times, start.rename_axis("particle").reset_index())
 
 
 def _run(file: Path) -> dict[str, Any]:

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 import dincl
 from dincl.checks import describe, plain
+from dincl.compiled.functions import compiler_events
 from verification.instruments.budget import Budget, CpuSeconds, OutOfBudgetError, counted
 from verification.instruments.error_norms import Computed, Errors, Norm, checked_errors, measured, of_reference
-from verification.instruments.machine_code import machine_code
 from verification.instruments.method import Failure, Method, attempted, made_scheme
 from verification.instruments.references import Known
 
@@ -154,7 +154,7 @@ def _again(problem: Any, method: Method, attempt: Attempt, known: Known, k: int)
 def _warm_up(problem: Any, method: Method, setting: float, t: Floats) -> None:
     """Make brief runs until one compiles nothing; a run that is stopped may not have compiled everything."""
     for _ in range(MOST_AGAIN):
-        with machine_code() as made, suppress(OutOfBudgetError, Exception):
+        with compiler_events() as made, suppress(OutOfBudgetError, Exception):
             _run(problem, method, setting, t, CpuSeconds(BRIEF))
         if not made:
             return
@@ -191,7 +191,7 @@ def _timed(problem: Any, method: Method, setting: float, t: Floats, budget: Budg
     gc.disable()
     try:
         for _ in range(MOST_AGAIN):
-            with machine_code() as made:
+            with compiler_events() as made:
                 outcome, cpu, wall = _clocked(problem, method, setting, t, budget)
             if not made:
                 break

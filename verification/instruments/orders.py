@@ -161,7 +161,6 @@ def order_study(
     *,
     store: Store = None,
     executor: Executor | None = None,
-    smallest: bool = False,
 ) -> OrderStudy:
     """Run every method with every setting, and fit error = C h^p on the asymptotic part of each curve.
 
@@ -190,10 +189,7 @@ def order_study(
         Errors below it come from elsewhere than the step, such as the tolerance of a projection [length]; they enter no
         fit, as those below the reference's own error.
     store, executor
-        A Parquet file that makes an interrupted call go on, method by method, for the smallest form one beside it; who
-        makes the runs: see ``verification.instruments.stored``.
-    smallest
-        Only the five coarsest settings.
+        A Parquet file that makes an interrupted call go on, method by method; who makes the runs: see ``carried_out``.
 
     Raises
     ------
@@ -201,7 +197,7 @@ def order_study(
         For fewer than five settings, unknown names of errors, objects that are not methods, times that do not increase.
     """
     runs = OrderRuns(problem, methods, settings, t, reference, errors, budget, floor)
-    return runs.result(carried_out(runs.study(smallest=smallest), store, executor, apart=smallest))
+    return runs.result(carried_out(runs.study(), store, executor))
 
 
 def order_of(rows: pd.DataFrame, error: str, floor: float = 0.0) -> Order:

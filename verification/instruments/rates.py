@@ -19,13 +19,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import stdtrit
+from scipy.special import ndtri, stdtrit
 
 from dincl import InvalidProblem
 from dincl.checks import describe, integer
 from dincl.study import Key, Row, Study
-from meanfield import Density, Model, State, push_forward, solve_characteristics, solve_ode, w1
-from verification.instruments.lines import CONFIDENCE, weighted_line
+from meanfield import Density, Flow, Model, State, push_forward, solve_characteristics, solve_ode, w1
 from verification.instruments.result import Result
 from verification.instruments.stored import Store, carried_out, settings_of
 
@@ -37,6 +36,8 @@ Floats = NDArray[np.float64]
 IID, PAIR, QUANTILES = "iid against density", "iid against iid", "quantiles against density"
 # With fewer repeats, the deviation of one value is taken from the next smaller N; its relative size falls with N.
 ENOUGH = 8
+# Of all intervals.
+CONFIDENCE = 0.95
 # A line and its scatter need so many sizes.
 FEWEST_SIZES = 3
 QUANTITIES = ("w1", "error_y")
@@ -121,19 +122,34 @@ class W1Runs:
         return QUANTILES if self.quantiles else IID if self.density.nx == 1 else PAIR
 
     @cached_property
-    def limit(self) -> MeanFieldLimit | None:
-        """The limit of the model, computed when the first run needs it, and sent to workers with the runs."""
+    def limit(self) -> tuple[Flow, list[Density | None]] | None:
+        """The limit of the model by characteristics and, on a line, its densities, computed for the first run."""
         if self.model is None or self.t is None or self.y0 is None or self.v0 is None or self.tol is None:
             return None
-        return mean_field_limit(self.model, self.density, self.y0, self.v0, self.t, self.tol, self.tol)
+        model, start = self.model, np.asarray(self.y0, dtype=np.float64)
+        flow = solve_characteristics(model, self.density, start, self.v0, self.t, self.tol)
+        return flow, [push_forward(model, self.density, start, y) if model.nx == 1 else None for y in flow.y]
+
+    def draw(self, n: int, rng: np.random.Generator) -> list[Floats]:
+        """Draw n particles (n, nx), and for ``PAIR`` as many others that are independent of them."""
+        if self.quantiles:
+            return [self.density.quantiles(n)]
+        return [self.density.sample(rng, n) for _ in range(2 if self.start == PAIR else 1)]
 
     def __call__(self, key: Key) -> list[Row]:
-        """Compare one sample; one row for each time."""
+        """Compare one sample at the start and along the flow; one row for each time."""
         n, k = int(key["N"]), int(key["repeat"])
-        X, other = draw(self.density, self.start, n, np.random.default_rng((*_listed(self.seed), n, k)))
-        at_start = {"t": 0.0, "w1": distance(self.density, X, other), "error_y": 0.0}
-        later = [] if self.limit is None else through_flow(self.limit, X, other)
-        return [{"N": n, "repeat": k} | row for row in [at_start, *later]]
+        groups = self.draw(n, np.random.default_rng((*_listed(self.seed), n, k)))
+        rows = [{"t": 0.0, "w1": _distance(groups, self.density), "error_y": 0.0}]
+        if self.limit is not None and self.model is not None and self.tol is not None:
+            flow, laws = self.limit
+            starts = [State(X=X, y=self.y0, v=self.v0) for X in groups]  # type: ignore[arg-type]
+            motions = [solve_ode(self.model, start, flow.t, self.tol) for start in starts]
+            for j, (time, y, law) in enumerate(zip(flow.t, flow.y, laws, strict=True)):
+                found = _distance([one.X[j] for one in motions], law)
+                off = float(np.linalg.norm(motions[0].y[j] - y))
+                rows.append({"t": float(time), "w1": found, "error_y": off})
+        return [{"N": n, "repeat": k} | row for row in rows]
 
     def study(self, name: str = "w1_rates", title: str = "Rates of W1", smallest: bool = False) -> Study:
         """Return the runs, the largest first; in the smallest form two repeats of the three smallest sizes."""
@@ -168,7 +184,6 @@ def w1_rates(
     quantiles: bool = False,
     store: Store = None,
     executor: Executor | None = None,
-    smallest: bool = False,
 ) -> W1Rates:
     """Measure E W1 of N particles against N, and through the flow of a model E W1 and the error of y at times t.
 
@@ -190,8 +205,6 @@ def w1_rates(
         In one dimension: particles at the quantiles, which are not random (one repeat), instead of a random sample.
     store, executor
         A Parquet file that makes an interrupted call go on; who makes the runs: see ``carried_out``.
-    smallest
-        Only two repeats of the three smallest sizes.
 
     Raises
     ------
@@ -205,54 +218,15 @@ def w1_rates(
     """
     given = {"t": t, "y0": y0, "v0": v0, "tol": tol, "quantiles": quantiles}
     runs = W1Runs(model, density, sizes, repeats, seed, **given)  # type: ignore[arg-type]
-    return runs.result(carried_out(runs.study(smallest=smallest), store, executor))
+    return runs.result(carried_out(runs.study(), store, executor))
 
 
-def draw(density: Density, start: str, n: int, rng: np.random.Generator) -> tuple[Floats, Floats | None]:
-    """Draw N particles (n, nx), and for ``PAIR`` as many others that are independent of them."""
-    X = density.quantiles(n) if start == QUANTILES else density.sample(rng, n)
-    return X, density.sample(rng, n) if start == PAIR else None
-
-
-def distance(density: Density | None, X: Floats, other: Floats | None) -> float:
+def _distance(groups: list[Floats], law: Density | None) -> float:
     """Return W1 between particles and others, or the density (d = 1)."""
-    against = density if other is None else other
+    against = law if len(groups) == 1 else groups[1]
     if against is None:
         raise InvalidProblem("density = None without other particles: one of them must be given")
-    return w1(X, against)
-
-
-class MeanFieldLimit(NamedTuple):
-    """A mean-field problem and its solution y (K, ny) at the times t (K,); the densities there, None unless d = 1."""
-
-    model: Model
-    y0: Floats
-    v0: Floats
-    t: Floats
-    tol: float
-    y: Floats
-    laws: tuple[Density | None, ...]
-
-
-def mean_field_limit(
-    model: Model, density: Density, y0: ArrayLike, v0: ArrayLike, t: ArrayLike, tol: float, particle_tol: float
-) -> MeanFieldLimit:
-    """Solve the limit to ``tol`` by characteristics; ``particle_tol`` is for the particles to be compared with it."""
-    flow = solve_characteristics(model, density, y0, v0, t, tol)
-    start, velocity = np.asarray(y0, dtype=np.float64), np.asarray(v0, dtype=np.float64)
-    laws = [push_forward(model, density, start, y) if model.nx == 1 else None for y in flow.y]
-    return MeanFieldLimit(model, start, velocity, flow.t, particle_tol, flow.y, tuple(laws))
-
-
-def through_flow(limit: MeanFieldLimit, X: Floats, other: Floats | None) -> list[dict[str, float]]:
-    """Return W1 and the error of y at each time of the limit, for particles that start at X, and others if any."""
-    groups = [X] if other is None else [X, other]
-    one, *rest = [solve_ode(limit.model, State(X=Z, y=limit.y0, v=limit.v0), limit.t, limit.tol) for Z in groups]
-    rows = []
-    for k, (time, y, law) in enumerate(zip(limit.t, limit.y, limit.laws, strict=True)):
-        found = distance(law, one.X[k], rest[0].X[k] if rest else None)
-        rows.append({"t": float(time), "w1": found, "error_y": float(np.linalg.norm(one.y[k] - y))})
-    return rows
+    return w1(groups[0], against)
 
 
 def summarised(table: pd.DataFrame, *, random: bool) -> tuple[pd.DataFrame, pd.DataFrame]:
@@ -295,6 +269,54 @@ def fitted_power(means: pd.DataFrame) -> dict[str, Any]:
     row = {"sizes": len(means), "from": means["N"].min(), "to": means["N"].max(), "slope": line.slope.value}
     row |= {"low": line.slope.low, "high": line.slope.high}
     return row | {"constant": float(np.exp(line.at_zero)), "misfit": line.misfit}
+
+
+class Slope(NamedTuple):
+    """Slope of a line with the ends of its 95 % interval."""
+
+    value: float
+    low: float
+    high: float
+
+
+class WeightedLine(NamedTuple):
+    """A line: its slope, its value at x = 0, and chi^2 per degree of freedom, NaN for points without errors."""
+
+    slope: Slope
+    at_zero: float
+    misfit: float
+
+
+def slope(x: ArrayLike, y: ArrayLike) -> Slope:
+    """Return the slope of y (n,) against x (n,), n >= 3, with Student's interval from the residuals."""
+    x, y = np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)
+    centred = x - x.mean()
+    spread = float(centred @ centred)
+    value = float(centred @ y) / spread
+    residual = y - y.mean() - value * centred
+    freedom = len(x) - 2
+    half = float(stdtrit(freedom, 0.5 + 0.5 * CONFIDENCE) * np.sqrt(residual @ residual / freedom / spread))
+    return Slope(value, value - half, value + half)
+
+
+def weighted_line(x: ArrayLike, y: ArrayLike, error: ArrayLike) -> WeightedLine:
+    """Fit a line through (x, y) (n,), n >= 3, weighted by the standard errors of y; all of them 0: equal weights.
+
+    The interval of the slope is the larger one of two: from the errors, and by Student's t from the scatter of the
+    points about the line.
+    """
+    x, y, error = (np.asarray(values, dtype=np.float64) for values in (x, y, error))
+    exact = not error.any()
+    weight = np.ones(len(x)) if exact else error**-2.0
+    centre = np.average(x, weights=weight)
+    spread = float(weight @ (x - centre) ** 2)
+    value = float(weight @ ((x - centre) * y)) / spread
+    at_zero = float(np.average(y, weights=weight)) - value * centre
+    misfit = float(weight @ (y - at_zero - value * x) ** 2) / (len(x) - 2)
+    by_scatter = float(stdtrit(len(x) - 2, (1 + CONFIDENCE) / 2)) * np.sqrt(misfit)
+    by_error = 0.0 if exact else float(ndtri((1 + CONFIDENCE) / 2))
+    half = max(by_error, by_scatter) * spread**-0.5
+    return WeightedLine(Slope(value, value - half, value + half), at_zero, np.nan if exact else misfit)
 
 
 def _listed(value: int | Sequence[int]) -> list[int]:

@@ -245,7 +245,6 @@ def stability_map(
     *,
     store: Store = None,
     executor: Executor | None = None,
-    smallest: bool = False,
 ) -> StabilityMap:
     """Run ``method`` on ``problem`` for each pair of values, and say of each run what became of it.
 
@@ -272,8 +271,6 @@ def stability_map(
         Limits that theory predicts, drawn over the map.
     store, executor
         A Parquet file that makes an interrupted call go on; who makes the runs: see ``carried_out``.
-    smallest
-        Only the first and the last value of each axis.
 
     Raises
     ------
@@ -285,7 +282,7 @@ def stability_map(
     library ends the map: every pair needs it.
     """
     runs = StabilityRuns(problem, method, x, y, t, reference, accurate, feasible, limits)
-    return runs.result(carried_out(runs.study(smallest=smallest), store, executor))
+    return runs.result(carried_out(runs.study(), store, executor))
 
 
 def judged_run(

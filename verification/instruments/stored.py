@@ -19,9 +19,7 @@ from dincl.study.record import record
 Store = str | Path | None
 
 
-def carried_out(
-    study: Study, store: Store = None, executor: Executor | None = None, *, apart: bool = False
-) -> pd.DataFrame:
+def carried_out(study: Study, store: Store = None, executor: Executor | None = None) -> pd.DataFrame:
     """Return the rows of all runs of a study.
 
     Parameters
@@ -35,9 +33,6 @@ def carried_out(
     executor
         Makes the runs, such as ``concurrent.futures.ProcessPoolExecutor()`` or Dask's ``client.get_executor()``; None:
         they are made here, one after the other. CPU times are those beside the other runs.
-    apart
-        Whether the rows stand in a file of their own, STORE_smallest.parquet: a run of the smallest form is not the
-        complete one of its name.
 
     Raises
     ------
@@ -58,7 +53,7 @@ def carried_out(
     if not isinstance(store, str | Path) or Path(store).suffix != ".parquet":
         raise InvalidProblem(f"store = {describe(store)}: must be the path of a file that ends in .parquet")
     file = Path(store)
-    return replace(study, name=f"{file.stem}_smallest" if apart else file.stem).complete(file.parent, executor)
+    return replace(study, name=file.stem).complete(file.parent, executor)
 
 
 def settings_of(**settings: Any) -> Mapping[str, Any]:

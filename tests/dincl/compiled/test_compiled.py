@@ -30,7 +30,7 @@ from dincl.compiled import (
     struct_type,
 )
 from dincl.compiled.cache import is_ours
-from dincl.compiled.calls import is_dispatcher, processor_name
+from dincl.compiled.calls import is_dispatcher
 from dincl.compiled.functions import compiler_events
 from dincl.compiled.structs import struct_after
 from dincl.compiled.uncaught import uncaught_errors
@@ -101,7 +101,6 @@ def test_what_numba_says_of_functions_and_compiling():
         assert bool(found) is expected
     assert is_dispatcher(function)
     assert not is_dispatcher(lambda x: x)
-    assert processor_name()
 
 
 def test_what_takes_long_to_compile_is_named_once_and_what_does_not_is_not(monkeypatch, caplog):

@@ -12,7 +12,6 @@ import pytest
 from dincl.errors import InvalidProblem
 from tests.full_disk import full_disk
 from tests.tissue.bits import arrays, same
-from tests.tissue.space.in_space import of_surface
 from tissue.files.parameters import preset
 from tissue.frames.frame import Frame
 from tissue.runs.simulate import simulate
@@ -53,15 +52,6 @@ def test_the_same_bits(frame, file):
     again = Frame.load(file)
     assert same(again, frame)
     assert all(a.dtype == b.dtype for a, b in zip(arrays(again), arrays(frame), strict=True))
-
-
-@pytest.mark.parametrize("surface", ["plane", "open"])
-def test_the_same_bits_in_space(surface, tmp_path):
-    """An open sheet has a longest edge at its boundary."""
-    frame = simulate(of_surface(surface, numerics__t_end="0.1 h")).final
-    frame.save(tmp_path / "state")
-    assert np.isfinite(frame.sheets.longest) == (surface == "open")
-    assert same(Frame.load(tmp_path / "state"), frame)
 
 
 def test_the_same_bytes_for_the_same_state(frame, file, tmp_path):

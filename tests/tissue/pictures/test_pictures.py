@@ -18,7 +18,6 @@ from tests.tissue.states import layers
 from tests.tissue.states import tissue as tissue_of
 from tissue.events.known import EVENTS
 from tissue.files.parameters import preset
-from tissue.files.sections import MOST_TYPES
 from tissue.frames.frame import Frame
 from tissue.frames.observables import PHASES, height
 from tissue.frames.section import section
@@ -26,7 +25,7 @@ from tissue.pictures import movie as film
 from tissue.pictures import space
 from tissue.pictures.emt import EMT_COLOURS
 from tissue.pictures.picture import drawing, stills
-from tissue.pictures.sheet import APICAL, BASAL, COLOURS, TYPE_COLOURS, write
+from tissue.pictures.sheet import APICAL, BASAL, COLOURS, write
 from tissue.runs.simulate import simulate
 
 THESIS = preset("thesis")
@@ -127,23 +126,6 @@ def test_an_emt_cell_has_the_colour_of_its_events_a_dark_edge_and_crosses_at_fre
     assert [one for one in crosses if one[1]] == [(APICAL, [[30.0, 40.0]])] * apical + [(BASAL, [[30.0, 0.0]])] * basal
 
 
-def test_constricted_cells_are_joined_and_a_named_type_has_an_edge():
-    frame = trio("AC")
-    frame.cells.emt[:2], frame.cells.chain[:2], frame.cells.events[:2] = (0, 1), 1, EVENTS.index("AC")
-    figure = drawing(frame._replace(layers=layers(3, apical=[2])), THESIS)
-    *_, chain = figure.axes[0].collections
-    assert [path.vertices.tolist() for path in chain.get_paths()] == [[[0.0, 40.0], [30.0, 40.0]]]
-    assert names(figure)[-1] == "joined, left layer"
-    given = THESIS.changed({"types.soft.cells": 1, "types.hard.cells": 1, "types.hard.place": 0})
-    frame = trio()
-    frame.cells.kind[:] = [3, 1, 0]
-    figure = drawing(frame, given)
-    hard = figure.axes[0].collections[3]
-    assert [to_hex(colour) for colour in hard.get_edgecolors()] == [TYPE_COLOURS[1], "#000000", "#ffffff"]
-    assert names(figure)[-1] == "type hard"
-    assert len(TYPE_COLOURS) == MOST_TYPES
-
-
 def test_titles_say_what_it_is():
     titles = [drawing(pair(t=t), THESIS).axes[0].texts[0].get_text() for t in (1.5, 12.0)]
     assert titles == ["t = 1.5 h · 2 cells · height 40 µm", "t = 12 h · 2 cells · height 40 µm"]
@@ -213,21 +195,6 @@ def test_a_movie_shows_every_state_once(run, tmp_path, ending):
             assert (image[:20, -20:] == 255).all()  # the paper stays white
             durations.append(movie.info["duration"])
     assert durations == [80] * 4 + [2000]
-
-
-@pytest.mark.parametrize("shown", ["phases", "events"])
-def test_a_gif_knows_the_colours_of_all_states(tmp_path, shown):
-    """Also of events that are over at the end."""
-    frames, colours = [pair("G1/S"), pair("G2", t=1.0), pair("mitosis", t=2.0)], list(COLOURS.values())
-    if shown == "events":
-        frames, colours = [pair(), pair(t=1.0), pair(t=2.0)], [EMT_COLOURS[name] for name in ("A", "AB", "AC")]
-        for frame, events in zip(frames, ("A", "AB", "AC"), strict=True):
-            frame.cells.emt[0], frame.cells.events[0] = 0, EVENTS.index(events)
-    film.movie(frames, THESIS, tmp_path / "movie.gif")
-    with Image.open(tmp_path / "movie.gif") as movie:
-        for k, colour in enumerate(colours):
-            movie.seek(k)
-            assert len(coloured(np.asarray(movie.convert("RGB")), colour, tolerance=6)[0]) > 300
 
 
 @pytest.mark.parametrize(

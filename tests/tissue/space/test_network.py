@@ -9,9 +9,8 @@ from hypothesis import strategies as st
 
 import tissue
 from dincl import InvalidProblem
-from tests.tissue.space.tissues import EULER, KINDS, OPEN, one_point, spread_points
+from tests.tissue.space.calls import EULER, KINDS, OPEN, one_point, spread_points
 from tissue.kernels import kernel
-from tissue.model.energy import nearest_image
 from tissue.network.lattice import flat_lattice, rows_of
 from tissue.network.neighbours import add_daughter, connected, has_room, remove_cell, renew
 from tissue.network.triangulation import distances, edges_of, triangulate
@@ -131,16 +130,15 @@ def lattice(nx, nz):
 @pytest.mark.parametrize("periods", [(6.0, 5.0), (6.0, math.inf), (math.inf, 5.0), (math.inf, math.inf)])
 def test_a_square_lattice_has_sides_and_diagonals(periods):
     points, surface = lattice(6, 5), s.plane(period_x=periods[0], period_z=periods[1])
-    edges, _ = triangulate(surface, points)
-    lengths = np.unique(np.round(distances(surface, points, edges), 9))
+    lengths = np.unique(np.round(distances(surface, points, triangulate(surface, points)[0]), 9))
     np.testing.assert_allclose(lengths, (1.0, math.sqrt(2)))
 
 
 @pytest.mark.parametrize("cells", [160, 1764])
 def test_a_straight_boundary_has_no_flat_triangles(cells):
     sheet = flat_lattice(cells, rows_of(cells, 0), 1.0, periodic=False)
-    edges, _ = triangulate(sheet.surface, sheet.basal.T)
-    lengths = np.unique(np.round(distances(sheet.surface, sheet.basal.T, edges), 9))
+    points = sheet.basal.T
+    lengths = np.unique(np.round(distances(sheet.surface, points, triangulate(sheet.surface, points)[0]), 9))
     np.testing.assert_allclose(lengths, (1.0, math.sqrt(3)))
 
 
@@ -214,24 +212,18 @@ def rests_of(network):
 @pytest.mark.parametrize("rule", [MEAN, PRESENT])
 def test_pairs_that_stay_keep_their_rest_lengths(rule):
     """The diagonal of four points changes: the mean of what both cells have, or their distance."""
-    points = np.array([(0.0, 0.0, 0.0), (0.0, 0.0, 2.0), (1.0, 0.0, 1.0), (-1.1, 0.0, 1.0)])
-    state = state_of(s.plane(), points[:, [0, 1, 2]], rule)
-    before = rests_of(state.space.apical)
-    assert before.keys() == {(0, 2), (0, 3), (1, 2), (1, 3), (2, 3)} | set() or (0, 1) in before
-    diagonal, other = ((2, 3), (0, 1)) if (2, 3) in before else ((0, 1), (2, 3))
-    edges, _, _ = in_use(state.space.apical)
-    state.space.apical.rest[: len(edges)] = 0.1 * np.arange(1, len(edges) + 1)
-    before = rests_of(state.space.apical)
-    wide = points * np.where(np.arange(3) == (2 if diagonal == (0, 1) else 0), 2.0, 0.5)
+    points = np.array([(0.0, 0.0, 0.0), (0.0, 0.0, 2.0), (1.1, 0.0, 1.0), (-1.1, 0.0, 1.0)])
+    state = state_of(s.plane(), points, rule)
+    network, sides = state.space.apical, {(0, 2), (0, 3), (1, 2), (1, 3)}
+    assert rests_of(network).keys() == sides | {(0, 1)}
+    network.rest[:5] = 0.1 * np.arange(1, 6)
+    before, wide = rests_of(network), points * (0.5, 0.0, 2.0)
     state.cells.ax[:4], state.cells.ay[:4], state.cells.az[:4] = wide.T
     renew(state)
-    after = rests_of(state.space.apical)
-    stays = before.keys() - {diagonal}
-    assert after.keys() == stays | {other}
-    assert all(after[pair] == before[pair] for pair in stays)
-    mean = np.mean([before[pair] for pair in stays])
-    distance = np.linalg.norm(wide[other[0]] - wide[other[1]])
-    assert after[other] == pytest.approx(mean if rule == MEAN else distance)
+    after = rests_of(network)
+    assert after.keys() == sides | {(2, 3)}
+    assert all(after[pair] == before[pair] for pair in sides)
+    assert after[2, 3] == pytest.approx(np.mean([before[pair] for pair in sides]) if rule == MEAN else 1.1)
 
 
 @every
@@ -278,31 +270,36 @@ def test_daughters_and_gaps_leave_a_surface(name, rng):
     assert np.isfinite(in_use(network)[1]).all()
 
 
-def test_a_daughter_stands_on_the_edge_ahead():
-    """A hexagon around cell 0: cell 7 comes between it and cell 1, and is joined to both beside."""
-    turns = np.arange(6) * math.pi / 3
-    points = np.vstack(([[0.0, 0.0, 0.0]], np.column_stack((np.cos(turns), 0.0 * turns, np.sin(turns))), [[0.0] * 3]))
-    network = connected(s.plane(), points[:7], 0.5, math.inf, 8)
+TURNS = np.arange(6) * math.pi / 3
+HEXAGON = np.vstack(([[0.0] * 3], np.column_stack((np.cos(TURNS), 0.0 * TURNS, np.sin(TURNS)))))
+
+
+def hexagon(capacity, points=HEXAGON):
+    """The network of a hexagon around cell 0, each edge with another rest length."""
+    network = connected(s.plane(), points, 0.5, math.inf, capacity)
     network.rest[:12] = np.arange(1, 13)
-    before = rests_of(network)
-    _add(s.plane(), network, *points.T.copy(), 0, 7, 1.0, 0.0, 0.1, 0.2)
+    return network, rests_of(network)
+
+
+def test_a_daughter_stands_on_the_edge_ahead():
+    """Cell 7 comes between cells 0 and 1, and is joined to both beside."""
+    network, before = hexagon(8)
+    _add(s.plane(), network, *np.vstack((HEXAGON, [[0.0] * 3])).T.copy(), 0, 7, 1.0, 0.0, 0.1, 0.2)
     after = rests_of(network)
-    assert after.keys() - before.keys() == {(0, 7), (1, 7), (2, 7), (6, 7)}
     assert before.keys() - after.keys() == {(0, 1)}
-    expected = {(0, 7): 0.2, (1, 7): before[0, 1], (2, 7): before[0, 2], (6, 7): before[0, 6]}
-    assert {pair: after[pair] for pair in expected} == expected
+    assert {pair: after[pair] for pair in after.keys() - before.keys()} == {
+        (0, 7): 0.2,
+        (1, 7): before[0, 1],
+        (2, 7): before[0, 2],
+        (6, 7): before[0, 6],
+    }
 
 
 @pytest.mark.parametrize("rule", [PRESENT, SUM])
 def test_neighbours_of_a_cell_that_leaves_join_the_nearest(rule):
-    """Of a hexagon cell 1 is nearest: 3, 4 and 5 join it, 2 and 6 have."""
-    turns = np.arange(6) * math.pi / 3
-    ring = np.column_stack((np.cos(turns), 0.0 * turns, np.sin(turns)))
-    ring[0] *= 0.9
-    points = np.vstack(([[0.0, 0.0, 0.0]], ring))
-    network = connected(s.plane(), points, 0.5, math.inf, 7)
-    network.rest[:12] = np.arange(1, 13)
-    before = rests_of(network)
+    """Cell 1 is nearest: 3, 4 and 5 join it, 2 and 6 have."""
+    points = HEXAGON * np.where(np.arange(7) == 1, 0.9, 1.0)[:, None]
+    network, before = hexagon(7, points)
     _remove(s.plane(), network, *points.T.copy(), 0, rule)
     after = rests_of(network)
     assert after.keys() - before.keys() == {(1, 3), (1, 4), (1, 5)}
@@ -310,14 +307,13 @@ def test_neighbours_of_a_cell_that_leaves_join_the_nearest(rule):
     for k in (3, 4, 5):
         there = before[0, 1] + before[0, k] if rule == SUM else np.linalg.norm(points[1] - points[k])
         assert after[1, k] == pytest.approx(there)
-    assert len(in_use(network)[2]) == 4
+    assert len(in_use(network).triangles) == 4
 
 
 def test_room_is_added_and_never_taken():
     """A torus of 30 cells has 90 edges and 60 triangles: all that there is room for."""
     network = connected(s.plane(period_x=6.0, period_z=5.0), lattice(6, 5), 0.5, math.inf, 30)
     larger = network_of(in_use(network), 100)
-    assert larger.capacity == 100
     assert rests_of(larger) == rests_of(network)
     assert [has_room(*case) for case in ((network, 0), (network, 1), (larger, 70), (larger, 71))] == [1, 0, 1, 0]
     with pytest.raises(InvalidProblem, match="network = 90 edges and 60 triangles: must be at most 87 edges"):
@@ -333,11 +329,3 @@ def test_a_sheet_in_which_all_cells_divide_again_and_again_has_room():
     for layer, mesh in zip(run.final.layers, run.final.sheets[1:3], strict=True):
         assert len(mesh.edges) <= 3 * len(layer)
         assert len(mesh.triangles) <= 2 * len(layer)
-
-
-def test_distances_are_to_the_nearest_image():
-    surface = s.plane(period_x=6.0, period_z=5.0)
-    points, edges = lattice(6, 5), np.array([(0, 5), (0, 29)])
-    expected = np.linalg.norm(nearest_image((points[[5, 29]] - points[0]).T, surface), axis=0)
-    np.testing.assert_allclose(distances(surface, points, edges), expected)
-    assert expected[0] == pytest.approx(1.0)

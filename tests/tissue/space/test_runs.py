@@ -1,11 +1,11 @@
-"""Runs in space: limits that are known, invariants at all output times, the same bits however they are made."""
+"""Runs in space: limits that are known, invariants at all output times, tension and free boundaries."""
 
 import numpy as np
 import pytest
 
 import tissue
 from tests.tissue.space.in_space import SURFACES, of_surface, parameters
-from tissue.frames.observables import ab_positions, extents, height, layer_area
+from tissue.frames.observables import extents, layer_area
 from tissue.runs.simulate import simulate
 
 # A run that goes on later may end before an event.
@@ -20,29 +20,6 @@ FREE = {
 }
 
 EMT = {"emt__cells": 3, "emt__a": "0.5 h", "emt__b": "1 h", "emt__s": "1 h", "emt__p": "1.5 h"}
-# Neither noise nor a phase in which a cell is larger, and nuclei that do not touch at the start.
-CALM = {
-    "tissue__diffusion": "0 um^2/h",
-    "cell__g2": "0 h",
-    "cell__mitosis": "0 h",
-    "tissue__two_daughters": 0,
-    "tissue__apical_spacing": "0.8 R_soft",
-    "tissue__basal_spacing": "0.8 R_soft",
-    "tissue__max_basal_distance": "0.8 R_soft",
-    "start__nuclei": "own_basal",
-    "start__nuclei_height": [0.5, 0.5],
-}
-
-
-def test_a_symmetric_start_stays_symmetric():
-    """Each cell of a periodic lattice is as any other: springs, junctions and repulsion have no direction."""
-    cells = simulate(parameters(**CALM), 0).final.cells
-    start = simulate(parameters(**CALM, numerics__t_end="0.05 h"), 0).frames[0].cells
-    for name in ("y", "ay", "rest_ax"):
-        assert np.ptp(getattr(cells, name)) < 1e-9, name
-    for now, then in ((cells.x, start.bx), (cells.z, start.bz), (cells.ax, start.bx), (cells.az, start.bz)):
-        assert np.abs(now - then).max() < 1e-9
-    assert np.abs(cells.ay - start.ay).max() > 0.1
 
 
 @pytest.mark.slow
@@ -82,14 +59,18 @@ def test_basal_points_stay_on_their_surface(name):
 
 
 def test_the_triangles_of_a_periodic_network_cover_the_sheet_once():
-    """So no two edges cross, whatever moved, came or left."""
+    """So no two edges cross, whatever moved, came or left; who has left has none."""
     run = simulate(parameters(numerics__keep="0.1 h", **EMT), 2)
     for frame in run.frames:
         area = frame.sheets.surface.period_x * frame.sheets.surface.period_z
         assert layer_area(frame, "basal") == pytest.approx(area, rel=1e-12)
         assert extents(frame).nuclear_layers == pytest.approx(np.pi * len(frame.cells.x) / area, rel=1e-12)
-        assert len(frame.sheets.basal.triangles) == 2 * len(frame.layers.basal)
-        assert len(frame.sheets.apical.triangles) == 2 * len(frame.layers.apical)
+        for mesh, layer in zip(frame.sheets[1:3], frame.layers, strict=True):
+            assert len(mesh.triangles) == 2 * len(layer)
+            assert np.array_equal(np.unique(mesh.triangles), layer)
+    emt = np.flatnonzero(run.final.cells.emt >= 0)
+    assert len(emt) == 3
+    assert not any(np.isin(emt, layer).any() for layer in run.final.layers)
 
 
 def test_triangles_of_a_sphere():
@@ -99,38 +80,6 @@ def test_triangles_of_a_sphere():
     for frame in run.frames:
         assert len(frame.sheets.basal.triangles) == 2 * len(frame.layers.basal) - 4
         assert 0.9 < layer_area(frame, "basal") / (4 * np.pi * radius**2) < 1
-
-
-def test_cells_leave_their_layers():
-    run = simulate(parameters(**EMT), 3)
-    cells, layers = run.final.cells, run.final.layers
-    emt = np.flatnonzero(cells.emt >= 0)
-    assert len(emt) == 3
-    assert not np.isin(emt, layers.apical).any()
-    assert not np.isin(emt, layers.basal).any()
-    for mesh, layer in ((run.final.sheets.apical, layers.apical), (run.final.sheets.basal, layers.basal)):
-        assert np.array_equal(np.unique(mesh.triangles), layer)
-
-
-@pytest.mark.parametrize("name", ["plane", "sphere"])
-def test_positions_against_a_dense_sample_of_the_apical_surface(name):
-    frame = simulate(of_surface(name), 6).final
-    positions, cells = ab_positions(frame), frame.cells
-    corners = np.column_stack((cells.ax, cells.ay, cells.az))[frame.sheets.apical.triangles]
-    u, v = (part.ravel() for part in np.meshgrid(np.linspace(0, 1, 21), np.linspace(0, 1, 21)))
-    u, v = u[u + v <= 1], v[u + v <= 1]
-    surface = frame.sheets.surface
-    for i in range(0, len(cells.x), 7):
-        arrow = corners - (cells.x[i], cells.y[i], cells.z[i])
-        for axis, period in ((0, surface.period_x), (2, surface.period_z)):
-            if np.isfinite(period):
-                arrow[..., axis] -= period * np.round(arrow[..., axis] / period)
-        sample = arrow[:, None, 0] + u[:, None] * (arrow[:, None, 1] - arrow[:, None, 0])
-        sample = (sample + v[:, None] * (arrow[:, None, 2] - arrow[:, None, 0])).reshape(-1, 3)
-        x, y, z = (sample[(sample**2).sum(axis=1).argmin()] + (cells.x[i], cells.y[i], cells.z[i]))[:, None]
-        found = frame.heights(cells.x[[i]], cells.y[[i]], cells.z[[i]]) / frame.heights(x, y, z)
-        assert positions[i] == pytest.approx(found[0], abs=0.05)
-    assert height(frame) > 0
 
 
 def test_a_failed_network_ends_the_run_with_its_status():
@@ -168,3 +117,40 @@ def test_a_periodic_layer_that_covers_little_is_folded():
     )
     assert run.status
     assert "covers" in run.folded
+
+
+# Tension of new edges, and free boundaries
+
+# A slice made a sheet, which is crowded.
+CROWDED = tissue.preset("published").changed(
+    {"tissue.dimension": 3, "tissue.cells": 196, "tissue.two_daughters": 1, "numerics.t_end": "6 h"}
+)
+
+
+def roughness(run):
+    """Root mean square of the heights of apical points less the mean of their neighbours'."""
+    heights, edges = run.final.cells.ay, run.final.sheets.apical.edges
+    ends, others = np.concatenate((edges, edges[:, ::-1])).T
+    around = np.bincount(ends, heights[others]) / np.bincount(ends)
+    return np.sqrt(np.mean((heights - around) ** 2))
+
+
+@pytest.mark.slow
+def test_tension_that_is_forgotten_makes_the_apical_layer_rough():
+    """About twice as rough as with the mean, in each of three crowded sheets."""
+    given = CROWDED.changed({"numerics.t_end": "12 h", "numerics.keep": "12 h"})
+    mean, distance = (
+        np.array([roughness(tissue.simulate(given.changed({"space.new_rest": rule}), seed)) for seed in range(3)])
+        for rule in ("mean", "distance")
+    )
+    assert (distance > 1.6 * mean).all()
+    assert distance.mean() < 2.5 * mean.mean()
+
+
+@pytest.mark.parametrize(("most", "least", "largest"), [("1/3 R_soft", 0.55, 0.7), ("1/2 R_soft", 0.8, 1.0)])
+def test_a_free_basal_layer_draws_together(most, least, largest):
+    """How far its basal neighbours may be apart says how far; the root of its area after three hours."""
+    short = {"numerics.t_end": "3 h", "space.boundary": "open", "tissue.max_basal_distance": most}
+    frames = tissue.simulate(CROWDED.changed(short), 1).frames
+    first, last = (np.sqrt(layer_area(frame, "basal")) for frame in (frames[0], frames[-1]))
+    assert least < last / first < largest

@@ -1,7 +1,6 @@
 """What a study answers: means over runs, comparisons with their sentences, and what ``tissue summary`` says of them."""
 
 import re
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -161,6 +160,7 @@ def test_without_a_plan_all_pairs_are_compared(monkeypatch):
     alone = [float(estimate([1.0, -1.0], pair, 1.0).p) for pair in groups]
     assert table["p"].tolist() == pytest.approx(holm(alone)[0].tolist())
     assert "not planned: all pairs of scenarios" in said()
+    assert answers.scenario_changes(results)["key"].tolist() == ["emt.a", "layer.shape", "layer.perimeter"]
     monkeypatch.setattr("tissue.study.plan.MOST_PAIRED", 3)
     assert answer_table(results)["question"].str.endswith(" - late, line").all()
 
@@ -218,27 +218,3 @@ def test_a_scenario_whose_runs_all_failed_hides_no_other(monkeypatch):
     assert "37 of 40" in text
     CliRunner().invoke(app, ["summary", "out", "--csv"])
     assert len(pd.read_csv("out/csv/answers.csv")) == 9
-
-
-def test_one_run_is_enough_for_a_share_but_not_for_a_number():
-    text = FULL.replace("replicates = 40", "replicates = 1").replace('"controls_apical"', '"height_um"')
-    results = tissue.run_study(write(text), "out")
-    with pytest.raises(InvalidProblem, match="height_um_48h"):  # the stand-in has no heights
-        answer_table(results)
-    results = tissue.run_study(write(FULL.replace("replicates = 40", "replicates = 1")), "one")
-    assert (answer_table(results)["answer"] == "not shown").all()
-
-
-def test_the_keys_in_which_scenarios_differ_are_named():
-    table = answers.scenario_changes(tissue.run_study(write(HEAD + FACTORS), "out")).set_index("key")
-    assert list(table.index) == ["emt.a", "layer.shape", "layer.perimeter"]
-    assert (table.nunique(axis=1) > 1).all()
-
-
-def test_a_key_that_a_scenario_lacks_is_empty_in_tables():
-    typed = '[scenarios.without]\n[scenarios.with]\ntypes.soft = { cells = 2, place = "scattered" }\n'
-    tissue.run_study(write(f"{HEAD}{typed}"), "out")
-    assert "out/csv/parameters.csv" in CliRunner().invoke(app, ["summary", "out", "--csv"]).stdout
-    lines = Path("out/csv/parameters.csv").read_text("utf-8").splitlines()
-    assert "types.soft.cells,,2" in lines
-    assert not any("nan" in line for line in lines)

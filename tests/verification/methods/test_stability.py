@@ -13,7 +13,6 @@ import dincl
 from dincl import FixedStep, study
 from tests.executors import Here
 from verification import cli
-from verification.instruments.predicted import boundary
 from verification.methods.stability import cases, crowd, drift, penalty, radius, rows, saddle, sweeps_or_steps
 from verification.methods.stability.catalogue import MAPS
 from verification.methods.stability.page import places_and_kinds
@@ -48,21 +47,6 @@ def test_numbers_found_are_of_the_quantity_that_is_predicted():
     assert {"collapse", "gap-linearised"} <= set(kinds["case"])
 
 
-@pytest.mark.parametrize("n", [1, 2, 3, 8])
-def test_penalty_limit_of_a_row(n):
-    # The formula against the matrix of the scene, and the program just inside and just outside.
-    matrix = rows.pressed(n).rows_within(0.0, rows.pressed(n).x0, 0.05).jacobian(rows.pressed(n).x0).toarray()
-    assert cases.row_limit(n) == pytest.approx(2 / np.linalg.eigvalsh(matrix @ matrix.T)[-1], rel=1e-12)
-    assert cases.rests(rows.pressed(n), 0.98 * cases.row_limit(n) / cases.DT)
-    assert not cases.rests(rows.pressed(n), 1.02 * cases.row_limit(n) / cases.DT)
-
-
-@pytest.mark.parametrize("dt", [1e-1, 1e-3])
-def test_printed_penalty_never_rests(dt):
-    strength = 10 * math.sqrt(2)
-    assert 0.95 < cases.chatter(dt, strength) / (dt * strength) <= 1 + 1e-9
-
-
 @pytest.mark.parametrize("count", [2, 3, 7, 30])
 def test_contraction_of_dual_sweeps(count):
     # Young: the spectral radius of the Gauss-Seidel matrix itself, by dense linear algebra.
@@ -92,20 +76,6 @@ def test_densest_heap():
     assert crowd.densest(10) == pytest.approx(math.sqrt(1.35))
     assert crowd.densest(7) == pytest.approx(math.sqrt(6 / 7))
     assert crowd.densest(4000) == pytest.approx(crowd.radius(4000) / math.sqrt(2), rel=1e-3)
-
-
-@pytest.mark.parametrize("label", ["PBD with 16 sweeps", "catch-up with Ipopt", "linearised with Daqp"])
-def test_gap(label):
-    passed = [cases.stays(SCHEMES[label], 0.8 * part) for part in (0.95, 1.9, 2.1)]
-    expected = {"PBD with 16 sweeps": [True, False, False], "catch-up with Ipopt": [True, True, False]}
-    assert passed == expected.get(label, [True] * 3)
-
-
-def test_exact_motion_of_a_stiff_drift():
-    t = np.array([0.5])
-    for label in ("PBD", "second-order PBD"):
-        path = dincl.solve(drift.drawn(2.0), SCHEMES[label](dt=1e-3), t=t)
-        assert path.x == pytest.approx(drift.exact(2.0, t, newton=label != "PBD"), abs=2e-3)
 
 
 def test_a_chain_is_pulled_straight_and_a_column_stands():
@@ -184,11 +154,3 @@ def test_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert {f"stability_{one.name}.png" for one in MAPS} <= {file.name for file in (tmp_path / "figures").iterdir()}
     counts = pd.read_csv(tmp_path / "tables" / "stability_outcomes.csv")
     assert set(counts["map"]) == {one.name for one in MAPS}
-
-
-def test_boundary_is_found_from_either_kind_of_end():
-    assert boundary(lambda x: x < np.pi, 1.0, 100.0, 1e-9) == pytest.approx(np.pi, rel=1e-9)
-    with pytest.raises(ValueError, match="must hold"):
-        boundary(lambda x: x < np.pi, 4.0, 100.0, 1e-3)
-    with pytest.raises(ValueError, match="must hold"):
-        boundary(lambda x: x < np.pi, 1.0, 2.0, 1e-3)

@@ -1,7 +1,6 @@
 """The chart of speed against accuracy: references, rows of each method, who is the cheapest, the chapter."""
 
 import math
-import pickle
 
 import numpy as np
 import pandas as pd
@@ -11,7 +10,7 @@ import dincl
 from tests.executors import Here, Nowhere
 from verification.instruments.charts import made_of
 from verification.methods.chart import page as chapter
-from verification.methods.chart import references, work_precision
+from verification.methods.chart import work_precision
 from verification.methods.chart.references import SCENES, known
 from verification.methods.methods import (
     ADAPTIVE,
@@ -37,13 +36,6 @@ def made(scene, method):
 # References
 
 
-@pytest.mark.parametrize("name", references.SMALL)
-def test_small_references_are_made_as_they_ship(name):
-    anew, kept = references.stacked(pd.DataFrame(references.run({"scene": name}))), known(name)
-    assert anew.t == pytest.approx(SCENES[name].t)
-    assert np.abs(anew.x - kept.x).max() <= anew.error.max() + kept.error.max()
-
-
 def test_references_are_in_their_sets_and_tighter_than_every_method():
     for name, charted in SCENES.items():
         scene, kept = charted.make(), known(name)
@@ -52,15 +44,6 @@ def test_references_are_in_their_sets_and_tighter_than_every_method():
         assert max(scene.violation(t, x) for t, x in zip(kept.t, kept.x, strict=True)) < 1e-12
     assert min(work_precision.SETTINGS["tol"]) == pytest.approx(1e-12)
     assert sum(100 <= len(known(name).x[0]) <= 1000 for name in SCENES) >= 3
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("name", "dt"), [("four_disks", 1e-3), ("pile_100", 1e-3), ("pile_1000", 2.5e-4)])
-def test_midpoint_catch_up_comes_to_the_references(name, dt):
-    """Another way to the same states: of few digits, but without events."""
-    kept, scheme = known(name), dincl.MidpointCatchUp(dt, dincl.ActiveSet(1e-9))
-    path = dincl.solve(SCENES[name].make(), scheme, kept.t[:2])
-    assert np.abs(path.x - kept.x[:2]).max() <= 1e-4
 
 
 # Runs
@@ -93,14 +76,6 @@ def test_who_cannot_run_says_why():
     assert row["status"] == "REFUSED"
     assert "Chipmunk" in row["detail"]
     assert row["repeats"] == 0
-
-
-def test_studies_name_each_run_once_and_travel_to_other_processes():
-    for study in (work_precision.study(), work_precision.study(smallest=True)):
-        names = {(run["scene"], run["method"]) for run in study.runs}
-        assert len(names) == len(study.runs)
-        assert {method for _, method in names} == {method.label for method in CHARTED}
-        assert pickle.loads(pickle.dumps(study.run)) == study.run
 
 
 # Who is the cheapest

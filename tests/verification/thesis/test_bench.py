@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from verification.thesis import bench
-from verification.thesis.chapter3.growing import PRESETS
 
 
 def test_pbd_rows_state_their_load(monkeypatch):
@@ -23,14 +22,3 @@ def test_jostling_discs_all_move_with_speed_one():
     problem = bench.jostle(100)
     speed = np.linalg.norm(problem.velocity(0.0, problem.x0), axis=1)
     assert speed == pytest.approx(np.ones(100))
-
-
-@pytest.mark.slow
-def test_the_tissue_is_timed_with_its_load():
-    rows = bench.tissue_table((60, 120), cell_substeps=5_000)
-    assert rows[["preset", "cells"]].to_numpy().tolist() == [[name, count] for count in (60, 120) for name in PRESETS]
-    assert (rows["us_median"] >= rows["us_best"]).all()
-    # Twice the cells in a tissue as crowded meet twice the pairs.
-    pairs = rows.set_index(["preset", "cells"])["pairs"]
-    for name in PRESETS:
-        assert 1.6 < pairs[name, 120] / pairs[name, 60] < 2.8

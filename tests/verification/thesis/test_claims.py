@@ -19,7 +19,7 @@ from tests.verification.thesis.tables import CLAIMS, shipped_tables
 from verification.claims import Claim, Table, Verdict
 from verification.claims.claim import MissingRow
 from verification.thesis import register
-from verification.thesis.chapter1.claims import s1_1_newton
+from verification.thesis.chapter1.claims import s1_model
 
 SLOW = ("c3.slice", "c3.inm", "c3.part-way", "c3.accumulation", "c4.pulled-back", "c5.independent")
 # Of c3.every-fourth other shares are decided below.
@@ -114,7 +114,7 @@ def test_every_file_with_claims_is_in_the_register() -> None:
 
 def test_an_id_given_twice_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     register.register.cache_clear()
-    monkeypatch.setattr(s1_1_newton, "again", replace(s1_1_newton._velocity), raising=False)
+    monkeypatch.setattr(s1_model, "again", replace(s1_model._velocity), raising=False)
     with pytest.raises(InvalidProblem, match=r"claim ids .*c1\..* are given twice"):
         register.register()
 

@@ -11,7 +11,6 @@ from dincl import study
 from tests.executors import Here
 from verification import cli
 from verification.claims import Claim, Correction, Effect, Evidence, Table, Tables, Verdict, decide, equal
-from verification.site import extension
 from verification.site.context import Context
 from verification.thesis import register, selection
 
@@ -81,7 +80,7 @@ def test_rows_say_what_was_found() -> None:
     assert decide.differing(again)["id"].tolist() == ["c2.table"]
 
 
-def test_each_reading_has_a_column_and_is_shown() -> None:
+def test_each_reading_has_a_column() -> None:
     def in_two_ways() -> Evidence:
         return replace(right(), readings={"one way": right(), "other way": wrong()})
 
@@ -89,26 +88,12 @@ def test_each_reading_has_a_column_and_is_shown() -> None:
     table = pd.DataFrame([decide.evidence_row(claim, {}) for claim in claims]).fillna("")
     assert decide.readings(table) == ["reading: one way", "reading: other way"]
     assert table["reading: other way"].tolist() == ["", "refuted, holds when corrected"]
-    alone, both = (extension._by_reading(row, decide.readings(table)) for row in table.to_dict("records"))
-    assert alone == []
-    assert both == [
-        ("one way", "holds", "one is one"),
-        ("other way", "refuted, holds when corrected", "one is not two"),
-    ]
 
 
 def test_a_solver_that_fails_decides_nothing() -> None:
     row = decide.evidence_row(Claim("c1.unsolved", "Nothing.", unsolved), {})
     assert row["verdict"] == Verdict.OPEN.value
     assert "RuntimeError: no projection after 100 iterations" in row["measured"]
-
-
-def test_a_defect_of_a_check_is_not_taken_for_a_verdict() -> None:
-    def broken() -> Evidence:
-        raise KeyError("radius")
-
-    with pytest.raises(KeyError, match="radius"):
-        decide.evidence_row(Claim("c1.broken", "Nothing.", broken), {})
 
 
 @pytest.mark.usefixtures("few")

@@ -12,11 +12,8 @@ from dincl.errors import InvalidProblem
 from dincl.files import write_text
 from tissue.files.parameter_files import PRESETS, read
 from tissue.files.parameters import Parameters, load, preset
-from tissue.study.read import Results
-from tissue.study.store import ABOUT
 
-TOML, PYTHON = ".toml", ".py"
-RESULTS = "results"  # where commands write to by default
+TOML = ".toml"
 
 
 class NeedsPython(InvalidProblem):
@@ -27,7 +24,7 @@ class Folder:
     """A folder whose files visitors may open, and into which they may save.
 
     Nothing in it is ever overwritten. Code is imported from it, never from elsewhere: a parameter file may name files
-    of Python, and so may the notes of a study. Each is imported only after someone has agreed to it.
+    of Python. Each is imported only after someone has agreed to it.
     """
 
     def __init__(self, root: Path) -> None:
@@ -36,13 +33,11 @@ class Folder:
             raise InvalidProblem(f"{root}: must be a folder")
         self._imported: set[Path] = set()
 
-    def python_files(self) -> list[str]:
-        """Return the names of the files of Python."""
-        return self._names(PYTHON)
-
     def parameter_files(self) -> list[str]:
         """List the TOML files that hold no study; those that cannot be read say why when they are opened."""
-        return [name for name in self._names(TOML) if not self._is_study(name)]
+        paths = (path for path in self.root.glob(f"*{TOML}") if path.is_file() and not path.name.startswith("."))
+        names = sorted(path.name for path in paths if Path(os.path.realpath(path)).is_relative_to(self.root))
+        return [name for name in names if not self._is_study(name)]
 
     def path(self, name: Any) -> Path:
         """Return where a file of this name is, or would be.
@@ -113,31 +108,10 @@ class Folder:
             raise InvalidProblem(f"{path.name}: cannot be written: {error.strerror}") from error
         return path
 
-    def studies(self) -> list[str]:
-        """Return the folders of studies, by their names relative to this one."""
-        found = (*self.root.glob(f"*/{ABOUT}"), *self.root.glob(f"{RESULTS}/*/{ABOUT}"))
-        return sorted(path.parent.relative_to(self.root).as_posix() for path in found if self._is_within(path))
+    def _checked(self, tables: Mapping[str, Any], above: tuple[Path, ...]) -> set[Path]:
+        """Return the files of Python that tables name, those of their bases, too; tables that name others are refused.
 
-    def results(self, name: str) -> Results:
-        """Open the study of one of the names that ``studies`` gives.
-
-        Raises
-        ------
-        InvalidProblem
-            For any other name, or if its record is damaged or names files of Python from elsewhere.
-        """
-        if name not in self.studies():
-            raise InvalidProblem(f"{describe(name)}: must be a study in {self.root.name}")
-        results = Results(self.root / name)
-        for tables in results.study.parameters.values():
-            self._checked(tables, anywhere=True)
-        return results
-
-    def _checked(self, tables: Mapping[str, Any], above: tuple[Path, ...] = (), *, anywhere: bool = False) -> set[Path]:
-        """Return the files of Python that tables name, those of their bases, too.
-
-        Tables that name files outside are refused. ``above``: the files that have them as their base; ``anywhere``:
-        paths may be given, and must lead into this folder.
+        ``above``: the files that have them as their base, or are they.
         """
         base, own, found = tables.get("base"), tables.get("own"), set()
         if isinstance(base, str) and base not in PRESETS:
@@ -146,20 +120,11 @@ class Folder:
                 raise InvalidProblem(f"{above[-1].name}: base = {describe(base)}: must not be based on this file")
             found |= self._checked(read(path), (*above, path))
         modules = own.get("modules") if isinstance(own, Mapping) else None
-        for file in modules if isinstance(modules, (list, tuple)) else ():
-            is_path = anywhere and isinstance(file, str) and Path(file).parent == self.root
-            found.add(self.path(Path(file).name if is_path else file))
+        found |= {self.path(file) for file in (modules if isinstance(modules, (list, tuple)) else ())}
         return found
-
-    def _names(self, ending: str) -> list[str]:
-        paths = (path for path in self.root.glob(f"*{ending}") if path.is_file() and not path.name.startswith("."))
-        return sorted(path.name for path in paths if self._is_within(path))
 
     def _is_study(self, name: str) -> bool:
         try:
             return "scenarios" in read(self.root / name)
         except InvalidProblem:
             return False
-
-    def _is_within(self, path: Path) -> bool:
-        return Path(os.path.realpath(path)).is_relative_to(self.root)

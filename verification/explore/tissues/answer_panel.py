@@ -156,10 +156,10 @@ class AnswerPanel:
 
 def _words(side: Side) -> str:
     """Return how many runs there are, and what became of them."""
-    if side.ensemble is not None and side.ensemble.fault:
+    if side.ensemble.fault:
         return side.ensemble.fault
     if side.answer is None:
         return "no run yet"
     failed = f", {side.answer.failed} failed" if side.answer.failed else ""
     folded = f"{side.answer.folded} runs with a folded apical layer, " if side.answer.folded else ""
-    return f"{side.name}: {folded}{side.answer.runs} runs{failed}{'' if side.over else ' ...'}"
+    return f"{side.name}: {folded}{side.answer.runs} runs{failed}{'' if side.ensemble.over else ' ...'}"

@@ -1,11 +1,11 @@
-"""Dialogs that ask for a name: parameters to save, a study to make or to open; and the texts of these files."""
+"""Dialogs that ask for a name: parameters to save, a study to make; and the texts of these files."""
 
 from __future__ import annotations
 
 import json
 import secrets
 import tomllib
-from collections.abc import Awaitable, Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from shlex import quote
 from typing import TYPE_CHECKING
@@ -17,7 +17,7 @@ from tissue.files.keys import all_keys
 from tissue.files.parameter_files import flat, nested, written
 from tissue.files.parameters import Parameters
 from tissue.study.plan import StudyFile, checked
-from verification.explore.common.folder import RESULTS, TOML
+from verification.explore.common.folder import TOML
 
 if TYPE_CHECKING:
     from verification.explore.tissues.session import Session
@@ -68,7 +68,7 @@ def looked_at(runs: Mapping[str, int], seed: int) -> list[str]:
 
 def command(file: str) -> str:
     """Return the command line that carries out a study file; it goes on after any interruption."""
-    folder = f"{RESULTS}/{file.removesuffix(TOML)}"
+    folder = f"results/{file.removesuffix(TOML)}"
     return f"tissue study {quote(file)} --out {quote(folder)}"
 
 
@@ -90,12 +90,6 @@ def _scenario(name: str, changes: Mapping[str, object]) -> str:
 Done = Callable[[], object]
 
 
-def copy_parameters(session: Session) -> None:
-    """Put a parameter file into the clipboard."""
-    ui.clipboard.write(parameters_text(session.now.setting))
-    ui.notify("The parameters are in the clipboard.")
-
-
 def save_parameters(session: Session, saved: Done) -> None:
     """Ask for a name, and save a parameter file."""
 
@@ -110,7 +104,7 @@ def save_parameters(session: Session, saved: Done) -> None:
 
 def make_study(session: Session) -> None:
     """Ask for a name, write a study with new seeds of what is on the page, and show the command that carries it out."""
-    sides = [side for side in (session.held, session.now) if side is not None and side.ensemble is not None]
+    sides = [side for side in (session.held, session.now) if side is not None]
     there = max((side.answer.runs for side in sides if side.answer is not None), default=session.most)
 
     def make() -> str:
@@ -127,34 +121,15 @@ def make_study(session: Session) -> None:
         runs = ui.number("runs of each setting", value=there, min=1, step=1, format="%d").props("dense outlined")
 
 
-def open_study(session: Session, opened: Callable[[str, str], Awaitable[None]]) -> None:
-    """Ask for a finished study and one of its scenarios."""
-    names = session.folder.studies()
-
-    async def open_it() -> str:
-        await opened(study.value, scenario.value)
-        return "It is held beside the present setting."
-
-    def chosen(name: str) -> None:
-        with _said_below(said):
-            found = list(session.folder.results(name).study.scenarios)
-            scenario.set_options(found, value=found[0])
-
-    with _dialog("Open a study", "Open", open_it) as said:
-        if not names:
-            said.text = "There is none in this folder; tissue study FILE --out results/NAME makes one."
-        study = ui.select(names, label="study", on_change=lambda e: chosen(e.value)).props("dense outlined")
-        scenario = ui.select([], label="scenario").props("dense outlined")
-
-
 @contextmanager
-def _dialog(title: str, action: str, act: Callable[[], str | Awaitable[str]]) -> Iterator[ui.label]:
+def _dialog(title: str, action: str, act: Callable[[], str]) -> Iterator[None]:
     """Open a dialog around fields; what ``act`` returns, or what it refuses, is shown below."""
 
-    async def tried() -> None:
-        with _said_below(said):
-            found = act()
-            said.text = found if isinstance(found, str) else await found
+    def tried() -> None:
+        try:
+            said.text = act()
+        except InvalidProblem as error:
+            said.text = str(error)
 
     with ui.dialog(value=True) as dialog, ui.card().classes("dialog"):
         ui.label(title).classes("title")
@@ -165,12 +140,4 @@ def _dialog(title: str, action: str, act: Callable[[], str | Awaitable[str]]) ->
             ui.button("Close", on_click=dialog.close).props("dense no-caps flat")
     dialog.on("hide", dialog.delete)
     with fields:
-        yield said
-
-
-@contextmanager
-def _said_below(said: ui.label) -> Iterator[None]:
-    try:
         yield
-    except InvalidProblem as error:
-        said.text = str(error)

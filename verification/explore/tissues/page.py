@@ -41,7 +41,9 @@ class TissuePage:
                 self._replicates()
             with ui.element("div").classes("right"):
                 self._answer = AnswerPanel(session, self._compare, self._more)
-                self._studies()
+                with ui.element("div").classes("row"):
+                    button = ui.button("Make this a study", on_click=lambda: dialogs.make_study(session))
+                    button.props("dense no-caps flat size=sm")
         self._timer = ui.timer(LOOK, self._look, active=False)
         self._changed()
 
@@ -59,7 +61,6 @@ class TissuePage:
             self._base.props('dense outlined label="begin with" aria-label="begin with"').classes("grow")
         with ui.element("div").classes("row"):
             for text, act in (
-                ("Copy as TOML", lambda: dialogs.copy_parameters(session)),
                 ("Save", lambda: dialogs.save_parameters(session, lambda: self._base.set_options(session.bases()))),
                 ("Undo all", lambda: self._open(session.now.setting.base)),
             ):
@@ -73,15 +74,6 @@ class TissuePage:
             self._shown.classes("short").on("change", self._play)
             seed = ui.number("seed of the study", value=session.seed, min=0, step=1, format="%d")
             seed.props("dense outlined").classes("short").on("change", lambda: self._reseed(seed.value))
-
-    def _studies(self) -> None:
-        session = self._session
-        with ui.element("div").classes("row"):
-            ui.button("Make this a study", on_click=lambda: dialogs.make_study(session)).props(
-                "dense no-caps flat size=sm"
-            )
-            button = ui.button("Open a study", on_click=lambda: dialogs.open_study(session, self._open_study))
-            button.props("dense no-caps flat size=sm")
 
     def _changed(self) -> None:
         """Show another setting: the picture at once, its ensemble when the knob rests."""
@@ -105,7 +97,7 @@ class TissuePage:
         """Take in the runs that have come; rest when no more will."""
         sides = [side for side in (self._session.now, self._session.held) if side is not None]
         behind = [side for side in sides if side.is_behind()]
-        over = all(side.over for side in sides)
+        over = all(side.ensemble.over for side in sides)
         for side in behind:
             await run.io_bound(side.catch_up)
         if behind or over:
@@ -119,13 +111,6 @@ class TissuePage:
         except InvalidProblem as error:
             ui.notify(str(error), type="negative", multi_line=True)
             return
-        self._rebuild()
-
-    async def _open_study(self, name: str, scenario: str) -> None:
-        await run.io_bound(self._session.open_study, name, scenario)
-        self._rebuild()
-
-    def _rebuild(self) -> None:
         self._knobs.rebuild()
         self._changed()
 

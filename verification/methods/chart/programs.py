@@ -20,10 +20,9 @@ from dincl.extras import needs
 from dincl.norms import longest
 from dincl.study import Key, Row, Study
 from verification.instruments.budget import CpuSeconds
-from verification.instruments.chart import WorkPrecision
 from verification.instruments.method import Method
 from verification.instruments.references import Known
-from verification.instruments.speed_accuracy import WorkPrecisionRuns
+from verification.instruments.speed_accuracy import WorkPrecision, WorkPrecisionRuns
 from verification.methods.chart import references
 from verification.methods.chart.lsoda import LONGEST, SMALLEST, TIGHTER
 from verification.methods.methods import EVENT_DRIVEN, MIDPOINT_ACTIVE, PBD, TIED_STRENGTH

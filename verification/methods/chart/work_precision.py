@@ -8,8 +8,7 @@ from functools import cache
 import pandas as pd
 
 from dincl.study import Key, Row, Study
-from verification.instruments.chart import TARGETS, WorkPrecision
-from verification.instruments.speed_accuracy import WorkPrecisionRuns
+from verification.instruments.speed_accuracy import TARGETS, WorkPrecision, WorkPrecisionRuns
 from verification.methods.chart.references import SCENES, SMALL, known
 from verification.methods.methods import CHARTED, PBD
 from verification.site.cells import number

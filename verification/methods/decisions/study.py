@@ -12,11 +12,9 @@ import pandas as pd
 import dincl
 from dincl.study import Key, Row, Study
 from verification.instruments.budget import CpuSeconds, OutOfBudgetError, counted
-from verification.instruments.chart import WorkPrecision
-from verification.instruments.problem_sets import WorkPrecisionSet
 from verification.instruments.recommend import PROJECTION, usual_methods, usual_projection
 from verification.instruments.references import Known, reference
-from verification.instruments.speed_accuracy import WorkPrecisionRuns
+from verification.instruments.speed_accuracy import WorkPrecision, WorkPrecisionRuns, WorkPrecisionSet
 from verification.methods.decisions.scenes import RandomScene, scene
 from verification.methods.methods import ADAPTIVE, EVENT_DRIVEN, LINEARISED_ACTIVE, MIDPOINT_ACTIVE, PBD
 

@@ -65,19 +65,21 @@ def grow(name: str, **changes: float) -> dict[str, Any]:
     return {"scale": scale, "outcome": outcome.value, "amplitude": amplitude, "status": run.status}
 
 
+def _limit(name: str) -> Limit:
+    """Return the substeps at which h/mu is the limit of a cell in mitosis, over dt."""
+    scale = preset(name).numbers().mu * mitotic_limit(name)
+    return Limit("a cell in mitosis", lambda dt: dt / scale, [LABELS[name]])
+
+
 @cache
 def runs() -> StabilityRuns:
-    """Return the map, with the substeps at which h/mu is the limit of a cell in mitosis."""
-    limits = []
-    for name, label in LABELS.items():
-        scale = preset(name).numbers().mu * mitotic_limit(name)
-        limits.append(Limit("a cell in mitosis", lambda dt, scale=scale: dt / scale, [label]))
+    """Return the map."""
     return StabilityRuns(
         None,
         {LABELS[name]: partial(grow, name) for name in PRESETS},
         ("dt", tuple(0.0125 * 2.0**k for k in range(8)), "dt [h]"),
         ("substeps", (1, 2, 3, 5, 7, 10, 14, 20, 28, 40, 57, 80, 160), "substeps in dt"),
-        limits=limits,
+        limits=[_limit(name) for name in PRESETS],
     )
 
 

@@ -104,7 +104,7 @@ def _more(name: str) -> TissueStudy:
     scenarios = {each: loaded[source].scenarios[each] for source, names in more.scenarios.items() for each in names}
     changes = {"numerics.keep": "6 h"} | (values_of("corrected", ENERGIES) if name.endswith("_corrected") else {})
     title = f"More runs: {', '.join(more.scenarios)}"
-    return _changed(TissueStudy(title, more.replicates, more.seed, (), scenarios, text=""), changes)
+    return _changed(TissueStudy(title, more.replicates, more.seed, scenarios, text=""), changes)
 
 
 def _changed(study: TissueStudy, changes: Mapping[str, Any]) -> TissueStudy:

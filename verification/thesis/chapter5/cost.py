@@ -12,10 +12,9 @@ from numpy.typing import NDArray
 from dincl.study import Study, joined
 from meanfield import solve_characteristics
 from verification.instruments.budget import CpuSeconds
-from verification.instruments.chart import WorkPrecision
 from verification.instruments.meanfield_methods import DensityProblem, density_methods
 from verification.instruments.result import draw_results
-from verification.instruments.speed_accuracy import WorkPrecisionRuns
+from verification.instruments.speed_accuracy import WorkPrecision, WorkPrecisionRuns
 from verification.site.context import Context
 from verification.thesis.chapter5 import cases, exact
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from dincl.study import Key, Row, Study
 from meanfield import State, solve_ode, w1
-from verification.instruments.lines import slope
+from verification.instruments.rates import slope
 from verification.site.context import Context
 from verification.site.sheet import legend_below, sheet
 from verification.thesis.chapter5 import cases

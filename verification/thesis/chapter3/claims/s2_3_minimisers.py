@@ -1,4 +1,4 @@
-"""Chapter 3, section 2.3: the signs of the Arrow-Hurwicz methods as printed, and where the methods converge."""
+"""Chapter 3, section 2.3: the Lagrangian, the signs of the Arrow-Hurwicz methods as printed, where they converge."""
 
 from __future__ import annotations
 
@@ -10,7 +10,28 @@ import dincl
 from dincl.minimise import ArrowHurwicz, DampedArrowHurwicz, Stationary, minimise
 from verification.claims import Correction, Effect, Evidence, at_least, at_most, claim, equal
 from verification.claims.formal.algebra import library
-from verification.claims.formal.reals import reals
+from verification.claims.formal.reals import follows, reals
+from verification.claims.formal.stated import argument
+
+# m = min(0, g(z)) of one row; sup over lambda of W + lambda m is W for m = 0 and infinite for m < 0.
+W, level, m, L, K = reals("W level m L K")
+OUTSIDE = [m < 0, W + level * m == L]
+
+_saddle = argument(
+    "c3.saddle",
+    "(3.20)",
+    "Solutions of (3.20) will also be solutions of the original problem (3.18).",
+    "inf sup of ℒ = W + Σ λ_ℓ min(0, g_ℓ) over all λ gives the minima of W over S.",
+    follows([m == 0, W + level * m == L], W == L, -W == L, "ℒ = W for every λ where g ≥ 0", "−W"),
+    follows(
+        [*OUTSIDE, level * m == K - W + 1],
+        L > K,
+        ([*OUTSIDE, level * m == -(K - W + 1)], L > K),
+        "where g < 0 ℒ is above any K for λ = (K − W + 1)/g: inf sup ℒ is taken in S, at the least W",
+        "λ = −(K − W + 1)/g",
+    ),
+)
+
 
 STEPS = 2000
 # Steps of the methods for discs: a few more than the damped one needs.

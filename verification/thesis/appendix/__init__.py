@@ -1,1 +1,0 @@
-"""The appendix of the thesis."""
