@@ -87,7 +87,6 @@ class _IpoptSolver(QpSolver):
 
     def compute(self, rows: Rows, y: Floats, guess: Floats, multipliers: Floats) -> Projected:
         blocks = rows.by_kind()
-        self._halves = [np.concatenate([_half(block, which) for block in blocks]) for which in (0, 1)]
         if not all(isinstance(one, AffineRows) or (isinstance(one, DistanceRows) and one.plain) for one in blocks):
             return super().compute(rows, y, guess, multipliers)
         x, lam, work = self._solved(blocks, y, guess, float(-rows.values(y).min()))
@@ -104,7 +103,7 @@ class _IpoptSolver(QpSolver):
         """Solve a program, compiled if its rows are new: the point (N, d), multipliers (m,), iterations."""
         make = partial(_Program, self._casadi, blocks, y.shape)
         program = remembered(self._programs, (y.shape, *map(_structure, blocks)), make, MOST_PROGRAMS)
-        x, lam, work, word = program.solve(blocks, self._halves, y, guess, scale)
+        x, lam, work, word = program.solve(blocks, y, guess, scale)
         if word not in FOUND:
             raise StepFailure(Status.NOT_CONVERGED, f"ipopt stopped: {word}.")
         return x, lam, work
@@ -129,18 +128,19 @@ class _Program:
         self._solver: Any = casadi.nlpsol("nearest", "ipopt", program, options)
 
     def solve(
-        self, blocks: Sequence[RowsOfOneKind], halves: Sequence[Any], y: Floats, guess: Floats, scale: float
+        self, blocks: Sequence[RowsOfOneKind], y: Floats, guess: Floats, scale: float
     ) -> tuple[Floats, Floats, int, str]:
         """Solve with the numbers of ``blocks`` around y, from ``guess``: x (N, d), multipliers (m,), iterations, word.
 
-        The word is that of Ipopt on how it ended. ``halves`` say which rows are in either half of an equality.
+        The word is that of Ipopt on how it ended.
         """
         polynomials = [_polynomial(block, y, scale) for block in blocks]
         # The numbers that _expression has symbols for, in the same order.
         parameters = [part for one in polynomials for part in (one.constant, one.linear.data, one.weight)]
         start = ((guess - y) / scale).ravel()
         # The second half of an equality is left out, and has what is negative of the multipliers of the first.
-        first, second = halves
+        first = np.concatenate([_half(block, 0) for block in blocks])
+        second = np.concatenate([_half(block, 1) for block in blocks])
         bounds = {"lbg": np.where(second, -np.inf, 0.0), "ubg": np.where(first, 0.0, np.inf)}
         found = self._solver(x0=start, p=np.concatenate(parameters), **bounds)
         x = y + scale * np.array(found["x"]).reshape(y.shape)
