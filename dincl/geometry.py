@@ -18,7 +18,7 @@ from dincl.norms import length
 from dincl.problem import Problem
 from dincl.projection.certificate import on_active_rows, row_lengths
 from dincl.projection.quadratic import Daqp, Piqp
-from dincl.rows.affine import AffineRows
+from dincl.rows.kinds import AffineRows
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike

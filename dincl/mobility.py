@@ -19,9 +19,8 @@ from dincl.constraints.base import Constraint
 from dincl.drifts.affine import AffineDrift
 from dincl.matrices import row_squares
 from dincl.problem import Problem
-from dincl.rows.affine import AffineRows
 from dincl.rows.base import DiscPairs
-from dincl.rows.distance import DistanceRows
+from dincl.rows.kinds import AffineRows, DistanceRows
 from dincl.trajectory import Between
 
 if TYPE_CHECKING:

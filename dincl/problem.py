@@ -13,14 +13,13 @@ from numpy.typing import ArrayLike, NDArray
 from dincl.callables import UserFunction
 from dincl.checks import array, describe, function, items, lengths, number, spread
 from dincl.constraints.base import Constraint
-from dincl.constraints.derivatives import check_jacobian
 from dincl.constraints.selection import select
-from dincl.constraints.smooth import Smooth
+from dincl.constraints.smooth import Smooth, check_jacobian
 from dincl.drifts import compiled
 from dincl.drifts.base import CompiledDrift, CountedCompiledDrift, CountedDrift
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.rows.base import MappedRows, RowsOfOneKind, StackedRows
-from dincl.rows.functions import SmoothRows
+from dincl.rows.kinds import SmoothRows
 from dincl.status import Status
 
 if TYPE_CHECKING:

@@ -22,7 +22,7 @@ from dincl.constraints import (
     Ordered,
     OutsideBall,
 )
-from dincl.constraints.timed import members
+from dincl.constraints.base import members
 from dincl.errors import InvalidProblem
 
 if TYPE_CHECKING:

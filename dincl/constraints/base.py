@@ -1,18 +1,27 @@
-"""Base class of all constraints."""
+"""Base classes of all constraints: any set, and sets whose numbers are functions of time."""
 
 from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Any, TypeAlias
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeAlias, cast
+
+import numpy as np
+
+from dincl.callables import UserFunction
+from dincl.checks import spread
+from dincl.errors import InvalidProblem, StepFailure
+from dincl.rows.base import DiscPairs, RowsOfOneKind
+from dincl.status import Status
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
-    from dincl.rows.base import DiscPairs, RowsOfOneKind
-
-    Swept: TypeAlias = RowsOfOneKind | DiscPairs
+Swept: TypeAlias = RowsOfOneKind | DiscPairs
+# The sets of so many times are kept: differences in time, and Newton steps at one time, ask for them again.
+RECENT = 64
 
 
 class Constraint(ABC):
@@ -22,7 +31,7 @@ class Constraint(ABC):
     many rows of which few matter at a time, best as a frozen dataclass that checks its arguments. Only ``select`` is
     required; the other methods are optional. States x have shape (N, d) and must not be changed.
     ``dincl.Moving(constraint, path)`` moves a set; of one that depends on time in another way derive from
-    ``dincl.constraints.timed.Timed``.
+    ``dincl.constraints.base.Timed``.
 
     ``docs/extend/constraint.md`` says how a set or a kind of row is added to the package.
     """
@@ -84,3 +93,108 @@ class Constraint(ABC):
         be violated at the other time after moves of at most r less the result.
         """
         return 0.0
+
+
+class Recent:
+    """What has values at times, of which it keeps the last ones."""
+
+    def recent(self, t: float, value: Callable[[], Any]) -> Any:
+        """Return a value of time t, made if none is kept."""
+        kept: dict[float, Any] = self.__dict__.setdefault("_recent", {})
+        if t not in kept:
+            if len(kept) >= RECENT:
+                kept.clear()
+            kept[t] = value()
+        return kept[t]
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in self.__dict__.items() if name != "_recent"}
+
+
+class Timed(Recent, Constraint):
+    """A set given by numbers, each of which may be a function of time: t -> number or array.
+
+    A subclass is a frozen dataclass; ``functions_of_time`` names the fields that may be functions. With numbers in all
+    fields it is a set that does not depend on time; ``at`` returns this one. The shape of each array stays the same.
+    """
+
+    functions_of_time: ClassVar[tuple[str, ...]]
+
+    @property
+    def timed(self) -> bool:
+        """Whether a field is a function of time."""
+        return any(callable(getattr(self, name)) for name in self.functions_of_time)
+
+    def at(self, t: float) -> Self:
+        """Return the set of time t, whose fields are numbers.
+
+        Raises
+        ------
+        StepFailure
+            If a function fails, or returns what the set does not accept.
+        """
+        return cast(Self, self.recent(t, lambda: self._made(t))) if self.timed else self
+
+    def _made(self, t: float) -> Any:
+        values = {name: value if value.ndim else float(value) for name, value in self._numbers(t).items()}
+        try:
+            return replace(cast(Any, self), **values)
+        except InvalidProblem as error:
+            raise StepFailure(Status.CONSTRAINT_FAILED, f"{type(self).__name__} at t = {t:g}: {error}.") from error
+
+    def _numbers(self, t: float) -> dict[str, NDArray[np.float64]]:
+        """Return what the functions of time return, by the names of the fields."""
+        fields = {name: getattr(self, name) for name in self.functions_of_time}
+        return {
+            name: UserFunction(name, ("t",), Status.CONSTRAINT_FAILED).evaluated(field, t)
+            for name, field in fields.items()
+            if callable(field)
+        }
+
+    def longest_length(self, d: int) -> float:
+        now = self.at(0.0)
+        return max(float(np.abs(getattr(now, name)).max(initial=0.0)) for name in self.functions_of_time)
+
+    def parameters(self, t: float, x: NDArray[np.float64]) -> NDArray[np.float64] | None:
+        return np.concatenate([value.ravel() for value in self._numbers(t).values()]) if self.timed else None
+
+    def select_at(self, t: float, x: NDArray[np.float64], search_radius: float) -> RowsOfOneKind:
+        return self._checked_at(t, *x.shape).select(x, search_radius)
+
+    def rows_at(self, t: float, rows: Any, shape: tuple[int, ...]) -> Any:
+        return self.at(t).updated(rows, shape[0]) if self.timed else rows
+
+    def change(self, t: float, later: float, x: NDArray[np.float64], search_radius: float) -> float:
+        if not self.timed:
+            return 0.0
+        before = self.at(t)
+        return self._checked_at(later, *x.shape).change_from(before, x, search_radius)
+
+    @abstractmethod
+    def updated(self, rows: Any, count: int) -> Any:
+        """Return rows, or DiscPairs, of another time with the numbers of this set, all of whose fields are numbers."""
+
+    @abstractmethod
+    def change_from(self, other: Self, x: NDArray[np.float64], search_radius: float) -> float:
+        """Compute ``change`` from the set of another time; all fields of both are numbers."""
+
+    def _checked_at(self, t: float, count: int, d: int) -> Self:
+        found = self.at(t)
+        if self.timed:
+            try:
+                found.check(count, d)
+            except InvalidProblem as error:
+                raise StepFailure(Status.CONSTRAINT_FAILED, f"{type(self).__name__} at t = {t:g}: {error}.") from error
+        return found
+
+
+def members(particles: Any, count: int) -> NDArray[np.int64]:
+    """Return the particles that a set is for: all of ``count`` if none are named."""
+    return np.arange(count) if particles is None else np.asarray(particles)
+
+
+def for_members(name: str, value: Any, particles: Any, count: int) -> NDArray[np.float64]:
+    """Return a number of each of ``count`` particles from one, or one for each of those named; 0 for all others."""
+    found, named = np.zeros(count), members(particles, count)
+    found[named] = spread(name, np.asarray(value), len(named), "particles")
+    return found

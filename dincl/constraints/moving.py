@@ -11,8 +11,7 @@ import numpy as np
 
 from dincl.callables import UserFunction
 from dincl.checks import array, describe, function, vector
-from dincl.constraints.base import Constraint
-from dincl.constraints.timed import RECENT
+from dincl.constraints.base import Constraint, Recent
 from dincl.errors import InvalidProblem
 from dincl.norms import longest
 from dincl.rows.base import DiscPairs
@@ -39,7 +38,7 @@ ZERO = 16 * float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True, eq=False)
-class RigidMotion:
+class RigidMotion(Recent):
     """X -> R(t) (X - centre) + centre + displacement(t): a rotation about a centre, then a translation.
 
     With ``Moving`` it carries a set: S(t) = {R(t) (X - centre) + centre + displacement(t) : X in S}.
@@ -66,12 +65,7 @@ class RigidMotion:
 
     def at(self, t: float, d: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return R, shape (d, d), and b, shape (d,), of the map X -> R X + b at time t."""
-        recent: dict[float, tuple[NDArray[np.float64], NDArray[np.float64]]] = self.__dict__.setdefault("_recent", {})
-        found = recent.get(t)
-        if found is None:
-            if len(recent) >= RECENT:
-                recent.clear()
-            found = recent[t] = self._evaluated(t, d)
+        found: tuple[NDArray[np.float64], NDArray[np.float64]] = self.recent(t, lambda: self._evaluated(t, d))
         return found
 
     def numbers(self, t: float, d: int) -> NDArray[np.float64]:
@@ -81,9 +75,6 @@ class RigidMotion:
         if self.displacement is None:
             return turn
         return np.concatenate((turn, DISPLACEMENT.evaluated(self.displacement, t, shape=(d,))))
-
-    def __getstate__(self) -> dict[str, Any]:
-        return {name: value for name, value in self.__dict__.items() if name != "_recent"}
 
     def _evaluated(self, t: float, d: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         turn, shift = _rotation(ROTATION.evaluated(self.rotation, t), d), np.zeros(d)

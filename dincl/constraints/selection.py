@@ -13,9 +13,8 @@ from dincl.constraints.moving import derivative
 from dincl.matrices import row_squares
 from dincl.neighbours import ROW_MARGIN
 from dincl.norms import longest
-from dincl.rows.affine import AffineRows, linearised
 from dincl.rows.base import StackedRows
-from dincl.rows.distance import DistanceRows
+from dincl.rows.kinds import AffineRows, DistanceRows, linearised
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -13,21 +13,19 @@ from numpy.typing import NDArray
 
 from dincl.compiled import call, inner
 from dincl.compiled.arrays import Floats, Offsets, empty
-from dincl.compiled.calls import SETS
+from dincl.compiled.calls import SETS as SEARCH
 from dincl.compiled.structs import reader
 from dincl.neighbours import ALL_PAIRS, FEWEST_SWEEPS, MOST_SWEEPS
 from dincl.rows.formulas import square_distance, to_image
+from dincl.system.arrays import COINCIDENT, NEED_ROOM, OK, REPEAT, SETS, STALE
 
 # Places in ``number``: sweeps since the list was made; lists made; candidates and corrections in all sweeps; two discs
 # whose centres coincide; 1 if the list is to be made anew; its pairs.
 SWEEPS, BUILDS, CANDIDATES, CORRECTIONS, ONE, OTHER, OUTDATED, COUNT, NUMBERS = range(9)
-# How a sweep ends: done; at two coincident centres; with a list that is no longer complete; without a list, as the
-# search failed; without a list, as the pairs found have no room; or it has to be repeated from the end of the step.
-DONE, SAME_POINT, STALE, FAILED, FULL, REPEAT = range(6)
 # What is known of a list before a sweep: nothing, or whether it is outdated and the discs are where the step put them.
 UNKNOWN, COMPLETE, INCOMPLETE = range(3)
 
-call_search = call(SETS)
+call_search = call(SEARCH)
 # What a search returns whose pairs have no room.
 NO_ROOM = 2
 
@@ -115,7 +113,7 @@ def allowed_square(pairs: PairList) -> float:
 
 @inner
 def rebuild(x: Floats, pairs: PairList, axes: Any) -> int:
-    """List the pairs around x, after a change of a skin that was too narrow or too wide: DONE, FAILED or FULL."""
+    """List the pairs around x, after a change of a skin that was too narrow or too wide: OK, SETS or NEED_ROOM."""
     sweeps, skin, before = pairs.number[SWEEPS], pairs.skin, pairs.skin[0]
     if pairs.number[BUILDS] > 0:
         if sweeps == 0 or (sweeps < FEWEST_SWEEPS and 2.0 * skin[0] <= skin[1]):
@@ -129,14 +127,14 @@ def rebuild(x: Floats, pairs: PairList, axes: Any) -> int:
         failed = call_search(pairs.search, 0.0, x, 0)
         if failed != 0:
             skin[0] = before
-            return FULL if failed == NO_ROOM else FAILED
+            return NEED_ROOM if failed == NO_ROOM else SETS
     reference = pairs.reference
     for k in range(m * d):
         reference[k] = x[k]
     pairs.grown[0] = 0.0
     pairs.number[SWEEPS] = pairs.number[OUTDATED] = 0
     pairs.number[BUILDS] += 1
-    return DONE
+    return OK
 
 
 @inner
@@ -271,7 +269,7 @@ def disc_sweep(visit: Callable[..., int]) -> Callable[..., int]:
                 continue
             if moved < 0:
                 pairs.number[ONE], pairs.number[OTHER] = i, j
-                return SAME_POINT
+                return COINCIDENT
             corrections += 1
             far = square_distance(x, i * d, reference, i * d, axes) > allowed
             if far or square_distance(x, j * d, reference, j * d, axes) > allowed:
@@ -279,7 +277,7 @@ def disc_sweep(visit: Callable[..., int]) -> Callable[..., int]:
         pairs.number[SWEEPS] += 1
         pairs.number[CANDIDATES] += pairs.number[COUNT]
         pairs.number[CORRECTIONS] += corrections
-        return DONE
+        return OK
 
     @inner
     def sweep_discs(x: Floats, pairs: PairList, known: int, begin: bool, compliance: float, axes: Any) -> int:
@@ -301,7 +299,7 @@ def disc_sweep(visit: Callable[..., int]) -> Callable[..., int]:
                 for k in range(backup.size if known == UNKNOWN else 0):
                     x[k] = backup[k]
                 code = rebuild(x, pairs, axes)
-                if code != DONE:
+                if code != OK:
                     return int(code)
             code = sweep_pairs(x, pairs, begin, compliance, axes)
             if code != STALE:
@@ -319,7 +317,7 @@ def add_disc_forces(x: Floats, pairs: PairList, spring: bool, force: Floats, axe
     d, disc, whole = len(axes), pairs.disc, pairs.disc.size == 0
     if is_outdated(x, pairs, axes):
         code = rebuild(x, pairs, axes)
-        if code != DONE:
+        if code != OK:
             return int(code)
     first, second, radius, plain = pairs.first, pairs.second, pairs.radius, pairs.scale.size == 0
     for p in range(pairs.number[COUNT]):
@@ -331,7 +329,7 @@ def add_disc_forces(x: Floats, pairs: PairList, spring: bool, force: Floats, axe
             continue
         if distance == 0.0:
             pairs.number[ONE], pairs.number[OTHER] = i, j
-            return SAME_POINT
+            return COINCIDENT
         scale, one, other = 1.0 / distance, i if whole else disc[i], j if whole else disc[j]
         for k in range(d):
             arrow = x[i * d + k] - x[j * d + k] if plain else arrow_between(x, pairs, i, j, k, d)
@@ -339,7 +337,7 @@ def add_disc_forces(x: Floats, pairs: PairList, spring: bool, force: Floats, axe
             force[one * d + k] += entry if plain else pairs.scale[i] * entry
             force[other * d + k] -= entry if plain else pairs.scale[j] * entry
     pairs.number[SWEEPS] += 1
-    return DONE
+    return OK
 
 
 @inner

@@ -13,7 +13,7 @@ from dincl.constants import NARROW, OPPOSITE
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.matrices import combined, divided, row_squares
 from dincl.norms import length
-from dincl.rows.affine import linearised
+from dincl.rows.kinds import linearised
 from dincl.status import Status
 
 if TYPE_CHECKING:
@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
     from dincl.compiled.arrays import Floats
-    from dincl.rows.affine import AffineRows
     from dincl.rows.base import Rows
+    from dincl.rows.kinds import AffineRows
 
 # A point that violates by less than this part of the tolerance is its own nearest point, which its certificate says.
 NEGLIGIBLE = 1e-3

@@ -13,8 +13,7 @@ from dincl.extras import needs
 from dincl.matrices import divided
 from dincl.projection.certificate import Projected, Projection, Solver
 from dincl.projection.quadratic import remembered
-from dincl.rows.affine import AffineRows, linearised
-from dincl.rows.distance import DistanceRows
+from dincl.rows.kinds import AffineRows, DistanceRows, linearised
 from dincl.status import Status
 
 if TYPE_CHECKING:

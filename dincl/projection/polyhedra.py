@@ -27,7 +27,7 @@ from dincl.projection.certificate import (
 )
 from dincl.projection.compiled import ActiveSet, ProjectedCG
 from dincl.projection.quadratic import Daqp
-from dincl.rows.affine import AffineRows
+from dincl.rows.kinds import AffineRows
 from dincl.status import Status
 
 if TYPE_CHECKING:

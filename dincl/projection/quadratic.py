@@ -15,7 +15,7 @@ from dincl.extras import needs
 from dincl.matrices import combined, divided, from_rows, row_squares
 from dincl.norms import length as norm
 from dincl.projection.certificate import NEGLIGIBLE, Projected, Projection, Solver, missed, row_lengths
-from dincl.rows.affine import AffineRows, linearised
+from dincl.rows.kinds import AffineRows, linearised
 from dincl.status import Status
 
 if TYPE_CHECKING:

@@ -7,10 +7,8 @@ Jacobians have N*d columns, particle by particle. Multipliers belong to g as wri
 ``sum_k multipliers_k grad g_k``  (1.26).
 """
 
-from dincl.rows.affine import AffineRows, HeightRows, linearised
 from dincl.rows.base import DiscPairs, Rows, RowsOfOneKind, StackedRows
-from dincl.rows.distance import DistanceRows
-from dincl.rows.functions import FormulaRows, SmoothRows
+from dincl.rows.kinds import AffineRows, DistanceRows, FormulaRows, HeightRows, SmoothRows, linearised
 
 __all__ = [
     "AffineRows",

@@ -186,7 +186,7 @@ class DiscPairs(NamedTuple):
     """All pairs of discs, i ascending, then j < i ascending, to be separated one after another.
 
     ``radius`` has shape (m,); ``among`` (m,) are the particles that are discs, None if all particles are. ``scaling``
-    and ``box`` are as for ``dincl.rows.distance.DistanceRows``.
+    and ``box`` are as for ``dincl.rows.kinds.DistanceRows``.
     """
 
     radius: NDArray[np.float64]

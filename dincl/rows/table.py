@@ -12,7 +12,7 @@ from dincl.compiled.calls import DOUBLES, SETS, signature
 from dincl.compiled.structs import reader, struct_type
 from dincl.drifts.functions import call_drift
 from dincl.rows.formulas import square_distance, to_image
-from dincl.rows.timed_sets import TimedSets, place_sets, write_changes, write_rates
+from dincl.rows.timed_sets import TimedSet, place_set, write_change, write_rates
 
 # Kinds of rows: distances, affine rows, rows that Python evaluates, rows of a compiled formula.
 DISTANCE, AFFINE, CALLBACK, FORMULA = range(4)
@@ -36,8 +36,7 @@ ROW = np.dtype(  # one cache line
         ("other", np.float64),
     ]
 )
-TIMED_SETS: TimedSets = empty(TimedSets)._replace(row=np.zeros(0, dtype=ROW))
-timed_sets_at = reader(TIMED_SETS)
+timed_set_at = reader(empty(TimedSet)._replace(row=np.zeros(0, dtype=ROW)))
 
 
 class RowTable(NamedTuple):
@@ -108,27 +107,29 @@ class Sets(NamedTuple):
     column: Offsets
     entry: Floats
     box: Floats  # (d,): the periods of the axes, 0 for one that does not repeat; or (0,) if none does
-    tables: Offsets  # (3,): the address of ``TimedSets``, or 0; whether Python writes, too; that of ``write_timed``
+    tables: Offsets  # whether Python writes anything; the address of ``write_timed``; those of each TimedSet, if any
 
 
-# int64 f(timed sets, sets, t, x, coordinates, request): compiled code writes what is requested, see ``write_timed``.
-TIMED: Any = signature(int, struct_type(TIMED_SETS), struct_type(empty(Sets)), float, DOUBLES, int, int)
+# int64 f(sets, t, x, coordinates, request): compiled code writes what is requested, see ``write_timed``.
+TIMED: Any = signature(int, struct_type(empty(Sets)), float, DOUBLES, int, int)
 call_timed = call(TIMED)
 
 
 @partial(c_function, TIMED)
-def write_timed(timed: TimedSets, sets: Sets, t: float, x: Floats, n: int, request: int) -> int:
+def write_timed(sets: Sets, t: float, x: Floats, n: int, request: int) -> int:
     """Write what is requested of the sets that compiled code evaluates; request 0: how much they have changed near x.
 
     By its address, so that kernels of runs without such sets are compiled without it.
     """
     d = sets.shift.shape[1]
-    if request > 0:
-        place_sets(timed, sets.shift, sets.speed, t)
-    if request == VELOCITIES:
-        write_rates(timed, sets.rate, x, d, sets.box)
-    if request <= DISPLACEMENTS and timed.compares != 0:
-        write_changes(timed, sets.change, sets.since[0], x, n, d)
+    for g in range(2, sets.tables.size):
+        one = timed_set_at(sets.tables[g])
+        if request > 0:
+            place_set(one, sets.shift, sets.speed, t)
+        if request == VELOCITIES:
+            write_rates(one, sets.rate, x, d, sets.box)
+        if request <= DISPLACEMENTS and one.compares != 0:
+            write_change(one, sets.change, sets.since[0], x, n, d)
     return 0
 
 
@@ -140,11 +141,9 @@ def call_python(sets: Sets, t: float, x: Floats, request: int) -> int:
     """
     if sets.address == 0:
         return 0
-    if sets.tables[0] != 0:
-        call_timed(sets.tables[2], timed_sets_at(sets.tables[0]), sets, t, x, x.size, request)
-        if sets.tables[1] == 0:
-            return int(sets.failed[0])
-    if sets.failed[0] == 0:
+    if sets.tables.size > 2:
+        call_timed(sets.tables[1], sets, t, x, x.size, request)
+    if sets.failed[0] == 0 and sets.tables[0] != 0:
         sets.failed[0] = max(sets.failed[0], call_sets(sets.address, t, x, request))
     return int(sets.failed[0])
 
@@ -152,8 +151,8 @@ def call_python(sets: Sets, t: float, x: Floats, request: int) -> int:
 @inner
 def compare_sets(sets: Sets, x: Floats) -> None:
     """Write how much the sets that compiled code evaluates have changed, near x."""
-    if sets.tables[0] != 0:
-        call_timed(sets.tables[2], timed_sets_at(sets.tables[0]), sets, 0.0, x, x.size, 0)
+    if sets.tables.size > 2:
+        call_timed(sets.tables[1], sets, 0.0, x, x.size, 0)
 
 
 @inner

@@ -14,8 +14,25 @@ from dincl.compiled import inner, reader
 from dincl.compiled.arrays import Floats, Offsets, Table, empty
 from dincl.constants import LARGEST
 from dincl.steps.grid import TimeGrid
-from dincl.steps.sweeps import Families
 from dincl.system.arrays import NOT_A_NUMBER, OK, bounded
+
+# Forms of families: discs, whose near pairs are listed; a wall for all particles, for d <= 3; rows of the table.
+DISCS, WALL, ROWS = range(3)
+
+
+class Families(NamedTuple):
+    """Rows of each constraint of the problem, in one of three forms."""
+
+    form: Offsets
+    first: Offsets  # the rows of a family are first ... last - 1 of the table; those of a wall begin in ``bound``
+    last: Offsets
+    pairs: Offsets  # the address of the PairList of discs
+    normal: Table  # (families, d): of walls
+    bound: Floats  # least allowed heights of all particles over walls [length]
+    multiplier: Floats  # of all particles at walls, or (0,) for schemes that have none
+    corrections: Offsets  # (1,): by rows of walls and of the table
+    offending: Offsets  # (3,): after a failure the family, and its row or two discs
+    visit_rows: int  # the address of ``project_rows`` or ``correct_rows``, 0 without rows of the table
 
 
 class OutputArrays(NamedTuple):
@@ -54,6 +71,8 @@ class Stepping(NamedTuple):
     settings: Settings
 
 
+# Of a scheme that makes no sweeps.
+NO_FAMILIES: Families = empty(Families)
 NO_OUTPUT: OutputArrays = empty(OutputArrays)._replace(filled=np.zeros(1, np.int64))
 stepping_at = reader(empty(Stepping))
 output_at = reader(NO_OUTPUT)

@@ -48,6 +48,8 @@ FEWEST_STEPS, STEPS_OF_A_LOOK, MOST_LOOKS = 200, 8, 50_000
 # so many of them, at these parts of the time to the next one. A drift that has the same value at x0 at all of the first
 # ones does not depend on time.
 LOOKS, MORE_LOOKS, FEW, BESIDE = 61, 233, 100, (1e-5, 1e-2)
+# A set is asked at so many times whether it accepts its numbers; when it is tabulated, also at all nodes of its panels.
+ASKED = 16
 # Chebyshev nodes in [0, 1], and the matrix from values there to coefficients. Of the last two coefficients a jump
 # leaves at least one. How much more than they a value between the nodes may differ.
 NODES = 0.5 - 0.5 * np.cos(np.pi * np.arange(18) / 17)
@@ -182,11 +184,11 @@ def smooth_pieces(problem: Problem, grids: Sequence[TimeGrid], times: NDArray[np
 
 
 def _smooth_if_accepted(problem: Problem, k: int, search: _Search) -> list[Interval]:
-    """Return the smooth pieces of a set; none if it refuses its numbers at one of LOOKS times or more."""
+    """Return the smooth pieces of a set; none if it refuses its numbers at one of ASKED times or more."""
     one, x0, pieces = problem.constraints[k], problem.x0, search.smooth()
     if one.displacement(0.0, x0.shape[1]) is None:  # what is only translated has numbers that it accepted before
         try:
-            for t in search.looks[:: max(1, len(search.looks) // LOOKS)].tolist():
+            for t in search.looks[:: max(1, len(search.looks) // ASKED)].tolist():
                 one.select_at(t, x0, 0.0)
         except StepFailure:
             return []

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from dincl.rows.table import AFFINE, DISTANCE, RowTable
-from dincl.rows.timed_sets import COEFFICIENT, LENGTH, NUMBER, SQUARE, TERMS, TIMED_SET, TimedSets
+from dincl.rows.timed_sets import COEFFICIENT, LENGTH, NUMBER, SQUARE, TERMS, TimedSet
 from dincl.system.time_scales import COEFFICIENTS, CUT, EPS, NODES, ROUNDING, SHORT
 
 if TYPE_CHECKING:
@@ -32,26 +31,23 @@ CHOPPED = 2 * EPS
 ALIKE, MOST_FUNCTIONS = 32 * EPS, 100
 
 
-class TimeTable(NamedTuple):
-    """Functions of time of one set, on panels [start, stop] (P,): series (P, F, TERMS); numbers (K,) with weights."""
+class Reading(NamedTuple):
+    """What timed sets read and write: the table of rows, the search radius (1,), whether anybody asks for changes."""
 
-    family: int
-    start: NDArray[np.float64]
-    stop: NDArray[np.float64]
-    series: NDArray[np.float64]
-    number: NDArray[np.void] | None  # None if the functions are the displacement of the set
-    weight: NDArray[np.float64]  # (K, F)
+    table: RowTable
+    radius: NDArray[np.float64]
+    compares: bool
 
 
 def table_of_displacement(
-    family: int, path: Callable[[float], NDArray[np.float64]], pieces: Sequence[Interval], size: float
-) -> TimeTable | None:
+    family: int, path: Callable[[float], NDArray[np.float64]], pieces: Sequence[Interval], size: float, of: Reading
+) -> TimedSet | None:
     """Tabulate the displacement of a set in a problem of this size; None if that takes too many panels."""
     panels = _panels(path, pieces, lambda values: np.maximum(np.abs(values).max(axis=0), size))
     if panels is None:
         return None
     start, stop, values, scale = panels
-    return TimeTable(family, start, stop, _series(values, scale), None, np.zeros((0, len(scale))))
+    return _timed_set(family, start, stop, values, scale, None, np.zeros((0, len(scale))), of)
 
 
 def table_of_rows(
@@ -60,8 +56,8 @@ def table_of_rows(
     pieces: Sequence[Interval],
     size: float,
     first: int,
-    table: RowTable,
-) -> TimeTable | None:
+    of: Reading,
+) -> TimedSet | None:
     """Tabulate the numbers of the rows of a set, which begin at row ``first`` of the table.
 
     None if compiled code does not know their kind, or if there are too many numbers, panels or functions.
@@ -92,51 +88,48 @@ def table_of_rows(
     if combined is None:
         return None
     chosen, weight = combined
-    number, functions = _places(m, first, table)[varying], varying[chosen]
+    number, functions = _places(m, first, of.table)[varying], varying[chosen]
     number["base"] = base[varying]
     order = np.argsort(number["row"], kind="stable")
-    return TimeTable(
-        family, start, stop, _series((values - base)[:, :, functions], scale[functions]), number[order], weight[order]
-    )
+    values, scale = (values - base)[:, :, functions], scale[functions]
+    return _timed_set(family, start, stop, values, scale, number[order], weight[order], of)
 
 
-def timed_sets(
-    tables: Sequence[TimeTable], table: RowTable, radius: NDArray[np.float64], *, compares: bool
-) -> TimedSets:
-    """Join tables for compiled code; ``radius`` (1,) is the array with the search radius."""
-    sets = np.zeros(len(tables), dtype=TIMED_SET)
-    panels, functions, weights, numbers, series = 0, 0, 0, 0, 0
-    for one, part in zip(sets, tables, strict=True):
-        (p, f, _), k = part.series.shape, 0 if part.number is None else len(part.number)
-        place = {"panel": panels, "function": functions, "number": numbers, "weight": weights, "series": series}
-        size = {"panels": p, "functions": f, "numbers": k, "translated": part.number is None, "family": part.family}
-        for name, value in (place | size | {"time": np.nan, "since": np.nan}).items():
-            one[name] = value
-        panels, functions, numbers = panels + p, functions + f, numbers + k
-        weights, series = weights + k * f, series + part.series.size
-    none = np.zeros(0, dtype=NUMBER)
-    everything = np.concatenate([part.series.reshape(-1, TERMS) for part in tables])
-    used = np.where(everything != 0.0, np.arange(TERMS) + 1, 2).max(axis=1, initial=2)
-    ends = np.cumsum([0, *(part.series.shape[1] for part in tables for _ in part.start)])
-    return TimedSets(
-        sets=sets,
-        start=np.concatenate([part.start for part in tables]),
-        stop=np.concatenate([part.stop for part in tables]),
-        terms=np.array([used[a:b].max(initial=2) for a, b in pairwise(ends)]),
-        series=everything.ravel(),
+def _timed_set(
+    family: int,
+    start: NDArray[np.float64],
+    stop: NDArray[np.float64],
+    values: NDArray[np.float64],
+    scale: NDArray[np.float64],
+    number: NDArray[np.void] | None,
+    weight: NDArray[np.float64],
+    of: Reading,
+) -> TimedSet:
+    """Make the table of functions from their values at the nodes (P, TERMS, F), for compiled code."""
+    series = _series(values, scale)
+    functions = len(scale)
+    return TimedSet(
+        family=family,
+        translated=int(number is None),
+        start=start,
+        stop=stop,
+        terms=np.where(series != 0.0, np.arange(TERMS) + 1, 2).max(axis=(1, 2), initial=2),
+        series=series,
+        number=np.zeros(0, dtype=NUMBER) if number is None else number,
+        weight=weight,
+        now=np.zeros(1, dtype=np.int64),
+        time=np.full(2, np.nan),
         value=np.zeros(functions),
         slope=np.zeros(functions),
         reference=np.zeros(functions),
         unused=np.zeros(functions),
-        number=np.concatenate([none if part.number is None else part.number for part in tables]),
-        weight=np.concatenate([part.weight.ravel() for part in tables]),
         polynomial=np.zeros(TERMS),
         derivative=np.zeros(TERMS),
-        row=table.row,
-        first=table.start,
-        coefficient=table.coefficient,
-        radius=radius,
-        compares=int(compares),
+        row=of.table.row,
+        first=of.table.start,
+        coefficient=of.table.coefficient,
+        radius=of.radius,
+        compares=int(of.compares),
     )
 
 

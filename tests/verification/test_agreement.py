@@ -110,12 +110,9 @@ def test_what_both_lack_or_is_below_all_tolerances_agrees() -> None:
     assert compare_studies(words, words.assign(status="SUCCESS"), STUDY).apart == 1
 
 
-def test_rows_that_the_complete_study_lacks_are_not_counted() -> None:
+def test_rows_that_the_complete_study_lacks_are_not_counted(tmp_path: Path) -> None:
     table = pd.DataFrame({"n": [1, 8], "error": [1.0, 1.0]})
     assert compare_studies(table, table.iloc[:1], STUDY).rows == 1
-
-
-def test_of_no_runs_nothing_is_compared(tmp_path: Path) -> None:
     nothing = replace(STUDY, runs=()).complete(tmp_path, Here())
     found = compare_studies(nothing, pd.DataFrame(rows_of(STUDY.runs[0])), STUDY)
     assert (found.runs, found.rows, found.apart) == (0, 0, 0)

@@ -20,7 +20,6 @@ from tissue.model.motion import tangential
 from tissue.state.cells import Floats, Integers, PointForces
 from tissue.state.numbers import NUMBERS, numbers_at
 from tissue.state.running import CELLS, STATE, TissueState, state_at
-from tissue.state.space import SPATIAL
 from tissue.step.advance import find_lost
 from tissue.step.copies import put_back
 
@@ -54,26 +53,19 @@ call_push, call_energy, call_part, call_part_in_space = map(call, (PUSH, ENERGY,
 @inner
 def clear(state: TissueState) -> None:
     """Set the forces on all points to 0."""
-    on, n = state.on, state.sizes[CELLS]
-    for forces in (on.x, on.y, on.ax, on.ay, on.bx, on.by):
-        for i in range(n):
-            forces[i] = 0.0
-    for forces in (on.z, on.az, on.bz):
-        for i in range(n if state.space.dimension == SPATIAL else 0):
+    on = state.on
+    for forces in (on.x, on.y, on.ax, on.ay, on.bx, on.by, on.z, on.az, on.bz):
+        for i in range(state.sizes[CELLS]):
             forces[i] = 0.0
 
 
 @inner
 def find_not_finite(state: TissueState) -> int:
     """Return a cell on which the forces are not finite, -1 if there is none."""
-    on, n, total = state.on, state.sizes[CELLS], 0.0
-    for i in range(n):
-        total += on.x[i] + on.y[i] + on.ax[i] + on.ay[i] + on.bx[i] + on.by[i]
-    for i in range(n if state.space.dimension == SPATIAL else 0):
-        total += on.z[i] + on.az[i] + on.bz[i]
-    for i in range(0 if math.isfinite(total) else n):
-        in_plane = on.x[i] + on.y[i] + on.ax[i] + on.ay[i] + on.bx[i] + on.by[i]
-        if not math.isfinite(in_plane + on.z[i] + on.az[i] + on.bz[i]):
+    on = state.on
+    for i in range(state.sizes[CELLS]):
+        total = on.x[i] + on.y[i] + on.ax[i] + on.ay[i] + on.bx[i] + on.by[i] + on.z[i] + on.az[i] + on.bz[i]
+        if not math.isfinite(total):
             return i
     return -1
 

@@ -10,7 +10,7 @@ import numpy as np
 import dincl
 from dincl.drifts import constant
 from dincl.projection import NearestPoint
-from dincl.rows.affine import linearised
+from dincl.rows.kinds import linearised
 
 ROWS = (10, 30, 100, 300, 1000, 3000, 10_000)
 # A bound of this magnitude is none.

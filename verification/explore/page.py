@@ -28,5 +28,5 @@ def build(session: Session, streams: PictureStreams, pool: Executor, end: Callab
         with ui.tab_panel(TISSUE):
             page = TissuePage(session, streams)
         with ui.tab_panel(INCLUSIONS):
-            InclusionsPage(session.folder, streams, pool)
+            InclusionsPage(streams, pool)
     context.client.on_delete(page.stop)

@@ -1,4 +1,4 @@
-"""Errors of a run against a reference: norms over time, of dense output, of overlap, and of a quantity of the state."""
+"""Errors of a run against a reference: the largest over time, at a time, of overlap, and of quantities of the state."""
 
 from __future__ import annotations
 
@@ -22,13 +22,9 @@ DIFFERENCE = 1e-7
 
 
 class Computed(NamedTuple):
-    """States of a run at the K output times, (K, N, d), and at the times between them, as ``Known.between``.
-
-    ``stated``: the largest error that the run itself states, NaN if it states none.
-    """
+    """States of a run at the K output times, (K, N, d), and the largest error that the run states, NaN if none."""
 
     x: Floats
-    between: Floats | None = None
     stated: float = np.nan
 
 
@@ -52,20 +48,6 @@ def _final(problem: Any, answer: Computed, known: Known) -> float:
     return float(error_of(answer.x, known)[-1])
 
 
-def _root_mean_square(problem: Any, answer: Computed, known: Known) -> float:
-    """Return the root mean square over time; the error is zero at t = 0 and linear between output times."""
-    t, e = np.append(0.0, known.t), np.append(0.0, error_of(answer.x, known))
-    squares = np.diff(t) * (e[1:] ** 2 + e[1:] * e[:-1] + e[:-1] ** 2) / 3
-    return float(np.sqrt(squares.sum() / t[-1])) if t[-1] > 0 else float(e[-1])
-
-
-def _dense(problem: Any, answer: Computed, known: Known) -> float:
-    if known.between is None or answer.between is None:
-        raise ValueError("the error 'dense' needs a reference between the output times: known_at(..., between=True)")
-    largest = _largest(problem, answer, known)
-    return max(largest, float(error_of(answer.between, known.between).max(initial=0.0)))
-
-
 def _overlap(problem: Any, answer: Computed, known: Known) -> float:
     if not isinstance(problem, dincl.Problem):
         return np.nan
@@ -80,16 +62,12 @@ Norm = Callable[[Any, Computed, Known], float]
 NORMS: Mapping[str, Norm] = {
     "largest": _largest,
     "final": _final,
-    "L2": _root_mean_square,
-    "dense": _dense,
     "overlap": _overlap,
     "stated": _stated,
 }
 LABELS = {
     "largest": "largest error over time [length]",
     "final": "error at the end [length]",
-    "L2": "root mean square error over time [length]",
-    "dense": "largest error of dense output [length]",
     "overlap": "largest overlap [length]",
     "stated": "error that the run states [length]",
 }
@@ -113,19 +91,16 @@ class ErrorAt:
 
     def __call__(self, problem: Any, answer: Computed, known: Known) -> float:
         """Return the error of a run; InvalidProblem if t is no output time."""
-        return float(error_of(answer.x, known)[known.place(self.t)])
+        known.take([self.t])
+        return float(error_of(answer.x, known)[np.abs(known.t - self.t).argmin()])
 
 
 @dataclass(frozen=True)
 class ErrorOf:
-    """Largest error over time of a quantity q(x) of the state: max_k |q(x_k) - q(reference_k)|.
-
-    ``stated`` is the reference's own error in q, where it is known apart from the error of the positions.
-    """
+    """Largest error over time of a quantity q(x) of the state: max_k |q(x_k) - q(reference_k)|."""
 
     name: str
     quantity: Quantity
-    stated: float | None = None
 
     def __call__(self, problem: Any, answer: Computed, known: Known) -> float:
         """Return the error of a run; infinite where the quantity is not finite, or raises."""
@@ -138,12 +113,7 @@ class ErrorOf:
         return float(error) if np.isfinite(error) else np.inf
 
     def of_reference(self, known: Known) -> float:
-        """Return the largest over t of sum_ij |dq/dX_ij| e, the first order of the reference's stated error e in q.
-
-        The one that is ``stated``, if there is one.
-        """
-        if self.stated is not None:
-            return self.stated
+        """Return the largest over t of sum_ij |dq/dX_ij| e, the first order of the reference's stated error e in q."""
         worst = 0.0
         for state, error in zip(known.x, known.error, strict=True):
             here, h = self._value(state), DIFFERENCE * max(1.0, float(np.abs(state).max()))

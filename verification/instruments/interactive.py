@@ -21,7 +21,7 @@ from verification.instruments import cheapest
 from verification.instruments.charts import FRONT, LOWEST, NOT_COUNTED, absent, cost_label, rgb, styles
 from verification.instruments.error_norms import label as error_label
 from verification.instruments.error_norms import reference_error
-from verification.site.render import render
+from verification.site.cells import render
 
 if TYPE_CHECKING:
     from verification.instruments.speed_accuracy import WorkPrecision

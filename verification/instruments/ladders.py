@@ -47,10 +47,8 @@ class Ladders:
     @cached_property
     def known(self) -> Known:
         """The reference at the times, computed when the first run needs it, and sent to workers with the runs."""
-        known = known_at(self.reference, self.t, between="dense" in self.errors, problem=self.problem)
-        for norm in self.errors.values():
-            if isinstance(norm, ErrorAt):
-                known.place(norm.t)  # raises for another time before anything is run
+        known = known_at(self.reference, self.t, problem=self.problem)
+        known.take([norm.t for norm in self.errors.values() if isinstance(norm, ErrorAt)])  # raises for another time
         return known
 
     def __call__(self, key: Key) -> list[Row]:

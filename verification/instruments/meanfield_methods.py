@@ -1,7 +1,6 @@
 """The solvers of meanfield as methods for ``order_study`` and ``work_precision``: y(t) from particles or a density.
 
-Every method takes a problem, a setting that makes it finer as it falls, and times, and gives y (K, ny), or what else of
-its result is to be compared.
+Every method takes a problem, a setting that makes it finer as it falls, and times, and gives y (K, ny).
 """
 
 from __future__ import annotations
@@ -9,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache, partial
-from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -37,9 +35,6 @@ from verification.instruments.method import Method
 Floats = NDArray[np.float64]
 Solve = Callable[[Model, State, Floats, float], Motion]
 Found = Motion | Flow | GridMotion | MomentMotion
-# What of a result is compared: an array (K, ...), K times.
-Part = Callable[[Any], Any]
-Y: Part = attrgetter("y")
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,24 +71,20 @@ QUANTILE_ERROR, LEAST_TOLERANCE = 0.003, 1e-12
 COMPILED, MANY, BRIEF = ("ode", "pde"), 64, 1e-6
 
 
-def particle_methods(of: Part = Y) -> dict[str, Method]:
-    """Name -> Method for a ``ParticleProblem``: DAE and ODE.
-
-    The setting is ``tol``. ``of`` takes what is compared from a Motion, an array (K, ...) for K times; it is y unless
-    another one is given.
-    """
-    return {name: _method(name, STYLES[name][2], partial(_of_particles, name, of)) for name in SOLVERS}
+def particle_methods() -> dict[str, Method]:
+    """Name -> Method for a ``ParticleProblem``: DAE and ODE; the setting is ``tol``."""
+    return {name: _method(name, STYLES[name][2], partial(_of_particles, name)) for name in SOLVERS}
 
 
-def density_methods(of: Part = Y) -> dict[str, Method]:
+def density_methods() -> dict[str, Method]:
     """Name -> Method for a ``DensityProblem``: characteristics, moments, PDE, and the methods of particles.
 
     The setting is ``tol``, of the PDE ``1/cells``, of particles ``1/N``: they start at the N quantiles of the density,
     so that nx = 1, and are solved to a tenth of the error of the quantiles. A model whose moments do not close is
-    refused by ``moments`` (NotClosed). ``of`` as in ``particle_methods``, of whatever result a method has.
+    refused by ``moments`` (NotClosed).
     """
     settings = {name: "1/N" if name in SOLVERS else STYLES[name][2] for name in STYLES}
-    return {name: _method(name, setting, partial(_of_density, name, of)) for name, setting in settings.items()}
+    return {name: _method(name, setting, partial(_of_density, name)) for name, setting in settings.items()}
 
 
 def _solved(name: str, problem: DensityProblem, setting: float, t: ArrayLike) -> Found:
@@ -116,17 +107,17 @@ def _method(name: str, setting: str, run: Callable[[Any, float, Any], Floats]) -
     return Method(label, family, run=run, setting=setting, look={"color": colour, "marker": marker})
 
 
-def _of_particles(name: str, of: Part, problem: Any, setting: float, t: ArrayLike) -> Floats:
+def _of_particles(name: str, problem: Any, setting: float, t: ArrayLike) -> Floats:
     if not isinstance(problem, ParticleProblem):
         raise InvalidProblem(f"problem = {describe(problem)}: must be a ParticleProblem(model, start)")
-    return np.asarray(of(SOLVERS[name](problem.model, problem.start, np.asarray(t, dtype=np.float64), setting)))
+    return SOLVERS[name](problem.model, problem.start, np.asarray(t, dtype=np.float64), setting).y
 
 
-def _of_density(name: str, of: Part, problem: Any, setting: float, t: ArrayLike) -> Floats:
+def _of_density(name: str, problem: Any, setting: float, t: ArrayLike) -> Floats:
     if not isinstance(problem, DensityProblem):
         raise InvalidProblem(f"problem = {describe(problem)}: must be a DensityProblem(model, density, y0, v0)")
     _compile(name, problem)
-    return np.asarray(of(_solved(name, problem, setting, t)))
+    return _solved(name, problem, setting, t).y
 
 
 @lru_cache(maxsize=64)

@@ -8,7 +8,6 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -102,7 +101,7 @@ def measure(
     start = {"status": "", "detail": ""} | nothing
     attempts = [Attempt(setting, {"method": method.label, "setting": setting} | start) for setting in settings]
     for index, attempt in enumerate(attempts):
-        why = _left_out(problem, method) if index == 0 else _after(attempts[index - 1], budget, enough)
+        why = _after(attempts[index - 1], budget, enough) if index else ""
         if why:
             attempt.row |= {"status": "LEFT_OUT", "detail": why}
             continue
@@ -121,13 +120,6 @@ def measure(
 
 # After these nothing finer is tried.
 STOPS = ("OUT_OF_BUDGET", "REFUSED")
-
-
-def _left_out(problem: Any, method: Method) -> str:
-    size = problem.x0.size if isinstance(problem, dincl.Problem) else 0
-    if method.most_unknowns is None or size <= method.most_unknowns:
-        return ""
-    return f"Made for at most {method.most_unknowns} unknowns; here are {size}."
 
 
 def _after(before: Attempt, budget: Budget | None, enough: float | None) -> str:
@@ -170,17 +162,14 @@ def _first(
         return {"status": "OUT_OF_BUDGET", "detail": f"Stopped after {budget}."}
     if isinstance(outcome, Failure):
         return outcome.columns
-    between = None if known.between is None else outcome.dense(known.between.t)
-    answer = Computed(outcome.x, between, outcome.stated)
-    return outcome.columns | measured(problem, answer, known, norms)
+    return outcome.columns | measured(problem, Computed(outcome.x, outcome.stated), known, norms)
 
 
 @dataclass(frozen=True)
 class _Outcome:
-    """States at the output times, NaN where the run did not arrive; its dense output; columns; the error it states."""
+    """States at the output times, NaN where the run did not arrive; columns; the error it states."""
 
     x: Floats
-    dense: Callable[[Floats], Floats]
     columns: dict[str, Any]
     stated: float = np.nan
 
@@ -223,23 +212,14 @@ def _run(problem: Any, method: Method, setting: float, t: Floats, budget: Budget
         status = "SUCCESS" if np.isfinite(states).all() else "NON_FINITE"
         evaluations = drift.evaluations if drift else np.nan
         columns = {"status": status, "detail": "", "drift_evaluations": evaluations}
-        return _Outcome(states, partial(_straight, problem, t, states), columns)
+        return _Outcome(states, columns)
     path = dincl.solve(watched, _scheme(method, setting), t=t, throw=False)
     work = asdict(path.stats)
     columns = {"status": path.status.name, "detail": path.detail} | {name: work[name] for name in COUNTERS}
     if method.compiled is None:
         columns["compiled"] = work["callbacks"] == 0
     stated = np.nan if path.error is None else float(np.max(path.error))
-    return _Outcome(reached(path, t), path, columns, stated)
-
-
-def _straight(problem: Any, t: Floats, states: Floats, times: Floats) -> Floats:
-    """Interpolate states of a program on straight lines between the start and the output times."""
-    if isinstance(problem, dincl.Problem):
-        t, states = np.append(0.0, t), np.concatenate((problem.x0[None], states))
-    flat = states.reshape(len(t), -1)
-    found = [np.interp(times, t, column) for column in flat.T]
-    return np.stack(found, axis=1).reshape(len(times), *states.shape[1:])
+    return _Outcome(reached(path, t), columns, stated)
 
 
 def _check_call(method: Method, function: Callable[..., Any], name: str, arguments: str, count: int) -> None:

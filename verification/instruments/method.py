@@ -35,8 +35,6 @@ class Method:
     compiled
         Whether its steps run without Python, as charts then say; None: unknown for ``run``, and for ``scheme`` true of
         runs that count no callbacks.
-    most_unknowns
-        The largest number of unknowns N d that it is made for, or None.
     look
         Keywords of matplotlib, such as ``color`` and ``marker``, where the chart is not to choose.
 
@@ -52,7 +50,6 @@ class Method:
     run: Callable[[Any, float, Any], Any] | None = None
     setting: str = "dt"
     compiled: bool | None = None
-    most_unknowns: int | None = None
     look: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:

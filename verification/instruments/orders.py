@@ -179,10 +179,9 @@ def order_study(
         ``reference(problem, tol)``, a function t -> exact states, a Known, or an array (K, N, d).
     errors
         Of max_i |X_i - exact| [length]: the "largest" over t, the "final" one at the last t, the one at a time that is
-        given as a number, "L2", the root mean square over time, "dense", the largest of dense output between the times,
-        too. "overlap": max max(0, -g) over t. "stated": the largest that the run itself states, NaN if none. A function
-        of the state (N, d), such as a height or an energy: the largest error of its values over t. Several of these, or
-        a mapping from names to them.
+        given as a number. "overlap": max max(0, -g) over t. "stated": the largest that the run itself states, NaN if
+        none. A function of the state (N, d), such as a height or an energy: the largest error of its values over t.
+        Several of these, or a mapping from names to them.
     budget
         Of one run: CpuSeconds or DriftEvaluations. Finer settings than one that exceeds it are left out.
     floor

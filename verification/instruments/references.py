@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -29,8 +29,6 @@ SAFETY, MOST_HALVINGS = 2.0, 16
 FIRST, MOST_FALL = 17, 4.0
 # The bound of a proved reference that names none [length]: no error of double numbers is near it.
 PROVED = 1e-20
-# Times between two output times at which dense output is looked at.
-BETWEEN = 4
 # Finer steps mend violations if the distance from the set falls at least by this factor from one run to the next.
 FALLS = 0.75
 # Greatest step relative to the longest that resolves all functions of time in a run of high order.
@@ -51,8 +49,6 @@ class Known:
         Times (K,) and states (K, N, d).
     error
         Stated error max_i |X_i - exact| at each time, (K,) [length].
-    between
-        The solution at times between those, where it was asked for.
     low
         What the states have beyond double numbers, the solution being x + low, (K, N, d), where it is known.
     proved
@@ -62,7 +58,6 @@ class Known:
     t: Floats
     x: Floats
     error: Floats
-    between: Known | None = field(default=None, kw_only=True)
     low: Floats | None = field(default=None, kw_only=True)
     proved: bool = field(default=False, kw_only=True)
 
@@ -78,21 +73,16 @@ class Known:
         if error.shape != t.shape or not (error >= 0).all() or np.isinf(error).any():
             raise dincl.InvalidProblem(f"error = {describe(error)} of a Known: must be {len(t)} finite numbers >= 0")
 
-    def at(self, times: Floats | Sequence[float]) -> tuple[Floats, Floats]:
-        """Return states (len(times), N, d) and errors (len(times),) at times among t; InvalidProblem for others."""
-        index = self._places(times)
-        return self.x[index], self.error[index]
-
     def take(self, times: Floats | Sequence[float]) -> Known:
         """Return the same at some of the times t; InvalidProblem for others."""
-        index = self._places(times)
-        low = None if self.low is None else self.low[index]
         wanted = np.asarray(times, dtype=np.float64)
+        index = np.abs(self.t - wanted[:, None]).argmin(axis=1) if len(self.t) else np.zeros(0, dtype=np.intp)
+        if len(index) < len(wanted) or (np.abs(self.t[index] - wanted) > SAME).any():
+            raise dincl.InvalidProblem(
+                f"times = {describe(wanted)}: must be among the times of the reference, {describe(self.t)}"
+            )
+        low = None if self.low is None else self.low[index]
         return Known(wanted, self.x[index], self.error[index], low=low, proved=self.proved)
-
-    def place(self, t: float) -> int:
-        """Return k with t_k = t; InvalidProblem for another time."""
-        return int(self._places([t])[0])
 
     def off(self, x: Floats) -> Floats:
         """Compute x - exact for states x of the shape of ``self.x`` [length]; near the solution without rounding."""
@@ -103,15 +93,6 @@ class Known:
     def words(self) -> str:
         """The error of this reference, if it is proved, for charts."""
         return f"± {self.error.max():.1g}, proved" if self.proved else ""
-
-    def _places(self, times: Floats | Sequence[float]) -> Any:
-        wanted = np.asarray(times, dtype=np.float64)
-        index = np.abs(self.t - wanted[:, None]).argmin(axis=1) if len(self.t) else np.zeros(0, dtype=np.intp)
-        if len(index) < len(wanted) or (np.abs(self.t[index] - wanted) > SAME).any():
-            raise dincl.InvalidProblem(
-                f"times = {describe(wanted)}: must be among the times of the reference, {describe(self.t)}"
-            )
-        return index
 
 
 @dataclass(frozen=True)
@@ -213,11 +194,10 @@ def reference(
     return Reference(problem, number("tol", wanted, positive=True), scheme, step, proved)
 
 
-def known_at(source: Any, t: ArrayLike, *, between: bool = False, problem: Any = None) -> Known:
+def known_at(source: Any, t: ArrayLike, *, problem: Any = None) -> Known:
     """Return the solution at times t (K,) from a Reference, a Known, a function t -> states, or an array of states.
 
-    With ``between`` also at the times of ``times_between``; this needs a function. States of a dincl.Problem have the
-    shape (K, N, d).
+    States of a dincl.Problem have the shape (K, N, d).
 
     Raises
     ------
@@ -227,14 +207,6 @@ def known_at(source: Any, t: ArrayLike, *, between: bool = False, problem: Any =
     times = np.atleast_1d(array("t", t))
     if times.ndim != 1 or times.size == 0 or (np.diff(times) <= 0).any():
         raise dincl.InvalidProblem(f"t = {describe(t)}: must be one or more increasing times")
-    if between:
-        if not callable(source):
-            raise dincl.InvalidProblem(
-                f"reference = {describe(source)}: errors of dense output need one that can be evaluated at any time: "
-                "verification.reference(...) or a function t -> states"
-            )
-        both = known_at(source, np.union1d(times, times_between(times)), problem=problem)
-        return replace(known_at(both, times), between=known_at(both, times_between(times)))
     if isinstance(source, Known):
         return _of(source.take(times), problem)
     found = _called(source, times) if callable(source) else source
@@ -270,13 +242,6 @@ def _of(known: Known, problem: Any) -> Known:
     if known.x.shape != expected:
         raise dincl.InvalidProblem(f"reference of shape {known.x.shape}: must have shape (K, N, d) = {expected}")
     return known
-
-
-def times_between(t: Floats) -> Floats:
-    """Return BETWEEN equally spaced times between each two of 0, t_1, ..., t_K."""
-    ends = np.append(0.0, t) if t[0] > 0 else t
-    parts = np.arange(1, BETWEEN + 1) / (BETWEEN + 1)
-    return np.ravel(ends[:-1, None] + np.diff(ends)[:, None] * parts)
 
 
 def _exact(t: Floats, x: ArrayLike) -> Known:

@@ -13,9 +13,7 @@ from dincl import InvalidProblem
 from dincl.checks import describe
 from dincl.files import write_text
 from verification.instruments.result import Result
-from verification.site.cells import grid
-from verification.site.facts import machine
-from verification.site.render import render
+from verification.site.cells import grid, machine, render
 
 
 @dataclass(frozen=True)

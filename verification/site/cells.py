@@ -1,15 +1,23 @@
-"""Cells of tables: numbers, shares and intervals as text, and a table as HTML."""
+"""Parts of pages: numbers, shares and intervals as text, tables, templates of this room, facts of the machine."""
 # ruff: noqa: RUF001
 
 from __future__ import annotations
 
+import os
+import platform
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from functools import cache
 from html import escape
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
+from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
+from markupsafe import Markup
 
+from dincl.study.record import libraries
 from verification.claims import Verdict
 
 # Numbers smaller than this are written with an exponent.
@@ -95,3 +103,36 @@ def percents(parts: tuple[float, float, float], digits: int = 0, sign: str = "")
 def listed(values: Iterable[object]) -> str:
     """Join the values with commas; "none" if there are none."""
     return ", ".join(map(str, values)) or "none"
+
+
+def render(template: str, **values: Any) -> str:
+    """Return a template, filled; ``safe`` marks HTML as such, the filter ``formula`` sets scripts."""
+    return _environment().get_template(template).render(safe=Markup, **values)
+
+
+@cache
+def _environment() -> Environment:
+    made = Environment(
+        loader=PackageLoader("verification.site"),
+        autoescape=select_autoescape(),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    made.filters["formula"] = lambda text: Markup(formula(text))
+    return made
+
+
+def machine() -> Iterator[tuple[str, str]]:
+    """Yield the machine, and the versions of the libraries that make numbers."""
+    yield "Processor", f"{_processor()}, {os.cpu_count()} cores"
+    yield "System", f"{platform.system()} {platform.release()}, Python {platform.python_version()}"
+    yield "Versions", ", ".join(map(" ".join, libraries().items()))
+
+
+def _processor() -> str:
+    """Return the model of the processor, if the system tells it."""
+    information = Path("/proc/cpuinfo")
+    lines = information.read_text("utf-8").splitlines() if information.exists() else []
+    models = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return models[0] if models else platform.processor() or platform.machine()

@@ -32,9 +32,8 @@ from pygments.lexers import PythonLexer
 
 from dincl.files import write_text
 from verification.claims.decide import READING, readings
-from verification.site.cells import VERDICTS, grid
+from verification.site.cells import VERDICTS, grid, render
 from verification.site.context import SHOWN
-from verification.site.render import render
 
 if TYPE_CHECKING:
     from sphinx.application import Sphinx

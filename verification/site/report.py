@@ -11,8 +11,8 @@ from tempfile import TemporaryDirectory
 from typing import Protocol
 
 from dincl.files import write_text
+from verification.site.cells import machine
 from verification.site.context import Context
-from verification.site.facts import machine
 from verification.site.store import DATA
 
 # The repository. Installed, the pages lie beside the tables.

@@ -1,13 +1,15 @@
 """The substeps in three dimensions called like their twins, and tissues to call them with."""
 
 import ctypes
+import math
 
 import numpy as np
 
 from tests.twins.tissue import SpaceTissue, Steps, still
 from tissue.kernels.surface_workspace import SURFACE_COUNTERS, SurfaceWorkspaces
+from tissue.model.energy import nearest_image
 from tissue.model.springs import coefficient
-from tissue.state.surface import PLANE, SPHERE, Surface
+from tissue.state.surface import PLANE, SPHERE, Surface, cylinder, heights, normals, plane, sphere
 from tissue.step.substeps import SURFACE, substeps_address
 
 FREE = {"period_x": np.inf, "period_z": np.inf}
@@ -144,3 +146,66 @@ def _on_surface(rng, n, surface, crowd):
     angle, z = rng.uniform(0.0, 2 * np.pi, n), rng.uniform(0.0, deep, n)
     out = np.array([np.cos(angle), np.sin(angle), np.zeros(n)])
     return surface.radius * out + np.array([[0.0], [0.0], [1.0]]) * z, surface.side * out
+
+
+# Points on each kind of surface, about a distance of 1 apart
+
+KINDS = {
+    "plane": plane(period_x=8.0, period_z=9.0),
+    "cylinder outside": cylinder(1.5, inside=False, period_z=9.0),
+    "cylinder inside": cylinder(1.6, inside=True, period_z=8.0),
+    "sphere outside": sphere(2.2, inside=False),
+    "sphere inside": sphere(2.5, inside=True),
+    "patch": plane(),
+    "ribbon": plane(period_x=8.0),
+    "tube": cylinder(1.8, inside=True),
+}
+# V - E + F of their triangulations; of spheres 2.
+EULER = {"plane": 0, "cylinder outside": 0, "cylinder inside": 0, "ribbon": 0, "tube": 0, "patch": 1}
+OPEN = ("patch", "ribbon", "tube")
+
+
+def spread_points(name, n, rng):
+    """n points (n, 3) at random on a surface, none nearer to another than three quarters of the mean distance."""
+    surface, chosen = KINDS[name], []
+    distance = 0.75 * math.sqrt(area(name) / n)
+    while len(chosen) < n:
+        candidate = one_point(name, rng)
+        d = nearest_image(candidate[:, None] - np.reshape(chosen, (-1, 3)).T, surface)
+        if (np.linalg.norm(d, axis=0) > distance).all():
+            chosen.append(candidate)
+    points = np.array(chosen)
+    return points + normals(surface, points) * rng.uniform(0.0, 0.2, (n, 1))
+
+
+def area(name):
+    surface = KINDS[name]
+    if surface.bends == SPHERE:
+        return 4 * math.pi * surface.radius**2
+    return math.prod(size(name))
+
+
+def size(name):
+    """Lengths of the chart that points are spread on."""
+    surface = KINDS[name]
+    if surface.bends == PLANE:
+        first, second = surface.period_z, surface.period_x
+    else:
+        first, second = 2 * math.pi * surface.radius, surface.period_z
+    return [6.0 if math.isinf(length) else length for length in (first, second)]
+
+
+def feet(surface, points):
+    """The nearest points of the surface to points (..., 3)."""
+    return points - heights(surface, points)[..., None] * normals(surface, points)
+
+
+def one_point(name, rng):
+    surface = KINDS[name]
+    if surface.bends == SPHERE:
+        return feet(surface, rng.normal(size=3))
+    u, v = rng.uniform(0.0, size(name))
+    if surface.bends == PLANE:
+        return np.array((v, 0.0, u))
+    angle = u / surface.radius
+    return np.array((surface.radius * math.cos(angle), surface.radius * math.sin(angle), v))

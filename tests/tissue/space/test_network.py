@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import tissue
 from dincl import InvalidProblem
-from tests.tissue.space.tissues import EULER, KINDS, OPEN, one_point, spread_points
+from tests.tissue.space.calls import EULER, KINDS, OPEN, one_point, spread_points
 from tissue.kernels import kernel
 from tissue.network.lattice import flat_lattice, rows_of
 from tissue.network.neighbours import add_daughter, connected, has_room, remove_cell, renew

@@ -7,7 +7,6 @@ import pytest
 from dincl.errors import InvalidProblem
 from tests.tissue.space.in_space import OF_CYLINDER, OF_SPHERE, parameters
 from tissue.files.parameters import preset
-from tissue.study.plan import load_study
 
 
 @pytest.mark.parametrize(
@@ -88,13 +87,3 @@ def test_a_size_that_does_not_fit_gets_the_nearest_that_do(name, changes):
         assert near == below + above or (not above and near[:-1] == below)
     for cells in {n for near in named.values() for n in near} - set(accepted):
         assert sheet(cells).tissue.cells == cells
-
-
-def test_a_study_of_slices_becomes_one_of_sheets(tmp_path):
-    slices = load_study("figure10_published")
-    sheet = "[overrides.tissue]\ndimension = 3\ncells = 182\n"
-    text = re.sub("(?m)^cells = 51.*\n", "", slices.text).replace("[overrides.tissue]\n", sheet)
-    (tmp_path / "sheets.toml").write_text(text)
-    sheets = load_study(tmp_path / "sheets.toml")
-    assert sheets.scenarios.keys() == slices.scenarios.keys()
-    assert all(one.in_space and one.tissue.cells == 182 for one in sheets.scenarios.values())

@@ -7,8 +7,8 @@ import pytest
 
 import tissue
 from dincl import InvalidProblem
+from tests.tissue.space.calls import KINDS, feet, spread_points
 from tests.tissue.space.in_space import SURFACES, of_surface
-from tests.tissue.space.tissues import KINDS, feet, spread_points
 from tissue.frames.section import cut, cut_of
 from tissue.kernels import kernel
 from tissue.network.triangulation import triangulate

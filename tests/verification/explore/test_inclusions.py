@@ -6,27 +6,22 @@ import pytest
 import dincl
 from tests.verification.explore.test_tissues import parsed
 from verification.explore.inclusions.frames import pictures
-from verification.explore.inclusions.problems import (
+from verification.explore.inclusions.runs import (
     METHODS,
     PICTURES,
     SCENES,
-    Inclusion,
-    from_file,
+    InclusionRun,
+    integrate,
     kept_times,
     reference,
     scene,
 )
-from verification.explore.inclusions.runs import InclusionRun, integrate
 
 CORNER = "ten_disks_corner"
-OWN = """
-import dincl
-{name} = dincl.Problem([[0.0, 1.0]], lambda t, x: 0 * x - 1, [dincl.HalfSpace((0, 1))])
-"""
 
 
 def run(name, method, steps):
-    return InclusionRun(scene(name), method, steps, scene(name).end)
+    return InclusionRun(scene(name), method, steps)
 
 
 def largest(what, one):
@@ -46,8 +41,7 @@ def test_scenes_have_a_reference(name):
     offered = scene(name)
     assert offered is scene(name)
     assert offered.problem.x0.shape[1] <= 2
-    known = reference(offered.problem, offered.end)
-    assert known.x is not None
+    known = reference(offered)
     assert known.x.shape == (PICTURES + 1, *offered.problem.x0.shape)
 
 
@@ -84,7 +78,7 @@ def test_pictures_are_those_of_the_run(steps):
     head, *frames, end = messages(one := run(CORNER, "PBD", steps))
     assert head[0]["painter"] == "discs"
     assert head[0]["radius"] == [0.5] * 10
-    np.testing.assert_allclose([frame[0]["t"] for frame in frames], kept_times(one.end), atol=1e-12)
+    np.testing.assert_allclose([frame[0]["t"] for frame in frames], kept_times(one.inclusion.end), atol=1e-12)
     assert end[0] == {"kind": "end", "status": "SUCCESS", "detail": ""}
     assert [len(frame[0].get("shapes", ())) for frame in frames] == [2, *[0] * PICTURES]
     last, columns = frames[-1][0], frames[-1][1].reshape(5, 10)
@@ -96,16 +90,6 @@ def test_pictures_are_those_of_the_run(steps):
     shown = np.array([frame[1].reshape(5, 10)[3:] for frame in frames])
     assert left < shown[:, 0].min() - 0.5 < shown[:, 0].max() + 0.5 < right
     assert low < shown[:, 1].min() - 0.5 < shown[:, 1].max() + 0.5 < high
-
-
-@pytest.mark.slow
-def test_a_wall_that_turns_is_drawn_again():
-    wall = dincl.HalfSpace(lambda t: (np.sin(t), np.cos(t)), 0.0)
-    problem = dincl.Problem([[0.0, 0.5]], dincl.drifts.constant((0.0, -1.0)), [wall])
-    _, *frames, _ = messages(InclusionRun(Inclusion("turning", "", problem, 1.0), "PBD", 64, 1.0))
-    normals = [frame[0]["shapes"][0]["normal"] for frame in frames]
-    assert normals[-1] == pytest.approx([np.sin(1.0), np.cos(1.0)])
-    assert len({tuple(normal) for normal in normals}) == len(frames)
 
 
 def test_pictures_of_a_line_of_what_blows_up_and_of_what_fails():
@@ -135,49 +119,3 @@ def test_stop_ends_the_work(allowed):
     assert len(list(integrate(run(CORNER, "PBD", 64), gone))) == allowed
     asked.clear()
     assert [header["kind"] for header, _ in messages(run(CORNER, "PBD", 64), gone)][-1] != "end"
-
-
-def test_without_a_reference_there_is_no_error_and_a_set_of_ones_own_is_drawn_by_its_level():
-    places = np.stack(np.meshgrid(np.arange(20.0), np.arange(16.0))).reshape(2, -1).T
-    crowd = dincl.Problem(places, lambda t, x: -x, [dincl.NonOverlap(0.4)])
-    known = reference(crowd, 1.0)
-    assert known.x is None
-    assert "320 particles" in known.words
-    head, *frames, _ = messages(InclusionRun(Inclusion("crowd", "", crowd, 1.0), "PBD", 4, 1.0))
-    assert head[0]["reference"] is False
-    assert frames[-1][0]["error"] is None
-    assert len(frames[-1][1]) == 3 * 320
-    disc = dincl.Smooth(lambda x: np.array([1 - x[0] @ x[0]]), lambda x: -2 * x[None])
-    inside = dincl.Problem([[0.0, 0.0]], lambda t, x: 0 * x + 1, [disc])
-    _, first, *_ = messages(InclusionRun(Inclusion("disc", "", inside, 2.0), "catch-up", 8, 2.0))
-    (curve,) = first[0]["shapes"]
-    np.testing.assert_allclose(np.hypot(*np.array(curve["points"]).T), 1.0, atol=0.01)
-
-
-@pytest.mark.parametrize("name", ["problem", "mine"])
-def test_a_file_of_ones_own(name, tmp_path):
-    file = tmp_path / "falls.py"
-    file.write_text(OWN.format(name=name) + "t = [0.5, 1.5]\n", "utf-8")
-    own = from_file(file)
-    assert (own.title, own.end) == ("falls.py", 1.5)
-    assert largest("error", InclusionRun(own, "PBD", 32, own.end)) < 1e-12
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("", r"own\.py: names no dincl\.Problem"),
-        ("problem = 3", r"own\.py: problem = 3: must be a dincl\.Problem"),
-        (OWN.format(name="a") + "b = a", "own.py: names several problems, a, b"),
-        ("1 / 0", "own.py: cannot be run: ZeroDivisionError: division by zero"),
-        ("raise SystemExit(2)", "own.py: cannot be run: SystemExit: 2"),
-        ("problem =", "own.py: cannot be run: SyntaxError"),
-        (OWN.format(name="problem") + "t = [0.0]", "own.py: the last of t = .*: must be a finite number > 0"),
-        (OWN.format(name="problem") + "t = 'late'", "own.py: t = 'late': must be finite real numbers"),
-        ("import dincl\nproblem = dincl.scenes.ball_pile(3)", "own.py: d = 3: drawn are problems in 1 or 2"),
-    ],
-)
-def test_wrong_files(text, message, tmp_path):
-    (tmp_path / "own.py").write_text(text, "utf-8")
-    with pytest.raises(dincl.InvalidProblem, match=message):
-        from_file(tmp_path / "own.py")

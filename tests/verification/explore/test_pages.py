@@ -23,17 +23,6 @@ from verification.explore.tissues.setting import Setting
 pytestmark = pytest.mark.slow
 
 RUNS = 400
-FALLS = """
-import numpy as np
-import dincl
-problem = dincl.Problem([[0.3, 1.0]], lambda t, x: np.array([[0.0, -1.0]]) - x, [dincl.HalfSpace((0, 1))])
-"""
-CLOSES = """
-import dincl
-walls = dincl.HalfSpace((0, 1), -0.5, 0.5), dincl.HalfSpace((0, -1), lambda t: t - 1.5, 0.5)
-problem = dincl.Problem([[0.0, 0.0], [0.0, 1.0]], lambda t, x: 0 * x, [dincl.NonOverlap(0.5), *walls])
-t = [0.5]
-"""
 # What the players of both tabs say of their pictures.
 SHOWN = "document.querySelector('.player')?.dataset"
 MOVES = "document.querySelector('.inclusions .player').dataset"
@@ -46,11 +35,8 @@ COUNTED = """([runs, name]) => {
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """It has a file that names a problem, one whose runs fail, and one that names none."""
     folder = tmp_path_factory.mktemp("page")
     write_base(folder, THESIS.with_values(SMALL))
-    for name, text in (("falls", FALLS), ("closes", CLOSES), ("wrong", "problem = 3")):
-        (folder / f"{name}.py").write_text(text, "utf-8")
     return folder
 
 
@@ -301,15 +287,6 @@ def test_a_page_comes_back_when_its_server_does_and_ends_it(opened, tmp_path):
 # The tab of inclusions
 
 
-@contextmanager
-def inclusions(opened, site, width=WIDTHS[0]):
-    with visit(opened, site, width) as page:
-        page.locator("[data-is=runs]").wait_for()
-        page.get_by_role("tab", name="Inclusions").click()
-        says(page, "dt", "dt = 3/64 = 0.0469")
-        yield page
-
-
 def choose(page, label, option):
     page.get_by_role("combobox", name=label, exact=True).locator("xpath=ancestor::label").click()
     page.get_by_role("option", name=option, exact=True).click()
@@ -319,8 +296,11 @@ def says(page, place, text):
     page.locator(f"[data-is='{place}']", has_text=text).wait_for()
 
 
-def test_problem_method_and_dt_show_in_the_picture(opened, site):
-    with inclusions(opened, site) as page:
+def test_problem_method_and_dt_show_in_the_picture_and_a_run_that_fails_says_so(opened, site):
+    with visit(opened, site, min(WIDTHS)) as page:
+        page.locator("[data-is=runs]").wait_for()
+        page.get_by_role("tab", name="Inclusions").click()
+        says(page, "dt", "dt = 3/64 = 0.0469")
         says(page, "reference", "event-driven, estimated error")
         page.wait_for_function(f"{MOVES}.state === 'ready' && {MOVES}.status === 'SUCCESS' && {MOVES}.cells === '10'")
         page.locator(".inclusions .q-slider__track-container").press("ArrowLeft")
@@ -330,32 +310,9 @@ def test_problem_method_and_dt_show_in_the_picture(opened, site):
         choose(page, "problem", "A disc slides over a fixed disc")
         says(page, "reference", "the exact solution")
         page.wait_for_function(f"{MOVES}.cells === '1' && {MOVES}.state === 'ready'")
-
-
-def test_wrong_problems_and_times_are_said_and_change_nothing(opened, site, folder):
-    with inclusions(opened, site) as page:
-        choose(page, "problem", "wrong.py")
-        says(page, "problem-fault", "wrong.py: problem = 3: must be a dincl.Problem")
-        end = page.get_by_role("spinbutton", name="end time")
-        for wrong, message in (("-1", "must be a finite number > 0"), ("", "None"), ("31", "must be at most 30")):
-            end.fill(wrong)
-            end.press("Enter")
-            says(page, "end-fault", message)
-        says(page, "dt", "dt = 3/64 =")
-        choose(page, "problem", "falls.py")
-        says(page, "about", "Problem(N = 1, d = 2, constraints = [HalfSpace])")
-        page.locator("[data-is='end-fault']", has_text="must").wait_for(state="detached")
-        end.fill("2")
-        end.press("Enter")
-        says(page, "dt", "dt = 2/64 =")
-        (folder / "falls.py").write_text(f"{FALLS}t = [0.5]", "utf-8")
-        page.get_by_role("button", name="Read again").click()
-        says(page, "dt", "dt = 0.5/64 =")
-
-
-def test_on_a_telephone_a_run_that_fails_says_so(opened, site):
-    with inclusions(opened, site, min(WIDTHS)) as page:
-        choose(page, "problem", "closes.py")
-        choose(page, "method", "catch-up")
-        page.wait_for_function(f"{MOVES}.status === 'NOT_CONVERGED'")
+        choose(page, "method", "PBD")
+        choose(page, "problem", "Four discs drawn to one point")
+        for _ in range(6):
+            page.locator(".inclusions .q-slider__track-container").press("ArrowRight")
+        page.wait_for_function(f"{MOVES}.status === 'COINCIDENT_CENTRES'")
         fits(page)

@@ -33,13 +33,17 @@ def exact(problem, dt, t):
     return SLIDE.exact(t)
 
 
+def missing(problem, dt, t):
+    import no_such_library  # noqa: F401
+
+
 METHODS = [
     v.Method("PBD", scheme=dincl.PBD),
     v.Method("Euler", scheme=Euler),
     v.Method("Ipopt", scheme=lambda dt: dincl.CatchUp(dt, dincl.Ipopt(tol=1e-9))),
     v.Method("fast", run=exact, compiled=True),
     v.Method("fails", run=lambda problem, dt, t: np.nan * problem.drift(0.0, problem.x0) * np.ones((len(t), 1, 1))),
-    v.Method("small", scheme=dincl.PBD, most_unknowns=1),
+    v.Method("absent", run=missing),
     v.Method("refuses", scheme=lambda tol: dincl.PBD(1e-15), setting="tol"),
     v.Method("slow", scheme=lambda dt: dincl.PBD(dt * 1e-4)),
 ]
@@ -57,7 +61,7 @@ def test_every_method_has_an_entry_that_says_what_its_steps_are_or_why_it_has_no
     )
     found = entries(axes)
     assert {"PBD (compiled)", "Euler (calls Python)", "Ipopt (calls Python)", "fast: not counted"} <= set(found)
-    assert {"fails: failed", "small: left out", "slow: too slow", "refuses: refused"} <= set(found)
+    assert {"fails: failed", "absent: left out", "slow: too slow", "refuses: refused"} <= set(found)
     assert found[charts.FAILED].get_marker() == "x"
     alone = v.work_precision(SLIDE, [METHODS[0], METHODS[3]], [0.1], T, SLIDE.exact, v.CpuSeconds(1.0))
     assert {"PBD (compiled)", "fast (compiled)"} <= set(entries(alone.plot()))

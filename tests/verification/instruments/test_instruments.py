@@ -187,7 +187,10 @@ def own(problem, dt, t):
         ({"settings": [0.1, -1.0]}, "settings = .*: must be 1 or more different numbers > 0"),
         ({"settings": {"tol": [0.1]}}, "settings has no entry 'PBD' or 'dt'"),
         ({"t": [2.0, 1.0]}, "t = .*: must be one or more increasing times"),
-        ({"errors": ("largest", "smallest")}, "errors = .*: must be one or more of largest, final, L2, dense, overlap"),
+        (
+            {"errors": ("largest", "smallest")},
+            "errors = .*: must be one or more of largest, final, overlap, stated",
+        ),
         ({"budget": 2.0}, r"budget = 2.0: must be CpuSeconds\(...\) or DriftEvaluations"),
     ],
 )

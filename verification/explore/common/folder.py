@@ -13,7 +13,7 @@ from dincl.files import write_text
 from tissue.files.parameter_files import PRESETS, read
 from tissue.files.parameters import Parameters, load, preset
 
-TOML, PYTHON = ".toml", ".py"
+TOML = ".toml"
 
 
 class NeedsPython(InvalidProblem):
@@ -33,13 +33,11 @@ class Folder:
             raise InvalidProblem(f"{root}: must be a folder")
         self._imported: set[Path] = set()
 
-    def python_files(self) -> list[str]:
-        """Return the names of the files of Python."""
-        return self._names(PYTHON)
-
     def parameter_files(self) -> list[str]:
         """List the TOML files that hold no study; those that cannot be read say why when they are opened."""
-        return [name for name in self._names(TOML) if not self._is_study(name)]
+        paths = (path for path in self.root.glob(f"*{TOML}") if path.is_file() and not path.name.startswith("."))
+        names = sorted(path.name for path in paths if Path(os.path.realpath(path)).is_relative_to(self.root))
+        return [name for name in names if not self._is_study(name)]
 
     def path(self, name: Any) -> Path:
         """Return where a file of this name is, or would be.
@@ -125,15 +123,8 @@ class Folder:
         found |= {self.path(file) for file in (modules if isinstance(modules, (list, tuple)) else ())}
         return found
 
-    def _names(self, ending: str) -> list[str]:
-        paths = (path for path in self.root.glob(f"*{ending}") if path.is_file() and not path.name.startswith("."))
-        return sorted(path.name for path in paths if self._is_within(path))
-
     def _is_study(self, name: str) -> bool:
         try:
             return "scenarios" in read(self.root / name)
         except InvalidProblem:
             return False
-
-    def _is_within(self, path: Path) -> bool:
-        return Path(os.path.realpath(path)).is_relative_to(self.root)

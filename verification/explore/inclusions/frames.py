@@ -8,10 +8,18 @@ from typing import Any
 
 import numpy as np
 
-from dincl.shapes import Ball, Bonds, Curve, Shape, Wall, radii, region, shapes_at, values_on_grid
+from dincl.shapes import Ball, Bonds, Shape, Wall, radii, region, shapes_at
 from verification.explore.common.streams import ending, message
-from verification.explore.inclusions.problems import PICTURES, Floats, Inclusion, reference
-from verification.explore.inclusions.runs import Gone, InclusionRun, SavedState, integrate
+from verification.explore.inclusions.runs import (
+    PICTURES,
+    Floats,
+    Gone,
+    Inclusion,
+    InclusionRun,
+    SavedState,
+    integrate,
+    reference,
+)
 
 # The least extent along any axis, as a part of the size: a line has a height, too.
 NARROWEST = 0.4
@@ -19,8 +27,6 @@ NARROWEST = 0.4
 AWAY = 2.0
 # What is larger would be no 4-byte number.
 FAR = 1e30
-# Points along each axis at which the level of a curve is looked for.
-LEVEL_POINTS = 60
 
 
 def pictures(run: InclusionRun, gone: Gone) -> Iterator[bytes]:
@@ -46,15 +52,15 @@ class _Film:
     """Writes the messages of one run."""
 
     def __init__(self, run: InclusionRun) -> None:
-        self._problem, self._end = run.inclusion.problem, run.end
-        self._known, self._box = reference(self._problem, self._end).x, box_of(run.inclusion, run.end)
+        self._problem, self._end = run.inclusion.problem, run.inclusion.end
+        self._known, self._box = reference(run.inclusion).x, box_of(run.inclusion)
         self._moves = any(one.timed for one in self._problem.constraints)
         self._shapes: list[dict[str, Any]] | None = None
 
     def head(self) -> bytes:
         """Return what holds for the whole run."""
         common = {"kind": "head", "painter": "discs", "unit": "", "timeUnit": "", "end": self._end}
-        own = {"box": list(self._box), "radius": radii(self._problem).tolist(), "reference": self._known is not None}
+        own = {"box": list(self._box), "radius": radii(self._problem).tolist(), "reference": True}
         return message({**common, **own})
 
     def frames(self, before: SavedState, now: SavedState) -> Iterator[bytes]:
@@ -73,14 +79,13 @@ class _Film:
         error = None if before.error is None or now.error is None else between(before.error, now.error)
         header = {"kind": "frame", "t": t, "particles": len(now.x), "error": error, "overlap": min(overlap, FAR)}
         if self._moves or self._shapes is None:
-            shapes = [drawn for shape in shapes_at(self._problem, t) for drawn in _drawn(shape, self._box)]
+            shapes = [drawn for shape in shapes_at(self._problem, t) for drawn in _drawn(shape)]
             if shapes != self._shapes:
                 header["shapes"] = self._shapes = shapes
         columns = [*self._within(_plane(between(before.x, now.x))).T, np.minimum(between(before.deep, now.deep), FAR)]
-        if self._known is not None:
-            place = t / self._end * PICTURES
-            k = min(int(place), PICTURES - 1)
-            columns += [*_plane(self._known[k] + (place - k) * (self._known[k + 1] - self._known[k])).T]
+        place = t / self._end * PICTURES
+        k = min(int(place), PICTURES - 1)
+        columns += [*_plane(self._known[k] + (place - k) * (self._known[k + 1] - self._known[k])).T]
         return message(header, np.array(columns, "<f4").tobytes())
 
     def _within(self, places: Floats) -> Floats:
@@ -90,15 +95,10 @@ class _Film:
 
 
 @lru_cache(maxsize=32)
-def box_of(inclusion: Inclusion, end: float) -> tuple[float, float, float, float]:
-    """Return what the pictures show, the same for all methods and steps: left, right, low, high.
-
-    Where no solution is known, what PBD makes of the problem shows where its particles go.
-    """
-    problem, states = inclusion.problem, reference(inclusion.problem, end).x
-    if states is None:
-        states = np.array([kept.x for kept in integrate(InclusionRun(inclusion, "PBD", PICTURES, end))])
-    low, high = (_plane(corner) for corner in region(problem, states, (0.0, end)))
+def box_of(inclusion: Inclusion) -> tuple[float, float, float, float]:
+    """Return what the pictures show, the same for all methods and steps: left, right, low, high."""
+    states = reference(inclusion).x
+    low, high = (_plane(corner) for corner in region(inclusion.problem, states, (0.0, inclusion.end)))
     least = NARROWEST * float((high - low).max())
     room = np.maximum(0.0, least - (high - low)) / 2
     left, right, down, up = (float(side) for pair in zip(low - room, high + room, strict=True) for side in pair)
@@ -112,7 +112,7 @@ def _plane(places: Floats) -> Floats:
     return flat
 
 
-def _drawn(shape: Shape, box: tuple[float, float, float, float]) -> Iterator[dict[str, Any]]:
+def _drawn(shape: Shape) -> Iterator[dict[str, Any]]:
     """Give a shape as the player draws it."""
     match shape:
         case Wall(normal, offset):
@@ -121,15 +121,3 @@ def _drawn(shape: Shape, box: tuple[float, float, float, float]) -> Iterator[dic
             yield {"type": "ball", "centre": _plane(centre).tolist(), "radius": radius, "inside": inside}
         case Bonds(pairs):
             yield {"type": "bond", "pairs": pairs.tolist()}
-        case Curve():
-            for line in _level(shape, box):
-                yield {"type": "curve", "points": line.tolist()}
-
-
-def _level(curve: Curve, box: tuple[float, float, float, float]) -> list[Floats]:
-    """Return the lines of a curve."""
-    from contourpy import contour_generator
-
-    x, y = np.linspace(*box[:2], LEVEL_POINTS), np.linspace(*box[2:], LEVEL_POINTS)
-    lines: Any = contour_generator(x, y, values_on_grid(curve, x, y)).lines(0.0)
-    return list(lines)
