@@ -57,6 +57,12 @@ def test_contraction_of_dual_sweeps(count):
     assert cases.contraction(count) == pytest.approx(largest, rel=1e-6)
 
 
+@pytest.mark.parametrize("n", [1, 2, 3, 8])
+def test_penalty_limit_of_a_row(n):
+    matrix = rows.pressed(n).rows_within(0.0, rows.pressed(n).x0, 0.05).jacobian(rows.pressed(n).x0).toarray()
+    assert cases.row_limit(n) == pytest.approx(2 / np.linalg.eigvalsh(matrix @ matrix.T)[-1], rel=1e-12)
+
+
 @pytest.mark.parametrize("n", [1, 2, 4, 6])
 def test_equilibrium_of_pbd_in_a_row(n):
     # All discs, not only the last: overlap of pair k, from the balance of a step.
