@@ -3,8 +3,6 @@
 import contextlib
 import gc
 import os
-import subprocess
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -55,16 +53,6 @@ def pytest_cmdline_main(config: pytest.Config) -> None:
     """Run a single file in this process: a second one would only read it, too."""
     if config.getoption("numprocesses", None) and len(files(config)) == 1:
         config.option.numprocesses = 0
-
-
-def pytest_configure(config: pytest.Config) -> None:
-    """Where tests run in several processes, compile first what each of them would compile."""
-    if os.environ.get("PYTEST_XDIST_WORKER") or not config.getoption("numprocesses", None):
-        return
-    about = ["tissue"] if any("tissue" in file.read_text("utf-8") for file in files(config)) else []
-    commands = ([sys.executable, "-m", "tests.compile_kernels", half, *about] for half in ("steps", "events"))
-    for compiler in [subprocess.Popen(command, cwd=Path(__file__).parents[1]) for command in commands]:
-        compiler.wait()  # if it fails, the tests say what is wrong
 
 
 def files(config: pytest.Config) -> list[Path]:

@@ -27,7 +27,7 @@ from numba.core.event import Listener, install_recorder, register
 from numba.core.sigutils import normalize_signature
 from numba.core.types import Function as BuiltIn
 from numba.core.types import unliteral
-from numba.core.typing import Context
+from numba.core.typing.context import Context
 
 from dincl.compiled.cache import code_cache, is_ours, say
 
@@ -170,10 +170,10 @@ class _Typing(Context):
     def resolve_function_type(self, func: Any, args: Any, kws: Any) -> Any:
         """Return the signature of a function for types of arguments."""
         if kws or type(func) is not BuiltIn:
-            return super().resolve_function_type(func, args, kws)
+            return super().resolve_function_type(func, args, kws)  # type: ignore[no-untyped-call]
         key = func, args
         if key not in self._known:
-            self._known[key] = super().resolve_function_type(func, args, kws)
+            self._known[key] = super().resolve_function_type(func, args, kws)  # type: ignore[no-untyped-call]
         return self._known[key]
 
 

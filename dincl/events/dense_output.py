@@ -99,7 +99,7 @@ class DenseOutput(Between):
             for k in range(table.min(), table.max() + 1):
                 chosen = (table == k) & (times > self._begin)
                 found = x[chosen]
-                code = kernels.states_at(self._workspaces[k], times[chosen], step[chosen], found)
+                code = kernels.integrate(self._workspaces[k], 0, times[chosen], step[chosen], found)
                 if code != OK:
                     self._system.failure(code)
                 x[chosen] = found

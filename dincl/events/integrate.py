@@ -40,12 +40,20 @@ ACCURATE = 1e-2
 MOST_NEWTON, CLOSED_GAP = 4, 1e-14
 # Units in the last place of a time by which an event may be late.
 ROUNDED_TIMES = 4.0
+# No times, steps and states, for a call that makes steps.
+NO_STATES = np.zeros(0), np.zeros(0, dtype=np.int64), np.zeros((0, 0))
 
 
 @kernel
-def integrate(run: Any, most: int) -> int:
-    """Continue to the end, until the table of steps is full, or for ``most`` steps: DONE, FULL or a failure."""
+def integrate(run: Any, most: int, t: Floats, step: Offsets, x: Floats) -> int:
+    """Continue to the end, until the table of steps is full, or for ``most`` steps: DONE, FULL or a failure.
+
+    For ``most`` = 0 write the states at times t within these steps into x (K, n): OK or a failure. A kernel of their
+    own would need much of this one again, and 0.8 s to compile it.
+    """
     state = run.state[0]
+    if most == 0:
+        return write_states(run, t, step, x)
     for _ in range(most):
         code = begin_phase(run) if state.undecided != 0 else OK
         if code == OK:
@@ -209,9 +217,9 @@ def activate(run: EventWorkspace, p: int) -> None:
         run.active.row[k] = run.steps.active[p, k]
 
 
-@kernel
-def states_at(run: Any, t: Floats, step: Offsets, x: Floats) -> int:
-    """Write the states at times t within these steps into x (K, n): the dense output, moved onto the active rows."""
+@inner
+def write_states(run: EventWorkspace, t: Floats, step: Offsets, x: Floats) -> int:
+    """Write states: the dense output, moved onto the active rows."""
     steps, point = run.steps, run.point
     for q in range(t.size):
         p = step[q]

@@ -207,7 +207,7 @@ class EventRun:
                 self._pass_jump()
             began = time.perf_counter()
             with self._system.callbacks():
-                code = kernels.integrate(self._pointer, most)
+                code = kernels.integrate(self._pointer, most, *kernels.NO_STATES)
             most = min(2 * most, kernels.MOST_STEPS) if time.perf_counter() - began < SHORT else most
             self._drain()
             self._system.count(self._work)

@@ -223,7 +223,7 @@ def _clarabel() -> Callable[..., QpAnswer]:
         cone: Any = [clarabel.NonnegativeConeT(m)]
         program = eye_array(n, format="csc"), np.zeros(n), (-matrix).tocsc(), -least
         found: Any = clarabel.DefaultSolver(*program, cone, settings).solve()
-        if str(found.status) not in ("Solved", "AlmostSolved"):
+        if str(found.status) not in ("Solved", "AlmostSolved", "InsufficientProgress"):  # the certificate decides
             raise _stopped("clarabel", found.status)
         return QpAnswer(np.array(found.x), np.maximum(found.z, 0.0), found.iterations)
 

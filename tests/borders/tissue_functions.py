@@ -2,8 +2,6 @@
 
 import math
 
-import tissue
-
 NAN = math.nan
 
 
@@ -39,12 +37,6 @@ def energy_raises(store, strength, numbers):
     raise RuntimeError("no energy")
 
 
-def energy_late(store, strength, numbers):
-    if store.cells.y[0] > -1e9:
-        raise KeyError(3)
-    return 1.0
-
-
 def few(store):
     return 1.0
 
@@ -59,10 +51,6 @@ def writes_text(store, on, strength, numbers):
 
 def returns_text(store, *rest):
     return "text"
-
-
-def calls_python(store, strength, numbers):
-    return tissue.preset("thesis")
 
 
 def begin(store, i, bit, numbers):
@@ -83,10 +71,6 @@ def last(store, i, rest_ax, rest_bx, numbers):
 
 def last_nan(store, i, rest_ax, rest_bx, numbers):
     store.cells.rest_ax[i] = NAN
-
-
-def last_radius(store, i, rest_ax, rest_bx, numbers):
-    store.cells.radius[i] = NAN
 
 
 def last_raises(store, i, rest_ax, rest_bx, numbers):
@@ -144,9 +128,9 @@ def measure_few(frame):
 
 
 PUSHES = (push, push, push, push_nan, push_raises, few, unknown, writes_text)
-ENERGIES = (energy, energy, None, energy_nan, energy_huge, energy_raises, energy_late, few, unknown, returns_text)
+ENERGIES = (energy, energy, None, energy_nan, energy_huge, energy_raises, few, unknown, returns_text)
 BEGINS = (begin, begin, None, begin_nan, begin_raises, few, unknown)
-LASTS = (last, last, None, last_nan, last_radius, last_raises, few, unknown)
+LASTS = (last, last, None, last_nan, last_raises, few, unknown)
 SPLITS = (splits, splits, splits_nan, splits_raises, few, unknown, returns_text)
 PLACES = (place, place, place_nan, place_raises, few, unknown)
 MEASURES = (measure, measure, measure_nan, measure_array, measure_text, measure_raises, measure_few)

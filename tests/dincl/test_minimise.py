@@ -1,5 +1,7 @@
 """The minimisers find known minima and certify them, converge up to their limits, and report what stops them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -83,6 +85,7 @@ def test_known_minima_with_their_multipliers_and_each_evaluation_counted(method)
     assert found.residual <= TOL * (1 + 1e-6)
     assert found.iterations == found.stats.steps > 0
     assert found.stats.drift_evaluations == len(calls) > 5
+    assert find(problem, replace(method, limit=found.iterations)).iterations == found.iterations
     free = find(dincl.Problem([[0.0, 0.0]], lambda t, x: 2 * (np.array([[1.0, -2.0]]) - x)), method)
     np.testing.assert_allclose(free.x, [[1.0, -2.0]], atol=TOL)
     assert free.multipliers.shape == free.families.shape == (0,)

@@ -57,16 +57,11 @@ def taken(kept):
     return Tissue(*store.contents(kept), int(kept.sizes[store.NEXT_ID]), kept.emt)
 
 
-def apply_rules(tissue, t, numbers, draws, noise, named=()):
-    """The tissue after divisions, EMT events, phases, rest lengths and noise."""
-    kept = held(tissue)
-    advance.apply_rules(kept, t, numbers_pointer(numbers, named), rules_pointer([kept]), draws, noise)
-    return taken(kept)
-
-
 def ruled(tissue, t, numbers=STILL, seed=0, named=()):
-    """The tissue after the rules of one time."""
-    return apply_rules(tissue, t, numbers, *generators(seed), named)
+    """The tissue after divisions, EMT events, phases, rest lengths and noise of one time."""
+    kept = held(tissue)
+    advance.apply_rules(kept, t, numbers_pointer(numbers, named), rules_pointer([kept]), *generators(seed))
+    return taken(kept)
 
 
 def make_substeps(cells, layers, numbers, key=(0, 0)):
@@ -83,15 +78,6 @@ def steps(tissue, made, wanted, numbers, draws, noise, named=()):
     assert group.call(made, wanted) == (wanted, advance.DONE)
     assert not group.ended.any()
     return taken(group.states[0])
-
-
-def together(states, wanted, given_numbers, seeds, named=()):
-    """The states after steps made side by side; ``ended`` of each."""
-    room = 4 * max(len(state.cells.x) for state in states)
-    random = [Random(*generators(seed)) for seed in seeds]
-    group = Group([held(state, room) for state in states], given_numbers, random, named=named)
-    assert group.call(0, wanted) == (wanted, advance.DONE)
-    return [taken(kept) for kept in group.states], group.ended
 
 
 @kernel

@@ -186,7 +186,7 @@ def test_what_is_on_both_sides_of_a_type_relaxes_alike():
     """A junction has the mean rate of its two cells; between like cells, and none, its own to the last bit."""
     given, slow = GIVEN._replace(rate_aa=1.0), GIVEN._replace(rate_aa=0.01)
     state = kernels.upright(6, kind=[0, 0, NAMED, NAMED, 0, 0], rest_aa=0.7)
-    after = kernels.apply_rules(state, 0.1, given, *generators(0), [slow]).cells.rest_aa
+    after = kernels.ruled(state, 0.1, given, named=[slow]).cells.rest_aa
     kept = {rate: math.exp(-rate * given.dt) for rate in (1.0, 0.505, 0.01)}
     assert after.tolist() == [0.7 * kept[rate] for rate in (1.0, 0.505, 0.01, 0.505, 1.0, 1.0)]
 

@@ -8,7 +8,7 @@ from tissue.model.extents import height_above
 from tissue.model.springs import basal_length
 from tissue.plugins import EmtEvent
 from tissue.state.numbers import Numbers
-from tissue.state.running import TissueState
+from tissue.state.running import ANY, TissueState
 
 # A point that is no farther above a layer is on it [R_soft]: where the layer bends, its height is 0 up to rounding.
 ON_LAYER = 1e-9
@@ -22,7 +22,7 @@ def last(state: TissueState, i: int, rest_ax: float, rest_bx: float, numbers: Nu
     the line its rest length tends from that before this dt to 0.
     """
     cells, motion = state.cells, state.motion
-    height = height_above(state, cells.bx[i], cells.by[i], cells.bz[i])
+    height = height_above(state, cells.bx[i], cells.by[i], cells.bz[i], ANY)
     running = height > -numbers.run_depth
     moves = 1.0 if not running and numbers.forced_below else 0.0
     motion.moves[i] = moves

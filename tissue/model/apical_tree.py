@@ -17,7 +17,7 @@ from tissue.kernels import kernel
 from tissue.model.scale import Point, crossing_of_ray, junctions_cross, minus, nearest_on_junction, nearest_on_triangle
 from tissue.network.neighbours import apical_points, fresh_triangles
 from tissue.state.cells import Floats, Integers
-from tissue.state.running import APICAL, TissueState
+from tissue.state.running import APICAL, IN_SPACE, Kind, TissueState
 from tissue.state.space import FLAT
 
 # Squares of distances to a box and to a piece in it differ by rounding: boxes that are this much farther are left out.
@@ -121,7 +121,7 @@ def _behind(box: int) -> int:
 
 
 @inner
-def nearest_point(tree: ApicalTree, x: float, y: float, z: float) -> Point:
+def nearest_point(tree: ApicalTree, x: float, y: float, z: float, kind: Kind) -> Point:
     """Return the point of the layer that is nearest to a point, of several the one on the piece with the lowest number.
 
     Where there are periods it is an image: its height is right, and its distance from an image of the point.
@@ -130,7 +130,7 @@ def nearest_point(tree: ApicalTree, x: float, y: float, z: float) -> Point:
     best, number, found = math.inf, -1, (math.nan, math.nan, math.nan)
     for image in range(many_x * many_z):
         at = _image(x, tree.period_x, image % many_x), y, _image(z, tree.period_z, image // many_x)
-        best, number, found = _nearer(tree, at, best, number, found)
+        best, number, found = _nearer(tree, at, best, number, found, kind)
     return found
 
 
@@ -144,7 +144,9 @@ def _image(at: float, period: float, image: int) -> float:
 
 
 @inner
-def _nearer(tree: ApicalTree, at: Point, best: float, number: int, found: Point) -> tuple[float, int, Point]:
+def _nearer(
+    tree: ApicalTree, at: Point, best: float, number: int, found: Point, kind: Kind
+) -> tuple[float, int, Point]:
     """Return the squared distance to the nearest point, the number of its piece, and the point.
 
     ``best``, ``number`` and ``found`` are those of another image, with the number -1 if there is none.
@@ -156,7 +158,7 @@ def _nearer(tree: ApicalTree, at: Point, best: float, number: int, found: Point)
             if _square_to(tree, box + 1, at) < _square_to(tree, box, at):
                 box += 1
             tree.looks[0] += 2
-        best, found = _of_piece(tree, box - leaves, at)
+        best, found = _of_piece(tree, box - leaves, at, kind)
         number, box = tree.numbers[box - leaves], 1
     while box > 0:
         tree.looks[0] += 1
@@ -166,7 +168,7 @@ def _nearer(tree: ApicalTree, at: Point, best: float, number: int, found: Point)
             box *= 2
         else:
             if box - leaves < len(tree.numbers):
-                square, point = _of_piece(tree, box - leaves, at)
+                square, point = _of_piece(tree, box - leaves, at, kind)
                 mine = tree.numbers[box - leaves]
                 if square < best or (square == best and mine < number):
                     best, number, found = square, mine, point
@@ -192,9 +194,9 @@ def corner(tree: ApicalTree, k: int, c: int) -> Point:
 
 
 @inner
-def _of_piece(tree: ApicalTree, k: int, at: Point) -> tuple[float, Point]:
+def _of_piece(tree: ApicalTree, k: int, at: Point, kind: Kind) -> tuple[float, Point]:
     """Return the squared distance from a point to a piece, and the nearest point of the piece."""
-    if tree.points.shape[1] == 2:
+    if len(kind) != IN_SPACE:
         return nearest_on_junction(at, corner(tree, k, 0), corner(tree, k, 1))
     return nearest_on_triangle(at, corner(tree, k, 0), corner(tree, k, 1), corner(tree, k, 2))
 
@@ -217,7 +219,7 @@ def winding(tree: ApicalTree, x: float, y: float) -> int:
 
 
 @inner
-def crossings(tree: ApicalTree, reach: Floats) -> tuple[int, float]:
+def crossings(tree: ApicalTree, reach: Floats, kind: Kind) -> tuple[int, float]:
     """Count the pairs of pieces that cross, and measure the longest loop that a crossing closes.
 
     Pieces are junctions of a slice, or triangles. ``reach``: (p + 1,), the length of the layer up to each junction; a
@@ -238,7 +240,7 @@ def crossings(tree: ApicalTree, reach: Floats) -> tuple[int, float]:
                     box *= 2
                 else:
                     m = box - leaves
-                    if m > k and _cross(tree, k, m, shift_x, shift_z):
+                    if m > k and _cross(tree, k, m, shift_x, shift_z, kind):
                         found += 1
                         loop = max(loop, _loop(tree, reach, k, m))
                     box = _behind(box)
@@ -272,9 +274,9 @@ def _overlap(tree: ApicalTree, one: int, other: int, shift_x: float, shift_z: fl
 
 
 @inner
-def _cross(tree: ApicalTree, k: int, m: int, shift_x: float, shift_z: float) -> bool:
+def _cross(tree: ApicalTree, k: int, m: int, shift_x: float, shift_z: float, kind: Kind) -> bool:
     """Return whether two pieces cross, the first one shifted."""
-    if tree.points.shape[1] == 2:
+    if len(kind) != IN_SPACE:
         if _shared(tree, k, 0, m) or _shared(tree, k, 1, m):
             return False
         return junctions_cross(corner(tree, k, 0), corner(tree, k, 1), corner(tree, m, 0), corner(tree, m, 1))

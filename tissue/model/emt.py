@@ -6,11 +6,11 @@ from dincl.compiled import inner
 from tissue.kernels.rules import Rules, call_begin, call_last
 from tissue.model.scale import ab_position
 from tissue.state.numbers import Numbers, numbers_of
-from tissue.state.running import CELLS, EMT_CELLS, TissueState
+from tissue.state.running import CELLS, EMT_CELLS, Kind, TissueState
 
 
 @inner
-def begin_events(state: TissueState, t: float, numbers: Numbers, rules: Rules) -> None:
+def begin_events(state: TissueState, t: float, numbers: Numbers, rules: Rules, kind: Kind) -> None:
     """Begin each event whose time has come; where it is the first one of a cell, keep its y_AB before it (4.8).
 
     One event after the other, each in all cells: so what a cell meets does not depend on which neighbour is before it.
@@ -29,7 +29,7 @@ def begin_events(state: TissueState, t: float, numbers: Numbers, rules: Rules) -
             emt.new[k] &= ~cells.events[i]
             come |= emt.new[k]
             if emt.new[k] != 0 and cells.events[i] == 0:
-                emt.onset_ab[k] = ab_position(state, i)
+                emt.onset_ab[k] = ab_position(state, i, kind)
     for event in rules.order:
         if (come >> event) & 1 and rules.begin[event] != 0:
             for i in range(n):

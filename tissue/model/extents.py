@@ -6,13 +6,15 @@ from dincl.compiled import inner
 from tissue.kernels.curve import height_of
 from tissue.model.scale import Point, junctions_cross
 from tissue.state.cells import Cells
-from tissue.state.running import APICAL, TissueState
+from tissue.state.running import APICAL, ON_LINE, Kind, TissueState
 from tissue.state.surface import PLANE, height
 
 
 @inner
-def height_above(state: TissueState, x: float, y: float, z: float) -> float:
+def height_above(state: TissueState, x: float, y: float, z: float, kind: Kind) -> float:
     """Return the distance of a point from the basal layer, along its normal; below 0 on the side without tissue."""
+    if len(kind) == ON_LINE:
+        return y
     if state.space.surface.bends != PLANE:
         return height(state.space.surface, x, y, z)
     return height_of(state.curve, x, y)

@@ -17,7 +17,7 @@ from tissue.model.extents import height_above
 from tissue.model.scale import Point, beyond_apical, dot, minus
 from tissue.network.neighbours import basal_points, fresh_triangles
 from tissue.state.cells import Flags, Floats, Integers
-from tissue.state.running import APICAL, BASAL, CELLS, TissueState
+from tissue.state.running import APICAL, BASAL, CELLS, IN_SPACE, ON_CURVE, ON_LINE, Kind, TissueState, kind_of
 from tissue.state.space import FLAT
 from tissue.state.surface import Surface, differences, normal
 
@@ -124,18 +124,18 @@ def measure(state: TissueState) -> Measures:
 def measure_extents(state: TissueState) -> Extents:
     """Measure heights and widths; the apical layer must have a cell."""
     found = np.empty(len(Extents._fields))
-    _measure_extents(state, _basal_triangles(state), found)
+    _measure_extents(state, _basal_triangles(state), found, kind_of(state))
     return Extents._make(found.tolist())
 
 
 @kernel
-def _measure_extents(state: TissueState, basal: Integers, found: Floats) -> None:
+def _measure_extents(state: TissueState, basal: Integers, found: Floats, kind: Kind) -> None:
     cells, layers, n = state.cells, state.layers, state.sizes[CELLS]
     period = state.space.surface.period_x
     low, high, total = math.inf, -math.inf, 0.0
     for k in range(state.sizes[APICAL]):
         i = layers.apical[k]
-        height = height_above(state, cells.ax[i], cells.ay[i], cells.az[i])
+        height = height_above(state, cells.ax[i], cells.ay[i], cells.az[i], kind)
         low, high, total = min(low, cells.ax[i]), max(high, cells.ax[i]), total + height
     found[0], found[2] = total / state.sizes[APICAL], _width(low, high, period)
     low, high = math.inf, -math.inf
@@ -145,27 +145,27 @@ def _measure_extents(state: TissueState, basal: Integers, found: Floats) -> None
     found[3] = _width(low, high, period)
     low, high, total = math.inf, -math.inf, 0.0
     for i in range(n):
-        height = height_above(state, cells.x[i], cells.y[i], cells.z[i])
+        height = height_above(state, cells.x[i], cells.y[i], cells.z[i], kind)
         low, high, total = min(low, cells.x[i]), max(high, cells.x[i]), total + height
     found[1], found[4] = total / n, _width(low, high, period)
-    found[5] = _nuclear_layers(state, basal, high - low)
+    found[5] = _nuclear_layers(state, basal, high - low, kind)
 
 
 @inner
-def _nuclear_layers(state: TissueState, basal: Integers, extent: float) -> float:
+def _nuclear_layers(state: TissueState, basal: Integers, extent: float, kind: Kind) -> float:
     """2 N / (max s - min s + 2), s the arclength of the feet of the nuclei: x above a line, with the extent in x.
 
     In a tube it is 2 N over the length of the basal layer, in space pi N over the area of the basal triangles.
     """
     n, curve = float(state.sizes[CELLS]), state.curve
     layers: float
-    if state.space.dimension != FLAT:
+    if len(kind) == IN_SPACE:
         layers = math.pi * n / _basal_area(state, basal)
         return layers
     if curve.ring > 0.0:
         layers = SOFT_DIAMETER * n / curve.ring
         return layers
-    if curve.bent:
+    if len(kind) == ON_CURVE:
         low, high, length = math.inf, -math.inf, curve.pieces / curve.per_length
         for i in range(state.sizes[CELLS]):
             s = foot_of(curve, state.cells.x[i], state.cells.y[i])
@@ -187,49 +187,50 @@ def measure_positions(state: TissueState, tree: ApicalTree) -> Positions:
     """Measure y_AB of all nuclei, and which of them are outside of the tissue; ``tree`` is that of the same state."""
     n, looks = int(state.sizes[CELLS]), int(tree.looks[0])
     y_ab, outside = np.empty(n), np.zeros((2, n), np.bool_)
-    _measure_positions(state, tree, y_ab, outside)
+    _measure_positions(state, tree, y_ab, outside, kind_of(state))
     return Positions(y_ab, outside[0], outside[1], int(tree.looks[0]) - looks)
 
 
 @kernel
-def _measure_positions(state: TissueState, tree: ApicalTree, y_ab: Floats, outside: Flags) -> None:
+def _measure_positions(state: TissueState, tree: ApicalTree, y_ab: Floats, outside: Flags, kind: Kind) -> None:
     cells = state.cells
     for i in range(state.sizes[CELLS]):
         x, y, z = cells.x[i], cells.y[i], cells.z[i]
-        nearest = nearest_point(tree, x, y, z)
-        height = height_above(state, x, y, z)
-        y_ab[i] = height / height_above(state, nearest[0], nearest[1], nearest[2])
-        if state.curve.ring > 0.0:
+        nearest = nearest_point(tree, x, y, z, kind)
+        height = height_above(state, x, y, z, kind)
+        y_ab[i] = height / height_above(state, nearest[0], nearest[1], nearest[2], kind)
+        outside[0, i], outside[1, i] = y_ab[i] > 1.0, y_ab[i] < 0.0
+        if len(kind) == ON_CURVE and state.curve.ring > 0.0:
             outside[0, i] = beyond_apical(state, winding(tree, x, y))
             outside[1, i] = height < 0.0 and not outside[0, i]
-        else:
-            outside[0, i], outside[1, i] = y_ab[i] > 1.0, y_ab[i] < 0.0
 
 
 def measure_folds(state: TissueState, tree: ApicalTree) -> Folds:
     """Measure how the apical layer lies above the basal layer; ``tree`` is that of the same state."""
     found, reach, looks = np.empty(6), np.zeros(len(tree.numbers) + 1), int(tree.looks[0])
-    _measure_folds(state, tree, _basal_triangles(state), reach, found)
+    _measure_folds(state, tree, _basal_triangles(state), reach, found, kind_of(state))
     loop, backward, stretch, lowest, covered = found[1:].tolist()
     return Folds(int(found[0]), loop, backward, stretch, lowest, covered, int(tree.looks[0]) - looks)
 
 
 @kernel
-def _measure_folds(state: TissueState, tree: ApicalTree, triangles: Integers, reach: Floats, found: Floats) -> None:
+def _measure_folds(
+    state: TissueState, tree: ApicalTree, triangles: Integers, reach: Floats, found: Floats, kind: Kind
+) -> None:
     cells, lowest = state.cells, math.inf
     for k in range(state.sizes[APICAL]):
         i = state.layers.apical[k]
-        lowest = min(lowest, height_above(state, cells.ax[i], cells.ay[i], cells.az[i]))
+        lowest = min(lowest, height_above(state, cells.ax[i], cells.ay[i], cells.az[i], kind))
     found[0], found[1], found[4] = 0.0, 0.0, lowest
-    if state.space.dimension == FLAT:
-        apical, backward, net = _apical_path(state, tree, reach)
+    if len(kind) != IN_SPACE:
+        apical, backward, net = _apical_path(state, tree, reach, kind)
         basal = _basal_path(state)
     else:
         apical, backward, net = _apical_area(state.space.surface, tree)
         basal = _basal_area(state, triangles)
     # What runs forward alone, above a line, does not cross itself.
-    if backward > 0.0 or (apical > 0.0 and (state.curve.bent or state.space.dimension != FLAT)):
-        found[0], found[1] = crossings(tree, reach)
+    if backward > 0.0 or (apical > 0.0 and len(kind) != ON_LINE):
+        found[0], found[1] = crossings(tree, reach, kind)
     found[2] = backward / apical if apical > 0.0 else 0.0
     surface = state.space.surface
     period = surface.period_x * surface.period_z
@@ -240,7 +241,7 @@ def _measure_folds(state: TissueState, tree: ApicalTree, triangles: Integers, re
 
 
 @inner
-def _apical_path(state: TissueState, tree: ApicalTree, reach: Floats) -> tuple[float, float, float]:
+def _apical_path(state: TissueState, tree: ApicalTree, reach: Floats, kind: Kind) -> tuple[float, float, float]:
     """Return the length of the apical layer of a slice, that of its junctions that run backwards, and how far it goes
     along the basal layer.
 
@@ -251,7 +252,7 @@ def _apical_path(state: TissueState, tree: ApicalTree, reach: Floats) -> tuple[f
     for k in range(len(tree.numbers)):
         along_x, along_y = p[k, 1, 0] - p[k, 0, 0], p[k, 1, 1] - p[k, 0, 1]
         length, forward = math.sqrt(along_x * along_x + along_y * along_y), along_x
-        if state.curve.bent:
+        if len(kind) == ON_CURVE:
             s = foot_of(state.curve, 0.5 * (p[k, 0, 0] + p[k, 1, 0]), 0.5 * (p[k, 0, 1] + p[k, 1, 1]))
             _, _, tangent_x, tangent_y = evaluate(state.curve, s)
             forward = along_x * tangent_x + along_y * tangent_y

@@ -7,7 +7,7 @@ import math
 from dincl.compiled import inner
 from tissue.kernels.curve import height_of
 from tissue.state.cells import Cells
-from tissue.state.running import APICAL, CELLS, TissueState
+from tissue.state.running import APICAL, CELLS, IN_SPACE, ON_CURVE, ON_LINE, Kind, TissueState
 from tissue.state.space import SPATIAL, TRIANGLES
 from tissue.state.surface import Surface, differences, height
 
@@ -101,15 +101,15 @@ def dot(a: Point, b: Point) -> float:
 
 
 @inner
-def ab_position(state: TissueState, i: int) -> float:
+def ab_position(state: TissueState, i: int, kind: Kind) -> float:
     """Compute y_AB(X_i)."""
-    if state.space.dimension == SPATIAL:
+    if len(kind) == IN_SPACE and state.space.dimension == SPATIAL:
         return position_in_space(state, i)
-    return position_in_slice(state, i)
+    return position_in_slice(state, i, kind)
 
 
 @inner
-def position_in_slice(state: TissueState, i: int) -> float:
+def position_in_slice(state: TissueState, i: int, kind: Kind) -> float:
     """y_AB(X_i) = h(X_i) / h(A^ref), A^ref the point of the apical path nearest to X_i, of several the first one.
 
     h is the height above the basal layer, y above a line. Looks at all junctions: for one cell;
@@ -123,7 +123,11 @@ def position_in_slice(state: TissueState, i: int) -> float:
         square, point = nearest_on_junction(at, (cells.ax[j], cells.ay[j], 0.0), (cells.ax[end], cells.ay[end], 0.0))
         if square < nearest:
             nearest, reference = square, point
-    position: float = height_of(state.curve, at[0], at[1]) / height_of(state.curve, reference[0], reference[1])
+    position: float
+    if len(kind) == ON_LINE:
+        position = at[1] / reference[1]
+        return position
+    position = height_of(state.curve, at[0], at[1]) / height_of(state.curve, reference[0], reference[1])
     return position
 
 
@@ -175,7 +179,7 @@ def lowest_apical(state: TissueState) -> float:
 
 
 @inner
-def side_of(state: TissueState, i: int, low: float) -> int:
+def side_of(state: TissueState, i: int, low: float, kind: Kind) -> int:
     """-1 for y_AB(X_i) < 0, 1 for y_AB(X_i) > 1, else 0 (4.3); ``low`` of ``lowest_apical``, above the basal line.
 
     In a tube a nucleus is at 1 if it is beyond the apical layer as a whole: the layer encloses a lumen.
@@ -183,11 +187,11 @@ def side_of(state: TissueState, i: int, low: float) -> int:
     x, y = state.cells.x[i], state.cells.y[i]
     if 0.0 <= y <= low:
         return 0
-    if state.curve.ring > 0.0:
+    if len(kind) == ON_CURVE and state.curve.ring > 0.0:
         if beyond_apical(state, winding_around(state, x, y)):
             return 1
         return -int(height_of(state.curve, x, y) < 0.0)
-    position = ab_position(state, i)
+    position = ab_position(state, i, kind)
     return (position > 1.0) - (position < 0.0)
 
 
@@ -202,7 +206,7 @@ def winding_around(state: TissueState, x: float, y: float) -> int:
 
 
 @inner
-def watch_sides(state: TissueState, t: float) -> None:
+def watch_sides(state: TissueState, t: float, kind: Kind) -> None:
     """Keep since when and where each EMT cell is outside of the tissue."""
     cells, emt = state.cells, state.emt
     if len(emt.side) == 0:
@@ -211,6 +215,6 @@ def watch_sides(state: TissueState, t: float) -> None:
     for i in range(state.sizes[CELLS]):
         k = cells.emt[i]
         if k >= 0:
-            side = side_of(state, i, low)
+            side = side_of(state, i, low, kind)
             if side != emt.side[k]:
                 emt.side[k], emt.since[k], emt.since_x[k] = side, t, cells.x[i]

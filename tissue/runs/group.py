@@ -25,7 +25,7 @@ from tissue.runs.compiled_rules import answered, forces_pointer, rules_pointer, 
 from tissue.state.cells import Integers
 from tissue.state.checkpoint import Streams
 from tissue.state.numbers import Numbers, numbers_pointer
-from tissue.state.running import TissueState, grown
+from tissue.state.running import TissueState, grown, kind_of
 from tissue.state.space import FLAT
 from tissue.step.advance import (
     FULL,
@@ -129,7 +129,7 @@ class Group:
         Raises FunctionFailed if a function of a user raised.
         """
         with answered(self.users):
-            made, end = advance(self._step, made, steps, ruled)
+            made, end = advance(self._step, made, steps, ruled, kind_of(*self.states))
         return made, end
 
     def make_substeps(self) -> bool:

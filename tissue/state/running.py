@@ -22,7 +22,7 @@ from tissue.state.cells import (
     first,
     no_emt,
 )
-from tissue.state.space import Space, no_space, with_room
+from tissue.state.space import FLAT, Space, no_space, with_room
 
 # Places in TissueState.sizes
 CELLS, APICAL, BASAL, NEXT_ID, EMT_CELLS, JUMPED = range(6)
@@ -173,6 +173,19 @@ _EXAMPLE = _room(2, no_emt(), STRAIGHT, no_space())
 STATE = struct_type(_EXAMPLE)
 # The state at an address, inside of kernels.
 state_at = reader(_EXAMPLE)
+
+# What kernels must be able to do: slices above a line, any slice, any tissue. As numba knows the length of a tuple, it
+# compiles what this takes, and no more.
+Kind = tuple[int, ...]
+ON_LINE, ON_CURVE, IN_SPACE = range(3)
+ANY = (0,) * IN_SPACE
+
+
+def kind_of(*states: TissueState) -> Kind:
+    """Return as many zeros as the kind of these tissues."""
+    if any(state.space.dimension != FLAT for state in states):
+        return ANY
+    return (0,) * (ON_CURVE if any(state.curve.bent for state in states) else ON_LINE)
 
 
 def copied(emt: Emt) -> Emt:

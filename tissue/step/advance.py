@@ -21,7 +21,7 @@ from tissue.model.scale import watch_sides
 from tissue.network.neighbours import has_room
 from tissue.state.cells import Floats, Integers
 from tissue.state.numbers import Numbers, numbers_at
-from tissue.state.running import APICAL, BASAL, CELLS, TissueState, state_at
+from tissue.state.running import ANY, APICAL, BASAL, CELLS, ON_CURVE, Kind, TissueState, state_at
 from tissue.state.space import FLAT, SPATIAL
 from tissue.step.copies import copy_from_workspace, copy_in, copy_out, copy_to_workspace
 
@@ -58,12 +58,12 @@ call_move = call(MOVE)
 
 
 @kernel
-def advance(step: StepInput, made: int, steps: int, ruled: bool) -> tuple[int, int]:
+def advance(step: StepInput, made: int, steps: int, ruled: bool, kind: Kind) -> tuple[int, int]:
     """Make the steps ``made`` to ``steps``, the k-th to t = (k + 1) dt; how many are made then, and how the call ended.
 
     A tissue that is lost, or whose lumen is closed, stays as it is from then on: ``ended`` is set to the step that
     failed. After FULL nothing is lost: put the cells into larger states and go on. After LEFT renew the networks and
-    go on with ``ruled``: the rules of the next step have been applied.
+    go on with ``ruled``: the rules of the next step have been applied. ``kind``: of the tissues.
     """
     rules, states, ended, dt = rules_at(step.rules), step.states, step.ended, numbers_at(step.numbers[0]).dt
     while made < steps:
@@ -79,7 +79,7 @@ def advance(step: StepInput, made: int, steps: int, ruled: bool) -> tuple[int, i
                     generator_at(step.random[1], k),
                 )
                 outside = count_outside(state)
-                apply_rules(state, t, numbers_at(step.numbers[k]), rules, draws, noise)
+                _apply_rules(state, t, numbers_at(step.numbers[k]), rules, draws, noise, kind)
                 if state.space.dimension != FLAT and count_outside(state) - outside > MANY * state.sizes[CELLS]:
                     return made, LEFT
         ruled = False
@@ -88,10 +88,10 @@ def advance(step: StepInput, made: int, steps: int, ruled: bool) -> tuple[int, i
         for k in range(len(states)):
             if ended[k] == RUNNING:
                 state = state_at(states[k])
-                if find_lost(state) >= 0 or is_closed(state):
+                if find_lost(state) >= 0 or (len(kind) == ON_CURVE and is_closed(state)):
                     ended[k] = made + 1
                 else:
-                    watch_sides(state, t)
+                    watch_sides(state, t, kind)
         made += 1
     return made, DONE
 
@@ -145,10 +145,18 @@ def is_full(state: TissueState, t: float) -> bool:
 def apply_rules(
     state: TissueState, t: float, numbers: Numbers, rules: Rules, draws: Generator, noise: Generator
 ) -> None:
+    """Apply what happens once per dt before cells move."""
+    _apply_rules(state, t, numbers, rules, draws, noise, ANY)
+
+
+@inner
+def _apply_rules(
+    state: TissueState, t: float, numbers: Numbers, rules: Rules, draws: Generator, noise: Generator, kind: Kind
+) -> None:
     """Apply what happens once per dt before cells move: divisions, events, phases, rest lengths, noise or its key."""
     state.clock[0] = t
     divide(state, t, numbers, rules, draws)
-    begin_events(state, t, numbers, rules)
+    begin_events(state, t, numbers, rules, kind)
     set_phases(state, t, numbers)
     adapt_rest_lengths(state, t, numbers, rules)
     if numbers.noise_in_substeps:

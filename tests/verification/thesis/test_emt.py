@@ -295,18 +295,6 @@ def test_orders_are_compared_at_the_same_time_of_a() -> None:
             assert more.value > abs(same.value)
 
 
-def ratios(basal: int) -> dict[str, pd.DataFrame]:
-    """400 isolated cells a scenario; ``basal`` of those with protrusions leave basally."""
-    counts = {"[A]": (60, 100), "[B]": (0, 40), "[S]": (0, 170), "[BP]": (basal, 30)}
-    rows = [
-        {"study": study, "scenario": scenario, "what": what, "count": count, "of": 400, "effective": 400.0}
-        for study in (f"figure10{ending}" for ending in PRESETS.values())
-        for scenario, both in counts.items()
-        for what, count in zip(("basal", "apical"), both, strict=True)
-    ]
-    return {frequencies.RATIOS: pd.DataFrame(rows)}
-
-
 # By reading, where those differ: with the printed energies, by the published program, with the corrected energies.
 READ_AS = {
     "c4.remain": "OPEN HOLDS HOLDS",
@@ -345,10 +333,3 @@ def test_the_readings_differ_where_it_is_said_and_one_of_them_decides() -> None:
         if len(set(readings)) > 1:
             found[name] = " ".join(readings)
     assert found == READ_AS
-
-
-@pytest.mark.parametrize(("basal", "verdict"), [(350, Verdict.HOLDS), (260, Verdict.OPEN), (10, Verdict.REFUTED)])
-def test_protrusions_are_judged_by_the_interval(basal: int, verdict: Verdict) -> None:
-    evidence = CLAIMS["c4.protrusions"].decide(ratios(basal))
-    assert evidence.verdict is verdict, evidence.measured
-    assert evidence.runs_needed
