@@ -296,7 +296,7 @@ def says(page, place, text):
     page.locator(f"[data-is='{place}']", has_text=text).wait_for()
 
 
-def test_problem_method_and_dt_show_in_the_picture_and_a_run_that_fails_says_so(opened, site):
+def test_problem_method_and_dt_show_in_the_picture_on_a_telephone(opened, site):
     with visit(opened, site, min(WIDTHS)) as page:
         page.locator("[data-is=runs]").wait_for()
         page.get_by_role("tab", name="Inclusions").click()
@@ -310,9 +310,4 @@ def test_problem_method_and_dt_show_in_the_picture_and_a_run_that_fails_says_so(
         choose(page, "problem", "A disc slides over a fixed disc")
         says(page, "reference", "the exact solution")
         page.wait_for_function(f"{MOVES}.cells === '1' && {MOVES}.state === 'ready'")
-        choose(page, "method", "PBD")
-        choose(page, "problem", "Four discs drawn to one point")
-        for _ in range(6):
-            page.locator(".inclusions .q-slider__track-container").press("ArrowRight")
-        page.wait_for_function(f"{MOVES}.status === 'COINCIDENT_CENTRES'")
         fits(page)
