@@ -171,10 +171,11 @@ class _Typing(Context):
         """Return the signature of a function for types of arguments."""
         if kws or type(func) is not BuiltIn:
             return super().resolve_function_type(func, args, kws)  # type: ignore[no-untyped-call]
-        key = func, args
-        if key not in self._known:
-            self._known[key] = super().resolve_function_type(func, args, kws)  # type: ignore[no-untyped-call]
-        return self._known[key]
+        found = self._known.get((func, args))
+        if found is None:
+            found = super().resolve_function_type(func, args, kws)  # type: ignore[no-untyped-call]
+            self._known[func, args] = found
+        return found
 
 
 class _Compiler(Compiler):
