@@ -31,8 +31,17 @@ unexport PYTHONDONTWRITEBYTECODE
 .PHONY: report test numba-range lint docs bench everything dist lock clean
 .DELETE_ON_ERROR:
 
-report: .venv/thesis
-	$(BIN)/verification report $(if $(filter-out 0,$(FULL)),--full)
+# With none of its sources newer, the site is not written again: $(BIN)/verification report does so.
+SITE := $(shell find dincl meanfield tissue verification docs *.md *.cff pyproject.toml requirements.lock -type f \
+	! -path '*/__pycache__/*' ! -path 'docs/made/*')
+IN_FULL := $(if $(filter-out 0,$(FULL)),-full)
+
+report: report/.written$(IN_FULL)
+	@echo 'report/index.html is complete'
+
+report/.written$(IN_FULL): $(SITE) | .venv/thesis
+	$(BIN)/verification report $(if $(IN_FULL),--full)
+	@touch $@
 
 test: .venv/test
 	$(ONE_THREAD) $(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder -q $(ARGS)
