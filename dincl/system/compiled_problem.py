@@ -70,6 +70,8 @@ FAILURES = {
 MOST_DENSE = 100_000
 # Step of the differences for velocities of moving sets [time], unless ``spacing`` is set.
 SPACING = 1e-3
+# Changes of general sets between two times are kept for so many: a step asks for few.
+MOST_CHANGES = 64
 
 
 class Units(NamedTuple):
@@ -159,8 +161,9 @@ class SetsPointer(PythonFunction):
 
     def _select(self, selection: Selection, called: tuple[int, ...]) -> int:
         """Take the rows that Python evaluates, and return their number."""
-        # The time whose numbers are in the table, for each general set.
+        # The time whose numbers are in the table, for each general set; and its changes between two times.
         self._written: dict[int, float] = {}
+        self._changes: dict[tuple[int, float, float], tuple[float, Any, float]] = {}
         self._blocks, self._starts = selection.blocks, np.cumsum([0, *map(len, selection.blocks)])
         self._called: list[tuple[int, RowsOfOneKind]] = [(f, selection.blocks[f]) for f in called]
         return sum(len(block) for _, block in self._called)
@@ -258,20 +261,36 @@ class SetsPointer(PythonFunction):
 
     def _write(self, t: float, f: int, one: Constraint, x: Any, *, rates: bool) -> None:
         """Write the change of a general set, the numbers of its rows in the table, and their rates of change."""
-        arrays, unit, system, mine = self.arrays, self._units, self.system.value, slice(*self._starts[f : f + 2])
-        # The bound must also hold for rows that the next search will list, whose radius is not known yet.
-        radius = max(float(system.near.radius[0]) * unit.length, longest(x))
-        arrays.change[f] = one.change(float(arrays.since[0]) * unit.time, t, x, radius) / unit.length
+        arrays, unit, table, mine = self.arrays, self._units, self.system.value.rows, slice(*self._starts[f : f + 2])
+        arrays.change[f] = self._change(t, f, one, x) / unit.length
         if not len(self._blocks[f]) or (self._written.get(f) == t and not rates):
             return
         rows = one.rows_at(t, self._blocks[f], self._shape)
         part = rows.tabulated(self._shape[1])
         if part is not None:
-            write_numbers(system.rows, mine, in_units(part, unit.length))
+            write_numbers(table, mine, in_units(part, unit.length))
             self._written[f] = t
         if rates:
             found = gap_rates(one, self._blocks[f], t, x, *self._differences(t)) / row_lengths(rows, x)
             arrays.rate[mine] = found / unit.speed
+
+    def _change(self, t: float, f: int, one: Constraint, x: Any) -> float:
+        """Return the change of a set between the time it is compared with and t, near x.
+
+        A step asks for it at the same two times and several points near each other.
+        """
+        since, near = float(self.arrays.since[0]) * self._units.time, self.system.value.near
+        search_radius = float(near.radius[0]) * self._units.length
+        found = self._changes.get((f, since, t))
+        if found is not None and longest(x - found[1]) + search_radius <= found[2]:
+            return found[0]
+        # The bound must also hold for rows that the next search will list, whose radius is not known yet.
+        radius = max(search_radius, longest(x))
+        change = one.change(since, t, x, radius)
+        if len(self._changes) >= MOST_CHANGES:
+            self._changes.clear()
+        self._changes[f, since, t] = change, x.copy(), radius
+        return change
 
     def _evaluate(self, t: float, x: Any) -> None:
         """Write values and Jacobian of the rows that Python evaluates."""

@@ -38,8 +38,8 @@ NONE_SMOOTH: Mapping[int, Sequence[Interval]] = {}
 EPS = float(np.finfo(float).eps)
 # Values of one function at most: as many as a run of a few hundred steps takes. They resolve about sixty breaks.
 MOST_VALUES = 5000
-# What is not smooth is cut at this part. No cut is at a time that people choose, for a break that lies on a cut is in
-# neither part.
+# What is not smooth is cut at this part, or at one minus it: the part where the function turns most is the shorter one.
+# No cut is at a time that people choose, for a break that lies on a cut is in neither part.
 CUT = 0.3819660112501051
 # A run of at least so many equal steps looks at sets at the time of one step in so many, but at most so many times,
 # besides output times.
@@ -253,7 +253,7 @@ def _common(tables: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
 class _Piece(NamedTuple):
     """A function from a to b: how far it is from a polynomial, and the largest ratio of this to what rounding allows.
 
-    That is the one of the component ``axis``, at the time ``outlier`` or, without one, at the nodes.
+    That is the one of the component ``axis``; values are known at ``times``.
     """
 
     a: float
@@ -261,7 +261,6 @@ class _Piece(NamedTuple):
     defect: float
     ratio: float
     axis: int
-    outlier: float | None
     times: NDArray[np.float64]
     resolved: bool = False
 
@@ -386,27 +385,24 @@ class _Search:
         values = self._at(nodes)
         steepest = (np.abs(np.diff(values, axis=0)) / np.diff(nodes)[:, None]).max(axis=0)
         coefficients = COEFFICIENTS @ values
-        defect, outlier = np.abs(coefficients[-2:]).max(axis=0), None
         looks = self.looks[(self.looks > a) & (self.looks < b)]
-        between = np.zeros((0, len(defect)))
+        between = np.zeros((1, values.shape[1]))
         if len(looks):
             between = np.abs(self._at(looks) - chebval(2.0 * (looks - a) / (b - a) - 1.0, coefficients).T) / BETWEEN
+        defect = np.maximum(np.abs(coefficients[-2:]).max(axis=0), between.max(axis=0))
         allowed = ROUNDING * (self._largest + b * steepest)
         allowed[allowed == 0.0] = np.inf  # a function that is zero everywhere
-        ratio = np.maximum(defect, between.max(axis=0, initial=0.0)) / allowed
-        axis = int(ratio.argmax())
-        if len(looks) and between[:, axis].max() > defect[axis]:
-            outlier = float(looks[between[:, axis].argmax()])
-        times = np.union1d(nodes, looks)
-        largest = float(np.maximum(defect, between.max(axis=0, initial=0.0)).max())
-        return _Piece(a, b, largest, float(ratio[axis]), axis, outlier, times)
+        axis = int((defect / allowed).argmax())
+        ratio = float(defect[axis] / allowed[axis])
+        return _Piece(a, b, float(defect.max()), ratio, axis, np.union1d(nodes, looks))
 
     def _split(self, piece: _Piece) -> None:
         """Divide a piece at a break, or cut it."""
         a, b = piece.a, piece.b
-        found = self._break_of(piece) if piece.defect > self._negligible else None
+        left, right = self._turn_of(piece)
+        found = self._bisected(left, right, piece.axis) if piece.defect > self._negligible else None
         if found is None:
-            cut = a + CUT * (b - a)
+            cut = a + (CUT if left < 0.5 * (a + b) else 1.0 - CUT) * (b - a)
             self._add(a, cut, piece.defect, resolved=piece.resolved)
             self._add(cut, b, piece.defect, resolved=piece.resolved)
             return
@@ -421,19 +417,14 @@ class _Search:
             if (start, stop) != found:
                 self._add(start, stop, resolved=piece.resolved)
 
-    def _break_of(self, piece: _Piece) -> Interval | None:
-        """Locate a break in the part of a piece between two of its times where the slope changes most."""
-        times = piece.times if piece.outlier is not None else piece.a + (piece.b - piece.a) * NODES
-        times[-1] = piece.b
-        change = np.abs(np.diff(self._at(times)[:, piece.axis]))
-        if piece.outlier is not None:
-            k = int(np.searchsorted(times, piece.outlier))
-            k = k - 1 if change[k - 1] >= change[k] else k
-        else:
-            slope = np.diff(self._at(times)[:, piece.axis]) / np.diff(times)
-            turn = np.abs(np.diff(slope))
-            k = int((np.append(turn, 0.0) + np.append(0.0, turn)).argmax())
-        return self._bisected(float(times[k]), float(times[k + 1]), piece.axis)
+    def _turn_of(self, piece: _Piece) -> Interval:
+        """Return the known times before and after that at which the slope changes most, by more than rounding."""
+        times, values = piece.times, self._at(piece.times)[:, piece.axis]
+        apart = np.diff(times)
+        turn = np.abs(np.diff(np.diff(values) / apart))
+        turn -= OF_DIFFERENCE * np.abs(values).max() / np.minimum(apart[1:], apart[:-1])
+        k = int(turn.argmax())
+        return float(times[k]), float(times[k + 2])
 
     def _bisected(self, a: float, b: float, axis: int) -> Interval | None:
         """Halve the interval from a to b: keep the half whose slope differs more from the slope beside it.
@@ -450,7 +441,7 @@ class _Search:
         width, edge, largest = b - a, EDGE * (b - a), 0.0
         if not a < a + edge < b - edge < b:
             return a, b
-        # The slopes before and after are those from and to these times; at first they are inside.
+        # The slopes before and after are those from and to these times; inside, at an end that has not moved.
         start, stop = a, b
         before, after = slope(a, a + edge), slope(b - edge, b)
         while a < (middle := 0.5 * (a + b)) < b and b - a > EPS**2 * self._end:
@@ -459,6 +450,12 @@ class _Search:
                 stop, b, after = b, middle, right
             else:
                 start, a, before = a, middle, left
+            if b - a < 4.0 * edge:
+                edge = EDGE * (b - a)
+                if start == a < a + edge:
+                    before = slope(a, a + edge)
+                if b - edge < b == stop:
+                    after = slope(b - edge, b)
             # A slope beside the interval over a much longer time differs from the one inside though all is smooth.
             if a - start > BESIDE_AT_MOST * (b - a):
                 start = a - 2.0 * (b - a)

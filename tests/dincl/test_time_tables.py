@@ -108,6 +108,34 @@ def test_a_function_of_time_is_called_less_often_than_there_are_steps(scheme):
     assert max(calls) <= 1.0
 
 
+@pytest.mark.parametrize(
+    ("height", "places", "scheme", "most"),
+    [
+        # A kink close to a time that is looked at is one break, and beside a root pieces become short from both sides.
+        (lambda t: abs(t), np.linspace(0.06, 0.94, 31), dincl.AdaptiveCatchUp(1e-3), 500),
+        (lambda t: np.sqrt(max(t, 0.0)), [0.81, 0.2], dincl.AdaptiveCatchUp(1e-3), 2500),
+        (lambda t: np.sqrt(max(-t, 0.0)), [0.81, 0.2], dincl.AdaptiveCatchUp(1e-3), 2500),
+        # A set that Python evaluates is asked at three points of a step, and compared with where it was once a time.
+        (lambda t: t, [0.5], dincl.MidpointCatchUp(1 / 50, dincl.ActiveSet(1e-10)), 500),
+        (lambda t: t, [0.5], dincl.LinearisedCatchUp(1 / 50, dincl.ActiveSet(1e-10)), 200),
+    ],
+    ids=["kink", "root", "root before", "midpoint", "linearised"],
+)
+def test_a_function_of_time_is_called_seldom(height, places, scheme, most):
+    for place in places:
+        calls = []
+
+        def path(t, place=place, calls=calls):
+            calls.append(t)
+            return 0.0, 0.2 * height(t - place)
+
+        floor = dincl.Moving(dincl.HalfSpace((0, 1), -1.3, 0.1), path)
+        dincl.solve(
+            dincl.Problem(X0, dincl.drifts.swirl((0.3, 0.0), 1.0), [floor], mobility=[1.0, 2.0, 1.0]), scheme, 1.0
+        )
+        assert len(calls) <= most
+
+
 def test_what_a_set_refuses_between_steps_that_are_looked_at_ends_the_run():
     """A radius that is negative for a tenth of the run, and a pulse of 32 steps at an output time."""
     shrinks = dincl.InsideBall(centre=(0, 0), distance=lambda t: 4 * (t - 0.5) ** 2 - 0.01)
