@@ -93,7 +93,7 @@ class PagesInABrowser:
             page.select_option(".register [name=verdict]", "")
             name = claims["id"].iloc[-1]
             page.locator(".register a").get_by_text(name, exact=True).click()
-            assert page.locator(f"[id='{name}']").get_attribute("open") == ""
+            page.locator(f"[id='{name}'][open]").wait_for()
             assert page.locator(f"[id='{name}'] dd").first.evaluate(IN_SIGHT)
 
     def test_chart_names_the_cheapest_methods_that_the_instrument_names_and_sections_lead_to_their_scenes(
