@@ -6,11 +6,12 @@ import datetime
 import enum
 import inspect
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from functools import cache, partial
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, version
+from itertools import zip_longest
 from pathlib import Path
 from types import CodeType, ModuleType
 from typing import Any
@@ -23,7 +24,8 @@ LIBRARIES = (
     *("numpy", "scipy", "numba", "pandas", "casadi", "clarabel", "cvxpy-base", "daqp", "piqp"),
     *("mpmath", "python-flint", "POT", "sympy", "z3-solver"),
 )
-LONGEST_SETTING = 1000
+# Longest setting that is written as it is, and longest part of one in a message [characters].
+LONGEST_SETTING, LONGEST_SHOWN = 1000, 80
 # Numbers, texts, tuples and arrays of a module that a setting names where a function reads them.
 CONSTANTS = (bool, int, float, complex, str, bytes, tuple, np.ndarray, np.generic)
 
@@ -59,8 +61,17 @@ def differences(old: Mapping[str, str], new: Mapping[str, str]) -> list[str]:
         elif name not in after:
             lines.append(f"setting {name} is gone")
         elif before[name] != after[name]:
-            lines.append(f"setting {name}: {before[name]} -> {after[name]}")
+            lines.append(f"setting {name}: {' -> '.join(_parting(str(before[name]), str(after[name])))}")
     return lines
+
+
+def _parting(*texts: str) -> Sequence[str]:
+    """Return texts, of long ones what stands around the first place where they differ."""
+    if max(map(len, texts)) <= LONGEST_SHOWN:
+        return texts
+    parting = next(k for k, (one, *others) in enumerate(zip_longest(*texts)) if [one] != others)
+    first = max(0, parting - LONGEST_SHOWN // 2)
+    return [f"...{text[first : first + LONGEST_SHOWN]}..." for text in texts]
 
 
 def libraries() -> dict[str, str]:
