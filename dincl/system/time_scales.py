@@ -71,7 +71,7 @@ LOCATED = 1e-3
 FALLS = 0.25
 # Coefficients from this one on are the rough part of what is not resolved.
 ROUGH = 9
-# A function that is smooth from one break to the next is resolved by this part of the way.
+# A function that is smooth from one break to the next is resolved by so many steps.
 RESOLVED = 4
 # A polynomial that leaves so small a part of the accuracy resolves a function for steps that estimate their error.
 PART_OF_ACCURACY = 1e-3
@@ -320,8 +320,12 @@ class _Search:
         return found
 
     def pieces(self, *, at_nodes: bool) -> NDArray[np.float64]:
-        """Return until when steps may be how long, (P, 2): what is not resolved in one step, or from node to node."""
-        found = [(b, (b - a) / RESOLVED) for a, b in self._resolved]
+        """Return until when steps may be how long, (P, 2): what is not resolved in one step, or from node to node.
+
+        What is resolved takes RESOLVED steps from break to break, if all breaks are found.
+        """
+        part = 1 if self._waiting else RESOLVED
+        found = [(b, (b - a) / part) for a, b in self._resolved]
         for *_, piece in self._waiting:
             if not piece.resolved:
                 times = piece.times if at_nodes else np.array([piece.a, piece.b])
