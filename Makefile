@@ -48,7 +48,7 @@ test: .venv/test
 
 # One process: most of the time goes into compiling, and processes would compile the same kernels.
 numba-range: .venv/test
-	$(ONE_THREAD) $(BIN)/python -m tests.numba_range
+	$(ONE_THREAD) $(BIN)/python -m tools.numba_range
 
 lint: .venv/lint
 	$(BIN)/ruff check .
@@ -80,7 +80,7 @@ dist: .venv/dist
 	mv build/audit/dincl_testbed_data/pyproject.toml build/audit
 	$(BIN)/python -m build --no-isolation --outdir dist build/dist
 	cd build/dist && NUMBA_CPU_NAME=x86-64-v3 NUMBA_CPU_FEATURES= NUMBA_CACHE_DIR=dincl/compiled/shipped \
-		../../$(BIN)/python -m tests.usual_kernels
+		../../$(BIN)/python -m tools.usual_kernels
 	$(BIN)/python -m build --no-isolation --wheel --outdir dist build/dist \
 		"--config-setting=--build-option=--plat-name=manylinux_2_28_x86_64 \
 		--python-tag=$$($(BIN)/python -c 'import sys; print("cp%d%d" % sys.version_info[:2])')"
@@ -101,7 +101,7 @@ dist: .venv/dist
 # Without --no-compile, code that nobody imports would take half a minute and a tenth of the disk.
 .venv/%: .venv/made pyproject.toml
 	$(PIP) install --quiet --no-compile --no-build-isolation --constraint requirements.lock --editable '.[$*]'
-	$(BIN)/python -m tests.link_copies
+	$(BIN)/python -m tools.link_copies
 	@touch $@
 
 # The lock is made with the oldest Python supported: newer ones take the same versions, but not the other way round.

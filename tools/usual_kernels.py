@@ -1,4 +1,4 @@
-"""Compile the usual kernels, for the wheel that brings their machine code: ``python -m tests.usual_kernels``.
+"""Compile the usual kernels, for the wheel that brings their machine code: ``python -m tools.usual_kernels``.
 
 ``make dist`` runs this with NUMBA_CACHE_DIR in the copy of the sources that it builds the wheel from.
 """

@@ -1,4 +1,4 @@
-"""Identical files of the environment get one place on the disk: ``python -m tests.link_copies``, after an install.
+"""Identical files of the environment get one place on the disk: ``python -m tools.link_copies``, after an install.
 
 Wheels cannot hold links, so casadi, z3 and others ship a library once for each of its names: 160 MB in all.
 """
