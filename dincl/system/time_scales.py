@@ -354,7 +354,7 @@ class _Search:
         found = self._values.get(t)
         if found is None:
             found = self._values[t] = self._function(t)
-            if self._values and found.size != (count := self._values[self._start].size):
+            if found.size != (count := self._values[self._start].size):
                 raise StepFailure(
                     Status.CONSTRAINT_FAILED,
                     f"{self._name}: its functions of time return {found.size} numbers at t = {t:.6g}, {count} at "
