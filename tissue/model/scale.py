@@ -7,7 +7,7 @@ import math
 from dincl.compiled import inner
 from tissue.kernels.curve import height_of
 from tissue.state.cells import Cells
-from tissue.state.running import APICAL, CELLS, IN_SPACE, ON_CURVE, ON_LINE, Kind, TissueState
+from tissue.state.running import APICAL, CELLS, IN_SPACE, ON_LINE, Kind, TissueState
 from tissue.state.space import SPATIAL, TRIANGLES
 from tissue.state.surface import Surface, differences, height
 
@@ -187,7 +187,7 @@ def side_of(state: TissueState, i: int, low: float, kind: Kind) -> int:
     x, y = state.cells.x[i], state.cells.y[i]
     if 0.0 <= y <= low:
         return 0
-    if len(kind) == ON_CURVE and state.curve.ring > 0.0:
+    if len(kind) != ON_LINE and state.curve.ring > 0.0:
         if beyond_apical(state, winding_around(state, x, y)):
             return 1
         return -int(height_of(state.curve, x, y) < 0.0)

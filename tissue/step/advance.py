@@ -21,7 +21,7 @@ from tissue.model.scale import watch_sides
 from tissue.network.neighbours import has_room
 from tissue.state.cells import Floats, Integers
 from tissue.state.numbers import Numbers, numbers_at
-from tissue.state.running import ANY, APICAL, BASAL, CELLS, ON_CURVE, Kind, TissueState, state_at
+from tissue.state.running import ANY, APICAL, BASAL, CELLS, ON_LINE, Kind, TissueState, state_at
 from tissue.state.space import FLAT, SPATIAL
 from tissue.step.copies import copy_from_workspace, copy_in, copy_out, copy_to_workspace
 
@@ -88,7 +88,7 @@ def advance(step: StepInput, made: int, steps: int, ruled: bool, kind: Kind) -> 
         for k in range(len(states)):
             if ended[k] == RUNNING:
                 state = state_at(states[k])
-                if find_lost(state) >= 0 or (len(kind) == ON_CURVE and is_closed(state)):
+                if find_lost(state) >= 0 or (len(kind) != ON_LINE and is_closed(state)):
                     ended[k] = made + 1
                 else:
                     watch_sides(state, t, kind)
