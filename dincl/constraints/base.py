@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeAlias, cast
 
@@ -96,7 +97,7 @@ class Constraint(ABC):
 
 
 class Recent:
-    """What has values at times, of which it keeps the last ones."""
+    """Keeps values that were made for the last few times."""
 
     def recent(self, t: float, value: Callable[[], Any]) -> Any:
         """Return a value of time t, made if none is kept."""
@@ -137,10 +138,8 @@ class Timed(Recent, Constraint):
 
     def _made(self, t: float) -> Any:
         values = {name: value if value.ndim else float(value) for name, value in self._numbers(t).items()}
-        try:
+        with self._refusals(t):
             return replace(cast(Any, self), **values)
-        except InvalidProblem as error:
-            raise StepFailure(Status.CONSTRAINT_FAILED, f"{type(self).__name__} at t = {t:g}: {error}.") from error
 
     def _numbers(self, t: float) -> dict[str, NDArray[np.float64]]:
         """Return what the functions of time return, by the names of the fields."""
@@ -181,11 +180,17 @@ class Timed(Recent, Constraint):
     def _checked_at(self, t: float, count: int, d: int) -> Self:
         found = self.at(t)
         if self.timed:
-            try:
+            with self._refusals(t):
                 found.check(count, d)
-            except InvalidProblem as error:
-                raise StepFailure(Status.CONSTRAINT_FAILED, f"{type(self).__name__} at t = {t:g}: {error}.") from error
         return found
+
+    @contextmanager
+    def _refusals(self, t: float) -> Iterator[None]:
+        """Turn the refusal of numbers, which functions returned at time t, into a StepFailure."""
+        try:
+            yield
+        except InvalidProblem as error:
+            raise StepFailure(Status.CONSTRAINT_FAILED, f"{type(self).__name__} at t = {t:g}: {error}.") from error
 
 
 def members(particles: Any, count: int) -> NDArray[np.int64]:

@@ -258,7 +258,7 @@ class MaxDistance(Distances):
         return rows.take(rows.values(x) <= 2 * search_radius)
 
     def updated(self, rows: DistanceRows, count: int) -> DistanceRows:
-        """Of a pair that is listed more than once every row gets the least length."""
+        """Give each row the least length that its pair has: a pair may be listed more than once."""
         pairs = np.asarray(self.pairs)
         names, place = np.unique(pairs @ (count, 1), return_inverse=True)
         least = np.full(len(names), np.inf)

@@ -6,7 +6,7 @@ import datetime
 import enum
 import inspect
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import fields, is_dataclass
 from functools import cache, partial
 from hashlib import sha256
@@ -65,13 +65,14 @@ def differences(old: Mapping[str, str], new: Mapping[str, str]) -> list[str]:
     return lines
 
 
-def _parting(*texts: str) -> Sequence[str]:
-    """Return texts, of long ones what stands around the first place where they differ."""
-    if max(map(len, texts)) <= LONGEST_SHOWN:
-        return texts
-    parting = next(k for k, (one, *others) in enumerate(zip_longest(*texts)) if [one] != others)
+def _parting(old: str, new: str) -> tuple[str, str]:
+    """Return two different texts, of long ones what stands around the first place where they differ."""
+    if max(len(old), len(new)) <= LONGEST_SHOWN:
+        return old, new
+    parting = next(k for k, (before, after) in enumerate(zip_longest(old, new)) if before != after)
     first = max(0, parting - LONGEST_SHOWN // 2)
-    return [f"...{text[first : first + LONGEST_SHOWN]}..." for text in texts]
+    shown = slice(first, first + LONGEST_SHOWN)
+    return f"...{old[shown]}...", f"...{new[shown]}..."
 
 
 def libraries() -> dict[str, str]:
