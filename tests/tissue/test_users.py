@@ -94,10 +94,10 @@ def test_what_others_draw_is_not_changed(own):
     times = {"emt.a": "1 h to 4 h, 50 %", "emt.squeeze": "1 h to 4 h, 50 %"}
     with_own = tissue.load(own).changed(times)
     without = PUBLISHED.changed({"emt.cells": 4, "emt.a": "1 h to 4 h, 50 %"})
-    (one, _), (two, _) = (started(given, streams(3)) for given in (with_own, without))
+    one, two = (started(given, streams(3)) for given in (with_own, without))
     np.testing.assert_array_equal(one.emt.at[row("a")], two.emt.at[row("a")])
     np.testing.assert_array_equal(one.cells.x, two.cells.x)
-    third, _ = started(with_own.changed({"emt.a": "never", "emt.s": "2 h"}), streams(3))
+    third = started(with_own.changed({"emt.a": "never", "emt.s": "2 h"}), streams(3))
     np.testing.assert_array_equal(one.emt.at[row("squeeze")], third.emt.at[row("squeeze")])
     assert not np.isinf(third.emt.at[row("squeeze")]).all()
 

@@ -27,8 +27,8 @@ from tissue.network.lattice import Lattice, ball_lattice, flat_lattice, round_la
 from tissue.plugins import DivisionRule
 from tissue.state.basal_curve import LINE, BasalCurve
 from tissue.state.cells import PARAMETERS
-from tissue.state.numbers import Daha, Numbers, StartNumbers, UserNumbers
-from tissue.state.space import MEAN, PRESENT, SPATIAL
+from tissue.state.numbers import Numbers, StartNumbers, UserNumbers
+from tissue.state.space import SPATIAL
 
 # The choices that are yes or no for kernels: the key, and its value that is yes.
 CHOICES = {
@@ -62,7 +62,6 @@ class Parameters(BaseModel):
     emt: sections.EmtGroup
     events: sections.Events
     forces: sections.Forces = sections.Forces.model_validate({})
-    daha: sections.Daha
     layer: sections.Layer = sections.Layer()
     space: sections.Space = sections.Space()
     types: sections.Types = sections.Types.model_validate({})
@@ -158,10 +157,6 @@ class Parameters(BaseModel):
         found |= {"nuclei_low": low * found["height"], "nuclei_high": high * found["height"]}
         return StartNumbers(**{name: found[name] for name in StartNumbers._fields})
 
-    def daha_numbers(self) -> Daha:
-        """Return the parameters of the solver of the quasi-steady model."""
-        return Daha(**dict(self.daha))
-
     def division_rule(self) -> DivisionRule:
         """Return the rule of what becomes of a cell at the end of its cycle."""
         return division_rules()[self.division.rule]
@@ -184,13 +179,11 @@ class Parameters(BaseModel):
             return round_lattice(cells, self.rows(), around, inside=inside, periodic=periodic)
         return flat_lattice(cells, self.rows(), found["basal_spacing"], periodic=periodic)
 
-    def joining(self) -> tuple[float, int]:
-        """Return the longest edge at a free boundary of a tissue in space [R_soft], inf without one; and the rule of
-        the rest length of new neighbours.
-        """
+    def longest_edge(self) -> float:
+        """Return the longest edge at a free boundary of a tissue in space [R_soft]; inf without one."""
         longest = max(LEAST_EDGE, EDGE * self._plain(self.tissue)["max_basal_distance"])
         free = self.space.boundary == "open" and self.layer.shape != "sphere"
-        return longest if free else math.inf, MEAN if self.space.new_rest == "mean" else PRESENT
+        return longest if free else math.inf
 
     def groups(self) -> tuple[CellGroup, ...]:
         """Return the groups that are no control cells: that of [emt], then each named type."""

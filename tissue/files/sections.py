@@ -36,7 +36,7 @@ from tissue.plugins import Force, registered
 from tissue.state.basal_curve import LINE, BasalCurve, ellipse, through
 from tissue.state.cells import PARAMETERS
 
-T1, T2, T3, T4, T5 = (f"Table {k} of chapter 3" for k in range(1, 6))
+T1, T2, T3, T5 = (f"Table {k} of chapter 3" for k in (1, 2, 3, 5))
 CURVED = "chapter 3 names curved layers as further work"
 DEEP = "chapter 3 names three dimensions as further work"
 TYPESCRIPT = "the public TypeScript program"
@@ -469,18 +469,6 @@ class Forces(Section):
         return tuple((known[name], strength) for name, strength in sorted(self) if strength > 0)
 
 
-class Daha(Section):
-    """[daha]: the damped Arrow-Hurwicz method of the quasi-steady model."""
-
-    alpha: q.Positive = key("weight of the energy and of the multipliers", f"{T4}, (3.25)", "alpha")
-    beta: q.Positive = key("rate of the multipliers", f"{T4}, Method 3.4", "beta")
-    gamma: q.NonNegative = key("weight of the term against oscillations", f"{T4}, (3.25)", "gamma")
-    c: q.Positive = key("damping", f"{T4}, (3.25)", "c")
-    dtau: q.Positive = key("step", f"{T4}, (3.25)", "Delta tau")
-    eps: q.Positive = key("relative move at which the iteration ends", f"{T4}, (3.24)", "epsilon")
-    most_iterations: Annotated[int, q.count(1_000_000_000)] = key("iterations after which it gives up")
-
-
 class Layer(Section):
     """[layer]: the basal layer, a line in the thesis."""
 
@@ -545,9 +533,4 @@ class Space(Section):
         "what is beyond the ends of a plane or of a cylinder: the tissue again, or nothing",
         DEEP,
         default="periodic",
-    )
-    new_rest: Literal["mean", "distance"] = key(
-        "rest length of the junction of new neighbours: the mean of the junctions that both have, or their distance",
-        DEEP,
-        default="mean",
     )

@@ -64,7 +64,7 @@ def resumed(parameters: Parameters, start: Frame, seed: int) -> tuple[TissueStat
         getattr(cells, name)[changed] = getattr(start.cells, name)[changed]
     curve = curve_numbers(parameters.curve())
     capacity = 2 * len(cells.x)
-    space = in_plane() if start.sheets is None else space_of(start.sheets, parameters.joining(), capacity)
+    space = in_plane() if start.sheets is None else space_of(start.sheets, parameters.longest_edge(), capacity)
     state = new_state(cells, start.layers, past.next_id, emt, capacity=capacity, curve=curve, space=space)
     state.counts[:], state.clock[:] = past.counts, start.t
     lost = find_lost(state)
