@@ -186,7 +186,7 @@ def event(name, begin=nothing, **more):
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: event("c"), "EmtEvent c: must have another name or mark, C is amb"),
+        (lambda: event("c"), "EmtEvent c: must have another name, C is amb"),
         (lambda: event("Two words"), "name = 'Two words': must be lower-case"),
         (lambda: event("idle", None), "EmtEvent idle: must have a function begin, last, or both"),
         (lambda: event("a"), "EmtEvent a: must have another"),
