@@ -19,7 +19,6 @@ from tissue.frames.observables import extents, height
 from verification.thesis.chapter3.frozen import FLOORED
 from verification.thesis.chapter3.growing import growing_from, nuclei, rms, with_noise
 from verification.thesis.chapter3.intervals import CONFIDENCE, over_seeds
-from verification.thesis.quasi_steady.iteration import TABLE_4, Daha
 from verification.thesis.quasi_steady.run import simulate_quasi_steady
 
 Floats = NDArray[np.float64]
@@ -30,7 +29,7 @@ DOUBLED = {"daha.alpha": 2e-4, "daha.gamma": 2e-3}
 PRINTED, TERMINATING, SQUARED, PROGRAM = READINGS = (
     *("as printed", "desired rest lengths ≥ 0", "squared denominators", "published program"),
 )
-DOUBLED_CASE, OWN = f"{TERMINATING}, alpha doubled", TABLE_4.eps
+DOUBLED_CASE, OWN = f"{TERMINATING}, alpha doubled", 1e-6
 CASES: dict[str, tuple[str, dict[str, Any]]] = {
     PRINTED: ("thesis", {}),
     TERMINATING: ("thesis", FLOORED),
@@ -92,14 +91,7 @@ def study(smallest: bool = False) -> Study:
 def parameters_of(case: str, end: float = END) -> Parameters:
     """Return the parameters of a case."""
     name, changes = CASES[case]
-    own = {key: value for key, value in changes.items() if key not in DOUBLED}
-    return preset(name).changed({**own, "numerics.t_end": f"{end:g} h", "numerics.keep": "1 h"})
-
-
-def daha_of(case: str) -> Daha:
-    """Return the numbers of DAHA of a case."""
-    changes = CASES[case][1]
-    return Daha(**{key.removeprefix("daha."): changes[key] for key in DOUBLED if key in changes})
+    return preset(name).changed({**changes, "numerics.t_end": f"{end:g} h", "numerics.keep": "1 h", "daha.eps": OWN})
 
 
 def grown(key: Key, end: float = END) -> list[Row]:
@@ -111,7 +103,7 @@ def grown(key: Key, end: float = END) -> list[Row]:
     parameters, seed = parameters_of(key["case"], end), key["seed"]
     _warm_up()
     began = time.process_time()
-    run = simulate_quasi_steady(parameters, seed, daha_of(key["case"]))
+    run = simulate_quasi_steady(parameters, seed)
     seconds = time.process_time() - began
     about = {"kind": "run", "t": run.final.t, "seconds": seconds, "terminated": bool(run.status)}
     rows: list[dict[str, Any]] = [about | {"status": run.status.name, "iterations": int(run.iterations.sum())}]
@@ -127,8 +119,8 @@ def grown(key: Key, end: float = END) -> list[Row]:
 @cache
 def _warm_up() -> None:
     """Load and compile, apart from what is timed."""
-    quick = parameters_of(PRINTED, 1.0)
-    simulate_quasi_steady(quick, 0, Daha(most_iterations=1))
+    quick = parameters_of(PRINTED, 1.0).changed({"daha.most_iterations": 1})
+    simulate_quasi_steady(quick, 0)
     growing_from(quick, 0).to(1.0)
 
 
@@ -165,7 +157,8 @@ def iterations(table: pd.DataFrame) -> pd.DataFrame:
     for case, mine in table[table["kind"] == "step"].groupby("case"):
         done = mine.loc[mine["terminated"].astype(bool), "iterations"]
         low, middle, high = done.quantile([0.25, 0.5, 0.75])
-        whole = parameters_of(str(case)).numbers().dt / (middle * daha_of(str(case)).alpha)
+        parameters = parameters_of(str(case))
+        whole = parameters.numbers().dt / (middle * parameters.daha_numbers().alpha)
         counts = {"steps": len(mine), "terminated": len(done), "violation": mine["violation"].max()}
         about = {"case": case, "low": low, "median": middle, "high": high, "mean": done.mean()}
         rows.append(about | {"whole": whole, "half": 2 * whole} | counts)

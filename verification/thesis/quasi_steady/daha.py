@@ -15,17 +15,15 @@ from dincl.status import Status
 from tissue.model.energy import energy
 from tissue.rules.slice import in_plane
 from tissue.state.cells import CellLayers, Cells
-from tissue.state.numbers import Numbers, numbers_pointer
+from tissue.state.numbers import Daha, Numbers, numbers_pointer
 from tissue.state.running import contents, new_state
 from tissue.step.advance import DONE
 from verification.thesis.quasi_steady.frozen import constraints, particles
 from verification.thesis.quasi_steady.iteration import (
     CROWDED,
     NON_FINITE,
-    TABLE_4,
     TOO_FAR,
     UNFINISHED,
-    Daha,
     iterate,
     memory_for,
     scale_of,
@@ -89,9 +87,11 @@ class TissueArrowHurwicz:
 
     The rule looks at the last move only: it asks neither for a small gradient nor for g >= 0. |z| depends on the
     origin of the coordinates: the farther away it is, the earlier the iteration stops.
+
+    ``numbers`` are alpha, beta, gamma, c, dtau, eps and most_iterations, as ``Parameters.daha_numbers()`` gives them.
     """
 
-    numbers: Daha = TABLE_4
+    numbers: Daha
 
     def minimise(self, cells: Cells, layers: CellLayers, numbers: Numbers) -> Stopped:
         """Return the state at which the rule (3.24) stops the iteration from ``cells``, which need not be in S.

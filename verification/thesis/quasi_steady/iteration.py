@@ -22,7 +22,7 @@ from tissue.model.junctions import pull_junctions
 from tissue.model.motion import move
 from tissue.model.repulsion import push_in_rows
 from tissue.state.cells import COORDINATES, Floats, Integers
-from tissue.state.numbers import Numbers
+from tissue.state.numbers import Daha, Numbers
 from tissue.state.running import BASAL, STRAIGHT, state_at
 from tissue.step.advance import DONE
 from tissue.step.copies import copy_in, copy_out
@@ -38,26 +38,6 @@ TOO_FAR = LOST**2 / 2
 MOST = 32
 # Gap up to which pairs are listed [R_soft]: nuclei may move by half of this before they are listed again.
 LISTED_GAP = 0.1
-
-
-class Daha(NamedTuple):
-    """The numbers of DAHA, those of Table 4 of chapter 3 if none are given; lengths are in units of R_soft.
-
-    (3.26), (3.27) and (3.32) leave out a factor: for c dtau = 2 a step of (3.25) is alpha/2, not alpha. This does not
-    change Table 4, but the mu that (3.32) derives from it: 0.267 h in place of 0.133 h.
-    """
-
-    alpha: float = 1e-4  # weight of the descent and of the multipliers (3.25)
-    beta: float = 0.25  # of the ascent in the multipliers (Method 3.4)
-    gamma: float = 1e-3  # of the term that damps the constraints (3.25)
-    c: float = 2.0  # damping (3.25)
-    dtau: float = 1.0  # step (3.25)
-    eps: float = 1e-6  # of the stopping rule (3.24)
-    # After these it has not terminated. The thesis reports that it may not, and 7500 as the usual number.
-    most_iterations: int = 100_000
-
-
-TABLE_4 = Daha()
 
 
 class Multipliers(NamedTuple):

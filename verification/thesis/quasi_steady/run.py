@@ -19,7 +19,6 @@ from tissue.state.numbers import numbers_pointer
 from tissue.state.running import COUNTERS, TissueState, contents, grown
 from tissue.step.advance import apply_rules, is_full
 from verification.thesis.quasi_steady.daha import TissueArrowHurwicz
-from verification.thesis.quasi_steady.iteration import TABLE_4, Daha
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -44,25 +43,26 @@ class QuasiSteadyRun(Run):
     violation: Floats
 
 
-def simulate_quasi_steady(parameters: Parameters, seed: int = 0, daha: Daha = TABLE_4) -> QuasiSteadyRun:
+def simulate_quasi_steady(parameters: Parameters, seed: int = 0) -> QuasiSteadyRun:
     """Grow a tissue from t = 0 to ``parameters.t_end`` through minima of its energy.
 
     Z^{k+1} in argmin W(Z, P^{k+1}) over S, near (A^k, X^k + noise, B^k)  (Model 3.1). Rules, noise and divisions are
-    those of ``simulate`` with the same seed; mu and the substeps do not matter. The parameters must be of a slice on a
-    line, with noise in each step, hard discs and without EMT cells; ``daha``: the numbers of DAHA.
+    those of ``simulate`` with the same seed; mu and the substeps do not matter. The numbers of DAHA are those in
+    ``parameters``, which must be of a slice on a line, with noise in each step, hard discs and without EMT cells.
 
     The run goes up to the step in which DAHA fails, such as one in which it does not terminate; ``status`` says so.
     """
-    return _Steps(parameters, seed, TissueArrowHurwicz(daha)).run()
+    return _Steps(parameters, seed).run()
 
 
 class _Steps:
     """Makes the steps and keeps what DAHA says about each."""
 
-    def __init__(self, parameters: Parameters, seed: int, minimiser: TissueArrowHurwicz) -> None:
-        self._parameters, self._seed, self._minimiser = parameters, seed, minimiser
+    def __init__(self, parameters: Parameters, seed: int) -> None:
+        self._parameters, self._seed = parameters, seed
+        self._minimiser = TissueArrowHurwicz(parameters.daha_numbers())
         self._random = streams(seed)
-        self._state = started(parameters, self._random)
+        self._state, self._separation = started(parameters, self._random)
         self._found: list[tuple[int, bool, float, float]] = []
 
     def run(self) -> QuasiSteadyRun:
@@ -77,7 +77,7 @@ class _Steps:
             if not status:
                 break
         stats = dict(zip(COUNTERS, self._state.counts.tolist(), strict=True))
-        run = Run(self._parameters, self._seed, tuple(frames), status, detail, stats, "")
+        run = Run(self._parameters, self._seed, tuple(frames), status, detail, stats, self._separation)
         iterations, terminated, energy, violation = (np.array(column) for column in zip(*self._found, strict=True))
         return QuasiSteadyRun(
             **vars(run), iterations=iterations, terminated=terminated, energy=energy, violation=violation
@@ -86,7 +86,7 @@ class _Steps:
     def _frame(self, t: float) -> Frame:
         """Return a copy of the present state."""
         text = self._parameters.as_toml()
-        checkpoint = checkpoint_at(self._state, self._seed, self._random, text)
+        checkpoint = checkpoint_at(self._state, self._seed, self._random, self._separation, text)
         return Frame(t, *contents(self._state), checkpoint=checkpoint)
 
     def _step(self, t: float) -> tuple[Status, str]:

@@ -43,7 +43,6 @@ from verification.thesis.chapter3.sampled import (
 )
 from verification.thesis.quasi_steady.daha import TissueArrowHurwicz
 from verification.thesis.quasi_steady.frozen import particles
-from verification.thesis.quasi_steady.iteration import TABLE_4, Daha
 
 SHARE, DISTANCE = 0.25, 0.06
 # "Roughly every fourth", "close to", "almost optimal": what is taken as such.
@@ -66,8 +65,8 @@ def ways(seed: int) -> list[float]:
     """
     found = []
     for t in (1.0, 5.0):
-        state = begun(floored(), seed, t)
-        own, coarse = (TissueArrowHurwicz(Daha(eps=k * OWN)).minimise(*state).cells for k in (1, 10))
+        state, numbers = begun(floored(), seed, t), floored().daha_numbers()
+        own, coarse = (TissueArrowHurwicz(numbers._replace(eps=k * OWN)).minimise(*state).cells for k in (1, 10))
         least = minimum(own, state).cells
         x, *ends = (particles(cells)[: len(state.cells.x)] for cells in (state.cells, least, own, coarse))
         far, *moved = (float(np.linalg.norm(end - x)) for end in ends)
@@ -90,7 +89,7 @@ def ways(seed: int) -> list[float]:
 )
 def _part_way(tables: Tables) -> Evidence:
     row = row_of(tables["tissue_judged_steps"], where="DAHA")
-    left = row["gradient"] * TABLE_4.alpha / (2 * OWN)
+    left = row["gradient"] * floored().daha_numbers().alpha / (2 * OWN)
     own, coarse = zip(*map(ways, SEEDS), strict=True)
     return Evidence(
         printed=(
