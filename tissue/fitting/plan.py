@@ -80,7 +80,8 @@ class Range:
         """Return the parts of the range that runs have: where it counts something, those of whole numbers."""
         if not self.whole:
             return part
-        value, low, high = np.round(self.value(part)), self.low, self.high
+        low, high = self.low, self.high
+        value: Floats = np.round(self.value(part))
         return np.log(value / low) / np.log(high / low) if self.log else (value - low) / (high - low)
 
     @property

@@ -79,7 +79,7 @@ def _rest_lengths(network: Network, pairs: Integers) -> Floats:
     if not len(edges):
         return np.zeros(len(pairs))
     total = np.bincount(edges.ravel(), np.repeat(rest, 2), room)[pairs].sum(axis=1)
-    mean = total / np.maximum(np.bincount(edges.ravel(), minlength=room)[pairs].sum(axis=1), 1)
+    mean: Floats = total / np.maximum(np.bincount(edges.ravel(), minlength=room)[pairs].sum(axis=1), 1)
     known, wanted = edges[:, 0] * room + edges[:, 1], pairs[:, 0] * room + pairs[:, 1]
     order = np.argsort(known)
     known = known[order]
