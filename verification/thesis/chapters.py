@@ -2,6 +2,7 @@
 
 from verification.methods import page as experiments
 from verification.methods.chart import page as chart
+from verification.methods.decisions import section as decisions
 from verification.methods.hard import page as hard
 from verification.methods.stability import page as stability
 from verification.site.report import Page
@@ -16,6 +17,6 @@ from verification.tissues.space import page as space
 
 # The claims read the tables of all others.
 PAGES: tuple[Page, ...] = (
-    *(experiments, chart, needs, stability, hard, geometry),
+    *(experiments, chart, decisions, needs, stability, hard, geometry),
     *(minimisers, transitions, curved, space, meanfield, claims),
 )
