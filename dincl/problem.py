@@ -143,9 +143,9 @@ class Problem:
 
     def _repr_html_(self) -> str:
         """Show the picture in notebooks; words alone without matplotlib or for d > 2."""
-        from dincl.plotting import problem_to_html
+        from dincl.plotting import film_of_start, to_html
 
-        return problem_to_html(self)
+        return to_html(film_of_start(self, np.zeros(1)))
 
     def _check(self, *, feasible: bool = True, t: float = 0.0) -> None:
         """Raise InvalidProblem unless drift and constraints can be evaluated at the start, and it is ``feasible``."""
