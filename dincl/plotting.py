@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from dincl.problem import Problem
 
-__all__ = ["Axes", "Film", "film_of_start", "log_ticks", "plot", "plot_problem", "to_html"]
+__all__ = ["Axes", "Film", "log_ticks", "plot", "plot_problem", "to_html"]
 
 Floats = NDArray[np.float64]
 STYLE: Any = {
@@ -78,7 +78,7 @@ def plot(film: Film, ax: Axes | None = None) -> Axes:
 
 def plot_problem(problem: Problem, times: Floats, ax: Axes | None) -> Axes:
     """See ``Problem.plot``."""
-    film = film_of_start(problem, times)
+    film = Film(problem, times[:1], problem.x0[None], str(getattr(problem, "title", "start")), "")
     view = _view(film._replace(t=times))
     with _style():
         ax = ax or _new_axes()
@@ -90,7 +90,7 @@ def plot_problem(problem: Problem, times: Floats, ax: Axes | None) -> Axes:
 
 
 def to_html(film: Film) -> str:
-    """Return the picture as a figure of HTML; words alone without matplotlib or for d > 2."""
+    """See ``Trajectory._repr_html_``."""
     words = html.escape(film.words)
     if film.x.shape[2] > 2 or find_spec("matplotlib") is None:
         return f"<p>{words}</p>"
@@ -101,12 +101,6 @@ def to_html(film: Film) -> str:
         figure.savefig(picture, dpi=DPI)
     data = base64.b64encode(picture.getvalue()).decode()
     return f'<figure><img alt="{words}" src="data:image/png;base64,{data}"><figcaption>{words}</figcaption></figure>'
-
-
-def film_of_start(problem: Problem, times: Floats) -> Film:
-    """Return the start of a problem as a state at the first of these times."""
-    title = str(getattr(problem, "title", "start"))
-    return Film(problem, times[:1], problem.x0[None], title, f"{problem!r}.")
 
 
 def _view(film: Film) -> View:
