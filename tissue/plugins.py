@@ -301,6 +301,8 @@ class Variable:
 class Parameter:
     """A key ``own.NAME`` of parameter files, and a number ``numbers.NAME`` for functions of users.
 
+    Cells of a named type may have another value, the key ``types.TYPE.own.NAME``, for events and rules of divisions.
+
     Attributes
     ----------
     name

@@ -395,6 +395,12 @@ def test_a_surface_holds_basal_points_against_a_force(when, moved):
         ({"own.ratio": 0.5}, "own.ratio = 0.5: must be a number without unit from 1 to inf, such as 0.2"),
         ({"own.ratio": "3 um"}, r'own.ratio = "3 um": must be a number without unit from 1'),
         ({"own.ratios": 2}, "own.ratios = 2: unknown key; the nearest known one is own.ratio$"),
+        (
+            {"types.sensing.own.ratio": 0.5},
+            "types.sensing.own.ratio = 0.5: must be a number without unit from 1",
+        ),
+        ({"types.sensing.own.speed": "2 h"}, r'types.sensing.own.speed = "2 h": must be a speed from -1 to 1000 um/h'),
+        ({"types.sensing.own.ratios": 2}, "types.sensing.own.ratios = 2: unknown key; .* is types.sensing.own.ratio$"),
         ({"forces.wall": -1}, "forces.wall = -1: must be a number >= 0, without unit"),
         ({"forces.wall": "1 um"}, "forces.wall = '1 um': must be a number >= 0, without unit"),
         ({"forces.walls": 1}, "forces.walls = 1: unknown key; the nearest known one is forces.wall$"),
@@ -416,7 +422,11 @@ def test_parameters_are_keys_of_files_and_studies(tmp_path):
     text = STUDY.replace("mine", "again").replace("emt.squeeze", "own.ratio").replace('"1 h to 4 h"', "4")
     (tmp_path / "study.toml").write_text(text.replace('own.ratio = "never"', ""), "utf-8")
     found = load_study(tmp_path / "study.toml").scenarios
-    assert [one.own.value("ratio") for one in found.values()] == [4.0, 2.5]
+    assert [one.own.values()["ratio"] for one in found.values()] == [4.0, 2.5]
+    of_type = given.changed({"types.sensing.own.uptake": "3 nM/h"})
+    assert (of_type.numbers().own, of_type.named_numbers()[0].own[:4]) == (given.numbers().own, (3.0, 5.0, 180.0, 2.5))
+    (tmp_path / "typed.toml").write_text(of_type.as_toml(), "utf-8")
+    assert tissue.load(tmp_path / "typed.toml") == of_type != given
 
 
 @pytest.mark.usefixtures("variables")

@@ -125,12 +125,12 @@ class Parameters(BaseModel):
 
     def named_numbers(self) -> tuple[Numbers, ...]:
         """Return the numbers of the cells of each named type, in the order of [types]."""
-        return tuple(self.numbers_of(*self.of_type(one)) for one in self.types.named().values())
+        return tuple(self.numbers_of(*self.of_type(one), one.own) for one in self.types.named().values())
 
     def of_type(self, one: sections.TypeKeys) -> tuple[sections.Tissue, sections.Cell]:
         """Return [tissue] and [cell] with what a type has of its own."""
         own: dict[str, dict[str, Any]] = {"tissue": {}, "cell": {}}
-        for name, value in one.own().items():
+        for name, value in one.changes().items():
             own[sections.OWN_KEYS[name]][name] = value
         return self.tissue.model_copy(update=own["tissue"]), self.cell.model_copy(update=own["cell"])
 
@@ -139,12 +139,13 @@ class Parameters(BaseModel):
         unit, values = self.cell.soft_radius, (pair for section in of for pair in section)
         return {name: value.over(unit) if isinstance(value, Quantity) else value for name, value in values}
 
-    def numbers_of(self, tissue: sections.Tissue, cell: sections.Cell) -> Numbers:
-        """Fill the numbers by name from all sections, of which these two may be those of a type."""
+    def numbers_of(self, tissue: sections.Tissue, cell: sections.Cell, own: sections.UserKeys | None = None) -> Numbers:
+        """Fill the numbers by name from all sections, of which these may be those of a type."""
         found = self._plain(tissue, cell, self.numerics, self.rules, self.division, self.events)
         found |= {name: found[key] == yes for name, (key, yes) in CHOICES.items()}
         found |= {"variance": 2 * found["diffusion"], "repulsion": self.rules.repulsion_factor * cell.alpha_xx}
-        found["own"] = UserNumbers(*self._plain([(name, self.own.value(name)) for name in PARAMETERS]).values())
+        of_users = self.own.values() | (own.given() if own else {})
+        found["own"] = UserNumbers(*self._plain([(name, of_users[name]) for name in PARAMETERS]).values())
         return Numbers(**{name: found[name] for name in Numbers._fields})
 
     def start_numbers(self) -> StartNumbers:

@@ -125,8 +125,8 @@ Place = Annotated[
 ]
 
 
-class Own(Section):
-    """[own]: what is not in this package: files of users, and by their names the parameters that these register."""
+class UserKeys(Section):
+    """Parameters that files of users register, by their names."""
 
     model_config = ConfigDict(extra="allow")
     __pydantic_extra__: dict[
@@ -134,14 +134,8 @@ class Own(Section):
         Annotated[Any, PlainSerializer(lambda value: str(value) if isinstance(value, Quantity) else value)],
     ]
 
-    modules: Modules = key(
-        "files, relative to this one, that register events, forces, observables or rules of divisions",
-        "docs/tutorials/own_event.md",
-        default=[],
-    )
-
     @model_validator(mode="after")
-    def _values(self) -> Own:
+    def _values(self) -> UserKeys:
         for name, raw in self.__pydantic_extra__.items():
             with suppress(ValueError):
                 self.__pydantic_extra__[name] = raw if isinstance(raw, Quantity) else PARAMETERS[name].read(raw)
@@ -149,10 +143,23 @@ class Own(Section):
             raise wrong(name, raw, PARAMETERS[name].allowed)
         return self
 
-    def value(self, name: str) -> Quantity | float:
-        """Return the value of a parameter of users, its default if none is given."""
-        given: Any = self.__pydantic_extra__.get(name)
-        return PARAMETERS[name].read(PARAMETERS[name].default) if given is None else given
+    def given(self) -> dict[str, Any]:
+        """Return the values that are given, by name."""
+        return dict(self.__pydantic_extra__)
+
+
+class Own(UserKeys):
+    """[own]: what is not in this package: files of users, and by their names the parameters that these register."""
+
+    modules: Modules = key(
+        "files, relative to this one, that register events, forces, observables or rules of divisions",
+        "docs/tutorials/own_event.md",
+        default=[],
+    )
+
+    def values(self) -> dict[str, Any]:
+        """Return the values of all parameters of users, the default of one that is not given."""
+        return {name: one.read(one.default) for name, one in PARAMETERS.items()} | self.given()
 
 
 class Tissue(Section):
@@ -375,8 +382,9 @@ class TypeKeys(EmtGroup):
         "section 2.2.5 of chapter 3",
         default=True,
     )
+    own: UserKeys | None = key("parameters of users, in place of those of [own]", default=None)
 
-    def own(self) -> dict[str, Any]:
+    def changes(self) -> dict[str, Any]:
         """Return the values that the type gives itself, by keys of OWN_KEYS."""
         return {name: value for name in OWN_KEYS if (value := getattr(self, name)) is not None}
 
