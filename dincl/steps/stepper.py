@@ -275,9 +275,11 @@ class CompiledStepper(Stepper):
         return cls(problem, run, settings, system=system, swept=swept, v0=v0)
 
     @classmethod
-    def projecting(cls, problem: Problem, run: Any, projection: Projection, settings: Settings) -> CompiledStepper:
-        """Bind a scheme that projects onto S, or onto its linearisation, in each step."""
-        system = CompiledProblem.for_projections(problem, exact=settings.exact != 0)
+    def projecting(
+        cls, problem: Problem, run: Any, projection: Projection, settings: Settings, *, exact: bool
+    ) -> CompiledStepper:
+        """Bind a scheme that projects onto S (``exact``), or onto its linearisation, in each step."""
+        system = CompiledProblem.for_projections(problem, exact=exact)
         return cls(problem, run, settings._replace(tol=projection.tol), system=system)
 
     def start(self) -> StepState:
