@@ -22,7 +22,7 @@ def modules() -> list[str]:
 
 
 def _place(name: str) -> tuple[bool, list[int], str]:
-    """Return the section that the name of a module begins with; conclusions and the appendix have none, and are last."""
+    """Return the section with which the name of a module begins; conclusions and the appendix are last."""
     numbers = [int(part) for part in name.removeprefix("s").split("_") if part.isdigit()]
     return not numbers, numbers, name
 
