@@ -64,7 +64,7 @@ def list_touching(run: EventWorkspace) -> int:
     state, system, x = run.state[0], system_at(run.system), run.x
     rows, sets, near, program = system.rows, system.sets, system.near, system.program
     allowed, count = TOUCHING * state.size, 0
-    list_sorted(system_at(run.system), state.t, x, allowed, ROW_MARGIN)
+    list_sorted(system, state.t, x, allowed, ROW_MARGIN)
     for q in range(near.number[0]):
         r = near.row[q]
         if gap(rows, sets, r, x) <= allowed:
