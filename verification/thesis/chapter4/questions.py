@@ -83,7 +83,7 @@ class QuestionAnswer:
 
     @property
     def evidence(self) -> Evidence:
-        """How many comparisons hold: from those that hold to those that are not refuted."""
+        """How many comparisons hold; the interval ends with those that are not refuted."""
         least = len(self.parts) // 2 + 1 if self.mostly else len(self.parts)
         count = counted("comparisons that hold", [part.comparison for part in self.parts], least)
         open_ones = [part.runs for part in self.parts if part.comparison.true is None]
@@ -115,7 +115,7 @@ def answered(tables: Tables) -> pd.DataFrame:
 
 def _row(comparison: Comparison) -> dict[str, str]:
     verdict = {True: "holds", False: "refuted", None: "open"}[comparison.true]
-    found = str(comparison).removeprefix(f"{comparison.what} ")
+    found = str(comparison).removeprefix(f"{comparison.what}: ")
     return {"compared": comparison.what, "found": f"{found}: {verdict}"}
 
 
