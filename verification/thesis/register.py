@@ -45,6 +45,7 @@ def register() -> tuple[Claim, ...]:
 def chapter_of(claim: Claim) -> int:
     """Return the chapter of a claim, by its id.
 
-    c1 to c5; c0 is the introduction, c6 the conclusions. The appendix goes with chapter 5.
+    c1 to c5; c0 is the introduction, c6 the conclusions. Appendix 1 goes with chapter 3, appendix 2 with
+    chapter 5.
     """
     return int(claim.id[1])
