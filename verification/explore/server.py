@@ -124,7 +124,8 @@ def _publish(app: FastAPI, site: Site) -> None:
         session = _begun(site, request.query_params, client.content)
         if session is not None:
             await client.connected(PATIENCE)
-            build(session, site.streams, site.pool, site.end)
+            if not client.is_deleted:  # it is, if the server ends before the page has come back
+                build(session, site.streams, site.pool, site.end)
 
     core_app.on_shutdown(_leave)
     ui.run_with(
