@@ -46,7 +46,7 @@ def design(fit: Fit) -> Study:
         **own_code(),
     }
     keys = tuple({"batch": number} for number in range(batches))
-    run, by, unit = partial(_rows, fit), ("point", "replicate"), f"batches of {WIDTH} runs"
+    run, by, unit = partial(_rows, fit), ("point", "replicate"), "batches"
     return Study(NAME, fit.title, ("batch",), keys, run, settings, by=by, unit=unit)
 
 

@@ -140,7 +140,7 @@ def simplify(
                 for model in (FULL, *models)
                 for scenario in full
             )
-            title, unit = f"{len(models)} simplifications", f"batches of {BLOCK} runs"
+            title, unit = f"{len(models)} simplifications", "batches"
             made = Study("simplify", title, ("model", "scenario", "first"), keys, run, settings, unit=unit)
             rows = made.complete(Path(folder), threads)
             return _compared(rows[rows["replicate"] < first + runs], models, list(full), tolerance, shares)
