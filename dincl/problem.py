@@ -141,12 +141,6 @@ class Problem:
             raise InvalidProblem(f"t = {describe(t)}: must be a time >= 0, or several, ascending")
         return plot_problem(self, times, ax)
 
-    def _repr_html_(self) -> str:
-        """Show the picture in notebooks; words alone without matplotlib or for d > 2."""
-        from dincl.plotting import problem_to_html
-
-        return problem_to_html(self)
-
     def _check(self, *, feasible: bool = True, t: float = 0.0) -> None:
         """Raise InvalidProblem unless drift and constraints can be evaluated at the start, and it is ``feasible``."""
         count, d = self.x0.shape

@@ -1,5 +1,6 @@
 """Mobilities, equalities, periodic boxes and walls for some particles: exact solutions, formulas, what is invariant."""
 
+import warnings
 from itertools import pairwise
 
 import numpy as np
@@ -252,6 +253,39 @@ def test_rounding_between_a_fixed_particle_and_a_wall_does_not_matter(scheme):
     forces = path.forces(1.0)
     assert np.abs(forces.multiplier[forces.constraint == 1] - 1.0).max() < 1e-2
     assert (forces.constraint == 0).sum() == 1  # the fixed one touches the wall, too
+
+
+LENGTHENS = dincl.Distance([(0, 1), (1, 2), (0, 2)], lambda t: [1.0, 1.0, 1.0 + 2.0 * t])  # than both others together
+WALLS = [dincl.HalfSpace([side], lambda t, at=at: t + at) for side, at in ((1.0, -1.0), (-1.0, -2.0))]
+TRIANGLE = [[0.0, 0.0], [1.0, 0.0], [0.5, 0.75**0.5]]
+IMPOSSIBLE = {
+    "a triangle": (TRIANGLE, [LENGTHENS]),
+    "a triangle that moves": (TRIANGLE, [dincl.Moving(LENGTHENS, lambda t: (0.0, 0.0))]),
+    "a level beyond a wall": (
+        [[0.0], [1.0]],
+        [
+            dincl.Smooth(lambda t, x: x[1] - 1.0 - t, equality=True),
+            dincl.HalfSpace([-1.0], -2.0),
+            dincl.Ordered([0, 1], 0),
+        ],
+    ),
+    "a rod between walls": ([[0.0], [1.0]], [*WALLS, dincl.Distance([(0, 1)], 1.0)]),
+    "walls around a rod": ([[0.0], [1.0]], [dincl.Distance([(0, 1)], 1.0), *WALLS]),
+}
+
+
+@pytest.mark.parametrize("name", IMPOSSIBLE)
+@pytest.mark.parametrize("scheme", SCHEMES[:7], ids=lambda one: type(one).__name__)
+def test_equalities_that_cannot_be_met_are_no_silent_success(scheme, name):
+    x0, sets = IMPOSSIBLE[name]
+    problem = dincl.Problem(x0, constant(np.zeros(len(x0[0]))), sets)
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        path = dincl.solve(problem, scheme, 1.9, throw=False)
+        before = dincl.solve(problem, scheme, 0.4)
+    assert not path.status or "cannot be met together" in str(said[0].message)
+    assert before.status is dincl.Status.SUCCESS
+    assert not [one for one in said if "t = 0.4" in str(one.message)]
 
 
 def test_a_wall_must_not_turn_across_an_axis_that_repeats():

@@ -22,7 +22,7 @@ import dincl
 from dincl import scenes
 from dincl.drifts import constant
 from tests.dincl.catalog import SCENES
-from tests.dincl.own_constraints import AngleLimit, AngleLimitByHand, InBall, InEllipse, InEllipseByRows
+from tests.dincl.own_constraints import InBall, InEllipse, InEllipseByRows
 
 EXACT = [scene for scene in SCENES if scene.exact is not None]
 
@@ -384,7 +384,7 @@ def test_output_times_change_no_step_and_states_between_are_on_straight_lines(na
 # The same sets in other words ---------------------------------------------------------------------------------------
 
 START = np.array([[0.1, 0.0], [1.1, 0.2], [-0.6, 0.8]])
-AXES, TRIPLE = (2.0, 1.2), AngleLimit((2, 0, 1), -0.2)
+AXES = (2.0, 1.2)
 NORMAL = np.array([-1.0, 0.25])
 UNIT = NORMAL / np.linalg.norm(NORMAL)
 PAIRS = np.array([(1, 0), (2, 0), (2, 1)])
@@ -446,7 +446,6 @@ SAME = {
             lambda x: csc_array(each(x, -2 * x / np.square(AXES)).reshape(len(x), -1)),
         ),
     ],
-    "angle": [TRIPLE, AngleLimitByHand(TRIPLE)],
 }
 
 
