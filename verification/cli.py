@@ -42,11 +42,10 @@ def report(
     """
     need_thesis("verification report")
     from dincl.study import workers
+    from verification.audit import PAGES, STUDIES
     from verification.site.context import Context
     from verification.site.report import write_report
     from verification.site.store import DATA
-    from verification.thesis.chapters import PAGES
-    from verification.thesis.shipped_studies import STUDIES
 
     start = time.monotonic()
     with workers() as executor:
@@ -70,12 +69,12 @@ def claims(
     """
     need_thesis("verification claims")
     from dincl.study import workers
+    from verification.audit import STUDIES
     from verification.claims.decide import decide_all, differing
     from verification.site.context import Context
     from verification.site.store import DATA
     from verification.thesis import selection
     from verification.thesis.register import register
-    from verification.thesis.shipped_studies import STUDIES
     from verification.thesis.text.errata import errata
 
     try:
@@ -146,7 +145,7 @@ def make(
     """Make studies anew, and write <out>/made/NAME.parquet and CSV; an interrupted call goes on where it stopped."""
     need_thesis("verification make")
     from dincl.study import workers
-    from verification.thesis.shipped_studies import STUDIES
+    from verification.audit import STUDIES
 
     if unknown := [name for name in names or () if name not in STUDIES]:
         raise typer.BadParameter(f"{', '.join(unknown)}: must be among {', '.join(STUDIES)}")
@@ -165,10 +164,10 @@ def stability(full: Full = False, out: Out = Path("report")) -> None:
     """Map where each method fails, print the predicted failures, write tables and figures to <out>."""
     need_thesis("verification stability")
     from dincl.study import workers
+    from verification.audit import STUDIES
     from verification.methods.stability import page
     from verification.site.context import Context
     from verification.site.store import DATA
-    from verification.thesis.shipped_studies import STUDIES
 
     with workers() as executor:
         context = Context(out, full, executor, STUDIES, complete=DATA)

@@ -9,7 +9,7 @@ import numpy as np
 import dincl
 from verification.claims import Evidence, Tables, at_least, at_most, claim, equal
 from verification.methods.methods import PBD, REFERENCE_TOL
-from verification.methods.tables import FITS, ORDERS, PENALTY_BEST, PENALTY_SCAN, REFERENCES
+from verification.methods.tables import FITS, ORDERS, PENALTY_BEST, REFERENCES
 
 # The four discs: their name in tables, a step from which the error of smaller ones follows, and the most steps that
 # anyone would make.
@@ -102,41 +102,10 @@ def _four(tables: Tables) -> Evidence:
     return Evidence(printed=(*_order(FOUR, tables).printed, at_most(name, float(ratio.max()), 1.0)))
 
 
-# Discs that end farther than this, a radius, from where they belong have been thrown away [length].
-THROWN = 0.5
 # An overlap that is more than rounding or the accuracy of a projection [length].
 VISIBLE = 1e-4
 # Best strengths that differ by this factor need to be looked for: no single value serves.
 DIFFERENT = 1.5
-# "Too strongly" is read as this many times the least that some strength reaches.
-TOO_STRONGLY = 10.0
-
-
-@claim(
-    "c2.strength",
-    "Too large penalty parameters make simulations unstable, too small ones let discs overlap too much.",
-    source="section 4.3",
-    quote=(
-        "For too large penalty parameters, simulations become unstable, but for too small …, the constraints will be "
-        "violated too strongly."
-    ),
-    needs=(PENALTY_SCAN,),
-    rests_on=("c2.printed-penalty",),
-    chosen="the starts, the steps, and the force as corrected in c2.printed-penalty",
-)
-def _strength(tables: Tables) -> Evidence:
-    rows = tables["penalty_scan"]
-    springs = rows[rows["exponent"] == 2]
-    groups = springs.groupby(["scene", "dt"])
-    weak, strong = springs.loc[groups["strength"].idxmin()], springs.loc[groups["strength"].idxmax()]
-    best = groups["largest"].min().min()
-    flown = strong["error"].fillna(float("inf")).min()
-    return Evidence(
-        printed=(
-            at_least("overlap at the least strength over that at the best", weak["largest"].min() / best, TOO_STRONGLY),
-            at_least("error at the largest strength, least over scenes and steps [length]", flown, THROWN),
-        )
-    )
 
 
 @claim(
