@@ -106,14 +106,20 @@ def solve(
 
 
 def _warn_if_outside(path: Trajectory) -> None:
-    """Warn of the sets of which a row is off at the end by more than OFF."""
+    """Warn of the sets of which a row is off at the end by more than OFF.
+
+    A particle that a set holds at 0 has coordinates that are rounding: its drift says how far it would have come.
+    """
     t, x = float(path.t[-1]), path.final
     for index, one in enumerate(path.problem.constraints):
         with suppress(StepFailure):
             (rows,) = select((one,), t, x, 0.0).at(t).blocks
             gaps = np.maximum(-rows.values(x), 0.0) / gradient_lengths(rows, x)  # an equality is two opposite rows
-            parts = gaps / getattr(rows, "length", max(float(np.abs(x).max()), 1e-300))
-            if parts.max(initial=0.0) > OFF:
+            if not gaps.any():
+                continue
+            far = (path.x, path.problem.x0, path.problem.velocity(t, x) * (t - path.t0), 1e-300)
+            parts = gaps / getattr(rows, "length", max(float(np.abs(away).max()) for away in far))
+            if parts.max() > OFF:
                 k = int(parts.argmax())
                 warnings.warn(
                     f"{rows.label(k, x.shape[1])} is off by {gaps[k]:.2g} at t = {t:.6g} (constraints[{index}], "

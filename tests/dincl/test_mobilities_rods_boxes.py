@@ -292,6 +292,13 @@ def test_equalities_that_cannot_be_met_are_no_silent_success(scheme, name):
     assert not [one for one in said if "t = 0.4" in str(one.message)]
 
 
+@pytest.mark.parametrize("level", [lambda t: 0.0, lambda t: t * (1.0 - t)], ids=["fixed", "moving"])
+@pytest.mark.parametrize("scheme", SCHEMES[:7], ids=lambda one: type(one).__name__)
+def test_an_equality_at_zero_is_not_said_to_be_off_by_rounding(scheme, level):
+    problem = dincl.Problem([[0.0]], constant([0.7]), [dincl.Smooth(lambda t, x: x[0] - level(t), equality=True)])
+    assert abs(dincl.solve(problem, scheme, 1.0).final[0, 0]) < 0.01
+
+
 def test_a_wall_must_not_turn_across_an_axis_that_repeats():
     wall = dincl.HalfSpace(lambda t: (0.0 if t < 0.5 else t, 1.0), -1.0)
     problem = dincl.Problem([[0.0, 0.0]], constant((0.0, -1.0)), [wall], box=(10.0, None))
