@@ -15,6 +15,7 @@ from tests.verification.thesis.tables import CLAIMS as ALL
 from tests.verification.thesis.tables import shipped_tables
 from tissue.files.parameter_files import flat
 from tissue.pictures.charts import OUTCOMES
+from verification.audit import STUDIES
 from verification.claims import Comparison, Verdict
 from verification.site.store import shipped
 from verification.thesis.chapter4 import differences, figures, frequencies, printed, ranking
@@ -24,7 +25,6 @@ from verification.thesis.chapter4.ensembles import ENERGIES, NAMES, PRESETS, ens
 from verification.thesis.chapter4.frequencies import GROUPS, RATIOS, READINGS, Sized
 from verification.thesis.chapter4.questions import QUESTIONS, QuestionAnswer, answer, answered
 from verification.thesis.chapter4.ranking import by_importance, factors, shuffled
-from verification.thesis.studies import STUDIES
 
 EMT = [name for name in STUDIES if name.startswith("emt_")]
 CLAIMS = {name: claim for name, claim in ALL.items() if name.startswith("c4.")}

@@ -9,6 +9,7 @@ from tests.executors import Nowhere
 from tissue.state.cells import CONTROL
 from tissue.study.plan import load_study
 from tissue.study.simplifications import KINDS
+from verification.audit import STUDIES
 from verification.site.context import Context
 from verification.site.store import DATA, shipped
 from verification.thesis.chapter4.questions import QUESTIONS as CHAPTER4
@@ -20,7 +21,6 @@ from verification.tissues.space import growth, isolated
 from verification.tissues.space import sheet as fitted
 from verification.tissues.space.growth import roughness
 from verification.tissues.space.isolated import are_inner, counted, with_intervals
-from verification.tissues.studies import STUDIES
 
 pytestmark = pytest.mark.filterwarnings("ignore:.* never begins")
 
