@@ -22,7 +22,6 @@ from dincl.errors import InvalidProblem
 from tissue.study.estimates import LEVEL
 
 COLUMNS = ("count", "of", "runs", "value", "low", "high", "effective")
-INTERVALS = f"{100 * LEVEL:g} % Wilson intervals on the effective number of cells"
 
 Floats = NDArray[np.float64]
 
