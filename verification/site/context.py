@@ -117,9 +117,9 @@ class Context:
         """Give pages a table, ``{{ table("name") }}``; ``file`` names the table that it was taken from."""
         self.grids[name] = {"html": grid(table), "rows": len(table), "file": file or name}
 
-    def draw(self, name: str, figure: Callable[..., Path], *arguments: Any, ending: str = ".png") -> None:
+    def draw(self, name: str, figure: Callable[..., Path], *arguments: Any) -> None:
         """Let a worker draw ``figure(*arguments, path)`` for pages, ``{{ figure("name") }}``."""
-        path = self.out / "figures" / f"{name}{ending}"
+        path = self.out / "figures" / f"{name}.png"
         path.parent.mkdir(parents=True, exist_ok=True)
         self.drawings.append(self.executor.submit(figure, *arguments, path))
 
