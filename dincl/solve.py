@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import warnings
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from dincl import checks
 from dincl.checks import array, describe, flag, function, instance, number
+from dincl.constraints.selection import gradient_lengths, select
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.problem import Problem, at_end, check_start
 from dincl.schemes.base import WHOLE, Scheme, Span, Watch
@@ -17,6 +20,10 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from dincl.schemes.base import Until
+
+
+# A run with equalities may end outside of a set by this part of a length, or of the largest coordinate, unwarned.
+OFF = 0.1
 
 
 def solve(
@@ -61,6 +68,12 @@ def solve(
     StepFailed
         When a step fails and ``throw`` is true; ``trajectory`` has everything until then. Its cause is the failure of
         the step: a FunctionFailed if a function of the user failed, whose cause is the error that the function raised.
+
+    Warns
+    -----
+    UserWarning
+        If a run with equalities, but without a stated error, ends outside of a set by a tenth of a length: PBD and
+        steps that linearise do not see that sets contradict each other.
     """
     velocity, start = None, 0.0
     if isinstance(problem, Trajectory):
@@ -86,7 +99,28 @@ def solve(
     trajectory = Trajectory(problem=problem, t0=start, **parts)
     if raises and not trajectory.status:
         raise StepFailed(trajectory) from outcome.failure
+    equalities = any(getattr(one, "equality", False) for one in problem.constraints)
+    if trajectory.status and trajectory.error is None and equalities:
+        _warn_if_outside(trajectory)
     return trajectory
+
+
+def _warn_if_outside(path: Trajectory) -> None:
+    """Warn of the sets of which a row is off at the end by more than OFF."""
+    t, x = float(path.t[-1]), path.final
+    for index, one in enumerate(path.problem.constraints):
+        with suppress(StepFailure):
+            (rows,) = select((one,), t, x, 0.0).at(t).blocks
+            gaps = np.maximum(-rows.values(x), 0.0) / gradient_lengths(rows, x)  # an equality is two opposite rows
+            parts = gaps / getattr(rows, "length", max(float(np.abs(x).max()), 1e-300))
+            if parts.max(initial=0.0) > OFF:
+                k = int(parts.argmax())
+                warnings.warn(
+                    f"{rows.label(k, x.shape[1])} is off by {gaps[k]:.2g} at t = {t:.6g} (constraints[{index}], "
+                    f"{type(one).__name__}): the sets cannot be met together, or steps are too long; path.violation() "
+                    "tells since when.",
+                    stacklevel=3,
+                )
 
 
 def _breaks(value: ArrayLike, start: float, end: float) -> tuple[float, ...]:

@@ -75,7 +75,7 @@ def claims(
     from verification.site.store import DATA
     from verification.thesis import selection
     from verification.thesis.register import register
-    from verification.thesis.text.errata import errata
+    from verification.thesis.text.errata import FILE, errata
 
     try:
         chosen = selection.select_claims(register(), chapter or (), name or ())
@@ -86,7 +86,7 @@ def claims(
         tables = selection.tables_for(chosen, context)
         table = decide_all(chosen, tables, executor)
     _list_claims(table)
-    print(f"{len(errata())} errata without a check of their own are in verification/thesis/text/errata.csv")
+    print(f"{len(errata())} errata, each with the reason that settles it, are in {FILE}")
     raise typer.Exit(0 if differing(table).empty else 1)
 
 
@@ -104,7 +104,7 @@ def _list_claims(table: pd.DataFrame) -> None:
     console = Console(highlight=False)
     console.print(listed)
     other = differing(table)
-    console.print(f"{len(table)} claims, {len(other)} with another verdict than the recorded one")
+    console.print(f"{len(table)} decided, {len(other)} with another verdict than the recorded one")
     for row in other.itertuples():
         console.print(f"{row.id}: {row.verdict}, recorded is {row.recorded}")
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from dincl.compiled.structs import StructPointer
 from dincl.constants import LARGEST
-from dincl.constraints.selection import row_lengths
+from dincl.constraints.selection import gradient_lengths
 from dincl.errors import StepFailure
 from dincl.events import integrate as kernels
 from dincl.events.dense_output import DenseOutput
@@ -33,7 +33,6 @@ from dincl.matrices import row_squares
 from dincl.norms import longest
 from dincl.projection.compiled import ActiveSet
 from dincl.projection.feasible import FeasibleSet
-from dincl.schemes.base import Watch
 from dincl.status import Status
 from dincl.system.compiled_problem import CompiledProblem, units_of
 from dincl.system.time_scales import time_scales
@@ -43,7 +42,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from dincl.problem import Problem
-    from dincl.schemes.base import Span, Until
+    from dincl.schemes.base import Span, Watch
     from dincl.work import Work
 
 # Spacing of the differences that give the velocities of moving sets, as a part of the run.
@@ -134,7 +133,7 @@ class EventSystem:
             return x
         # The tolerance of a projection is in units of g, that of contacts is a length.
         rows = problem.rows_within(t, x, violation)
-        longest_row = max((float(row_lengths(block, x).max(initial=0.0)) for block in rows.blocks), default=1.0)
+        longest_row = max((float(gradient_lengths(block, x).max(initial=0.0)) for block in rows.blocks), default=1.0)
         feasible = FeasibleSet(problem, ActiveSet(allowed * max(1.0, longest_row)).solver(), work, linearised=False)
         return feasible.nearest(t, x, x, violation).point
 
@@ -152,7 +151,7 @@ class EventRun:
     between
         The dense output so far.
     stopped
-        When ``until`` ended the run; None if it did not.
+        When ``until``, which ``watch`` looks at, ended the run; None if it did not.
     """
 
     def __init__(
@@ -163,7 +162,7 @@ class EventRun:
         tol: float,
         parts: int,
         work: Work,
-        until: Until | None = None,
+        watch: Watch | None = None,
     ) -> None:
         self._system, self._whole, self._work, self._made = system.compiled, system, work, 0
         self._unit = unit = system.compiled.units
@@ -184,9 +183,9 @@ class EventRun:
         place, pieces = system.compiled.place, system.scales.pieces / unit.time
         workspace = event_workspace(arrays, place, system.gram, pair, steps, x.copy(), breaks, pieces, **numbers)
         self._pointer, self._state = StructPointer(workspace, KIND), workspace.state
-        self.between = DenseOutput(system, pair, size, x, during=until is not None)
+        self.between = DenseOutput(system, pair, size, x, during=watch is not None)
         self.stopped: float | None = None
-        self._watch = None if until is None else Watch(until, begin, start)
+        self._watch = watch
         self._events: list[NDArray[np.float64]] = []
 
     @property
@@ -238,7 +237,7 @@ class EventRun:
         normals = []
         for point in (x, x + away):
             rows = selection.at(t)
-            lengths = np.concatenate([row_lengths(block, point) for block in rows.blocks])
+            lengths = np.concatenate([gradient_lengths(block, point) for block in rows.blocks])
             normals.append(rows.jacobian(point).toarray()[active] / lengths[active, None])
         moved = np.sqrt((normals[0] != 0).astype(float) @ away.ravel() ** 2)
         curvature = np.sqrt(((normals[1] - normals[0]) ** 2).sum(axis=1)) / np.where(moved > 0, moved, 1.0)
@@ -246,7 +245,7 @@ class EventRun:
         k = int(rates.argmax())
         if rates[k] * float(self._state["last_h"][0]) * self._unit.time < STIFF:
             return ""
-        constraint, row = system.names[int(active[k])]
+        constraint, row = selection.names[int(active[k])]
         return (
             f"{SLOWLY}: {row} (constraints[{constraint}]) is pulled against a set so curved that it turns at the rate "
             f"{rates[k]:.2g}, the pull over the radius of curvature: use a larger radius, or a scheme with fixed steps."
@@ -255,7 +254,7 @@ class EventRun:
     @property
     def events(self) -> tuple[Event, ...]:
         """The changes of the contacts so far; those of one time with contacts first, in the order of their names."""
-        names, found = self._system.names, []
+        names, found = self._system.selection.names, []
         for t, row, closes, phase in np.concatenate(self._events):
             found.append((phase, not closes, names[int(row)], float(t) * self._unit.time))
         return tuple(Event(t, "release" if opens else "contact", *name) for _, opens, name, t in sorted(found))

@@ -24,7 +24,7 @@ def test_the_first_problem_has_the_chart_that_is_shown(tmp_path, monkeypatch, ca
     monkeypatch.chdir(tmp_path)
     found = run(PAGE)
     printed = capsys.readouterr().out
-    for line in re.findall(r"^      ?(\S.*: \d\.\d\d) \[", README, flags=re.MULTILINE):
+    for line in re.findall(r"^      ?(\S.*: \d\.\d\d \[.*)$", README, flags=re.MULTILINE):
         assert line in printed
     assert set(found["orders"].table["method"]) == set(found["methods"])
     assert (tmp_path / "results" / "three_discs" / "work_precision.png").stat().st_size > 10_000

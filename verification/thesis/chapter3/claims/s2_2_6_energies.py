@@ -62,7 +62,7 @@ def push(d: float) -> float:
         Effect.MODEL,
         (
             "F^basal-cytos in section 2.2.4 of chapter 4, which needs the square, too; the weight of (3.12) against "
-            "the other terms; the unit of μ (Table 5); the heights of Figures 14 and 16, which the squares give"
+            "the other terms; the unit of μ (Table 5); the heights of Figures 14 and 16, which the squares improve"
         ),
         why=(
             "each of them is a length squared over a length, and (3.12) is a number: they cannot be added without "
