@@ -286,6 +286,34 @@ def test_auto_takes_events_where_they_need_less_work_and_serves_more_particles_t
         dincl.solve(many, dincl.EventDriven(1e-6), [0.5])
 
 
+# Steps, evaluations of the drift, searches for near rows, iterations of solvers: to the end of a scene, as measured.
+# A change that needs less is written here.
+TWENTY = problem(
+    2.0 * np.arange(20.0)[:, None] + 0.2, lambda t, x: 3 * np.sin(5 * t) - x, wall(lambda t: 0.1 * np.sin(3 * t))
+)
+WORK = [
+    (scenes.two_disks(), dincl.AdaptiveCatchUp(1e-3), (40, 81, 4, 3)),
+    (scenes.drum(2), dincl.AdaptiveCatchUp(1e-3), (71, 143, 13, 5)),
+    (scenes.four_disks(), dincl.AdaptiveCatchUp(1e-5), (447, 889, 53, 9)),
+    (scenes.closing_walls(), dincl.AdaptiveCatchUp(1e-5), (295, 591, 39, 10)),
+    (scenes.pile(30), dincl.AdaptiveCatchUp(1e-3), (146, 181, 6, 178)),
+    (scenes.ten_disks_corner(), dincl.Auto(1e-3), (132, 241, 15, 116)),
+    (scenes.stack(), dincl.Auto(1e-3), (201, 405, 37, 18)),
+    (TWENTY, dincl.Auto(1e-8), (10474, 22030, 1658, 2)),
+    (scenes.two_disks(), dincl.EventDriven(1e-7), (32, 602, 6, 2)),
+    (scenes.growing_discs(), dincl.EventDriven(1e-7), (20, 314, 2, 4)),
+    (scenes.ten_disks_corner(), dincl.EventDriven(1e-7), (135, 1676, 9, 20)),
+    (scenes.pile(30), dincl.EventDriven(1e-7), (406, 2980, 12, 105)),
+]
+
+
+@pytest.mark.parametrize(("scene", "scheme", "measured"), WORK, ids=lambda one: getattr(one, "name", None))
+def test_runs_need_no_more_work_than_they_did(scene, scheme, measured):
+    done = dincl.solve(scene, scheme, [scene.times[-1] if isinstance(scene, scenes.Scene) else 1.0]).stats
+    counted = done.steps, done.drift_evaluations, done.neighbour_builds, done.solver_iterations
+    assert (np.array(counted) <= 1.02 * np.array(measured)).all(), counted
+
+
 # Random scenes ------------------------------------------------------------------------------------------------------
 
 TIMES = np.linspace(0, 1, 5)
