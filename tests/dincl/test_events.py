@@ -9,6 +9,7 @@ from scipy.optimize import brentq
 
 import dincl
 from dincl import scenes
+from dincl.events.location import dips, sinks
 from tests.dincl.random_scenes import random_scene
 from tests.dincl.test_schemes import EXACT
 from verification.methods.hard.drawn import drawn
@@ -148,6 +149,20 @@ def test_output_times_in_or_beside_a_pulse_show_it(times, width):
     stroke = dincl.HalfSpace((1.0,), lambda t: 2.0 if start < t < stop else 0.0)
     path = dincl.solve(problem([[1.0]], (0.0,), stroke), dincl.EventDriven(1e-8), times)
     assert abs(path.final[0, 0] - 2.0) <= path.error[-1]
+
+
+def test_a_gap_that_may_close_between_two_looks_is_looked_at(rng):
+    """The cubic through values and slopes, and the parabola through three values, fall below half of what is beside."""
+    s, found = np.linspace(0.0, 1.0, 2001), set()
+    for before, after, falling, rising in zip(*rng.uniform(0.1, 1.0, (2, 400)), *rng.uniform(0.0, 6.0, (2, 400))):
+        rest = before * (1 + 2 * s) * (1 - s) ** 2 + after * s**2 * (3 - 2 * s)
+        low = (rest - falling * s * (1 - s) ** 2 - rising * s**2 * (1 - s)).min() / min(before, after)
+        assert dips(before, -falling, after, rising) == (low <= 0.5) or abs(low - 0.5) < 1e-4
+        middle = 0.8 * before
+        low = (before * (1 - s) * (1 - 2 * s) + 4 * middle * s * (1 - s) + after * s * (2 * s - 1)).min() / middle
+        assert sinks(before, middle, after) == (middle <= after and low <= 0.5) or abs(low - 0.5) < 1e-4
+        found |= {dips(before, -falling, after, rising), 2 * sinks(before, middle, after)}
+    assert found == {0, 1, 2}
 
 
 # What is not reached is said ----------------------------------------------------------------------------------------
