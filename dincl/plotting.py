@@ -1,4 +1,4 @@
-"""Pictures and movies of a trajectory or of the start of a problem, on a line or in the plane; needs matplotlib.
+"""Pictures of a trajectory or of the start of a problem, on a line or in the plane; needs matplotlib.
 
 This is the one file of the package that imports it, on use.
 """
@@ -9,16 +9,13 @@ import base64
 import html
 import io
 from importlib.util import find_spec
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dincl.checks import describe, number
 from dincl.errors import InvalidProblem
 from dincl.extras import needs
-from dincl.files import replacing
 from dincl.shapes import Ball, Bonds, Curve, Wall, radii, region, shapes_at, values_on_grid
 
 if TYPE_CHECKING:
@@ -27,7 +24,7 @@ if TYPE_CHECKING:
 
     from dincl.problem import Problem
 
-__all__ = ["Axes", "Film", "animate", "log_ticks", "plot", "plot_problem", "problem_to_html", "to_html"]
+__all__ = ["Axes", "Film", "log_ticks", "plot", "plot_problem", "to_html"]
 
 Floats = NDArray[np.float64]
 STYLE: Any = {
@@ -81,7 +78,7 @@ def plot(film: Film, ax: Axes | None = None) -> Axes:
 
 def plot_problem(problem: Problem, times: Floats, ax: Axes | None) -> Axes:
     """See ``Problem.plot``."""
-    film = _film_of_start(problem, times)
+    film = Film(problem, times[:1], problem.x0[None], str(getattr(problem, "title", "start")), "")
     view = _view(film._replace(t=times))
     with _style():
         ax = ax or _new_axes()
@@ -90,27 +87,6 @@ def plot_problem(problem: Problem, times: Floats, ax: Axes | None) -> Axes:
             for shape in shapes_at(problem, float(t)):
                 _draw_shape_in_plane(ax, view, shape, None)
     return ax
-
-
-def problem_to_html(problem: Problem) -> str:
-    """See ``Problem._repr_html_``."""
-    return to_html(_film_of_start(problem, np.zeros(1)))
-
-
-def animate(film: Film, file: str | Path, fps: float) -> Path:
-    """See ``Trajectory.animate``; one picture for each time of the film."""
-    target = Path(file)
-    view, writer = _view(film), _movie_writer(target, number("fps", fps, positive=True))
-    with _style():
-        figure = _own_figure()
-        ax = figure.add_subplot()
-        with replacing(target) as partial, writer.saving(figure, str(partial), DPI):
-            for k, t in enumerate(film.t):
-                ax.clear()
-                _draw_until(ax, view, film.t[: k + 1], film.x[: k + 1])
-                ax.set_title(f"t = {t:.3g}")
-                writer.grab_frame()
-    return target
 
 
 def to_html(film: Film) -> str:
@@ -127,15 +103,10 @@ def to_html(film: Film) -> str:
     return f'<figure><img alt="{words}" src="data:image/png;base64,{data}"><figcaption>{words}</figcaption></figure>'
 
 
-def _film_of_start(problem: Problem, times: Floats) -> Film:
-    title = str(getattr(problem, "title", "start"))
-    return Film(problem, times[:1], problem.x0[None], title, f"{problem!r}.")
-
-
 def _view(film: Film) -> View:
     d = film.x.shape[2]
     if d > 2:
-        raise InvalidProblem(f"d = {d}: must be 1 or 2 to be drawn; to_frame() has the numbers")
+        raise InvalidProblem(f"d = {d}: must be 1 or 2 to be drawn")
     places = np.concatenate((film.problem.x0[None], film.x))
     return View(film.problem, *region(film.problem, places, (film.start, float(film.t[-1]))))
 
@@ -143,14 +114,9 @@ def _view(film: Film) -> View:
 def _draw(ax: Axes, view: View, film: Film) -> None:
     """Draw the start, the paths through the states, and the last state."""
     first = 0 if film.t[0] > film.start else 1
-    times = np.concatenate(([film.start], film.t[first:]))
-    _draw_until(ax, view, times, np.concatenate((film.problem.x0[None], film.x[first:])))
-    ax.set_title(film.title)
-
-
-def _draw_until(ax: Axes, view: View, times: Floats, states: Floats) -> None:
-    """Draw states (K, N, d) at ``times`` (K,), of which the last one is now."""
+    times, states = np.append(film.start, film.t[first:]), np.concatenate((film.problem.x0[None], film.x[first:]))
     (_draw_line if len(view.low) == 1 else _draw_plane)(ax, view, times, states)
+    ax.set_title(film.title)
 
 
 def _style() -> Any:
@@ -177,22 +143,6 @@ def _new_axes() -> Axes:
 
     axes: Axes = plt.figure(figsize=SIZE, layout="constrained").add_subplot()
     return axes
-
-
-def _movie_writer(file: Path, fps: float) -> Any:
-    """Return the writer of matplotlib for the ending of a file; InvalidProblem for another ending."""
-    with needs("A movie", "report"):
-        from matplotlib.animation import FFMpegWriter, PillowWriter
-
-    kinds: dict[str, Any] = {".gif": PillowWriter, ".mp4": FFMpegWriter}
-    kind = kinds.get(file.suffix.lower())
-    if kind is None:
-        raise InvalidProblem(f"file = {describe(str(file))}: must end in .gif or .mp4")
-    if not kind.isAvailable():
-        raise InvalidProblem(
-            f"file = {describe(str(file))}: .mp4 needs the program ffmpeg, which is missing; take .gif"
-        )
-    return kind(fps=fps)
 
 
 def log_ticks(ax: Axes, plain: float = LONG) -> None:

@@ -141,12 +141,6 @@ class Problem:
             raise InvalidProblem(f"t = {describe(t)}: must be a time >= 0, or several, ascending")
         return plot_problem(self, times, ax)
 
-    def _repr_html_(self) -> str:
-        """Show the picture in notebooks; words alone without matplotlib or for d > 2."""
-        from dincl.plotting import problem_to_html
-
-        return problem_to_html(self)
-
     def _check(self, *, feasible: bool = True, t: float = 0.0) -> None:
         """Raise InvalidProblem unless drift and constraints can be evaluated at the start, and it is ``feasible``."""
         count, d = self.x0.shape
@@ -162,7 +156,7 @@ class Problem:
                 tolerance = START_TOLERANCE * max(float(np.abs(self.x0).max()), *lengths, 0.0)
             for index, constraint in enumerate(self.constraints):
                 place = f"constraints[{index}]"
-                _check_rows(constraint, self.x0, place, tolerance, t)
+                _check_rows(constraint, self, place, tolerance, t)
             place = "drift"
             self.velocity(t, self.x0)
         except StepFailure as failure:
@@ -201,9 +195,10 @@ def constraints_around(x: Floats, constraints: Sequence[Constraint]) -> Problem:
     return problem
 
 
-def _check_rows(constraint: Constraint, x: Floats, place: str, tolerance: float, t: float) -> None:
-    """Raise InvalidProblem unless x violates no row by more than the tolerance, and rows are of a known kind."""
-    name, selection = type(constraint).__name__, select((constraint,), t, x, 0.0)
+def _check_rows(constraint: Constraint, problem: Problem, place: str, tolerance: float, t: float) -> None:
+    """Raise InvalidProblem unless x0 violates no row by more than the tolerance, and rows are of a known kind."""
+    name, x = type(constraint).__name__, problem.x0
+    selection = select((constraint,), t, x, 0.0)
     found: Any = selection.blocks[0]
     if not isinstance(found, RowsOfOneKind):
         allowed = "must be AffineRows, DistanceRows or rows of another kind of dincl.rows"
@@ -212,10 +207,11 @@ def _check_rows(constraint: Constraint, x: Floats, place: str, tolerance: float,
     values = rows.values(x)
     if values.min(initial=0.0) < -tolerance:
         when = f" at t = {t:g}" if t else ""
+        sets = "constraints" if problem.box is None else "problem with this box and any feasible x0"
         worst = rows.label(int(values.argmin()), x.shape[1])
         raise InvalidProblem(
             f"x0 violates {name} by {-values.min():.3g} at {worst}{when} ({place}): allowed is {tolerance:.1g}; "
-            "dincl.project(constraints, x0, projection) gives the nearest point that is feasible"
+            f"dincl.project({sets}, x0, projection{f', t={t:g}' if t else ''}) gives the nearest point that is feasible"
         )
     smooth = rows.rows if isinstance(rows, MappedRows) else rows
     if isinstance(smooth, SmoothRows):

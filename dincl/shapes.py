@@ -103,10 +103,8 @@ def radii(problem: Problem, t: float = 0.0) -> Floats:
     if not hasattr(problem, "constraints"):
         raise InvalidProblem(f"problem = {describe(problem)}: must be a dincl.Problem")
     count = len(problem.x0)
-    known, grow = (
-        getattr(problem, "radius", None),
-        any(isinstance(one, NonOverlap) and one.timed for one in problem.constraints),
-    )
+    known = getattr(problem, "radius", None)
+    grow = any(isinstance(one, NonOverlap) and one.timed for one in problem.constraints)
     if known is not None and not grow:
         return np.asarray(known, dtype=np.float64)
     found = [np.zeros(count), *(_radii_of(one, number("t", t), count) for one in problem.constraints)]

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import warnings
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from dincl import checks
 from dincl.checks import array, describe, flag, function, instance, number
+from dincl.constraints import Constraint, Distance, Moving, Smooth
+from dincl.constraints.selection import row_lengths, select
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.problem import Problem, at_end, check_start
 from dincl.schemes.base import WHOLE, Scheme, Span, Watch
@@ -17,6 +21,10 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from dincl.schemes.base import Until
+
+
+# A run with equalities may end outside of a set by this part of a length, or of the largest coordinate, unwarned.
+OFF = 0.1
 
 
 def solve(
@@ -61,6 +69,12 @@ def solve(
     StepFailed
         When a step fails and ``throw`` is true; ``trajectory`` has everything until then. Its cause is the failure of
         the step: a FunctionFailed if a function of the user failed, whose cause is the error that the function raised.
+
+    Warns
+    -----
+    UserWarning
+        If a run with equalities, but without a stated error, ends outside of a set by a tenth of a length: PBD and
+        steps that linearise do not see that sets contradict each other.
     """
     velocity, start = None, 0.0
     if isinstance(problem, Trajectory):
@@ -86,7 +100,32 @@ def solve(
     trajectory = Trajectory(problem=problem, t0=start, **parts)
     if raises and not trajectory.status:
         raise StepFailed(trajectory) from outcome.failure
+    if trajectory.status and trajectory.error is None and any(map(_is_equality, problem.constraints)):
+        _warn_if_outside(trajectory)
     return trajectory
+
+
+def _is_equality(one: Constraint) -> bool:
+    of_set = _is_equality(one.constraint) if isinstance(one, Moving) else isinstance(one, Smooth) and one.equality
+    return of_set or isinstance(one, Distance)
+
+
+def _warn_if_outside(path: Trajectory) -> None:
+    """Warn of the sets of which a row is off at the end by more than OFF."""
+    t, x = float(path.t[-1]), path.final
+    for index, one in enumerate(path.problem.constraints):
+        with suppress(StepFailure):
+            (rows,) = select((one,), t, x, 0.0).at(t).blocks
+            gaps = np.maximum(-rows.values(x), 0.0) / row_lengths(rows, x)  # an equality is two opposite rows
+            parts = gaps / getattr(rows, "length", max(float(np.abs(x).max()), 1e-300))
+            if parts.max(initial=0.0) > OFF:
+                k = int(parts.argmax())
+                warnings.warn(
+                    f"{rows.label(k, x.shape[1])} is off by {gaps[k]:.2g} at t = {t:.6g} (constraints[{index}], "
+                    f"{type(one).__name__}): the sets cannot be met together, or steps are too long; path.violation() "
+                    "tells since when.",
+                    stacklevel=3,
+                )
 
 
 def _breaks(value: ArrayLike, start: float, end: float) -> tuple[float, ...]:

@@ -8,17 +8,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from dincl.checks import array, describe, integer
+from dincl.checks import array, describe
 from dincl.errors import InvalidProblem, ProjectionFailed, StepFailure
-from dincl.extras import needs
 from dincl.forces import Forces, Reaction, contact_forces
-from dincl.shapes import radii
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from numpy.typing import ArrayLike
-    from pandas import DataFrame
 
     from dincl.compiled.arrays import Floats
     from dincl.plotting import Axes, Film
@@ -206,48 +201,21 @@ class Trajectory(RunOutcome):
         """
         from dincl.plotting import plot
 
-        return plot(self._film(self.t, self.x), ax)
-
-    def animate(self, file: str | Path, frames: int = 100, fps: float = 20.0) -> Path:
-        """Write a movie, .gif or (with the program ffmpeg) .mp4, of ``frames`` equally spaced times; return the file.
-
-        Needs matplotlib. Raises InvalidProblem for another ending, a missing program, d > 2.
-        """
-        from dincl.plotting import animate
-
-        times = np.linspace(self.t0, float(self.t[-1]), integer("frames", frames, least=2))
-        return animate(self._film(times, self(times)), file, fps)
-
-    def to_frame(self) -> DataFrame:
-        """Return a pandas table: a row per output time and particle: t, particle, x, y, z, and radius if known.
-
-        From d = 4 on the columns are x0, x1, ... Needs pandas.
-        """
-        with needs("to_frame", "report"):
-            import pandas as pd
-
-        times, count, d = self.x.shape
-        columns = {"t": np.repeat(self.t, count), "particle": np.tile(np.arange(count), times)}
-        names = "xyz"[:d] if d <= 3 else [f"x{k}" for k in range(d)]
-        columns |= {name: self.x[:, :, k].ravel() for k, name in enumerate(names)}
-        radius = np.array([radii(self.problem, t) for t in self.t])
-        if radius.any():
-            columns["radius"] = radius.ravel()
-        return pd.DataFrame(columns)
+        return plot(self._film(), ax)
 
     def _repr_html_(self) -> str:
         """Show status and picture in notebooks; words alone without matplotlib or for d > 2."""
         from dincl.plotting import to_html
 
-        return to_html(self._film(self.t, self.x))
+        return to_html(self._film())
 
-    def _film(self, times: Floats, states: Floats) -> Film:
+    def _film(self) -> Film:
         from dincl.plotting import Film
 
         name = getattr(self.problem, "title", type(self.scheme).__name__)
         ending = "" if self.status else f", {self.status.name}"
         words = f"{self!r}. {self.status.value} {self.detail}".strip()
-        return Film(self.problem, times, states, f"{name}, t = {times[-1]:.3g}{ending}", words, self.t0)
+        return Film(self.problem, self.t, self.x, f"{name}, t = {self.t[-1]:.3g}{ending}", words, self.t0)
 
     def __repr__(self) -> str:
         n, d = self.problem.x0.shape

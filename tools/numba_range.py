@@ -19,7 +19,7 @@ from packaging.requirements import Requirement
 ROOT = Path(__file__).parents[1]
 TESTS = (
     "tests/dincl/compiled",
-    "tests/dincl/solvers",
+    "tests/dincl/test_solvers.py",
     "tests/meanfield/test_model.py",
     "tests/meanfield/test_pde.py",
     "tests/tissue/test_lanes.py",

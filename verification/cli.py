@@ -42,11 +42,10 @@ def report(
     """
     need_thesis("verification report")
     from dincl.study import workers
+    from verification.audit import PAGES, STUDIES
     from verification.site.context import Context
     from verification.site.report import write_report
     from verification.site.store import DATA
-    from verification.thesis.chapters import PAGES
-    from verification.thesis.shipped_studies import STUDIES
 
     start = time.monotonic()
     with workers() as executor:
@@ -70,13 +69,13 @@ def claims(
     """
     need_thesis("verification claims")
     from dincl.study import workers
+    from verification.audit import STUDIES
     from verification.claims.decide import decide_all, differing
     from verification.site.context import Context
     from verification.site.store import DATA
     from verification.thesis import selection
     from verification.thesis.register import register
-    from verification.thesis.shipped_studies import STUDIES
-    from verification.thesis.text.errata import errata
+    from verification.thesis.text.errata import FILE, errata
 
     try:
         chosen = selection.select_claims(register(), chapter or (), name or ())
@@ -87,7 +86,7 @@ def claims(
         tables = selection.tables_for(chosen, context)
         table = decide_all(chosen, tables, executor)
     _list_claims(table)
-    print(f"{len(errata())} errata without a check of their own are in verification/thesis/text/errata.csv")
+    print(f"{len(errata())} errata, each with the reason that settles it, are in {FILE}")
     raise typer.Exit(0 if differing(table).empty else 1)
 
 
@@ -105,7 +104,7 @@ def _list_claims(table: pd.DataFrame) -> None:
     console = Console(highlight=False)
     console.print(listed)
     other = differing(table)
-    console.print(f"{len(table)} claims, {len(other)} with another verdict than the recorded one")
+    console.print(f"{len(table)} decided, {len(other)} with another verdict than the recorded one")
     for row in other.itertuples():
         console.print(f"{row.id}: {row.verdict}, recorded is {row.recorded}")
 
@@ -146,7 +145,7 @@ def make(
     """Make studies anew, and write <out>/made/NAME.parquet and CSV; an interrupted call goes on where it stopped."""
     need_thesis("verification make")
     from dincl.study import workers
-    from verification.thesis.shipped_studies import STUDIES
+    from verification.audit import STUDIES
 
     if unknown := [name for name in names or () if name not in STUDIES]:
         raise typer.BadParameter(f"{', '.join(unknown)}: must be among {', '.join(STUDIES)}")
@@ -165,10 +164,10 @@ def stability(full: Full = False, out: Out = Path("report")) -> None:
     """Map where each method fails, print the predicted failures, write tables and figures to <out>."""
     need_thesis("verification stability")
     from dincl.study import workers
+    from verification.audit import STUDIES
     from verification.methods.stability import page
     from verification.site.context import Context
     from verification.site.store import DATA
-    from verification.thesis.shipped_studies import STUDIES
 
     with workers() as executor:
         context = Context(out, full, executor, STUDIES, complete=DATA)

@@ -28,9 +28,14 @@ def empty(kind: Any) -> Any:
         elif isinstance(more, np.dtype):
             found[name] = np.zeros(0, more)
         else:
-            (entry,) = get_args(get_args(annotated)[1])
-            found[name] = np.zeros((0,) * more, entry)
+            found[name] = np.zeros((0,) * more, entry_type(annotated))
     return kind(**found)
+
+
+def entry_type(array: Any) -> Any:
+    """Return the type of the entries of ``NDArray[type]``, which NumPy writes with a dtype around it before 2.5."""
+    last = get_args(array)[-1]
+    return get_args(last)[0] if get_args(last) else last
 
 
 def axes_of(x: Floats) -> Axes:

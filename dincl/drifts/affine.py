@@ -34,7 +34,7 @@ class AffineDrift(CompiledDrift):
     """F_i(x) = c_i + a_i X_i + b_i J X_i, J (x, y) = (-y, x): made by ``constant``, ``attraction``, ``swirl`` and +.
 
     Terms are added from left to right; a term that is 0 for all particles is left out. Compiled or not, the drift gives
-    the same bits. Two drifts are equal if all their numbers are the same, bit for bit.
+    the same bits.
 
     Parameters
     ----------
@@ -77,12 +77,6 @@ class AffineDrift(CompiledDrift):
         )
         return _of_terms(total, *self.terms, *other.terms)
 
-    def __eq__(self, other: object) -> bool:
-        return self._content == other._content if isinstance(other, AffineDrift) else NotImplemented
-
-    def __hash__(self) -> int:
-        return hash(self._content)
-
     def check(self, count: int, d: int) -> None:
         for name in ("velocity", "stretch", "turn"):
             of = getattr(self, name).shape
@@ -114,10 +108,6 @@ class AffineDrift(CompiledDrift):
                 head[2 * k + 1] = term.shape[1] if np.ndim(term) == 2 else 0
                 numbers = np.append(numbers, term)
         return np.append(head, numbers)
-
-    @cached_property
-    def _content(self) -> tuple[Any, ...]:
-        return tuple((part.shape, part.tobytes()) for part in (self.velocity, self.stretch, self.turn))
 
 
 def constant(velocity: ArrayLike) -> AffineDrift:

@@ -31,18 +31,13 @@ def decide_contacts(run: EventWorkspace) -> int:
     when one of them has grown to the threshold; or when the gap has become negative, and then any multiplier activates
     it.
     """
-    state, system, active, d = (
-        run.state[0],
-        system_at(run.system),
-        run.active,
-        system_at(run.system).sets.shift.shape[1],
-    )
-    code = evaluate(system.drift, d, state.t, run.x, system.program.y)
+    state, system, active = run.state[0], system_at(run.system), run.active
+    code = evaluate(system, state.t, run.x, system.program.y)
     if code == OK and call_python(system.sets, state.t, run.x, VELOCITIES) != 0:
         code = SETS
     if code != OK:
         return code
-    state.speed = max(state.speed, longest(system.program.y, d))
+    state.speed = max(state.speed, longest(system.program.y, system.sets.shift.shape[1]))
     count = list_touching(run)
     if count < 0:
         return COINCIDENT
@@ -69,7 +64,7 @@ def list_touching(run: EventWorkspace) -> int:
     state, system, x = run.state[0], system_at(run.system), run.x
     rows, sets, near, program = system.rows, system.sets, system.near, system.program
     allowed, count = TOUCHING * state.size, 0
-    list_sorted(system_at(run.system), state.t, x, allowed, ROW_MARGIN)
+    list_sorted(system, state.t, x, allowed, ROW_MARGIN)
     for q in range(near.number[0]):
         r = near.row[q]
         if gap(rows, sets, r, x) <= allowed:

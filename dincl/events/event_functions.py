@@ -11,7 +11,7 @@ from dincl.compiled import inner
 from dincl.events.motion import dense_state, dense_velocity, set_speed
 from dincl.events.runge_kutta import dense_value
 from dincl.events.workspace import SPARE, EventWorkspace
-from dincl.rows.table import CALLBACK, DISTANCE, FORMULA, VELOCITIES, call_python, gap, is_timed, linearise
+from dincl.rows.table import CALLBACK, DISTANCE, VELOCITIES, call_python, gap, is_timed, linearise
 from dincl.solvers.envelope_factor import row_dot
 from dincl.system.arrays import OK, system_at
 
@@ -27,9 +27,7 @@ def gap_and_slope_at(run: EventWorkspace, r: int, theta: float) -> tuple[float, 
     """Compute a number with the sign of the gap of row r less ``state.level``, and its derivative after theta."""
     state, system, dense, x, terms = run.state[0], system_at(run.system), run.dense, run.x, run.pair.terms
     row, rows, sets, d, h = system.rows.row[r], system.rows, system.sets, system.sets.shift.shape[1], state.step
-    curved = (
-        row.kind in (CALLBACK, FORMULA) or sets.general[row.family] != 0 or (row.kind == DISTANCE and row.plain == 0)
-    )
+    curved = row.kind == CALLBACK or sets.general[row.family] != 0 or (row.kind == DISTANCE and row.plain == 0)
     if is_timed(sets, row) or curved:
         dense_state(run, theta)
         call_python(sets, state.t + theta * h, run.point, VELOCITIES)

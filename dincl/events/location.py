@@ -200,9 +200,10 @@ def bound_displacement(run: EventWorkspace) -> float:
 
     x + theta (F_0 + (1 - theta) (F_1 + theta (...))) leaves the line by no more than (|F_1| + |F_2| + ...) / 4.
     """
-    state, d, carried, farthest = run.state[0], system_at(run.system).sets.shift.shape[1], 0.0, 0.0
+    state, system, carried, farthest = run.state[0], system_at(run.system), 0.0, 0.0
+    d = system.sets.shift.shape[1]
     for j in range(1, PARTS + 1):
-        carried = max(carried, carry(system_at(run.system), state.t, run.x, state.t + j / PARTS * state.step))
+        carried = max(carried, carry(system, state.t, run.x, state.t + j / PARTS * state.step))
     for i in range(run.bend.size):
         bend, way = 0.0, 0.0
         for j in range(run.pair.terms):
@@ -250,7 +251,7 @@ def stays_open(run: EventWorkspace, r: int) -> bool:
 def may_move(run: EventWorkspace, r: int) -> bool:
     """Return whether a closed row that is not active has a speed that is not zero, in one of the stages.
 
-    The stages are as dense as the nodes of ``first_motion``, where each evaluation costs a factorisation. Such a row
+    The stages are as dense as the nodes of ``first_negative``, where each evaluation costs a factorisation. Such a row
     is the contact of a disc that falls along a wall.
     """
     state, system, pair = run.state[0], system_at(run.system), run.pair

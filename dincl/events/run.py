@@ -33,7 +33,6 @@ from dincl.matrices import row_squares
 from dincl.norms import longest
 from dincl.projection.compiled import ActiveSet
 from dincl.projection.feasible import FeasibleSet
-from dincl.schemes.base import Watch
 from dincl.status import Status
 from dincl.system.compiled_problem import CompiledProblem, units_of
 from dincl.system.time_scales import time_scales
@@ -43,7 +42,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from dincl.problem import Problem
-    from dincl.schemes.base import Span, Until
+    from dincl.schemes.base import Span, Watch
     from dincl.work import Work
 
 # Spacing of the differences that give the velocities of moving sets, as a part of the run.
@@ -152,7 +151,7 @@ class EventRun:
     between
         The dense output so far.
     stopped
-        When ``until`` ended the run; None if it did not.
+        When ``until``, which ``watch`` looks at, ended the run; None if it did not.
     """
 
     def __init__(
@@ -163,7 +162,7 @@ class EventRun:
         tol: float,
         parts: int,
         work: Work,
-        until: Until | None = None,
+        watch: Watch | None = None,
     ) -> None:
         self._system, self._whole, self._work, self._made = system.compiled, system, work, 0
         self._unit = unit = system.compiled.units
@@ -184,9 +183,9 @@ class EventRun:
         place, pieces = system.compiled.place, system.scales.pieces / unit.time
         workspace = event_workspace(arrays, place, system.gram, pair, steps, x.copy(), breaks, pieces, **numbers)
         self._pointer, self._state = StructPointer(workspace, KIND), workspace.state
-        self.between = DenseOutput(system, pair, size, x, during=until is not None)
+        self.between = DenseOutput(system, pair, size, x, during=watch is not None)
         self.stopped: float | None = None
-        self._watch = None if until is None else Watch(until, begin, start)
+        self._watch = watch
         self._events: list[NDArray[np.float64]] = []
 
     @property

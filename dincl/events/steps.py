@@ -156,7 +156,7 @@ def check_sets(run: EventWorkspace) -> int:
     for k in range(run.active.number[0]):
         if not gap(rows, sets, run.active.row[k], x) <= touching:
             return MOVED
-    list_sorted(system_at(run.system), state.t, x, touching, ROW_MARGIN)
+    list_sorted(system, state.t, x, touching, ROW_MARGIN)
     for q in range(near.number[0]):
         if not gap(rows, sets, near.row[q], x) >= -max(touching, state.tol):
             return MOVED

@@ -8,13 +8,12 @@ Jacobians have N*d columns, particle by particle. Multipliers belong to g as wri
 """
 
 from dincl.rows.base import DiscPairs, Rows, RowsOfOneKind, StackedRows
-from dincl.rows.kinds import AffineRows, DistanceRows, FormulaRows, HeightRows, SmoothRows, linearised
+from dincl.rows.kinds import AffineRows, DistanceRows, HeightRows, SmoothRows, linearised
 
 __all__ = [
     "AffineRows",
     "DiscPairs",
     "DistanceRows",
-    "FormulaRows",
     "HeightRows",
     "Rows",
     "RowsOfOneKind",

@@ -22,14 +22,13 @@ class TableRows(NamedTuple):
     """m rows of one kind, as compiled code reads them; row k has ``entries[k]`` columns and coefficients.
 
     ``numbers`` maps fields of ``dincl.rows.table.ROW`` to arrays (m,) or to one number for all rows; other fields are
-    zero. ``formula`` is the address of a compiled formula.
+    zero.
     """
 
     numbers: dict[str, Any]
     entries: NDArray[np.int64]
     column: NDArray[np.int64]
     coefficient: NDArray[np.float64]
-    formula: int = 0
 
 
 class Rows(ABC):

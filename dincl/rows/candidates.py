@@ -6,7 +6,7 @@ import numpy as np
 
 from dincl.compiled import inner
 from dincl.compiled.arrays import Floats, Offsets, Table
-from dincl.rows.table import CALLBACK, DISTANCE, FORMULA, RowTable, Sets, arrow_of, compare_sets, value_of
+from dincl.rows.table import CALLBACK, DISTANCE, RowTable, Sets, arrow_of, compare_sets, value_of
 
 
 class CandidateRows(NamedTuple):
@@ -50,7 +50,7 @@ def find_candidates(rows: RowTable, sets: Sets, t: float, x: Floats, radius: flo
                 square += arrow * arrow
             close = square <= least * least
         else:
-            close = row.kind in (CALLBACK, FORMULA) or value_of(rows, sets, r, x) <= margin
+            close = row.kind == CALLBACK or value_of(rows, sets, r, x) <= margin
         if close:
             near.row[count] = r
             count += 1

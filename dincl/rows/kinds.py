@@ -1,4 +1,4 @@
-"""The kinds of rows: affine ones, distances, functions in Python, one compiled formula for all rows."""
+"""The kinds of rows: affine ones, distances, functions in Python."""
 
 from __future__ import annotations
 
@@ -23,9 +23,6 @@ if TYPE_CHECKING:
 
     from dincl.mobility import Scaling
     from dincl.rows.base import Rows
-
-# Base of the digits by which keys of FormulaRows name up to four particles: there are fewer particles than this.
-MOST_PARTICLES = 1_000_003
 
 
 @dataclass(frozen=True, eq=False)
@@ -356,69 +353,3 @@ def all_rows(
 @cache
 def _function_of_x(name: str) -> UserFunction:
     return UserFunction(name, ("x",), Status.CONSTRAINT_FAILED)
-
-
-@dataclass(frozen=True, eq=False)
-class FormulaRows(RowsOfOneKind):
-    """g_k(X_i, X_j, ...) >= 0 for the particles of each row, by one compiled formula.
-
-    Parameters
-    ----------
-    formula
-        Made by ``dincl.rows.formulas.row_formula``.
-    particles
-        The particles of each row, shape (m, p).
-    parameters
-        The parameters of each row, shape (m, q), q <= p d.
-
-    All rows are candidates in compiled code, since no Lipschitz constant of the formula is known.
-    """
-
-    formula: Any
-    particles: NDArray[np.int64]
-    parameters: NDArray[np.float64]
-
-    def __len__(self) -> int:
-        return len(self.particles)
-
-    def values(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        return self._evaluated(x)[:, -1]
-
-    def jacobian(self, x: NDArray[np.float64]) -> csr_array:
-        return from_equal_rows(coordinates(self.particles, x.shape[1]), self._evaluated(x)[:, :-1], x.size)
-
-    def take(self, keep: NDArray[np.bool_]) -> FormulaRows:
-        return replace(self, particles=self.particles[keep], parameters=self.parameters[keep])
-
-    def keys(self) -> NDArray[np.int64]:
-        """Two numbers, each with half of the particles as its digits."""
-        halves = np.array_split(self.particles, 2, axis=1)
-        return np.column_stack([half @ MOST_PARTICLES ** np.arange(half.shape[1]) for half in halves])
-
-    def label(self, k: int, d: int) -> str:
-        return "particles " + ", ".join(map(str, self.particles[k]))
-
-    def coincidence(self, k: int) -> StepFailure:
-        """Return the failure of row k, whose formula has no derivative."""
-        return StepFailure(Status.CONSTRAINT_FAILED, f"g has no derivative at {self.label(k, 0)}.")
-
-    def tabulated(self, d: int) -> TableRows:
-        from dincl.rows.table import FORMULA
-
-        column = coordinates(self.particles, d)
-        coefficient = np.zeros(column.shape)
-        coefficient[:, : self.parameters.shape[1]] = self.parameters
-        numbers = {"kind": FORMULA, "i": -1, "j": -1, "lipschitz": np.inf}
-        entries = np.full(len(self), column.shape[1])
-        return TableRows(numbers, entries, column.ravel(), coefficient.ravel(), self.formula.address)
-
-    def _evaluated(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """dg/dx and, last, g, shape (m, p d + 1)."""
-        from dincl.rows.formulas import evaluate_formula
-
-        point = x.ravel()[coordinates(self.particles, x.shape[1])]
-        out = np.empty((len(self), point.shape[1] + 1))
-        failed = evaluate_formula(self.formula.address, point, np.ascontiguousarray(self.parameters), x.shape[1], out)
-        if failed >= 0:
-            raise self.coincidence(failed)
-        return out

@@ -10,12 +10,11 @@ from dincl.compiled import c_function, call, inner
 from dincl.compiled.arrays import Floats, Offsets, Table, empty
 from dincl.compiled.calls import DOUBLES, SETS, signature
 from dincl.compiled.structs import reader, struct_type
-from dincl.drifts.functions import call_drift
 from dincl.rows.formulas import square_distance, to_image
 from dincl.rows.timed_sets import TimedSet, place_set, write_change, write_rates
 
-# Kinds of rows: distances, affine rows, rows that Python evaluates, rows of a compiled formula.
-DISTANCE, AFFINE, CALLBACK, FORMULA = range(4)
+# Kinds of rows: distances, affine rows, rows that Python evaluates.
+DISTANCE, AFFINE, CALLBACK = range(3)
 # Requests to Python: displacements of the sets; also values and gradients of its rows; also velocities of the sets.
 DISPLACEMENTS, GRADIENTS, VELOCITIES = range(1, 4)
 
@@ -42,9 +41,8 @@ timed_set_at = reader(empty(TimedSet)._replace(row=np.zeros(0, dtype=ROW)))
 class RowTable(NamedTuple):
     """m rows; row r has entries ``start[r]`` ... ``stop[r] - 1`` in the coordinates ``column``.
 
-    ``coefficient`` holds a of an affine row, the fixed point of a distance, the parameters of a formula. Rows that
-    Python evaluates have entries in all coordinates, or, if ``tail[0]`` is not -1, the entries of their last gradients,
-    from the entry ``tail[0]`` on.
+    ``coefficient`` holds a of an affine row, the fixed point of a distance. Rows that Python evaluates have entries in
+    all coordinates, or, if ``tail[0]`` is not -1, the entries of their last gradients, from the entry ``tail[0]`` on.
     """
 
     row: Annotated[NDArray[np.void], ROW]
@@ -53,25 +51,12 @@ class RowTable(NamedTuple):
     column: Offsets
     coefficient: Floats
     tail: Offsets  # (1,)
-    formula: Offsets  # (m,), or (0,) if there is none: addresses of formulas, see ``dincl.rows.formulas.row_formula``
-    unit: Floats  # (1,): formulas take coordinates times this
-    point: Floats  # the coordinates that a formula takes
-    slope: Floats  # the gradient that it writes, and behind it the value
 
 
 def row_table(
-    row: NDArray[np.void],
-    offset: Offsets,
-    column: Offsets,
-    coefficient: Floats,
-    *,
-    tail: int = -1,
-    more: int = 0,
-    formula: Offsets | None = None,
-    unit: float = 1.0,
+    row: NDArray[np.void], offset: Offsets, column: Offsets, coefficient: Floats, *, tail: int = -1, more: int = 0
 ) -> RowTable:
     """Make the table of rows with entries ``offset[r]`` ... ``offset[r + 1] - 1``, and space for ``more`` of them."""
-    widest = int(np.diff(offset).max(initial=0))
     return RowTable(
         row,
         np.array(offset[:-1]),
@@ -79,10 +64,6 @@ def row_table(
         np.append(column, np.zeros(more, dtype=np.int64)),
         coefficient,
         np.full(1, tail),
-        np.zeros(0, dtype=np.int64) if formula is None else formula,
-        np.full(1, unit),
-        np.zeros(widest),
-        np.zeros(widest + 1),
     )
 
 
@@ -184,21 +165,6 @@ def distance(rows: RowTable, sets: Sets, r: int, x: Floats) -> float:
 
 
 @inner
-def call_formula(rows: RowTable, sets: Sets, r: int, x: Floats) -> float:
-    """Compute g_r(x) of a compiled formula and its gradient in ``slope``; NaN where it has no gradient."""
-    row, first, d, unit = rows.row[r], rows.start[r], sets.shift.shape[1], rows.unit[0]
-    entries, point, slope = rows.stop[r] - first, rows.point, rows.slope
-    for p in range(entries):
-        column = rows.column[first + p]
-        point[p] = unit * (x[column] - sets.shift[row.family, column % d])
-    if call_drift(rows.formula[r], 0.0, point, slope, entries, d, rows.coefficient[first:]) != 0:
-        return np.nan
-    for p in range(entries):
-        slope[p] *= unit
-    return float(slope[entries])
-
-
-@inner
 def value_of(rows: RowTable, sets: Sets, r: int, x: Floats) -> float:
     """Compute g_r(x); for a row of Python, return the value that it wrote last."""
     row = rows.row[r]
@@ -209,7 +175,7 @@ def value_of(rows: RowTable, sets: Sets, r: int, x: Floats) -> float:
         for p in range(rows.start[r], rows.stop[r]):
             value += rows.coefficient[p] * (x[rows.column[p]] - sets.shift[row.family, rows.column[p] % d])
         return float(value - row.length)
-    return float(sets.value[row.i]) if row.kind == CALLBACK else call_formula(rows, sets, r, x)
+    return float(sets.value[row.i])
 
 
 @inner
@@ -224,14 +190,10 @@ def gap(rows: RowTable, sets: Sets, r: int, x: Floats) -> float:
 
 @inner
 def square_of_gradient(rows: RowTable, sets: Sets, r: int) -> float:
-    """Compute |grad g_r|^2 of a row that Python or a formula has just evaluated."""
+    """Compute |grad g_r|^2 of a row that Python has just evaluated."""
     row, square = rows.row[r], 0.0
-    if row.kind == CALLBACK:
-        for p in range(sets.first[row.i], sets.first[row.i + 1]):
-            square += sets.entry[p] * sets.entry[p]
-    else:
-        for p in range(rows.stop[r] - rows.start[r]):
-            square += rows.slope[p] * rows.slope[p]
+    for p in range(sets.first[row.i], sets.first[row.i + 1]):
+        square += sets.entry[p] * sets.entry[p]
     return square
 
 
@@ -255,7 +217,7 @@ def evaluate_row(rows: RowTable, sets: Sets, r: int, x: Floats, gradient: Floats
         for p in range(rows.start[r], rows.stop[r]):
             gradient[p] = rows.coefficient[p]
         return value_of(rows, sets, r, x)
-    return evaluate_other(rows, sets, r, x, gradient)
+    return evaluate_called(rows, sets, r, gradient)
 
 
 @inner
@@ -283,13 +245,9 @@ def evaluate_distance(rows: RowTable, sets: Sets, r: int, x: Floats, gradient: F
 
 
 @inner
-def evaluate_other(rows: RowTable, sets: Sets, r: int, x: Floats, gradient: Floats) -> float:
-    """Write the gradient of a row that Python or a formula evaluates; return g_r(x), NaN without a gradient."""
-    row, value = rows.row[r], value_of(rows, sets, r, x)
-    if row.kind == FORMULA:
-        for p in range(rows.start[r], rows.stop[r]):
-            gradient[p] = rows.slope[p - rows.start[r]]
-        return value
+def evaluate_called(rows: RowTable, sets: Sets, r: int, gradient: Floats) -> float:
+    """Write the gradient of a row that Python evaluates; return g_r(x)."""
+    row, value = rows.row[r], float(sets.value[rows.row[r].i])
     begin, end, tail = sets.first[row.i], sets.first[row.i + 1], rows.tail[0]
     if tail < 0:
         first = rows.start[r]

@@ -11,7 +11,7 @@ import numpy as np
 from dincl.checks import number
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.norms import longest
-from dincl.schemes.base import WHOLE, Scheme, Span
+from dincl.schemes.base import WHOLE, Scheme, Span, Watch
 from dincl.status import Status
 from dincl.system.time_scales import CUT
 from dincl.trajectory import Between, RunOutcome
@@ -90,7 +90,8 @@ class EventDriven(Scheme):
             return not_begun(problem, work, failure, span.t0)
         coarse: EventRun | None = None
         for k in range(MOST_RUNS):
-            run = EventRun(system, start, end, self.tol / FIRST / TIGHTER**k, 2**k, work, span.until)
+            watch = None if span.until is None else Watch(span.until, span.t0, start)
+            run = EventRun(system, start, end, self.tol / FIRST / TIGHTER**k, 2**k, work, watch)
             try:
                 run.integrate()
                 kept = times if run.stopped is None else np.append(times[times < run.stopped], run.stopped)

@@ -23,7 +23,6 @@ from dincl.rows.table import (
     AFFINE,
     CALLBACK,
     DISTANCE,
-    FORMULA,
     GRADIENTS,
     ROW,
     VELOCITIES,
@@ -561,7 +560,7 @@ def tabulate(
     divided by ``unit``.
     """
     called: list[int] = []
-    parts, formulas, before = [], [], 0
+    parts, before = [], 0
     for family, block in enumerate(blocks):
         if not len(block):
             continue
@@ -573,7 +572,6 @@ def tabulate(
             part = TableRows(numbers, np.full(m, e), np.tile(np.arange(e), m), np.zeros(m * e))
             before += m
         row = np.zeros(len(part.entries), dtype=ROW)
-        formulas.append(np.full(len(row), part.formula))
         for name, values in part.numbers.items():
             row[name] = values
         row["family"] = family
@@ -586,6 +584,4 @@ def tabulate(
     rows = np.concatenate([np.zeros(0, dtype=ROW), *(row for row, _, _ in parts)])
     loose = bool(called) and not dense
     more, tail = (entries_for(before * n), len(column)) if loose else (0, -1)
-    formula = np.concatenate(formulas) if (rows["kind"] == FORMULA).any() else None
-    table = row_table(rows, np.cumsum(entries), column, coefficient, tail=tail, more=more, formula=formula, unit=unit)
-    return table, tuple(called)
+    return row_table(rows, np.cumsum(entries), column, coefficient, tail=tail, more=more), tuple(called)

@@ -49,7 +49,7 @@ def test_public_names_of_tissue():
 # Counted work, and what is left of a budget.
 CHANGES = {"Work", "_Budget"}
 # Types that NumPy does not compare to one truth value, or that hold such.
-HOLD_ARRAYS = re.compile(r"Floats|Indices|Offsets|[Aa]rray|Constraint|Rows|Scaling|Stepper|TimeScales|^Any$", re.MULTILINE)
+HOLD_ARRAYS = re.compile(r"Floats|Indices|Offsets|[Aa]rray|Constraint|Rows|Scaling|Stepper|TimeScales|^Any$", re.M)
 
 
 @pytest.mark.parametrize("package", [dincl, meanfield])

@@ -59,7 +59,6 @@ def bits(values):
 def test_compiled_pickled_or_not_the_bits_are_the_same(drift, x):
     assert bits(compiled(drift, x)) == bits(drift(0.4, x))
     copy = pickle.loads(pickle.dumps(drift))
-    assert copy == drift
     assert bits(compiled(copy, x)) == bits(copy(0.4, x)) == bits(drift(0.4, x))
 
 
@@ -88,10 +87,7 @@ def test_a_sum_is_the_sum(drift):
         drift + 1.0
 
 
-def test_drifts_are_their_numbers():
-    assert constant([1, 2]) == constant((1.0, 2.0)) != constant([[1, 2]])
-    assert attraction(0) != swirl(0, -1.0)
-    assert len({attraction(0), attraction(0, 1), attraction(0, 2)}) == 2
+def test_numbers_of_a_drift_do_not_change():
     speed = np.ones((5, 2))
     drift = constant(speed)
     speed[:] = 2.0

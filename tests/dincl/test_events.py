@@ -154,7 +154,7 @@ def test_output_times_in_or_beside_a_pulse_show_it(times, width):
 def test_a_gap_that_may_close_between_two_looks_is_looked_at(rng):
     """The cubic through values and slopes, and the parabola through three values, fall below half of what is beside."""
     s, found = np.linspace(0.0, 1.0, 2001), set()
-    for before, after, falling, rising in zip(*rng.uniform(0.1, 1.0, (2, 400)), *rng.uniform(0.0, 6.0, (2, 400))):
+    for before, after, falling, rising in rng.uniform((0.1, 0.1, 0.0, 0.0), (1.0, 1.0, 6.0, 6.0), (400, 4)):
         rest = before * (1 + 2 * s) * (1 - s) ** 2 + after * s**2 * (3 - 2 * s)
         low = (rest - falling * s * (1 - s) ** 2 - rising * s**2 * (1 - s)).min() / min(before, after)
         assert dips(before, -falling, after, rising) == (low <= 0.5) or abs(low - 0.5) < 1e-4

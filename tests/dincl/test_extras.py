@@ -35,7 +35,7 @@ asked = {
     "Piqp": lambda: dincl.solve(scene, dincl.CatchUp(0.05, dincl.Piqp(1e-9)), [0.1]),
     "read_fclib": lambda: dincl.projection.read_fclib("one.hdf5"),
     "plot": paths[1].plot,
-    "to_frame": paths[1].to_frame,
+    "to_frame": paths[1].forces(0.1).to_frame,
     "model": lambda: meanfield.StraightFibre(m=0.5, k0=1.0, y_rest=1.0, k1=0.5),
     "w1": lambda: meanfield.w1(np.eye(2), np.ones((2, 2))),
     "study": lambda: __import__("dincl.study"),

@@ -1,5 +1,7 @@
 """Mobilities, equalities, periodic boxes and walls for some particles: exact solutions, formulas, what is invariant."""
 
+import warnings
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -7,6 +9,9 @@ import pytest
 
 import dincl
 from dincl.drifts import constant, swirl
+from dincl.steps.loop import Settings
+from dincl.steps.stepper import CompiledStepper
+from dincl.steps.sweeping import run_pbd
 
 FIXED_STEP = {
     "PBD": (dincl.PBD, 1),
@@ -254,6 +259,39 @@ def test_rounding_between_a_fixed_particle_and_a_wall_does_not_matter(scheme):
     assert (forces.constraint == 0).sum() == 1  # the fixed one touches the wall, too
 
 
+LENGTHENS = dincl.Distance([(0, 1), (1, 2), (0, 2)], lambda t: [1.0, 1.0, 1.0 + 2.0 * t])  # than both others together
+WALLS = [dincl.HalfSpace([side], lambda t, at=at: t + at) for side, at in ((1.0, -1.0), (-1.0, -2.0))]
+TRIANGLE = [[0.0, 0.0], [1.0, 0.0], [0.5, 0.75**0.5]]
+IMPOSSIBLE = {
+    "a triangle": (TRIANGLE, [LENGTHENS]),
+    "a triangle that moves": (TRIANGLE, [dincl.Moving(LENGTHENS, lambda t: (0.0, 0.0))]),
+    "a level beyond a wall": (
+        [[0.0], [1.0]],
+        [
+            dincl.Smooth(lambda t, x: x[1] - 1.0 - t, equality=True),
+            dincl.HalfSpace([-1.0], -2.0),
+            dincl.Ordered([0, 1], 0),
+        ],
+    ),
+    "a rod between walls": ([[0.0], [1.0]], [*WALLS, dincl.Distance([(0, 1)], 1.0)]),
+    "walls around a rod": ([[0.0], [1.0]], [dincl.Distance([(0, 1)], 1.0), *WALLS]),
+}
+
+
+@pytest.mark.parametrize("name", IMPOSSIBLE)
+@pytest.mark.parametrize("scheme", SCHEMES[:7], ids=lambda one: type(one).__name__)
+def test_equalities_that_cannot_be_met_are_no_silent_success(scheme, name):
+    x0, sets = IMPOSSIBLE[name]
+    problem = dincl.Problem(x0, constant(np.zeros(len(x0[0]))), sets)
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        path = dincl.solve(problem, scheme, 1.9, throw=False)
+        before = dincl.solve(problem, scheme, 0.4)
+    assert not path.status or "cannot be met together" in str(said[0].message)
+    assert before.status is dincl.Status.SUCCESS
+    assert not [one for one in said if "t = 0.4" in str(one.message)]
+
+
 def test_a_wall_must_not_turn_across_an_axis_that_repeats():
     wall = dincl.HalfSpace(lambda t: (0.0 if t < 0.5 else t, 1.0), -1.0)
     problem = dincl.Problem([[0.0, 0.0]], constant((0.0, -1.0)), [wall], box=(10.0, None))
@@ -281,6 +319,23 @@ def test_second_order_pbd_takes_velocities_of_the_user():
     problem = dincl.Problem([[0.0, 1.0], [5.0, 1.0]], constant((0.0, -2.0)), mobility=[0.25, 0.0])
     path = dincl.solve(problem, dincl.SecondOrderPBD(1e-3, v0=[[1.0, 2.0], [3.0, 3.0]]), [1.0])
     assert np.abs(path.final - [[1.0, 1.0 + 2.0 - 0.25], [5.0, 1.0]]).max() < 1e-3
+
+
+@dataclass(frozen=True)
+class OfPlainDiscs(dincl.FixedStep):
+    """A scheme of a user, whose kernel reads neither mobilities nor a box."""
+
+    def stepper(self, problem):
+        return CompiledStepper.sweeping(problem, run_pbd, Settings())
+
+
+@pytest.mark.parametrize("more", [{"mobility": [1.0, 0.5]}, {"box": (9.0, None)}])
+def test_a_kernel_of_plain_discs_is_refused(more):
+    x0, sets = np.array([[0.0, 1.0], [3.0, 1.0]]), [dincl.NonOverlap(0.5), dincl.HalfSpace((0, 1))]
+    plain = dincl.Problem(x0, swirl((0.0, 0.0), 1.0), sets)
+    assert np.array_equal(*(dincl.solve(plain, one, [1.0]).x for one in (OfPlainDiscs(0.1), dincl.PBD(0.1))))
+    with pytest.raises(dincl.InvalidProblem, match="of_any"):
+        dincl.solve(dincl.Problem(x0, plain.drift, sets, **more), OfPlainDiscs(0.1), [1.0])
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,4 @@
-"""Pictures hold what the problem says, at its scale and place; tables hold the output times."""
-
-import re
+"""Pictures hold what the problem says, at its scale and place."""
 
 import matplotlib as mpl
 import numpy as np
@@ -95,50 +93,25 @@ def test_a_picture_shows_near_walls_and_boxes(sets, low, high):
     np.testing.assert_allclose(shapes.region(problem, problem.x0[None], (0.0, 1.0)), (low, high), atol=0.3)
 
 
-def test_new_figures_movies_and_notebooks(tmp_path):
+def test_new_figures_and_notebooks():
     from matplotlib import pyplot as plt
-    from PIL import Image
 
-    path = run(scenes.two_disks())
-    ax = path.plot()
+    ax = run(scenes.two_disks()).plot()
     assert ax.figure in map(plt.figure, plt.get_fignums())
     plt.close(ax.figure)
-    with Image.open(path.animate(tmp_path / "film.gif", frames=3, fps=10)) as film:
-        assert (film.n_frames, film.info["duration"]) == (3, 100)
     failed = dincl.solve(dincl.Problem([[1.0]], lambda t, x: x**3), dincl.PBD(0.5), t=[9.0], throw=False)
     for text in ('src="data:image/png;base64,', "DRIFT_FAILED", "smaller dt"):
         assert text in failed._repr_html_()
 
 
-@pytest.mark.parametrize(
-    ("name", "options", "message"),
-    [
-        ("film.avi", {}, "must end in .gif or .mp4"),
-        ("film.mp4", {}, "ffmpeg"),
-        ("film.gif", {"frames": 1}, "frames = 1"),
-        ("film.gif", {"fps": 0}, "fps = 0"),
-    ],
-)
-def test_movie_that_cannot_be(name, options, message, tmp_path, monkeypatch):
-    monkeypatch.setattr("matplotlib.animation.FFMpegWriter.isAvailable", lambda: False)
-    with pytest.raises(dincl.InvalidProblem, match=re.escape(message)):
-        run(scenes.two_disks()).animate(tmp_path / name, **options)
-    assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize(("d", "columns"), [(3, ["x", "y", "z"]), (4, ["x0", "x1", "x2", "x3"])])
-def test_space_has_tables_and_no_pictures(d, columns):
-    path = run(dincl.Problem(np.zeros((1, d)), still))
-    with pytest.raises(dincl.InvalidProblem, match=f"d = {d}"):
+def test_space_has_no_pictures():
+    path = run(dincl.Problem(np.zeros((1, 3)), still))
+    with pytest.raises(dincl.InvalidProblem, match="d = 3"):
         path.plot()
     assert path._repr_html_().startswith("<p>Trajectory(SUCCESS")
-    assert list(path.to_frame()) == ["t", "particle", *columns]
 
 
-def test_table_with_radii_of_constraints():
+def test_particles_have_the_radii_of_their_sets():
     wall = dincl.Moving(dincl.HalfSpace((0, 1), -3.0, radius=[0.1, 0.2, 0.3]), straight)
-    path = run(dincl.Problem([[0, 0], [2, 0], [4, 0]], still, [dincl.NonOverlap(0.5, among=[1]), wall]))
-    table = path.to_frame()
-    np.testing.assert_array_equal(table[["x", "y"]].to_numpy().reshape(path.x.shape), path.x)
-    expected = [[0.5] * 3 + [1.0] * 3, [0, 1, 2] * 2, [0.1, 0.5, 0.3] * 2]
-    assert table[["t", "particle", "radius"]].to_numpy().T.tolist() == expected
+    problem = dincl.Problem([[0, 0], [2, 0], [4, 0]], still, [dincl.NonOverlap(0.5, among=[1]), wall])
+    assert shapes.radii(problem).tolist() == [0.1, 0.5, 0.3]

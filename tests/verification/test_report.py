@@ -19,16 +19,14 @@ from tests.executors import Here
 from tests.optional import need_module
 from tests.verification.in_browser import PagesInABrowser
 from tests.verification.thesis.shortened import few_claims, shorten
-from verification import cli
+from verification import audit, cli
+from verification.audit import PAGES, STUDIES
 from verification.claims.decide import differing
 from verification.site import context, report
 from verification.site.agreement import Agreement
 from verification.site.context import Context
 from verification.site.report import write_report
 from verification.site.store import DATA
-from verification.thesis import chapters
-from verification.thesis.chapters import PAGES
-from verification.thesis.shipped_studies import STUDIES
 
 pytestmark = pytest.mark.slow
 
@@ -151,7 +149,7 @@ def test_command_claims_lists_every_claim(made: tuple[Path, Context], monkeypatc
 def test_command_report_makes_what_pages_show(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     shorten(monkeypatch)
     monkeypatch.setattr(study, "workers", Here)
-    monkeypatch.setattr(chapters, "PAGES", PAGES[-1:])
+    monkeypatch.setattr(audit, "PAGES", PAGES[-1:])
     monkeypatch.setattr(report, "build", lambda *_: None)
     said = CliRunner().invoke(cli.app, ["report", "--full", "--out", str(tmp_path)])
     assert said.exit_code == 0, said.output

@@ -312,7 +312,7 @@ class Start(Section):
 class EmtGroup(Section):
     """[emt]: the group of cells in the middle of the tissue that undergoes EMT (section 2.3 of chapter 4).
 
-    Besides those below each event of ``tissue.events.known.events`` is a key; where it is not given, it never begins.
+    Each event that a file of own.modules registers is a key, too. An event that is not given never begins.
 
     An event fires in the step dt that ends at its time, or in which its time lies: it acts from the beginning of this
     step, so up to dt before its time.

@@ -16,6 +16,7 @@ import numpy as np
 
 from dincl.checks import describe
 from dincl.checks import path as checked_path
+from dincl.compiled.arrays import entry_type
 from dincl.errors import InvalidProblem
 from dincl.files import open_file, replacing
 from tissue.events.known import events
@@ -117,7 +118,7 @@ def _value(kind: Any, name: str, arrays: Arrays) -> Any:
     if name not in arrays:
         raise ValueError(f"{name} is missing")
     array, text, scalar = arrays.pop(name), kind in (int, str), kind in (int, str, float, bool)
-    fits = array.dtype.kind == "S" if text else array.dtype == (kind if scalar else get_args(get_args(kind)[1])[0])
+    fits = array.dtype.kind == "S" if text else array.dtype == (kind if scalar else entry_type(kind))
     if not fits or scalar != (array.ndim == 0):
         raise ValueError(f"{name} is of kind {array.dtype} and shape {array.shape}")
     if text:

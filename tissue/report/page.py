@@ -172,7 +172,7 @@ def _of_scenarios(results: Results) -> Iterator[Drawable]:
     """Give the figures of all scenarios that have EMT cells together."""
     if names := [name for name in _stored(results) if not results.cells(name, ["replicate"]).empty]:
         yield Drawable("positions", "Positions of EMT cells in time", partial(positions, results, names))
-        yield Drawable("ratios", "Ratios of extrusion in time", partial(ratios_against_time, results, names))
+        yield Drawable("ratios", "Shares of EMT cells outside in time", partial(ratios_against_time, results, names))
 
 
 def _stored(results: Results) -> list[str]:

@@ -11,7 +11,7 @@ import numpy as np
 from dincl.checks import flag, items
 from dincl.checks import seed as checked_seed
 from dincl.errors import InvalidProblem
-from tissue.files.groups import too_late
+from tissue.files.groups import never_begun
 from tissue.files.parameters import Parameters
 from tissue.frames.frame import A_START, Frame
 from tissue.kernels.lanes import WIDTH
@@ -116,7 +116,7 @@ def _simulated(
     flag("throw", throw)
     listed = isinstance(parameters, (list, tuple))
     each: Any = parameters if listed else [parameters]
-    late = (too_late(one.groups(), one.t_end) for one in each if isinstance(one, Parameters))
+    late = (never_begun(one.groups(), one.t_end) for one in each if isinstance(one, Parameters))
     for line in dict.fromkeys(line for lines in late for line in lines):
         warn(line, UserWarning, stacklevel=3)
     if listed and len(each) != len(seeds):

@@ -54,7 +54,7 @@ def applicable(scenarios: Iterable[Parameters]) -> dict[str, str]:
     for name in KINDS:
         try:
             changed = [simplified(one, [name]) is not one for one in scenarios]
-            reasons[name] = "" if any(changed) else "these parameters have nothing of it"
+            reasons[name] = "" if any(changed) else "these parameters are so already"
         except InvalidProblem as error:
             reasons[name] = str(error).partition(": ")[2].strip()
     return reasons

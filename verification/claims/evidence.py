@@ -56,7 +56,7 @@ class Comparison:
 
     def __str__(self) -> str:
         """Return the quantity with its value and interval, and the required range, in one line."""
-        found = f"{self.what} {self.value:.4g}"
+        found = f"{self.what}: {self.value:.4g}"
         if self.interval is not None:
             found += f" [{self.interval[0]:.4g}, {self.interval[1]:.4g}]"
         return f"{found} (required {self._range()})"

@@ -81,7 +81,7 @@ class Recommendation(Result):
 
     def __repr__(self) -> str:
         lines = [
-            f"  {row.method}: " + (row.why or f"{row.setting:.3g}, {row.cpu_seconds:.2g} s")
+            f"  {row.method}: " + (row.why or f"setting {row.setting:.3g}, {row.cpu_seconds:.2g} s")
             for row in self.table.itertuples()
         ]
         return "\n".join([f"Recommendation for an error of {self.error:g}: {self.best or 'none'}", *lines])

@@ -10,9 +10,7 @@ from typing import Any
 import dincl
 from dincl.checks import describe
 from verification.instruments.method import Method, SchemeOf
-from verification.methods.chart.chipmunk import chipmunk
-from verification.methods.chart.lsoda import lsoda
-from verification.methods.moreau_jean import MoreauJean
+from verification.methods.baselines import MoreauJean, chipmunk, lsoda
 
 # The tolerance of section 4.1 of chapter 2, for the reference; that of the projections that check it: a projection onto
 # a curved set by quadratic programs stops just below its tolerance in every step, and that adds up over a run; and that

@@ -10,7 +10,7 @@ from verification.methods.chart import programs, work_precision
 from verification.methods.chart import references as charted
 from verification.methods.decisions import study as decisions
 from verification.methods.hard import study as hard
-from verification.methods.stability import catalogue as stability
+from verification.methods.stability import page as stability
 
 # Name -> the function ``study(smallest=False)``; the smallest form has some of the runs of the complete one.
 STUDIES: dict[str, Callable[..., Study]] = {

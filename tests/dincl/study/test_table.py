@@ -132,7 +132,7 @@ def test_every_difference_of_settings_is_named(one: dict[str, Any], two: dict[st
         ({2: range(2), "a": np.float32(0.5)}, {"2": [0, 1], "a": 0.5}),
         ({"b", "a"}, ["a", "b"]),
         (dincl.Status.SUCCESS, "Status.SUCCESS"),
-        (dincl.CatchUp(0.5, dincl.ActiveSet(1e-9)), {"CatchUp": {"dt": 0.5, "projection": {"ActiveSet": {"tol": 1e-9}}}}),
+        (dincl.CatchUp(1, dincl.ActiveSet(0.1)), {"CatchUp": {"dt": 1, "projection": {"ActiveSet": {"tol": 0.1}}}}),
         (max, "builtins.max"),
     ],
 )

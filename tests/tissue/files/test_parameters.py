@@ -487,12 +487,13 @@ def test_the_group_stands_in_the_middle(cells, group, first):
     assert held.cells.moves[others].all()
 
 
-def test_an_event_after_the_end_warns():
+def test_an_event_that_never_begins_warns():
     late = preset("thesis").changed({"emt.cells": 1, "emt.a": "3 h", "numerics.t_end": "0.1 h"})
     with pytest.warns(UserWarning, match=r'^\[A\] never begins: emt.a = "3 h", and numerics.t_end = "0.1 h"$'):
         simulate(late)
     simulate(late.changed({"emt.a": "0.1 h"}))  # in the last step
-    simulate(late.changed({"emt.cells": 0}))
+    with pytest.warns(UserWarning, match=r'^\[A\] never begins: emt.a = "3 h", and emt.cells = 0$'):
+        simulate(late.changed({"emt.cells": 0}))
 
 
 FILE = """

@@ -87,7 +87,7 @@ def test_another_verdict_fails_with_the_evidence(pytester: pytest.Pytester) -> N
             "*recorded: holds",
             "*found:    refuted",
             "*the order is 0.5",
-            "*as stated: order 0.5 (required 1): NO",
+            "*as stated: order: 0.5 (required 1): NO",
         ]
     )
     assert "Traceback" not in result.stdout.str()

@@ -47,7 +47,7 @@ class Visitor:
     """A page and its socket."""
 
     def __init__(self, address: str, text: str) -> None:
-        self.address, self.text, self.heard = address, text, ""
+        self.address, self.heard = address, ""
         self.client = re.search(r"client_id': '([0-9a-f-]+)'", text)[1]
         self.socket = socketio.AsyncClient()
         self.socket.on("*", self._hear)
@@ -61,14 +61,6 @@ class Visitor:
         headers = {"Origin": origin} if origin else {}
         address = f"{self.address}?{query}"
         await self.socket.connect(address, headers, transports=["websocket"], socketio_path=SOCKET)
-
-    async def click(self, label):
-        """Click the button with a label."""
-        button = rf'"(\d+)":{{"tag":"q-btn","props":{{[^}}]*"label":"{label}".*?"events":\[(.*?)\]}}'
-        number, events = re.search(button, self.text).groups()
-        listener = json.loads(f"[{events}]")[0]["listener_id"]
-        sent = {"id": int(number), "client_id": self.client, "listener_id": listener, "args": []}
-        await self.socket.emit("event", sent)
 
     async def hear(self, text):
         """Wait until a text has been sent; what was sent until then."""

@@ -8,7 +8,7 @@ import pytest
 import tissue
 from dincl.errors import InvalidProblem
 from tests.full_disk import full_disk
-from verification.explore.common.folder import Folder, NeedsPython
+from verification.explore.folder import Folder
 
 
 @pytest.fixture
@@ -63,7 +63,7 @@ def test_files_may_name_each_other_but_none_outside_and_not_themselves(folder, t
     (folder.root / "circle.toml").write_text('base = "mine.toml"')
     (folder.root / "mine.toml").write_text(text)
     with pytest.raises(InvalidProblem, match=message):
-        folder.parameters("mine.toml", agreed=True)
+        folder.parameters("mine.toml")
     assert folder.parameters("plain.toml").tissue.cells == 30
     assert folder.parameters("chick") == tissue.preset("chick")
 
@@ -77,14 +77,14 @@ def write_plugin(folder, name, text):
     (folder.root / "above.toml").write_text(f'base = "{name}.toml"')
 
 
-def test_code_is_imported_once_someone_has_agreed(folder):
-    write_plugin(folder, "agreed_plugin", "")
-    with pytest.raises(NeedsPython, match=r"above\.toml: needs agreed_plugin\.py: files of Python"):
-        folder.parameters("above.toml")
-    assert not (folder.root / "agreed_plugin").exists()
-    folder.parameters("above.toml", agreed=True)
+def test_code_is_imported_once_someone_chose_its_file(folder):
+    write_plugin(folder, "chosen_plugin", "")
+    with pytest.raises(InvalidProblem, match=r"above\.toml: needs chosen_plugin\.py: an address imports no files"):
+        folder.parameters("above.toml", chosen=False)
+    assert not (folder.root / "chosen_plugin").exists()
     folder.parameters("above.toml")
-    assert (folder.root / "agreed_plugin").read_text() == "x"
+    folder.parameters("above.toml", chosen=False)
+    assert (folder.root / "chosen_plugin").read_text() == "x"
 
 
 @pytest.mark.parametrize("text", ["raise SystemExit(3)", "import sys; sys.exit('bye')", "1 / 0"])
@@ -92,11 +92,11 @@ def test_code_that_ends_the_program_ends_nothing_and_is_no_module(text, folder):
     write_plugin(folder, "ending_plugin", text)
     for times in (1, 2):
         with pytest.raises(InvalidProblem, match=r"ending_plugin\.py: cannot be imported: "):
-            folder.parameters("above.toml", agreed=True)
+            folder.parameters("above.toml")
         assert "ending_plugin" not in sys.modules
         assert (folder.root / "ending_plugin").read_text() == times * "x"
-    with pytest.raises(NeedsPython):  # to agree to what failed is to agree once
-        folder.parameters("above.toml")
+    with pytest.raises(InvalidProblem, match="an address imports no files"):
+        folder.parameters("above.toml", chosen=False)
 
 
 def test_nothing_is_overwritten_and_a_full_disk_leaves_no_file(folder):

@@ -1,4 +1,4 @@
-"""Away from the loopback nobody sees anything without the token; streams are fetched once, by who knows the address."""
+"""Pages of other sites are refused; streams are fetched once, by who knows the address."""
 
 import asyncio
 import threading
@@ -7,8 +7,8 @@ import httpx
 import pytest
 from fastapi import FastAPI
 
-from verification.explore.common.streams import MOST, PictureStreams
-from verification.explore.guard import COOKIE, OneSite, Token, is_loopback
+from verification.explore.server import OneSite
+from verification.explore.streams import MOST, PictureStreams
 
 APP = FastAPI()
 
@@ -30,48 +30,6 @@ def ask(*asked, **options):
     return asyncio.run(visit(*asked, **options))
 
 
-def connect(app, query, cookie):
-    """What the guard lets a socket through to, or says to it."""
-    sent = []
-
-    async def send(message):
-        sent.append(message)
-
-    headers = [(b"cookie", f"{COOKIE}={cookie}".encode())] if cookie else []
-    scope = {"type": "websocket", "headers": headers, "query_string": query.encode()}
-    asyncio.run(app(scope, None, send))
-    return sent
-
-
-@pytest.mark.parametrize("query", ["", "?token=", "?token=wrong", "?token=rightly", "?token=wrong&token=right"])
-def test_without_the_token_nothing_is_seen(query):
-    (answer,) = ask(Token(APP, "right"), f"/{query}")
-    assert answer.status_code == 403
-    assert "seen" not in answer.text
-
-
-def test_a_wrong_cookie_is_none():
-    (answer,) = ask(Token(APP, "right"), "/", cookies={COOKIE: "wrong"})
-    assert answer.status_code == 403
-
-
-def test_the_token_is_kept_as_a_cookie_for_what_follows():
-    first, second = ask(Token(APP, "right"), "/?token=right", "/")
-    assert "HttpOnly" in first.headers["set-cookie"]
-    assert (first.text, second.text) == ('"seen"', '"seen"')
-
-
-@pytest.mark.parametrize(
-    ("query", "cookie", "heard"), [("", "right", True), ("token=right", "", True), ("", "wrong", False)]
-)
-def test_sockets_need_the_token_too(query, cookie, heard):
-    async def socket(scope, receive, send):
-        await send({"type": "websocket.accept"})
-
-    (sent,) = connect(Token(socket, "right"), query, cookie)
-    assert sent["type"] == ("websocket.accept" if heard else "websocket.close")
-
-
 @pytest.mark.parametrize(
     ("origin", "host", "status"),
     [
@@ -90,19 +48,6 @@ def test_only_this_site_may_ask_and_no_other_shows_it(origin, host, status):
     assert answer.status_code == status
     assert answer.headers["x-frame-options"] == "DENY"
     assert "frame-ancestors 'none'" in answer.headers["content-security-policy"]
-
-
-def test_what_is_refused_has_the_headers_too():
-    (answer,) = ask(OneSite(Token(APP, "right")), "/")
-    assert (answer.status_code, answer.headers["x-frame-options"]) == (403, "DENY")
-
-
-@pytest.mark.parametrize(
-    ("host", "known"),
-    [("127.0.0.1", True), ("127.1.2.3", True), ("localhost", True), ("::1", True), ("0.0.0.0", False), ("host", False)],
-)
-def test_the_loopback_is_known(host, known):
-    assert is_loopback(host) == known
 
 
 def test_a_stream_is_given_once_and_the_oldest_are_dropped():

@@ -14,18 +14,17 @@ from tissue.frames.section import section
 from tissue.pictures.charts import OUTCOMES
 from tissue.study.plan import run_seeds
 from tissue.study.run import run_study
+from verification.explore.dialogs import parameters_text
+from verification.explore.frames import finely_kept
 from verification.explore.sequences import bounded
-from verification.explore.tissues.dialogs import parameters_text
-from verification.explore.tissues.frames import finely_kept
-from verification.explore.tissues.session import SEED
-from verification.explore.tissues.setting import Setting
+from verification.explore.session import SEED
+from verification.explore.setting import Setting
 
 pytestmark = pytest.mark.slow
 
 RUNS = 400
-# What the players of both tabs say of their pictures.
+# What the player says of its pictures.
 SHOWN = "document.querySelector('.player')?.dataset"
-MOVES = "document.querySelector('.inclusions .player').dataset"
 NUMBERS = "[...document.querySelectorAll('.numbers tbody tr')].map(r => [...r.cells].map(c => c.innerText))"
 COUNTED = """([runs, name]) => {
     const told = document.querySelector('[data-is=runs]');
@@ -101,7 +100,7 @@ def enter(page, key, text):
 @contextmanager
 def another_run(page):
     """Do what changes the setting, and wait until its picture is there."""
-    before = int(page.locator(".player").first.get_attribute("data-run"))
+    before = int(page.locator(".player").get_attribute("data-run"))
     yield
     page.wait_for_function(f"before => Number({SHOWN}?.run) > before", arg=before)
 
@@ -124,8 +123,8 @@ def test_it_shows_a_tissue_and_an_answer_with_intervals(page):
     value, low, high = interval(found[OUTCOMES["apical"][2]][0])
     assert 0 <= low < value < high <= 100
     assert interval(found["height [µm]"][0])[0] > 0
-    assert page.locator(".player").first.get_attribute("data-status") == "SUCCESS"
-    assert int(page.locator(".player").first.get_attribute("data-cells")) >= 12
+    assert page.locator(".player").get_attribute("data-status") == "SUCCESS"
+    assert int(page.locator(".player").get_attribute("data-cells")) >= 12
 
 
 def test_fields_sliders_and_choices_change_the_picture_and_are_marked(page):
@@ -151,17 +150,17 @@ def test_fields_sliders_and_choices_change_the_picture_and_are_marked(page):
     ],
 )
 def test_what_is_impossible_is_said_beside_the_field_and_changes_nothing(page, key, text, said):
-    before = page.locator(".player").first.get_attribute("data-run")
+    before = page.locator(".player").get_attribute("data-run")
     enter(page, key, text)
     knob(page, key).get_by_text(said).wait_for()
     assert field(page, key).input_value() == text
-    assert page.locator(".player").first.get_attribute("data-run") == before
+    assert page.locator(".player").get_attribute("data-run") == before
     knob(page, key).get_by_label(f"{key} as it was").click()
     knob(page, key).get_by_text(said).wait_for(state="detached")
 
 
 def test_the_picture_plays_pauses_steps_and_cells_are_followed(page):
-    player = page.locator(".player").first
+    player = page.locator(".player")
     page.wait_for_function(f"{SHOWN}?.state == 'ready' && {SHOWN}.playing == 'false'")
     assert float(player.get_attribute("data-time")) == 4.0
     page.get_by_label("time", exact=True).first.fill("2")
@@ -240,12 +239,18 @@ def test_visitors_do_not_disturb_each_other_and_a_setting_outlives_a_reload(open
         assert (numbers(one), field(one, "emt.cells").input_value()) == (known, "1")
 
 
+def test_the_page_fits_a_telephone(opened, site):
+    with visit(opened, site, min(WIDTHS)) as page:
+        page.wait_for_function(f"{SHOWN}?.state === 'ready'")
+        fits(page)
+
+
 def test_a_sheet_turns_and_its_section_moves(opened, tmp_path):
     parameters = of_surface("plane", numerics__t_end="0.5 h", emt__cells=3, emt__a="0.1 h")
     write_base(tmp_path, Setting.of(parameters))
     with served(tmp_path, "small.toml") as (address, _), visit(opened, address) as page:
         page.wait_for_function(f"{SHOWN}?.playing === 'false' && {SHOWN}.status === 'SUCCESS'")
-        player = page.locator(".player").first
+        player = page.locator(".player")
         turned, box = player.get_attribute("data-turn"), player.locator("canvas").bounding_box()
         page.mouse.move(box["x"] + 100, box["y"] + 100)
         page.mouse.down()
@@ -282,32 +287,3 @@ def test_a_page_comes_back_when_its_server_does_and_ends_it(opened, tmp_path):
             assert numbers(page) == known
             page.get_by_label("end the server").click()
             assert process.wait(60) == 0
-
-
-# The tab of inclusions
-
-
-def choose(page, label, option):
-    page.get_by_role("combobox", name=label, exact=True).locator("xpath=ancestor::label").click()
-    page.get_by_role("option", name=option, exact=True).click()
-
-
-def says(page, place, text):
-    page.locator(f"[data-is='{place}']", has_text=text).wait_for()
-
-
-def test_problem_method_and_dt_show_in_the_picture_on_a_telephone(opened, site):
-    with visit(opened, site, min(WIDTHS)) as page:
-        page.locator("[data-is=runs]").wait_for()
-        page.get_by_role("tab", name="Inclusions").click()
-        says(page, "dt", "dt = 3/64 = 0.0469")
-        says(page, "reference", "event-driven, estimated error")
-        page.wait_for_function(f"{MOVES}.state === 'ready' && {MOVES}.status === 'SUCCESS' && {MOVES}.cells === '10'")
-        page.locator(".inclusions .q-slider__track-container").press("ArrowLeft")
-        says(page, "dt", "dt = 3/128 = 0.0234")
-        page.wait_for_function(f"{MOVES}.run > 1 && {MOVES}.state === 'ready'")
-        choose(page, "method", "penalty 100")
-        choose(page, "problem", "A disc slides over a fixed disc")
-        says(page, "reference", "the exact solution")
-        page.wait_for_function(f"{MOVES}.cells === '1' && {MOVES}.state === 'ready'")
-        fits(page)

@@ -39,7 +39,6 @@ def plugin(folder, name, text):
 def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("requests")
     plugin(folder, "exits", "raise SystemExit(3)")
-    plugin(folder, "harmless_plugin", "")
     plugin(folder, "unasked", "")
     for name, base in (("itself", "itself"), ("one", "two"), ("two", "one")):
         (folder / f"{name}.toml").write_text(f'base = "{base}.toml"')
@@ -86,35 +85,8 @@ def test_an_address_that_cannot_be_gives_a_page_with_a_message(query, address):
 
 def test_a_get_imports_nothing(address, folder):
     answer = asyncio.run(get(address, "?base=unasked.toml"))
-    assert "unasked.toml: needs unasked.py: files of Python, which are not imported yet" in answer.text
+    assert "unasked.toml: needs unasked.py: an address imports no files of Python" in answer.text
     assert runs_of(folder, "unasked") == 0
-
-
-def test_a_click_imports_once(address, folder):
-    async def visit():
-        async with visiting(address, "?base=harmless_plugin.toml") as visitor:
-            assert runs_of(folder, "harmless_plugin") == 0
-            await visitor.click("Import them and begin")
-            await visitor.hear("run shown")
-        return await get(address, "?base=harmless_plugin.toml")
-
-    assert '"role":"alert"' not in asyncio.run(visit()).text  # someone has agreed
-    assert runs_of(folder, "harmless_plugin") == 1
-
-
-def test_a_plugin_that_ends_the_program_ends_nothing(site, folder):
-    address, process = site
-
-    async def visit():
-        async with visiting(address, "?base=exits.toml") as visitor:
-            await visitor.click("Import them and begin")
-            return await visitor.hear("exits.py: cannot be imported: SystemExit: 3")
-
-    for _ in range(2):  # what ran half is no module
-        before = runs_of(folder, "exits")
-        asyncio.run(visit())
-        assert runs_of(folder, "exits") > before
-    assert process.poll() is None
 
 
 def test_a_page_without_a_socket_costs_nothing(site):
@@ -189,3 +161,11 @@ def test_work_without_an_end_does_not_keep_the_server(folder):
                 return await asyncio.to_thread(process.wait, PATIENCE)
 
         assert asyncio.run(visit()) in (0, -15)
+
+
+def test_a_server_that_ends_before_a_page_has_come_back_says_nothing_of_it(folder):
+    with served(folder) as (address, process):
+        assert asyncio.run(get(address)).status_code == 200
+        process.terminate()
+        process.wait(PATIENCE)
+        assert process.stdout.read() == "Ctrl-C ends it.\n"

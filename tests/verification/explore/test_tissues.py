@@ -1,4 +1,4 @@
-"""The tab of the tissue without its page: settings and knobs, pictures of the run, the answer, and sessions."""
+"""The page without its browser: settings and knobs, pictures of the run, the answer, and sessions."""
 
 import json
 import time
@@ -19,11 +19,8 @@ from tissue.pictures.emt import EMT_COLOURS
 from tissue.study.answers import scenario_means
 from tissue.study.plan import load_study
 from tissue.study.run import run_study
-from verification.explore.common.folder import Folder
-from verification.explore.common.streams import SIZES, told
-from verification.explore.sequences import bounded, runs_to_decide, unbounded
-from verification.explore.tissues import frames
-from verification.explore.tissues.answer import (
+from verification.explore import frames
+from verification.explore.answer import (
     DECIDED,
     HEIGHT,
     NO_INTERVAL,
@@ -33,12 +30,15 @@ from verification.explore.tissues.answer import (
     means_of,
     rows_of,
 )
-from verification.explore.tissues.dialogs import command, parameters_text, study_text
-from verification.explore.tissues.ensemble import cores, workers
-from verification.explore.tissues.frames import finely_kept, stream
-from verification.explore.tissues.knobs import CLOSED, groups, number_of, other_keys, scale_of
-from verification.explore.tissues.session import Session
-from verification.explore.tissues.setting import Setting, faults_of, text_of, value_of
+from verification.explore.dialogs import command, parameters_text, study_text
+from verification.explore.ensemble import cores, workers
+from verification.explore.folder import Folder
+from verification.explore.frames import finely_kept, stream
+from verification.explore.knobs import CLOSED, groups, number_of, other_keys, scale_of
+from verification.explore.sequences import bounded, runs_to_decide, unbounded
+from verification.explore.session import Session
+from verification.explore.setting import Setting, faults_of, text_of, value_of
+from verification.explore.streams import SIZES, told
 
 # A tissue that grows in no time.
 SMALL = {

@@ -9,10 +9,8 @@ import dincl
 from dincl.drifts import attraction, constant
 from dincl.scenes import Scene
 from verification.instruments.budget import CpuSeconds, DriftEvaluations, OutOfBudgetError, counted
+from verification.methods.baselines import MoreauJean, Springs, chipmunk, lsoda
 from verification.methods.chart import programs
-from verification.methods.chart.chipmunk import chipmunk
-from verification.methods.chart.lsoda import Springs, lsoda
-from verification.methods.moreau_jean import MoreauJean
 from verification.site.store import shipped
 
 SLIDE = dincl.scenes.sliding_disc()

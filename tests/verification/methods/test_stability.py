@@ -14,8 +14,7 @@ from dincl import FixedStep, study
 from tests.executors import Here
 from verification import cli
 from verification.methods.stability import cases, crowd, drift, penalty, radius, rows, saddle, sweeps_or_steps
-from verification.methods.stability.catalogue import MAPS
-from verification.methods.stability.page import places_and_kinds
+from verification.methods.stability.page import MAPS, places_and_kinds
 from verification.methods.stability.schemes import SCHEMES
 from verification.site import sheet
 from verification.site.store import shipped

@@ -12,6 +12,7 @@ from verification.instruments.charts import made_of
 from verification.methods.chart import page as chapter
 from verification.methods.chart import work_precision
 from verification.methods.chart.references import SCENES, known
+from verification.methods.decisions import section as decisions
 from verification.methods.methods import (
     ADAPTIVE,
     CHARTED,
@@ -112,8 +113,9 @@ def test_chapter_writes_its_charts_from_its_tables(tmp_path, monkeypatch):
     monkeypatch.setattr(sheet, "DPI", 50)
     context = Context(tmp_path, False, Nowhere(), STUDIES, complete=DATA)
     context.executor = Here()
-    chapter.run(context)
-    chapter.show(context)
+    for part in (chapter, decisions):
+        part.run(context)
+        part.show(context)
     scenes = set(context.tables["work_precision"]["scene"])
     pictures = list((tmp_path / "figures").glob("*.png"))
     assert len(pictures) == 2 + len(scenes)  # profiles, programs of others

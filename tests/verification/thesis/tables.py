@@ -7,11 +7,11 @@ from tempfile import mkdtemp
 import pandas as pd
 
 from tests.executors import Nowhere
+from verification.audit import STUDIES
 from verification.site.context import Context
 from verification.site.store import DATA
 from verification.thesis.register import register
 from verification.thesis.selection import tables_for
-from verification.thesis.shipped_studies import STUDIES
 
 CLAIMS = {claim.id: claim for claim in register()}
 

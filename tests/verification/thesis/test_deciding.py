@@ -72,8 +72,8 @@ def test_rows_say_what_was_found() -> None:
     again = decide.decide_all(CLAIMS, {"orders": pd.DataFrame({"order": [2.0]})}, Here())
     assert table["id"].tolist() == ["c1.right", "c1.wrong", "c2.table"]
     assert table["verdict"].tolist() == ["holds", "refuted, holds when corrected", "holds"]
-    assert table["printed"].tolist() == ["one 1 (required 1)", "one 1 (required 2)", "value 1 (required 1)"]
-    assert table["corrected"].tolist() == ["", "one 1 (required 1)", ""]
+    assert table["printed"].tolist() == ["one: 1 (required 1)", "one: 1 (required 2)", "value: 1 (required 1)"]
+    assert table["corrected"].tolist() == ["", "one: 1 (required 1)", ""]
     assert table["seed"].tolist() == ["3", "", ""]
     assert table["runs_needed"].tolist() == ["", "", "40"]
     assert again["verdict"].tolist() == ["holds", "refuted, holds when corrected", "refuted"]

@@ -18,12 +18,12 @@ from tissue.runs.group import Group
 from tissue.runs.simulate import simulate
 from tissue.state.cells import COORDINATES, Cells
 from tissue.state.checkpoint import streams
-from tissue.state.numbers import Daha
 from tissue.state.running import contents, new_state
 from verification.thesis.chapter3.accuracy import left_over
 from verification.thesis.chapter3.frozen import Frozen
 from verification.thesis.quasi_steady.daha import Stopped, TissueArrowHurwicz, violation
 from verification.thesis.quasi_steady.frozen import cells_at, constraints, frozen_problem, made_feasible, particles
+from verification.thesis.quasi_steady.iteration import TABLE_4
 from verification.thesis.quasi_steady.run import simulate_quasi_steady
 
 # The frozen tissue
@@ -141,7 +141,6 @@ def test_starts_outside_of_the_set_are_refused(case):
 
 # DAHA
 
-TABLE_4 = Daha(alpha=1e-4, beta=0.25, gamma=1e-3, c=2.0, dtau=1.0, eps=1e-6, most_iterations=100_000)
 NEVER = 1e-100  # an eps that no move meets
 
 
@@ -339,9 +338,8 @@ QUICK = {
     "numerics.t_end": "1 h",
     "numerics.keep": "0.2 h",
     "rules.floor_rest_length": True,
-    "daha.alpha": 1e-3,
-    "daha.gamma": 1e-2,
 }
+DAHA = TABLE_4._replace(alpha=1e-3, gamma=1e-2)
 
 
 def parameters(**changes):
@@ -354,9 +352,9 @@ def same(one, other, names=Cells._fields):
 
 @pytest.mark.parametrize(("end", "daughters"), [("15 h", 0.5), ("45 h", 1.0)])
 def test_rules_and_divisions_are_those_of_the_first_order_model(end, daughters):
-    changes = {"numerics.t_end": end, "numerics.keep": "3 h", "tissue.two_daughters": daughters, "daha.eps": 1e-3}
+    changes = {"numerics.t_end": end, "numerics.keep": "3 h", "tissue.two_daughters": daughters}
     chosen = parameters(**changes)
-    minima, moving = simulate_quasi_steady(chosen, 3), simulate(chosen, 3)
+    minima, moving = simulate_quasi_steady(chosen, 3, DAHA._replace(eps=1e-3)), simulate(chosen, 3)
     assert minima.status is Status.SUCCESS
     assert minima.stats["divisions"] == moving.stats["divisions"] > 0
     assert minima.stats["substeps"] == 0
@@ -375,7 +373,7 @@ def test_each_step_begins_with_the_noise_on_what_was_left(monkeypatch):
         return Stopped(cells, float(len(seen)), 0.1, len(seen), Status.SUCCESS, "")
 
     monkeypatch.setattr(TissueArrowHurwicz, "minimise", stays)
-    run = simulate_quasi_steady(parameters(**{"tissue.two_daughters": 0.0}), 5)
+    run = simulate_quasi_steady(parameters(**{"tissue.two_daughters": 0.0}), 5, DAHA)
     noise, deviation = streams(5).noise, np.sqrt(0.2 * 0.1)
     x, y = run.frames[0].cells.x.copy(), run.frames[0].cells.y.copy()
     for state in seen:
@@ -389,10 +387,10 @@ def test_each_step_begins_with_the_noise_on_what_was_left(monkeypatch):
 
 
 def test_a_step_that_fails_ends_the_run():
-    run = simulate_quasi_steady(parameters(**{"daha.most_iterations": 30}), 0)
+    run = simulate_quasi_steady(parameters(), 0, DAHA._replace(most_iterations=30))
     assert (run.status, run.iterations.tolist(), run.terminated.tolist()) == (Status.NOT_CONVERGED, [30], [False])
     assert run.final.t == pytest.approx(0.1)
     assert "t = 0.1 h: DAHA did not terminate in 30 iterations" in run.detail
-    run = simulate_quasi_steady(parameters(**{"daha.alpha": 2.0}), 0)
+    run = simulate_quasi_steady(parameters(), 0, DAHA._replace(alpha=2.0))
     assert run.status is Status.NON_FINITE
     assert run.energy.tolist() == run.violation.tolist() == [np.inf]

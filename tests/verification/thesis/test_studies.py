@@ -4,10 +4,10 @@ import pytest
 
 from dincl.study.table import run_names
 from tests.executors import Here
+from verification.audit import STUDIES
 from verification.methods import studies as methods
 from verification.site.agreement import compare_studies
 from verification.site.store import shipped
-from verification.thesis.shipped_studies import STUDIES
 
 # Fewer runs of these have other ratios: the smallest form has the columns alone.
 FEWER = ("curved_ways_out", "emt_groups", "emt_ranking", "emt_effects")

@@ -62,6 +62,6 @@ def _stated(id: str, source: str, quote: str, statement: str, steps: Sequence[St
     correction, place = details.get("correction"), sys._getframe(2)
     usual = Verdict.PROVED_INSTANCE if details.get("tried_on") else Verdict.PROVED
     details.setdefault("recorded", Verdict.CORRECTED if correction else usual)
-    check = Proofs(steps, correction.text if correction else statement, quote if correction else "")
+    check = Proofs(steps, (correction.text if correction else statement).rstrip("."), quote if correction else "")
     at = f"{place.f_globals['__name__']}:{place.f_lineno}"
     return Claim(id, statement, check, source=source, quote=quote, stated_at=at, **details)

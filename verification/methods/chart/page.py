@@ -8,7 +8,6 @@ import pandas as pd
 
 from verification.methods.chart import programs, work_precision
 from verification.methods.chart.work_precision import COSTS, charts
-from verification.methods.decisions import section as decisions
 from verification.methods.methods import METHODS
 from verification.site.context import Context
 from verification.site.sheet import sheet
@@ -23,11 +22,10 @@ def run(context: Context) -> None:
     context.rows("work_references")
     context.keep("work_winners", work_precision.winners(context.rows(STUDY)))
     context.keep("program_costs", programs.costs(context.rows("programs")))
-    decisions.run(context)
 
 
 def show(context: Context) -> None:
-    """Give how often each method is the cheapest, the charts of chosen scenes, and what Auto keeps."""
+    """Give the charts of chosen scenes."""
     from verification.instruments import interactive
 
     tables, found = context.tables, charts(context.tables[STUDY])
@@ -42,7 +40,6 @@ def show(context: Context) -> None:
         context.show(f"cheapest_{name}", context.headed(STUDY, won), "work_winners")
     context.draw("programs", programs.draw, tables["programs"])
     context.show("programs", context.headed("programs", tables["program_costs"]), "program_costs")
-    decisions.show(context)
 
 
 def draw_scene(rows: pd.DataFrame, path: Path) -> Path:

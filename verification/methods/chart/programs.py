@@ -23,8 +23,8 @@ from verification.instruments.budget import CpuSeconds
 from verification.instruments.method import Method
 from verification.instruments.references import Known
 from verification.instruments.speed_accuracy import WorkPrecision, WorkPrecisionRuns
+from verification.methods.baselines import LONGEST, SMALLEST, TIGHTER
 from verification.methods.chart import references
-from verification.methods.chart.lsoda import LONGEST, SMALLEST, TIGHTER
 from verification.methods.methods import EVENT_DRIVEN, MIDPOINT_ACTIVE, PBD, TIED_STRENGTH
 from verification.site.sheet import legend_below, sheet
 
@@ -104,7 +104,7 @@ def _springs(t: float, x: Floats, velocity: Floats, stretch: Floats, radius: Flo
 
 
 def lsoda(problem: dincl.Problem, tol: float, t: Floats) -> Floats:
-    """Return what ``chart.lsoda`` does, of discs in the plane without walls, by a compiled right-hand side.
+    """Return what ``baselines.lsoda`` does, of discs in the plane without walls, by a compiled right-hand side.
 
     LSODA is called once, and makes differences for its Jacobian. RuntimeError if it stops.
     """

@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import pandas as pd
 
+from dincl.study import Study
 from verification.instruments.stability import StabilityMap
-from verification.methods.stability import cases, sweeps_or_steps
-from verification.methods.stability.catalogue import MAPS
+from verification.methods.stability import cases, crowd, drift, penalty, radius, rows, saddle, sweeps_or_steps
 from verification.methods.stability.schemes import Map
 from verification.site.context import Context
 
+# All maps, in the order of the page, and the studies of this room.
+MAPS: tuple[Map, ...] = (
+    *(rows.MAP, crowd.SWEEPS, crowd.NUMBERS, drift.MAP, penalty.MAP, radius.MAP, saddle.MAP, sweeps_or_steps.MAP),
+)
+STUDIES: dict[str, Callable[..., Study]] = {
+    "stability_cases": cases.study,
+    **{f"stability_{one.name}": one.study for one in MAPS},
+}
 # The caption of the summary of a map.
 CELLS = "Cells by outcome."
 DIVISIONS = {

@@ -27,6 +27,7 @@ from verification.thesis.chapter3.intervals import over_seeds
 from verification.thesis.chapter3.printed import DT
 from verification.thesis.quasi_steady.daha import Stopped, TissueArrowHurwicz, violation
 from verification.thesis.quasi_steady.frozen import constraints, frozen_problem, made_feasible, particles
+from verification.thesis.quasi_steady.iteration import TABLE_4
 
 Floats = NDArray[np.float64]
 # The frozen tissue of the motion: seed, age [h], tolerance of its projections; steps in dt of the reference.
@@ -129,10 +130,9 @@ def steps(smallest: bool = False) -> Study:
 
 def judged(key: Key) -> list[Row]:
     """Return one row for the start, DAHA, PBD over dt, and the minimum below where DAHA stopped."""
-    parameters = floored()
-    state = begun(parameters, key["seed"], key["t"])
+    state = begun(floored(), key["seed"], key["t"])
     numbers = state.numbers
-    minimiser = TissueArrowHurwicz(parameters.daha_numbers())
+    minimiser = TissueArrowHurwicz(TABLE_4)
     minimiser.minimise(*state)  # loading and compiling
     daha, seconds = _timed(lambda: minimiser.minimise(*state))
     moved = substepped(state, numbers.dt / numbers.substeps / numbers.mu, numbers.substeps)
@@ -165,9 +165,8 @@ def minimum(cells: Cells, state: Frozen) -> Stopped:
     The step alpha is half of one over a bound of the largest curvature. What ``left_over`` says there is the
     certificate: it knows nothing of the way.
     """
-    numbers = floored().daha_numbers()
     alpha = 0.5 / (MORE + float(linear.largest(linear.own_hessians(cells, state.numbers)).max()))
-    own = numbers._replace(alpha=alpha, gamma=10 * alpha, **DESCENT)
+    own = TABLE_4._replace(alpha=alpha, gamma=10 * alpha, **DESCENT)
     return TissueArrowHurwicz(own).minimise(cells, state.layers, state.numbers)
 
 

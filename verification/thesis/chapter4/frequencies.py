@@ -185,10 +185,10 @@ def apart(what: str, first: Interval, second: Interval, cells: float = math.inf)
 
 
 def counted(what: str, parts: Sequence[Comparison], least: int) -> Comparison:
-    """Compare: at least so many of some comparisons hold; those that are open are between."""
+    """Compare: at least so many of some comparisons hold; the interval ends with those that are not refuted."""
     held, refuted = (sum(part.true is truth for part in parts) for truth in (True, False))
     most = len(parts) - refuted
-    return Comparison(f"{what}, of {len(parts)}", (held + most) / 2, least, math.inf, (held, most))
+    return Comparison(f"{what}, of {len(parts)}", held, least, math.inf, (held, most))
 
 
 def most_runs(sizes: Iterable[int | None]) -> int | None:

@@ -16,10 +16,10 @@ from verification.thesis.chapter4.frequencies import READINGS
 from verification.thesis.chapter4.groups import EVENTS
 from verification.thesis.chapter4.printed import compared
 from verification.thesis.chapter4.questions import ANSWERS, answered
-from verification.thesis.studies import STUDIES
 
 # Tables of which a part can be rerun; a part of the others has fewer runs, and other numbers.
 IN_PARTS = ("emt_in_time", "emt_ratios")
+TABLES = (*IN_PARTS, "emt_groups", "emt_ranking", "emt_effects")
 LABELS = {preset: READINGS[preset].capitalize() for preset in PRESETS}
 # The factors by short names.
 SHORT = {"A": "[A]", "B": "[B]", "S": "[S]", "P": "protrusions", "inm": "INM", "onset": "place at the onset"}
@@ -30,7 +30,7 @@ CLEAR = 2.0  # effects of two rows are shown if one is this far from 0, by the h
 
 def read(context: Context) -> None:
     """Fill in the tables: as they ship, a part of some made again beside them, or all made anew."""
-    for name in (name for name in STUDIES if name.startswith("emt_")):
+    for name in TABLES:
         if context.full or (name in IN_PARTS and context.complete is not None):
             context.rows(name)
         else:

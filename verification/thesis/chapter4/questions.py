@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import pandas as pd
 
 from tissue.study.estimates import LEVEL
-from verification.claims import Comparison, Evidence, Tables
+from verification.claims import Comparison, Evidence, Tables, Verdict
 from verification.thesis.chapter4.categories import NO_INM
 from verification.thesis.chapter4.ensembles import POPULATIONS, PRESETS
 from verification.thesis.chapter4.frequencies import (
@@ -33,7 +33,6 @@ from verification.thesis.chapter4.frequencies import (
     category,
     cells_of,
     counted,
-    evidence,
     groups,
     minus,
     mixed,
@@ -83,11 +82,13 @@ class QuestionAnswer:
 
     @property
     def evidence(self) -> Evidence:
-        """How many comparisons hold: from those that hold to those that are not refuted."""
-        least = len(self.parts) // 2 + 1 if self.mostly else len(self.parts)
-        count = counted("comparisons that hold", [part.comparison for part in self.parts], least)
-        open_ones = [part.runs for part in self.parts if part.comparison.true is None]
-        return evidence([Sized(count, most_runs(open_ones) if count.true is None else None)])
+        """The comparisons; if most of them have to hold, how many do."""
+        found = tuple(part.comparison for part in self.parts)
+        if self.mostly:
+            found = (counted("comparisons that hold", found, len(found) // 2 + 1),)
+        made = Evidence(printed=found)
+        runs = most_runs(part.runs for part in self.parts if part.comparison.true is None)
+        return replace(made, runs_needed=runs) if made.verdict is Verdict.OPEN else made
 
 
 def answer(tables: Tables, question: str, preset: str) -> QuestionAnswer:
@@ -115,7 +116,7 @@ def answered(tables: Tables) -> pd.DataFrame:
 
 def _row(comparison: Comparison) -> dict[str, str]:
     verdict = {True: "holds", False: "refuted", None: "open"}[comparison.true]
-    found = str(comparison).removeprefix(f"{comparison.what} ")
+    found = str(comparison).removeprefix(f"{comparison.what}: ")
     return {"compared": comparison.what, "found": f"{found}: {verdict}"}
 
 

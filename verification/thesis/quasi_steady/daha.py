@@ -15,7 +15,7 @@ from dincl.status import Status
 from tissue.model.energy import energy
 from tissue.rules.slice import in_plane
 from tissue.state.cells import CellLayers, Cells
-from tissue.state.numbers import Daha, Numbers, numbers_pointer
+from tissue.state.numbers import Numbers, numbers_pointer
 from tissue.state.running import contents, new_state
 from tissue.step.advance import DONE
 from verification.thesis.quasi_steady.frozen import constraints, particles
@@ -24,6 +24,7 @@ from verification.thesis.quasi_steady.iteration import (
     NON_FINITE,
     TOO_FAR,
     UNFINISHED,
+    Daha,
     iterate,
     memory_for,
     scale_of,
@@ -87,8 +88,6 @@ class TissueArrowHurwicz:
 
     The rule looks at the last move only: it asks neither for a small gradient nor for g >= 0. |z| depends on the
     origin of the coordinates: the farther away it is, the earlier the iteration stops.
-
-    ``numbers`` are alpha, beta, gamma, c, dtau, eps and most_iterations, as ``Parameters.daha_numbers()`` gives them.
     """
 
     numbers: Daha

@@ -22,7 +22,7 @@ from tissue.model.junctions import pull_junctions
 from tissue.model.motion import move
 from tissue.model.repulsion import push_in_rows
 from tissue.state.cells import COORDINATES, Floats, Integers
-from tissue.state.numbers import Daha, Numbers
+from tissue.state.numbers import Numbers
 from tissue.state.running import BASAL, STRAIGHT, state_at
 from tissue.step.advance import DONE
 from tissue.step.copies import copy_in, copy_out
@@ -38,6 +38,22 @@ TOO_FAR = LOST**2 / 2
 MOST = 32
 # Gap up to which pairs are listed [R_soft]: nuclei may move by half of this before they are listed again.
 LISTED_GAP = 0.1
+
+
+class Daha(NamedTuple):
+    """Numbers of the method, lengths in units of R_soft."""
+
+    alpha: float  # weight of the descent
+    beta: float  # of the ascent in the multipliers
+    gamma: float  # of the term that damps the constraints
+    c: float  # damping
+    dtau: float  # step
+    eps: float  # of the stopping rule (3.24)
+    most_iterations: int  # after these it has not terminated
+
+
+# Of chapter 3.
+TABLE_4 = Daha(alpha=1e-4, beta=0.25, gamma=1e-3, c=2.0, dtau=1.0, eps=1e-6, most_iterations=100_000)
 
 
 class Multipliers(NamedTuple):

@@ -19,6 +19,7 @@ from tissue.state.numbers import numbers_pointer
 from tissue.state.running import COUNTERS, TissueState, contents, grown
 from tissue.step.advance import apply_rules, is_full
 from verification.thesis.quasi_steady.daha import TissueArrowHurwicz
+from verification.thesis.quasi_steady.iteration import TABLE_4, Daha
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -43,24 +44,24 @@ class QuasiSteadyRun(Run):
     violation: Floats
 
 
-def simulate_quasi_steady(parameters: Parameters, seed: int = 0) -> QuasiSteadyRun:
+def simulate_quasi_steady(parameters: Parameters, seed: int = 0, daha: Daha = TABLE_4) -> QuasiSteadyRun:
     """Grow a tissue from t = 0 to ``parameters.t_end`` through minima of its energy.
 
     Z^{k+1} in argmin W(Z, P^{k+1}) over S, near (A^k, X^k + noise, B^k)  (Model 3.1). Rules, noise and divisions are
-    those of ``simulate`` with the same seed; mu and the substeps do not matter. The numbers of DAHA are those in
-    ``parameters``, which must be of a slice on a line, with noise in each step, hard discs and without EMT cells.
+    those of ``simulate`` with the same seed; mu and the substeps do not matter. ``parameters`` must be of a slice on a
+    line, with noise in each step, hard discs and without EMT cells.
 
     The run goes up to the step in which DAHA fails, such as one in which it does not terminate; ``status`` says so.
     """
-    return _Steps(parameters, seed).run()
+    return _Steps(parameters, seed, daha).run()
 
 
 class _Steps:
     """Makes the steps and keeps what DAHA says about each."""
 
-    def __init__(self, parameters: Parameters, seed: int) -> None:
+    def __init__(self, parameters: Parameters, seed: int, daha: Daha) -> None:
         self._parameters, self._seed = parameters, seed
-        self._minimiser = TissueArrowHurwicz(parameters.daha_numbers())
+        self._minimiser = TissueArrowHurwicz(daha)
         self._random = streams(seed)
         self._state, self._separation = started(parameters, self._random)
         self._found: list[tuple[int, bool, float, float]] = []

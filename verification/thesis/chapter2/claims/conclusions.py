@@ -7,48 +7,18 @@ import math
 import numpy as np
 
 import dincl
-from verification.claims import Evidence, at_least, at_most, claim, equal
+from verification.claims import Evidence, at_least, at_most, claim
 from verification.thesis.chapter1.sets import Floats
 from verification.thesis.chapter2.discs import RADIUS, points_of_step
 
 SEED, SAMPLES = 61, 30
 TOL = 1e-10
-# Ten discs in a corner: steps, a time when they have come to rest, and one long after [time].
-CORNER_STEPS, SETTLED, LONG = (0.02, 0.01), 3.0, 12.0
 # States of touching discs, in units of the radius: a row, a triangle, a rhombus.
 TOUCHING = (
     np.array([[0.0, 0.0], [2.0, 0.0], [4.0, 0.0], [6.0, 0.0]]),
     np.array([[0.0, 0.0], [2.0, 0.0], [1.0, math.sqrt(3)]]),
     np.array([[0.0, 0.0], [2.0, 0.0], [1.0, math.sqrt(3)], [3.0, math.sqrt(3)]]),
 )
-
-
-def largest_overlaps(dt: float) -> tuple[float, float]:
-    """Return the largest overlap of ten discs that fall into a corner, while they settle and long after."""
-    times = np.arange(1, round(LONG / dt) + 1) * dt
-    found = dincl.solve(dincl.scenes.ten_disks_corner(), dincl.PBD(dt=dt), t=times).violation()
-    return float(found[times <= SETTLED].max()), float(found[times > SETTLED].max())
-
-
-@claim(
-    "c6.bounded",
-    "The overlaps of PBD do not grow in time, and vanish with the step.",
-    source="Ideas for proving convergence of PBD",
-    quote="the distance to the feasible set remains bounded and converges to zero",
-    rests_on=("c2.smaller",),
-    tried_on="ten discs in a corner, two steps, to t = 12",
-    chosen="the ten discs of Figure 5 of chapter 2, their start and steps",
-)
-def _bounded() -> Evidence:
-    coarse, fine = (largest_overlaps(dt) for dt in CORNER_STEPS)
-    return Evidence(
-        printed=(
-            at_most("largest overlap of PBD for 3 < t ≤ 12 over the same for t ≤ 3, dt = 0.01", fine[1] / fine[0], 1.0),
-            equal(
-                "largest overlap of PBD with dt = 0.02 over the same with dt = 0.01", max(coarse) / max(fine), 2.0, 0.2
-            ),
-        ),
-    )
 
 
 def swept(x: Floats) -> Floats:

@@ -215,6 +215,7 @@ _stiffness = argument(
         "Δt ≤ 1/ε",
     ),
     follows([*LONGEST, k > s], g < h, ([*LONGEST, k < s], g < h), "2/ε falls as ε grows", "as ε falls"),
+    also=("c2.strength",),
     rests_on=("c2.printed-penalty",),
     tried_on="a point between two walls, by explicit Euler",
     chosen="the force as corrected in c2.printed-penalty",

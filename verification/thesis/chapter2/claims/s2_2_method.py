@@ -87,7 +87,7 @@ def largest_overlap(dt: float) -> float:
     "c2.smaller",
     "With short enough steps the overlaps left by PBD get small.",
     source="Figure 2; section 2.3; Ideas for proving convergence of PBD",
-    also=("c2.infeasible", "c2.prediction", "c6.feasible"),
+    also=("c2.infeasible", "c2.prediction", "c6.bounded", "c6.feasible"),
     quote="by choosing sufficiently small time steps the infeasibility will also decrease",
     tried_on="four discs that are drawn to one point",
     chosen="the four discs of Figure 4, the start is not given",

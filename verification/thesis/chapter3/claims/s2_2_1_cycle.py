@@ -1,4 +1,4 @@
-"""Chapter 3, sections 2.2.1 to 2.2.5: the phases of a cell, its rest lengths, and its division."""
+"""Chapter 3, section 2.2.2: the rest lengths of a cell in the phases of its cycle."""
 
 from __future__ import annotations
 
@@ -7,20 +7,16 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from tissue.files.parameters import preset
-from tissue.runs.simulate import simulate
-from verification.claims import Correction, Effect, Evidence, Tables, at_least, at_most, claim
+from verification.claims import Correction, Effect, Evidence, Tables, at_most, claim
 from verification.claims.formal.algebra import library
 from verification.claims.formal.stated import identity
 from verification.thesis.chapter3 import tables as made
 from verification.thesis.chapter3.claims.s1_3_model import grown
 from verification.thesis.chapter3.printed import G2, MITOSIS, R_SOFT
-from verification.thesis.chapter3.sampled import MODEL, SEEDS, daha_runs_ending, of_mean, runs_for
+from verification.thesis.chapter3.sampled import MODEL, SEEDS, daha_runs_ending, of_mean
 
 sp = library()
 
-# p^div of Table 1; cells after 48 h over those at the start.
-ADDED, TOO_FAST, MODERATE = 0.2, 4.0, 2.5
 # Rest lengths follow the extension if they are off by less than this part of what they are off in the last hour.
 FOLLOWING = 0.5
 
@@ -99,42 +95,4 @@ def _passive(tables: Tables) -> Evidence:
         printed=(of_mean(what, ratios, at_most, FOLLOWING), daha_runs_ending(tables, "as printed")),
         corrected=(of_mean(what, ratios, at_most, FOLLOWING), daha_runs_ending(tables, "desired rest lengths ≥ 0")),
         seed=SEEDS[0],
-    )
-
-
-# A straight cell of height h, its nucleus at y above B: W^ax + W^bx >= 0 is 0 at y = h - R, and so are both forces.
-y = sp.symbols("y", positive=True)
-
-
-def cells_after(share: float, seed: int) -> float:
-    """Return the cells after 48 h over those at the start, if such a share of divisions adds one."""
-    changes = {"tissue.two_daughters": share, "numerics.t_end": "48 h", "numerics.keep": "48 h"}
-    run = simulate(preset("thesis").changed(changes), seed)
-    return len(run.final.cells.x) / len(run.frames[0].cells.x)
-
-
-@claim(
-    "c3.slice",
-    "With cycles of 10 to 21 hours a slice of tissue grows too fast if each division adds a cell to it.",
-    source="section 2.2.5",
-    quote=(
-        "since we only model a 2D slice of a three-dimensional tissue, the growth of the tissue would be too fast if "
-        "cells divide at a realistic rate"
-    ),
-    rests_on=MODEL,
-    chosen="60 cells at the start; in vivo the tissue at most doubles its height in 48 h. Too fast: more than 4 times "
-    "the cells in that time, and not more than 2.5 times with p^div = 20 %",
-)
-def _slice() -> Evidence:
-    some, every = ([cells_after(share, seed) for seed in SEEDS[:3]] for share in (ADDED, 1.0))
-    what = "cells after 48 h over those at the start"
-    return Evidence(
-        printed=(
-            of_mean(f"{what}, if every division adds one", every, at_least, TOO_FAST),
-            of_mean(f"{what}, if 20 % of divisions add one", some, at_most, MODERATE),
-        ),
-        seed=SEEDS[0],
-        runs_needed=max(
-            runs_for(some, MODERATE - float(np.mean(some))), runs_for(every, float(np.mean(every)) - TOO_FAST)
-        ),
     )

@@ -151,8 +151,8 @@ def _lower_half(tables: Tables, preset: str) -> list[Sized]:
 
 # 'Get extruded': one cell in a hundred, at least. 'Favourable': the lower half of the scale, as in Figure 22.
 SOME, FAVOURABLE = 0.01, 0.5
-MORE_THAN_HALF = "of the comparisons in verification/thesis/chapter4/questions.py more than half have to hold"
-ALL = "all comparisons in verification/thesis/chapter4/questions.py have to hold"
+MORE_THAN_HALF = "of the comparisons that the page of EMT lists more than half have to hold"
+ALL = "all comparisons have to hold"
 # By question: the statement, what it reads, and what is chosen. The second halves of (Q2) and (Q5) are claims of their
 # own, c4.q2-inm and c4.q5-mixed.
 STATED = {

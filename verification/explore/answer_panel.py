@@ -10,14 +10,13 @@ import numpy as np
 from nicegui import ui
 
 from tissue.pictures.charts import OUTCOMES
-from verification.explore.common.widgets import columns_of, draw, empty_chart, number_table
-from verification.explore.tissues.answer import HEIGHT, POSITION, AnswerRow, rows_of
+from verification.explore.answer import HEIGHT, POSITION, AnswerRow, rows_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from verification.explore.tissues.answer import Answer
-    from verification.explore.tissues.session import Session, Side
+    from verification.explore.answer import Answer
+    from verification.explore.session import Session, Side
 
 
 COLOURS = {POSITION: "#3a3a3a", HEIGHT: "#3f7fc1"}
@@ -122,9 +121,10 @@ class AnswerPanel:
                 target = ui.number("runs", value=session.most, min=8, max=100_000, step=100).props("dense outlined")
                 target.classes("short").on("change", lambda: more(int(target.value or session.most)))
             self._runs = ui.label().classes("runs").props('data-is="runs"')
-            self._table = number_table(COLUMNS, row_key="name")
-            self._ratios = empty_chart().props('data-is="ratios"')
-            self._courses = {name: empty_chart() for name in (POSITION, HEIGHT)}
+            self._table = ui.table(rows=[], columns=_columns(ALONE), row_key="name").classes("numbers wide")
+            self._table.props("flat dense hide-pagination :rows-per-page-options=[0] no-data-label=''")
+            self._ratios = ui.echart({}).classes("chart").props('data-is="ratios"')
+            self._courses = {name: ui.echart({}).classes("chart") for name in (POSITION, HEIGHT)}
         self.show()
 
     def show(self) -> None:
@@ -144,14 +144,22 @@ class AnswerPanel:
             self._draw(chart, mean_chart(answers, name), any(name in one.time_series for one in answers))
 
     def _numbers(self, now: Answer, held: Answer | None) -> None:
-        self._table.columns = columns_of(islice(COLUMNS.items(), ALONE if held is None else None))
+        self._table.columns = _columns(ALONE if held is None else None)
         self._table.rows = [row._asdict() for row in rows_of(now, held)]
 
     @staticmethod
     def _draw(chart: ui.echart, options: dict[str, object], there: bool) -> None:
         chart.set_visibility(there)
         if there:
-            draw(chart, options)
+            chart.options.clear()
+            chart.options.update(options)
+            chart.update()
+
+
+def _columns(count: int | None) -> list[dict[str, str]]:
+    """Return the first columns of the table of numbers."""
+    shown = islice(COLUMNS.items(), count)
+    return [{"name": name, "field": name, "label": title, "align": "left"} for name, title in shown]
 
 
 def _words(side: Side) -> str:

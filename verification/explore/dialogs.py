@@ -17,11 +17,11 @@ from tissue.files.keys import all_keys
 from tissue.files.parameter_files import flat, nested, written
 from tissue.files.parameters import Parameters
 from tissue.study.plan import StudyFile, checked
-from verification.explore.common.folder import TOML
+from verification.explore.folder import TOML
 
 if TYPE_CHECKING:
-    from verification.explore.tissues.session import Session
-    from verification.explore.tissues.setting import Setting
+    from verification.explore.session import Session
+    from verification.explore.setting import Setting
 
 
 # Seeds of studies are drawn below it, so that nobody has looked at their runs.

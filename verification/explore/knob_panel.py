@@ -12,13 +12,24 @@ from tissue.files.keys import KeyFacts, all_keys
 from tissue.files.parameter_files import flat, general
 from tissue.files.parameters import Parameters
 from tissue.files.quantities import NEVER, Timing, timing
-from verification.explore.common.widgets import QuickRange, QuickSlider
-from verification.explore.tissues.knobs import EVENT_GROUP, groups, is_timing, number_of, other_keys, scale_of
-from verification.explore.tissues.session import Session
-from verification.explore.tissues.setting import text_of, value_of
+from verification.explore.knobs import EVENT_GROUP, groups, is_timing, number_of, other_keys, scale_of
+from verification.explore.session import Session
+from verification.explore.setting import text_of, value_of
 
 Changed = Callable[[Mapping[str, Any]], None]
 SPAN = 1 / 8, 1 / 2  # of the run, between which an event begins that is switched on: 6 h to 24 h of 48 h
+
+
+class QuickSlider(ui.slider):
+    """With one end."""
+
+    LOOPBACK = False
+
+
+class QuickRange(ui.range):
+    """With two ends."""
+
+    LOOPBACK = False
 
 
 class Knob:

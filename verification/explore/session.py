@@ -5,20 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from dincl.checks import integer
 from dincl.errors import InvalidProblem
 from tissue.files.parameter_files import PRESETS
 from tissue.study.plan import run_seeds
-from verification.explore.common.folder import Folder
-from verification.explore.tissues.answer import Answer, answer_of
-from verification.explore.tissues.ensemble import Ensemble
-from verification.explore.tissues.setting import Setting, faults_of
-
-if TYPE_CHECKING:
-    pass
-
+from verification.explore.answer import Answer, answer_of
+from verification.explore.ensemble import Ensemble
+from verification.explore.folder import Folder
+from verification.explore.setting import Setting, faults_of
 
 MOST = 400  # runs of an ensemble, after which a page that is left open costs nothing
 SEED = 0
@@ -102,7 +98,7 @@ class Session:
 
     def open(self, name: str) -> None:
         """Begin anew with a preset or a file of the folder."""
-        setting, self.pending = Setting(name, self.folder.parameters(name, agreed=True)), {}
+        setting, self.pending = Setting(name, self.folder.parameters(name)), {}
         self.use(setting)
 
     def reseed(self, seed: int) -> None:

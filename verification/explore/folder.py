@@ -16,15 +16,11 @@ from tissue.files.parameters import Parameters, load, preset
 TOML = ".toml"
 
 
-class NeedsPython(InvalidProblem):
-    """Parameters for which files of Python would be imported that nobody has agreed to."""
-
-
 class Folder:
     """A folder whose files visitors may open, and into which they may save.
 
     Nothing in it is ever overwritten. Code is imported from it, never from elsewhere: a parameter file may name files
-    of Python. Each is imported only after someone has agreed to it.
+    of Python. They are imported once someone chooses the file, never because an address names it.
     """
 
     def __init__(self, root: Path) -> None:
@@ -66,28 +62,30 @@ class Folder:
             raise InvalidProblem(f"{describe(name)}: must be a file in {self.root.name}")
         return found
 
-    def parameters(self, name: str, *, agreed: bool = False) -> Parameters:
+    def parameters(self, name: str, *, chosen: bool = True) -> Parameters:
         """Load the preset or the file of this name.
 
         Parameters
         ----------
         name
             Of a preset or a file.
-        agreed
+        chosen
             Whether files of Python that it names may be imported, if they are not yet.
 
         Raises
         ------
         InvalidProblem
-            As ``load``, or if the file names another one, of parameters or of Python, that is not in this folder;
-            NeedsPython if files of Python would be imported that nobody has agreed to.
+            As ``load``, if the file names another one, of parameters or of Python, that is not in this folder, or if
+            files of Python would be imported of a file that nobody chose.
         """
         if name in PRESETS:
             return preset(name)
         path = self.file(name)
         files = self._checked(read(path), (path,))
-        if (strange := sorted(file.name for file in files - self._imported)) and not agreed:
-            raise NeedsPython(f"{name}: needs {', '.join(strange)}: files of Python, which are not imported yet")
+        if (strange := sorted(file.name for file in files - self._imported)) and not chosen:
+            raise InvalidProblem(
+                f"{name}: needs {', '.join(strange)}: an address imports no files of Python; begin anew, and choose it"
+            )
         loaded = load(path)
         self._imported |= files
         return loaded

@@ -1,4 +1,4 @@
-// The stream of pictures: messages one behind the other, see verification/explore/common/streams.py.
+// The stream of pictures: messages one behind the other, see verification/explore/streams.py.
 
 const SIZES = 8; // bytes: of the header and of the payload, uint32 each
 

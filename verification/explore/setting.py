@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from dincl.errors import InvalidProblem
 from tissue.files.parameter_files import flat
 from tissue.files.parameters import preset
-from verification.explore.tissues.knobs import CLOSED
+from verification.explore.knobs import CLOSED
 
 if TYPE_CHECKING:
     from tissue.files.parameters import Parameters

@@ -25,8 +25,8 @@ from tissue.state.cells import CellLayers, Cells
 from tissue.state.running import APICAL, BASAL, CELLS
 from tissue.state.space import Sheets
 from tissue.state.surface import PLANE
-from verification.explore.common.streams import ending, message
-from verification.explore.tissues.ensemble import Cancelled
+from verification.explore.ensemble import Cancelled
+from verification.explore.streams import ending, message
 
 if TYPE_CHECKING:
     from tissue.files.parameters import Parameters
@@ -90,7 +90,7 @@ FREE_APICAL, FREE_BASAL = 1, 2
 
 
 def stream(parameters: Parameters, seed: int, stopped: Callable[[], bool] = lambda: False) -> Iterator[bytes]:
-    """Run a tissue and give its pictures as they come, several messages of ``explore.common.streams`` joined.
+    """Run a tissue and give its pictures as they come, several messages of ``explore.streams`` joined.
 
     The cells are those of ``tissue.simulate`` with these parameters and seed, at up to 161 times: when states are kept
     changes no run. The first picture comes with the head, before the first step.

@@ -1,9 +1,9 @@
 // The player: a canvas, play, pause, step, speed, scrub, colours, a click on a cell to follow it; in space a drag turns
 // the tissue, and a slider moves the section.
 
-import { Film, View, discs, messages, sheet, tissue } from "tissue-pictures";
+import { Film, View, messages, sheet, tissue } from "tissue-pictures";
 
-const PAINTERS = { tissue, discs, sheet };
+const PAINTERS = { tissue, sheet };
 const WHOLE = 12; // seconds that a run lasts at speed 1
 const SPEEDS = [0.25, 0.5, 1, 2, 4];
 const SECOND = 1000; // ms

@@ -3,5 +3,4 @@ export { messages } from "./stream.js";
 export { Film } from "./film.js";
 export { View } from "./view.js";
 export { tissue } from "./tissue.js";
-export { discs } from "./discs.js";
 export { sheet } from "./sheet.js";

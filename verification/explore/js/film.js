@@ -67,11 +67,11 @@ export function hit(n, where, [x, y], radius) {
   return best;
 }
 
-/** Where the cells or particles of a are between a and b, by their ids: a function of a column's name and a place. */
+/** Where the cells of a are between a and b, by their ids: a function of a column's name and a place. */
 export function between(a, b, part) {
   if (part === 0 || a === b) return (name, i) => a[name][i];
   return (name, i) => {
-    const j = a.id ? b.places.get(a.id[i]) : i;
+    const j = b.places.get(a.id[i]);
     return j === undefined ? a[name][i] : a[name][i] + part * (b[name][j] - a[name][i]);
   };
 }

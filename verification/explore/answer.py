@@ -17,7 +17,7 @@ from verification.explore.sequences import Interval, bounded, runs_to_decide, un
 
 if TYPE_CHECKING:
     from tissue.study.categories import What
-    from verification.explore.tissues.ensemble import PartialResults
+    from verification.explore.ensemble import PartialResults
 
 
 Floats = NDArray[np.float64]

@@ -1,1 +1,0 @@
-"""Parts that both tabs need: the player and its streams, tables and charts, the folder of files."""

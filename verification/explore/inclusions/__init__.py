@@ -1,1 +1,0 @@
-"""The tab of inclusions: problems, methods, runs, their pictures and charts."""
