@@ -185,6 +185,10 @@ def test_the_command_prints_verdicts_and_writes_the_table() -> None:
     assert "times less work." in result.stdout
     rows = pd.read_csv("out/answer.csv").set_index("model")
     assert rows.loc["no bending", "verdict"] == "different"
+    known = pd.read_csv("out/columns.csv")
+    assert set(known.loc[known["table"] == "answer", "column"]) == {"model", *rows}
+    assert set(known.loc[known["table"] == "simplify", "column"]) == set(pd.read_parquet("out/simplify.parquet"))
+    assert known["meaning"].notna().all()
     bad = CliRunner().invoke(app, ["simplify", "study.toml", "--tolerance", "-1", *asks])
     assert bad.exit_code == 2
     assert "tolerance = -1" in bad.stderr
