@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 DIGITS = 30
 
 
-@dataclass(frozen=True, eq=False, init=False, repr=False)
+@dataclass(frozen=True, eq=False, init=False, repr=False, kw_only=True)
 class Scene(Problem):
     """A ready-made Problem.
 
