@@ -43,7 +43,7 @@ class Reaction(NamedTuple):
         return self.problem.rows_within(self.t, self.x, self.search_radius).jacobian(self.x)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False)
 class Forces:
     """Contact forces at one time: x' = B (F + sum_k multiplier_k grad g_k(x)), with m rows in contact.
 

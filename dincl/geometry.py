@@ -74,7 +74,7 @@ def shortest_multipliers(u: Floats, gradients: csr_array) -> Floats:
     return on_active_rows(AffineRows(gradients, np.zeros(m)), -u, np.zeros(u.size), found)[1]
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False)
 class NormalCone:
     """N = {-sum_k lambda_k grad g_k(x) : lambda >= 0} over the m active rows: the outward normals of S at x.
 

@@ -436,7 +436,7 @@ def _along(slope: Slope, x: Floats, gradient: Floats, d: Floats) -> tuple[Floats
     raise StepFailure(Status.NOT_CONVERGED, "The Lagrangian has no minimum for the present multipliers.")
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False)
 class Minimum:
     """A point x and multipliers >= 0 with, up to the residuals, grad W = J^T multipliers, g >= 0, multipliers . g = 0.
 

@@ -37,7 +37,7 @@ DRIFT = UserFunction("drift", ("t", "x"), Status.DRIFT_FAILED)
 Drift = Callable[[float, Floats], Any]
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False)
 class Problem:
     """The differential inclusion x' in F(t, x) - N(S, x), x(0) = x0  (1.24), (1.25); with mobilities x' in B (F - N).
 

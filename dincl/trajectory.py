@@ -103,7 +103,7 @@ class RunOutcome:
     velocity: Floats | None = None
 
 
-@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Trajectory(RunOutcome):
     """The solution at the output times: the outcome of a run, of its ``problem``, from the time ``t0`` on."""
 

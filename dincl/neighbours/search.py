@@ -187,8 +187,9 @@ def grid_pairs(x: Floats, radius: Floats, axes: Axes) -> tuple[Indices, Indices]
             for part in range(2 if more else 1):
                 if part > 0:
                     begin, end = first[line + beyond], first[line + beyond + 1]
-                if count + (end - begin) > one.size:
-                    one, other = grown(one, count, end - begin), grown(other, count, end - begin)
+                room = count + end - begin
+                if room > one.size:
+                    one, other = grown(one, count, room), grown(other, count, room)
                 for q in range(begin, end):
                     # Every candidate is written and only a close one is counted, as above.
                     one[count], other[count] = max(disc[p], disc[q]), min(disc[p], disc[q])
@@ -215,11 +216,11 @@ def lines_ahead(axes: Axes) -> Offsets:
 
 
 @allocating
-def grown(numbers: Indices, count: int, more: int) -> Indices:
-    """Copy numbers[:count] into an array with twice the room for `more` others; TooManyPairs if that is too long."""
-    if count + more > MOST_PAIRS:
+def grown(numbers: Indices, count: int, room: int) -> Indices:
+    """Copy numbers[:count] into an array of twice this room; TooManyPairs if that is too long."""
+    if room > MOST_PAIRS:
         raise TooManyPairs
-    copied = np.empty(2 * (count + more), np.int32)
+    copied = np.empty(2 * room, np.int32)
     copied[:count] = numbers[:count]
     return copied
 

@@ -48,7 +48,7 @@ REGION, ROUNDING = 1e6, 4 * np.finfo(float).eps
 MOST_ENTRIES = 1_000_000
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Projected:
     """The nearest point of {x : g(x) >= 0} to y, with residuals recomputed from y and g alone.
 
@@ -77,7 +77,7 @@ class Projected:
     complementarity: float
     iterations: int
     back_end: str
-    linear: AffineRows | None = field(default=None, repr=False, compare=False)
+    linear: AffineRows | None = field(default=None, repr=False)
 
     @property
     def solved(self) -> bool:

@@ -236,7 +236,7 @@ class DistanceRows(RowsOfOneKind):
     def keys(self) -> NDArray[np.int64]:
         """Rows of one pair with opposite signs have keys of opposite order."""
         found = np.column_stack((self.i, self.i if self.j is None else self.j))
-        return np.where((np.ndim(self.sign) > 0) & (np.reshape(self.sign, (-1, 1)) < 0), found[:, ::-1], found)
+        return np.where(np.reshape(self.sign, (-1, 1)) < 0, found[:, ::-1], found)
 
     def label(self, k: int, d: int) -> str:
         return f"particle {self.i[k]}" + ("" if self.j is None else f" and {self.j[k]}")

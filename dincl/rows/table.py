@@ -82,7 +82,7 @@ class Sets(NamedTuple):
     general: Offsets  # (families,): 1 for general sets
     since: Floats  # (1,): the time with which they are compared
     change: Floats  # (families,): how much they have changed since, see ``Constraint.change``
-    rate: Floats  # (m,), or (0,) without general sets: (dg/dt) / |grad g| of their rows
+    rate: Floats  # (m,): (dg/dt) / |grad g| of the rows of general sets
     value: Floats  # (rows of Python,): g
     first: Offsets  # (rows of Python + 1,): the Jacobian dg/dx, row by row
     column: Offsets

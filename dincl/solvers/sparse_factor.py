@@ -56,7 +56,7 @@ class SparseFactor(NamedTuple):
 
 def sparse_factor(most: int, n: int, m: int, entries: int) -> SparseFactor:
     """Allocate a factor for ``most`` of m rows of n coordinates, which together have at most ``entries`` entries."""
-    fill = min(most * (most + 1) // 2, FILL * most)
+    fill = FILL * most
     numbers = {"number": 2, "first": n, "node": entries, "following": entries}
     numbers |= dict.fromkeys(("entry", "column", "where", "neighbour"), fill)
     numbers |= dict.fromkeys(("row", "used", "start", "line", "gram", "degree", "left"), most + 1)

@@ -98,7 +98,7 @@ def bound_in(function: Callable[..., Any]) -> dict[str, Any]:
         function = function.func
     owner = getattr(function, "__self__", None if hasattr(function, "__qualname__") else function)
     if is_dataclass(owner):
-        bound |= {field.name: getattr(owner, field.name) for field in fields(owner) if field.compare}
+        bound |= {field.name: getattr(owner, field.name) for field in fields(owner)}
     return bound
 
 
@@ -138,7 +138,7 @@ def described(value: Any, above: tuple[Any, ...] = ()) -> Any:
             codes = [convert(one.__code__) for one in vars(value).values() if hasattr(one, "__code__")]
             return f"{value.__module__}.{value.__qualname__} {digest_of(' '.join(codes).encode())}"
     if is_dataclass(value):
-        mine = {field.name: convert(getattr(value, field.name)) for field in fields(value) if field.compare}
+        mine = {field.name: convert(getattr(value, field.name)) for field in fields(value)}
         return {type(value).__qualname__: mine}
     if hasattr(value, "__qualname__") and hasattr(value, "__module__"):
         return _of_function(value, convert)

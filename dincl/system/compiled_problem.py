@@ -149,7 +149,7 @@ class SetsPointer(PythonFunction):
             general=np.isin(np.arange(families), list(self._general)).astype(np.int64),
             since=np.zeros(1),
             change=np.zeros(families),
-            rate=np.zeros(len(selection) if self._general else 0),
+            rate=np.zeros(len(selection)),
             value=np.zeros(m),
             first=np.zeros(m + 1, dtype=np.int64),
             column=np.zeros(entries, dtype=np.int64),
@@ -173,9 +173,8 @@ class SetsPointer(PythonFunction):
         if m != len(self.arrays.value):
             self.arrays = self.arrays._replace(value=np.zeros(m), first=np.zeros(m + 1, dtype=np.int64))
             self.system.replace({"sets.value": self.arrays.value, "sets.first": self.arrays.first})
-        if self._general:
-            self.arrays = self.arrays._replace(rate=np.zeros(len(selection)))
-            self.system.replace({"sets.rate": self.arrays.rate})
+        self.arrays = self.arrays._replace(rate=np.zeros(len(selection)))
+        self.system.replace({"sets.rate": self.arrays.rate})
         self._grow(len(self.arrays.entry))
 
     def tabulate(self, smooth: Mapping[int, Sequence[Interval]], *, compares: bool = True) -> None:

@@ -91,7 +91,7 @@ class SolverWork(NamedTuple):
     newton: int = 0
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False)
 class SolverResult(ABC):
     """Result at the K output times that were reached.
 

@@ -9,6 +9,7 @@ from scipy.optimize import brentq
 
 import dincl
 from dincl import scenes
+from dincl.events.location import dips, sinks
 from tests.dincl.random_scenes import random_scene
 from tests.dincl.test_schemes import EXACT
 from verification.methods.hard.drawn import drawn
@@ -150,6 +151,20 @@ def test_output_times_in_or_beside_a_pulse_show_it(times, width):
     assert abs(path.final[0, 0] - 2.0) <= path.error[-1]
 
 
+def test_a_gap_that_may_close_between_two_looks_is_looked_at(rng):
+    """The cubic through values and slopes, and the parabola through three values, fall below half of what is beside."""
+    s, found = np.linspace(0.0, 1.0, 2001), set()
+    for before, after, falling, rising in rng.uniform((0.1, 0.1, 0.0, 0.0), (1.0, 1.0, 6.0, 6.0), (400, 4)):
+        rest = before * (1 + 2 * s) * (1 - s) ** 2 + after * s**2 * (3 - 2 * s)
+        low = (rest - falling * s * (1 - s) ** 2 - rising * s**2 * (1 - s)).min() / min(before, after)
+        assert dips(before, -falling, after, rising) == (low <= 0.5) or abs(low - 0.5) < 1e-4
+        middle = 0.8 * before
+        low = (before * (1 - s) * (1 - 2 * s) + 4 * middle * s * (1 - s) + after * s * (2 * s - 1)).min() / middle
+        assert sinks(before, middle, after) == (middle <= after and low <= 0.5) or abs(low - 0.5) < 1e-4
+        found |= {dips(before, -falling, after, rising), 2 * sinks(before, middle, after)}
+    assert found == {0, 1, 2}
+
+
 # What is not reached is said ----------------------------------------------------------------------------------------
 
 
@@ -284,6 +299,34 @@ def test_auto_takes_events_where_they_need_less_work_and_serves_more_particles_t
     assert np.abs(dincl.solve(many, dincl.Auto(1e-6), [0.5]).final - np.maximum(many.x0 - 0.5, 0.0)).max() <= 1e-6
     with pytest.raises(dincl.InvalidProblem, match="1200 particles: serves at most"):
         dincl.solve(many, dincl.EventDriven(1e-6), [0.5])
+
+
+# Steps, evaluations of the drift, searches for near rows, iterations of solvers: to the end of a scene, as measured.
+# A change that needs less is written here.
+TWENTY = problem(
+    2.0 * np.arange(20.0)[:, None] + 0.2, lambda t, x: 3 * np.sin(5 * t) - x, wall(lambda t: 0.1 * np.sin(3 * t))
+)
+WORK = [
+    (scenes.two_disks(), dincl.AdaptiveCatchUp(1e-3), (40, 81, 4, 3)),
+    (scenes.drum(2), dincl.AdaptiveCatchUp(1e-3), (71, 143, 13, 5)),
+    (scenes.four_disks(), dincl.AdaptiveCatchUp(1e-5), (447, 889, 53, 9)),
+    (scenes.closing_walls(), dincl.AdaptiveCatchUp(1e-5), (295, 591, 39, 10)),
+    (scenes.pile(30), dincl.AdaptiveCatchUp(1e-3), (146, 181, 6, 178)),
+    (scenes.ten_disks_corner(), dincl.Auto(1e-3), (132, 241, 15, 116)),
+    (scenes.stack(), dincl.Auto(1e-3), (201, 405, 37, 18)),
+    (TWENTY, dincl.Auto(1e-8), (10474, 22030, 1658, 2)),
+    (scenes.two_disks(), dincl.EventDriven(1e-7), (32, 602, 6, 2)),
+    (scenes.growing_discs(), dincl.EventDriven(1e-7), (20, 314, 2, 4)),
+    (scenes.ten_disks_corner(), dincl.EventDriven(1e-7), (135, 1676, 9, 20)),
+    (scenes.pile(30), dincl.EventDriven(1e-7), (406, 2980, 12, 105)),
+]
+
+
+@pytest.mark.parametrize(("scene", "scheme", "measured"), WORK, ids=lambda one: getattr(one, "name", None))
+def test_runs_need_no_more_work_than_they_did(scene, scheme, measured):
+    done = dincl.solve(scene, scheme, [scene.times[-1] if isinstance(scene, scenes.Scene) else 1.0]).stats
+    counted = done.steps, done.drift_evaluations, done.neighbour_builds, done.solver_iterations
+    assert (np.array(counted) <= 1.02 * np.array(measured)).all(), counted
 
 
 # Random scenes ------------------------------------------------------------------------------------------------------

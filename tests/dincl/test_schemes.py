@@ -415,6 +415,7 @@ SAME = {
         dincl.Smooth(lambda x: x @ UNIT + 1.3, lambda x: each(x, UNIT)),
         dincl.Smooth(lambda x: x @ UNIT + 1.3),
         dincl.Smooth(lambda t, x: x @ UNIT + 1.3),
+        dincl.Smooth(lambda t, x: x @ UNIT + 1.3, lambda t, x: each(x, UNIT)),
     ],
     "obstacle": [
         dincl.OutsideBall((2.6, 0.3), 1.0),

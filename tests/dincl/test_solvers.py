@@ -8,6 +8,7 @@ import pytest
 from scipy.sparse import csr_array
 
 from dincl.compiled import kernel
+from dincl.rows.candidates import no_candidates, sort_candidates
 from dincl.rows.table import ROW, row_table
 from dincl.solvers.active_set import CYCLES, OK, UNMET, least_distance, nearest_sparse, solve
 from dincl.solvers.dual import bounded_conjugate_gradients
@@ -214,3 +215,24 @@ def test_conjugate_gradients_keep_their_word_and_count():
     assert bounded_conjugate_gradients(*arrays, mu, 100, 1e-11)[0] == 0
     assert bounded_conjugate_gradients(*arrays, cut, 1, 1e-12)[0] == 1
     assert (cut >= 0).all()
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+def test_rows_are_listed_along_the_axis_along_which_particles_extend_farthest(axis, rng):
+    """By the middle of their first and last particle, so that the envelope is narrow; a row without entries is at 0."""
+    n, m, count, d = 30, 50, 43, 2
+    x = rng.normal(size=(n, d)) * (1.0, 9.0)[:: 1 if axis else -1]
+    ends = np.sort(rng.integers(0, n, (m, 2)), axis=1)
+    columns = [[d * one + k for one in sorted({*pair}) for k in range(d)] for pair in ends.tolist()]
+    columns[7] = []
+    start = np.cumsum([0, *map(len, columns)])
+    table = row_table(np.zeros(m, dtype=ROW), start, np.concatenate(columns).astype(int), np.zeros(0))
+    near = no_candidates(m, n * d, 1, d)
+    listed = rng.permutation(m)
+    near.row[:], near.number[0] = listed, count
+    sort_candidates(table, x.ravel(), d, near)
+    middle = x[ends, axis].sum(axis=1)
+    middle[7] = 0.0
+    assert sorted(near.row[:count]) == sorted(listed[:count])
+    assert (np.diff(middle[near.row[:count]]) >= 0.0).all()
+    assert near.row[count:].tolist() == listed[count:].tolist()

@@ -1,6 +1,7 @@
 """What ships is shown; parts of it are made again, laid over it, and what differs is said."""
 
 import datetime
+from collections.abc import Callable
 from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
@@ -23,6 +24,11 @@ def rows_of(key: Key) -> list[Row]:
 STUDY = Study("few", "Few", ("n",), tuple({"n": n} for n in (3, 2, 1)), rows_of)
 
 
+def known(part: Study = STUDY) -> dict[str, Callable[..., Study]]:
+    """The study, and its smallest form, by its name."""
+    return {"few": lambda smallest: part if smallest else STUDY}
+
+
 def shipped(folder: Path) -> pd.DataFrame:
     """The complete study as it ships."""
     table = STUDY.complete(folder, Here())
@@ -36,13 +42,13 @@ def compared(change: dict[str, object], by: tuple[str, ...] = ()) -> Agreement:
     here = complete[complete["n"] == 2].reset_index(drop=True)
     for name, value in change.items():
         here.loc[1, name] = value
-    return compare_studies(here, complete, STUDY, by)
+    return compare_studies(here, complete, replace(STUDY, by=by))
 
 
 def test_what_ships_is_shown_and_nothing_is_run(tmp_path: Path) -> None:
     table = shipped(tmp_path / "ships")
-    context = Context(tmp_path / "report", False, Nowhere(), complete=tmp_path / "ships")
-    pd.testing.assert_frame_equal(context.rows_of(STUDY, STUDY), table)
+    context = Context(tmp_path / "report", False, Nowhere(), known(), tmp_path / "ships")
+    pd.testing.assert_frame_equal(context.rows("few"), table)
     assert (tmp_path / "report" / "tables" / "few.csv").exists()
     assert len(context.waiting) == 1
 
@@ -50,29 +56,22 @@ def test_what_ships_is_shown_and_nothing_is_run(tmp_path: Path) -> None:
 def test_a_part_is_made_again_once_and_laid_over_it(tmp_path: Path) -> None:
     table = shipped(tmp_path / "ships").assign(seconds=0.25)
     write(table, tmp_path / "ships" / "few.parquet")
-    context = Context(tmp_path / "report", False, Here(), complete=tmp_path / "ships")
-    context.rows_of(STUDY, replace(STUDY, runs=({"n": 2},)))
+    context = Context(tmp_path / "report", False, Here(), known(replace(STUDY, runs=({"n": 2},))), tmp_path / "ships")
+    context.rows("few")
     for repeat in context.waiting:
         repeat()
     said = f"{version('dincl-testbed')}, {datetime.datetime.now(datetime.UTC).date()}"
     assert context.agreements["few"] == Agreement("Few", 1, 3, 2, 0, "", 2.0, made=said)
     context.waiting.clear()
-    context.rows_of(STUDY, STUDY)
+    context.rows("few")
     assert context.waiting == []
 
 
 def test_anew_the_complete_study_is_made_and_what_ships_is_laid_beside_it(tmp_path: Path) -> None:
     old = shipped(tmp_path / "ships").assign(error=7.0)
     write(old, tmp_path / "ships" / "few.parquet")
-    context = Context(tmp_path / "report", True, Here(), complete=tmp_path / "ships")
-    assert context.rows_of(STUDY, replace(STUDY, runs=STUDY.runs[:1]))["error"].tolist() == [
-        1.0,
-        2.0,
-        2.0,
-        4.0,
-        3.0,
-        6.0,
-    ]
+    context = Context(tmp_path / "report", True, Here(), known(replace(STUDY, runs=STUDY.runs[:1])), tmp_path / "ships")
+    assert context.rows("few")["error"].tolist() == [1.0, 2.0, 2.0, 4.0, 3.0, 6.0]
     context.waiting[0]()
     found = context.agreements["few"]
     assert (found.runs, found.of, found.rows, found.apart) == (3, 3, 6, 6)

@@ -14,7 +14,6 @@ from typer.testing import CliRunner
 
 from dincl import study
 from dincl.study import Study
-from dincl.study.table import run_names
 from tests.executors import Here
 from tests.optional import need_module
 from tests.verification.in_browser import PagesInABrowser
@@ -108,12 +107,6 @@ def test_first_page_has_cards_with_numbers_and_says_what_was_made_again(made: tu
     assert all(f"<strong>{number}</strong>" in text for number in made[1].numbers.values())
     for word in ("cores", "numpy", "casadi", "those that ship", f"Parts of {len(made[1].agreements)} complete studies"):
         assert word in text
-
-
-def test_all_runs_of_the_complete_studies_ship(made: tuple[Path, Context]) -> None:
-    for name, complete in made[1].studies.items():
-        shipped = pd.read_parquet(DATA / f"{name}.parquet")
-        assert set(run_names(shipped, complete.key)) == set(map(complete.name_of, complete.runs)), name
 
 
 def test_every_claim_is_in_the_register_and_on_the_page_of_its_chapter(made: tuple[Path, Context]) -> None:

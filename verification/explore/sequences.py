@@ -2,7 +2,7 @@
 
 A 95 % interval of a fixed number of runs, looked at again and again until it leaves out zero, does so in far more than
 5 % of the cases in which there is no effect. These do not: the chance that a sequence ever leaves out the true value,
-at any number of runs, is at most 1 - ``level``. So a study may stop, or go on, by what was seen. Values are those of
+at any number of runs, is at most 1 - ``LEVEL``. So a study may stop, or go on, by what was seen. Values are those of
 independent runs in an order that their outcomes do not affect, one value of each run.
 """
 
@@ -29,12 +29,12 @@ PRIOR = 9 / USUAL
 MOST_RUNS = 10_000_000
 
 
-def bounded(values: Floats, least: float = 0.0, most: float = 1.0, level: float = LEVEL) -> Interval:
+def bounded(values: Floats, least: float = 0.0, most: float = 1.0) -> Interval:
     """Enclose the mean of bounded values, such as shares of cells of each run, or differences of two shares.
 
     A fair bet against each mean m gains K_t(m) = prod_i (1 + lambda_i (x_i - m)), with bets lambda_i that the values
-    before x_i suggest. If m is the mean, K ever exceeds 2/(1 - level) for bets upwards, or for bets downwards, with a
-    probability of at most 1 - level. The interval holds the means that were never refuted so.
+    before x_i suggest. If m is the mean, K ever exceeds 2/(1 - LEVEL) for bets upwards, or for bets downwards, with a
+    probability of at most 1 - LEVEL. The interval holds the means that were never refuted so.
 
     Parameters
     ----------
@@ -42,8 +42,6 @@ def bounded(values: Floats, least: float = 0.0, most: float = 1.0, level: float 
         Of each run, in their order; none may lie outside of the bounds.
     least, most
         Bounds of the values, known beforehand: least < most.
-    level
-        Probability to cover, at all numbers of runs together.
 
     Returns
     -------
@@ -64,7 +62,7 @@ def bounded(values: Floats, least: float = 0.0, most: float = 1.0, level: float 
         raise InvalidProblem(f"values = {describe(values)}: must be from {least:g} to {most:g}")
     if not len(x):
         return least, most
-    bets, limit = _bets(x, level), math.log(2 / (1 - level))
+    bets, limit = _bets(x), math.log(2 / (1 - LEVEL))
     means = np.linspace(0, 1, GRID)
     up, down = _capital(x, bets, means), _capital(1 - x, bets, 1 - means)
     kept = np.flatnonzero(np.maximum(up, down) < limit)
@@ -74,8 +72,8 @@ def bounded(values: Floats, least: float = 0.0, most: float = 1.0, level: float 
     return least + (most - least) * float(low), least + (most - least) * float(high)
 
 
-def _bets(x: Floats, level: float) -> Floats:
-    """Return lambda_i = sqrt(2 log(2/(1 - level))/(s_{i-1}^2 (USUAL + i/2))), from the values before x_i alone.
+def _bets(x: Floats) -> Floats:
+    """Return lambda_i = sqrt(2 log(2/(1 - LEVEL))/(s_{i-1}^2 (USUAL + i/2))), from the values before x_i alone.
 
     Any such bets are fair. The sum of lambda_i^2 grows as log t, as it must for intervals that shrink for ever.
     """
@@ -83,7 +81,7 @@ def _bets(x: Floats, level: float) -> Floats:
     means = (0.5 + np.cumsum(x)) / (count + 1)
     variances = (0.25 + np.cumsum((x - means) ** 2)) / (count + 1)
     before = np.concatenate([[0.25], variances[:-1]])
-    bets: Floats = np.sqrt(2 * math.log(2 / (1 - level)) / (before * (USUAL + count / 2)))
+    bets: Floats = np.sqrt(2 * math.log(2 / (1 - LEVEL)) / (before * (USUAL + count / 2)))
     return bets
 
 
@@ -96,19 +94,17 @@ def _capital(x: Floats, bets: Floats, means: Floats) -> Floats:
     return largest
 
 
-def unbounded(values: Floats, level: float = LEVEL) -> Interval:
+def unbounded(values: Floats) -> Interval:
     """Enclose the mean of values without known bounds, such as heights: exact for normal ones, else asymptotically.
 
     m is refuted where the likelihood of the t statistics with a prior N(0, c^2) of the effect in units of the spread
-    ever exceeds that without effect by 1/(1 - level): |mean - m| >= s sqrt((n - 1) r/n), with
-    r = (1 - q)/(q - g), q = ((1 - level)^2 g)^(1/n), g = 1/(1 + n c^2); infinite for q <= g.
+    ever exceeds that without effect by 1/(1 - LEVEL): |mean - m| >= s sqrt((n - 1) r/n), with
+    r = (1 - q)/(q - g), q = ((1 - LEVEL)^2 g)^(1/n), g = 1/(1 + n c^2); infinite for q <= g.
 
     Parameters
     ----------
     values
         Of each run, in their order.
-    level
-        As in ``bounded``.
 
     Returns
     -------
@@ -125,21 +121,21 @@ def unbounded(values: Floats, level: float = LEVEL) -> Interval:
     means = np.cumsum(x) / n
     centred = x - means[-1] if len(x) else x
     spreads = np.sqrt(np.maximum(np.cumsum(centred**2) / n - (np.cumsum(centred) / n) ** 2, 0))
-    half = _half(n, level)
+    half = _half(n)
     halves = np.where(half < np.inf, spreads, 1.0) * half
     low, high = float((means - halves).max(initial=-np.inf)), float((means + halves).min(initial=np.inf))
     return (low, high) if low <= high else (-math.inf, math.inf)
 
 
-def _half(n: NDArray[np.int64], level: float) -> Floats:
+def _half(n: NDArray[np.int64]) -> Floats:
     """Return half of the length of ``unbounded`` for n values of spread 1, with the divisor n."""
     g = 1 / (1 + n * PRIOR)
-    q = ((1 - level) ** 2 * g) ** (1 / n)
+    q = ((1 - LEVEL) ** 2 * g) ** (1 / n)
     half: Floats = np.sqrt(np.where(q > g, (1 - q) / np.where(q > g, q - g, 1.0), np.inf))
     return half
 
 
-def runs_to_decide(size: float, spread: float, level: float = LEVEL) -> int | None:
+def runs_to_decide(size: float, spread: float) -> int | None:
     """Return the number of runs at which a sequence will probably leave out zero, if the effect is as it seems.
 
     The least n with half(n) spread + z_power spread/sqrt(n) <= size, at a probability of 80 %; by ``unbounded``, which
@@ -151,8 +147,6 @@ def runs_to_decide(size: float, spread: float, level: float = LEVEL) -> int | No
         Of the effect, > 0.
     spread
         Standard deviation of its value in one run.
-    level
-        Of the sequence.
 
     Returns
     -------
@@ -162,5 +156,5 @@ def runs_to_decide(size: float, spread: float, level: float = LEVEL) -> int | No
     if not size > 0:
         return None
     n = np.unique(np.geomspace(10, MOST_RUNS, 2000).astype(np.int64))
-    enough = spread * (_half(n, level) + float(ndtri(POWER)) / np.sqrt(n)) <= size
+    enough = spread * (_half(n) + float(ndtri(POWER)) / np.sqrt(n)) <= size
     return int(n[np.argmax(enough)]) if enough.any() else None

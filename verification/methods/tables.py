@@ -5,5 +5,5 @@ from verification.claims import Table
 PAGE = "verification.methods.page"
 REFERENCES = Table("references", f"{PAGE}:refer")
 ORDERS, FITS = (Table(name, f"{PAGE}:converge") for name in ("orders", "order_fits"))
-PENALTY_SCAN, PENALTY_BEST = (Table(name, f"{PAGE}:overlap") for name in ("penalty_scan", "penalty_best"))
+PENALTY_BEST = Table("penalty_best", f"{PAGE}:overlap")
 LARGE_STEPS = Table("large_steps", f"{PAGE}:stride")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -66,7 +65,7 @@ class Agreement:
     made: str = ""
 
 
-def compare_studies(here: pd.DataFrame, complete: pd.DataFrame, study: Study, by: Sequence[str] = ()) -> Agreement:
+def compare_studies(here: pd.DataFrame, complete: pd.DataFrame, study: Study) -> Agreement:
     """Compare rows of a rerun with the rows of the complete study.
 
     Parameters
@@ -74,11 +73,9 @@ def compare_studies(here: pd.DataFrame, complete: pd.DataFrame, study: Study, by
     here, complete
         Rows of the same kind.
     study
-        The complete one.
-    by
-        Columns that name a row of a run; none: rows of one run stand in the same order.
+        The complete one; where its ``by`` names no columns, rows of one run stand in the same order.
     """
-    names = [*study.key, *by]
+    names = [*study.key, *study.by]
     mine, other = (_indexed(_ended(table), names) for table in (here, complete))
     both = mine.index.intersection(other.index)
     mine, other = mine.loc[both], other.loc[both]

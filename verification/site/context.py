@@ -46,8 +46,6 @@ class Context:
         What pages show by name: tables as HTML with their file and number of rows, numbers as text, charts as HTML.
     agreements
         What came of rerunning parts of complete studies, by the name of the study.
-    studies
-        The complete studies that were asked for, by name.
     waiting
         Rerun the parts.
     """
@@ -64,7 +62,6 @@ class Context:
     numbers: dict[str, str] = field(default_factory=dict)
     charts: dict[str, str] = field(default_factory=dict)
     agreements: dict[str, Agreement] = field(default_factory=dict)
-    studies: dict[str, Study] = field(default_factory=dict)
     waiting: list[Callable[[], None]] = field(default_factory=list)
 
     @property
@@ -82,35 +79,19 @@ class Context:
 
         What ships is laid beside its smallest form, made again, once ``waiting`` is called.
         """
-        study = self.known[name](smallest=self.smallest)
-        self.tables[name] = self.rows_of(study, self.known[name](smallest=True), study.by)
-        return self.tables[name]
+        study, again = (self.known[name](smallest=few) for few in (self.smallest, True))
+        file = None if self.complete is None else self.complete / f"{name}.parquet"
+        shipped = read_sealed(file) if file is not None and file.exists() else None
+        rows = study.complete(self.made, self.executor) if shipped is None or self.full else shipped
+        if shipped is not None and again.runs and name not in self.agreements:
+            self.waiting.append(partial(self._repeat, study, rows if self.full else again, shipped))
+        self.keep(name, rows)
+        return rows
 
     def headed(self, name: str, table: pd.DataFrame) -> pd.DataFrame:
         """Return the columns of a table that the study ``name`` has headings for, under these."""
         columns = self.known[name](smallest=True).columns
         return table[[column for column in columns if column in table]].rename(columns=columns)
-
-    def rows_of(self, study: Study, again: Study, by: Sequence[str] = ()) -> pd.DataFrame:
-        """Return the rows of a complete study: as it ships, or computed here if it does not ship or ``full`` is set.
-
-        Parameters
-        ----------
-        study
-            The complete one.
-        again
-            The part of it that is made again beside the rows that ship, once ``waiting`` is called.
-        by
-            Columns that name a row of a run, see ``compare_studies``.
-        """
-        file = None if self.complete is None else self.complete / f"{study.name}.parquet"
-        shipped = read_sealed(file) if file is not None and file.exists() else None
-        rows = study.complete(self.made, self.executor) if shipped is None or self.full else shipped
-        if shipped is not None and again.runs and study.name not in self.agreements:
-            self.waiting.append(partial(self._repeat, study, rows if self.full else again, by, shipped))
-        self.studies[study.name] = study
-        self._write(study.name, rows)
-        return rows
 
     def table(self, wanted: Table) -> pd.DataFrame:
         """Return a table that a claim reads; it is made if it is not there."""
@@ -118,19 +99,15 @@ class Context:
             resolve_name(wanted.made_by)(self)
         return self.tables[wanted]
 
-    def _repeat(self, study: Study, again: Study | pd.DataFrame, by: Sequence[str], shipped: pd.DataFrame) -> None:
+    def _repeat(self, study: Study, again: Study | pd.DataFrame, shipped: pd.DataFrame) -> None:
         """Make a part again, unless its rows are there, and lay it over what ships."""
         # Parts lie apart: they may be of a form of their own.
         made = again.complete(self.folder / "again", self.executor) if isinstance(again, Study) else again
-        self.agreements[study.name] = compare_studies(made, shipped, study, by)
+        self.agreements[study.name] = compare_studies(made, shipped, study)
 
     def keep(self, name: str, table: pd.DataFrame) -> None:
-        """Share a table that was derived from others, and write it beside them."""
+        """Share a table; a CSV for readers is written, with six digits, unless it is large."""
         self.tables[name] = table
-        self._write(name, table)
-
-    def _write(self, name: str, table: pd.DataFrame) -> None:
-        """Write a CSV for readers, with six digits, unless it is large: all complete tables ship as Parquet."""
         text = table.to_csv(index=False, float_format="%.6g")
         if len(text) <= LARGEST:
             self.folder.mkdir(parents=True, exist_ok=True)
@@ -140,9 +117,9 @@ class Context:
         """Give pages a table, ``{{ table("name") }}``; ``file`` names the table that it was taken from."""
         self.grids[name] = {"html": grid(table), "rows": len(table), "file": file or name}
 
-    def draw(self, name: str, figure: Callable[..., Path], *arguments: Any, ending: str = ".png") -> None:
+    def draw(self, name: str, figure: Callable[..., Path], *arguments: Any) -> None:
         """Let a worker draw ``figure(*arguments, path)`` for pages, ``{{ figure("name") }}``."""
-        path = self.out / "figures" / f"{name}{ending}"
+        path = self.out / "figures" / f"{name}.png"
         path.parent.mkdir(parents=True, exist_ok=True)
         self.drawings.append(self.executor.submit(figure, *arguments, path))
 

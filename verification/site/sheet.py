@@ -61,10 +61,10 @@ STYLE: Any = {  # the names are those of matplotlib
 
 
 @contextmanager
-def sheet(path: Path, height: float, width: float = WIDTH, **style: Any) -> Iterator[Figure]:
-    """Yield a figure of ``width`` and ``height`` inches; write it to ``path`` at the end of the block."""
+def sheet(path: Path, height: float, **style: Any) -> Iterator[Figure]:
+    """Yield a figure of this height in inches; write it to ``path`` at the end of the block."""
     with mpl.rc_context(STYLE | style):
-        figure = Figure(figsize=(width, height), layout="constrained", dpi=DPI)
+        figure = Figure(figsize=(WIDTH, height), layout="constrained", dpi=DPI)
         FigureCanvasAgg(figure)
         yield figure
         for panel in figure.axes:

@@ -94,9 +94,9 @@ def _timed(action: Callable[[], Any]) -> float:
 CELLS, SETTLED, CELL_SUBSTEPS = (60, 120, 1_000, 10_000), 0.5, 400_000
 
 
-def tissue_table(sizes: tuple[int, ...] = CELLS, cell_substeps: int = CELL_SUBSTEPS) -> pd.DataFrame:
+def tissue_table() -> pd.DataFrame:
     """Return one row per preset and number of cells: microseconds per substep, with the load per substep."""
-    return pd.DataFrame([_per_substep(name, cells, cell_substeps) for cells in sizes for name in PRESETS])
+    return pd.DataFrame([_per_substep(name, cells) for cells in CELLS for name in PRESETS])
 
 
 def wide(name: str, cells: int) -> Parameters:
@@ -106,12 +106,12 @@ def wide(name: str, cells: int) -> Parameters:
     return parameters.changed({"tissue.cells": cells, "tissue.width": f"{cells * spacing!r} R_soft"})
 
 
-def _per_substep(name: str, cells: int, cell_substeps: int) -> dict[str, Any]:
+def _per_substep(name: str, cells: int) -> dict[str, Any]:
     """Time substeps; second daughters are left out, so that the number of cells stays."""
     run = growing_from(wide(name, cells), 0, two_daughters=0.0)
     dt, substeps = run.numbers.dt, run.numbers.substeps
     run.to(SETTLED)
-    steps = max(2, cell_substeps // (cells * substeps))
+    steps = max(2, CELL_SUBSTEPS // (cells * substeps))
     before, pairs, seconds = run.held.counts.copy(), run.pairs, []
     for _ in range(REPEATS):
         began = run.seconds

@@ -21,8 +21,6 @@ from tissue.fitting.results import FitResults, fit
 from tissue.kernels.lanes import WIDTH
 
 NAME, FILE = "fit_coverage", Path(__file__).with_name("fit_coverage.toml")
-# A misfit below is said to be one (``tissue.fitting.results``).
-MISFIT_SEEN = 0.01
 NOISE = 1.0  # um, of a height or a width
 OWN, HEIGHT, OTHERS = "height and width", "height alone", ("thesis", "gastrulation", "cuboidal")
 SMALLEST = {"data": OWN, "points": 24, "fits": 8}

@@ -1,5 +1,6 @@
 """Tables of runs: nothing is lost by an interruption, rows of different settings are not mixed."""
 
+import json
 import os
 from collections.abc import Callable
 from concurrent.futures import Executor, Future
@@ -11,6 +12,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+import dincl
 from dincl.errors import InvalidProblem
 from dincl.study import Key, Row, Study, joined, read_sealed
 from dincl.study.record import differences, record
@@ -120,6 +122,35 @@ def test_write_that_breaks_off_leaves_the_old_table(tmp_path: Path, monkeypatch:
 def test_every_difference_of_settings_is_named(one: dict[str, Any], two: dict[str, Any], line: str | None) -> None:
     found = differences(record(one), record(two))
     assert found == [] if line is None else [text.startswith(line) for text in found] == [True]
+
+
+@pytest.mark.parametrize(
+    ("setting", "written"),
+    [
+        ((None, True, 2, 0.5, "a"), [None, True, 2, 0.5, "a"]),
+        ((Path("a/b"), 1j, b"a", np), ["a/b", "1j", "b'a'", "numpy"]),
+        ({2: range(2), "a": np.float32(0.5)}, {"2": [0, 1], "a": 0.5}),
+        ({"b", "a"}, ["a", "b"]),
+        (dincl.Status.SUCCESS, "Status.SUCCESS"),
+        (dincl.CatchUp(1, dincl.ActiveSet(0.1)), {"CatchUp": {"dt": 1, "projection": {"ActiveSet": {"tol": 0.1}}}}),
+        (max, "builtins.max"),
+    ],
+)
+def test_a_setting_is_written_as_what_it_holds(setting: Any, written: Any) -> None:
+    assert json.loads(record({"x": setting})["settings"])["x"] == written
+
+
+def test_a_setting_that_holds_itself_or_is_long_is_written_all_the_same() -> None:
+    ring: list[Any] = [1]
+    ring.append(ring)
+    assert json.loads(record({"x": ring})["settings"])["x"] == [1, "itself"]
+    one, other = (record({"x": [0] * 1000 + [last]}) for last in (1, 2))
+    assert len(one["settings"]) < 60
+    assert [text.startswith("setting x: [0, 0") for text in differences(one, other)] == [True]
+    exact = "a" * 998
+    assert json.loads(record({"x": exact})["settings"])["x"] == exact
+    (line,) = differences(record({"x": exact}), record({"x": exact[:500] + "b" + exact[501:]}))
+    assert line == f"setting x: ...{'a' * 80}... -> ...{'a' * 40}b{'a' * 39}..."
 
 
 def test_what_a_run_binds_is_a_setting_and_tables_of_others_are_set_aside(

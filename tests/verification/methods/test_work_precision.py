@@ -8,6 +8,7 @@ import pytest
 
 import dincl
 from tests.executors import Here, Nowhere
+from verification.audit import STUDIES
 from verification.instruments.charts import made_of
 from verification.methods.chart import page as chapter
 from verification.methods.chart import work_precision
@@ -22,7 +23,6 @@ from verification.methods.methods import (
     PBD,
     PBD_16,
 )
-from verification.methods.studies import STUDIES
 from verification.site import sheet
 from verification.site.context import Context
 from verification.site.store import DATA, shipped

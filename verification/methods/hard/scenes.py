@@ -244,9 +244,9 @@ def ring() -> HardScene:
 # Sets that jump
 
 
-def jump(before: Any, after: Any, at: float = 0.6) -> Signal:
-    """Return a function of time that jumps."""
-    return lambda t: before if t <= at else after
+def jump(before: Any, after: Any) -> Signal:
+    """Return a function of time that jumps at 0.6."""
+    return lambda t: before if t <= 0.6 else after
 
 
 def jumped(x0: ArrayLike, drift: Any, one: Any, exact: Sequence[float]) -> HardScene:

@@ -261,9 +261,9 @@ GAP_PRECISION = 1e-4
 MANY_SWEEPS = 256
 
 
-def stays(make: Maker, dt: float, c: float = 0.6) -> bool:
+def stays(make: Maker, dt: float) -> bool:
     """Return whether the point is above the gap after one step."""
-    problem, height = radius.opening(c)
+    problem, height = radius.opening(0.6)
     path = dincl.solve(problem, make(dt=dt), t=dt, throw=False)
     return bool(path.status) and float(path.final[0, 1]) > height / 2
 

@@ -78,8 +78,6 @@ COUNTING = "end and rule of counting"
 COUNTING_ROW = Variant(
     (), "at 48 h, where they are then", "at 54 h; outside also on average over the next hour and the rest of the run"
 )
-# Keys of [P] and [S], which the runs below do not have.
-UNREACHED = ("events.at_depth", "events.bent_stiffness", "events.contraction", "events.spring_above")
 # How long runs last; it decides with the rule of basal extrusion when and how ratios are counted, not what happens.
 COUNTED = ("numerics.t_end",)
 # By which rule and at which time [h] cells are counted: as printed, and in the published runs.

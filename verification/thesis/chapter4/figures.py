@@ -103,10 +103,10 @@ def _curve(table: pd.DataFrame, study: str, scenario: str) -> pd.DataFrame:
     return rows.assign(value=value, low=low, high=high)
 
 
-def _of(tables: Tables, study: str, what: str = "basal") -> pd.DataFrame:
-    """Return the ratios of a study at the end by scenario."""
+def _of(tables: Tables, study: str) -> pd.DataFrame:
+    """Return the basal ratios of a study at the end by scenario."""
     table = tables["emt_ratios"]
-    return table[(table["study"] == study) & (table["what"] == what)].set_index("scenario")
+    return table[(table["study"] == study) & (table["what"] == "basal")].set_index("scenario")
 
 
 def programs(tables: Tables) -> Drawn:

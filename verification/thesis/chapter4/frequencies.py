@@ -71,10 +71,10 @@ def claim_in_readings(
     return stated
 
 
-def evidence(printed: Sequence[Sized], corrected: Sequence[Sized] = (), remark: str = "") -> Evidence:
+def evidence(printed: Sequence[Sized], corrected: Sequence[Sized] = ()) -> Evidence:
     """Return comparisons as evidence, with the most runs that one of them needs."""
     wanted, instead = (tuple(each.comparison for each in side) for side in (printed, corrected))
-    return Evidence(remark, wanted, instead, runs_needed=most_runs(each.runs for each in (*printed, *corrected)))
+    return Evidence("", wanted, instead, runs_needed=most_runs(each.runs for each in (*printed, *corrected)))
 
 
 def ratio_of(tables: Tables, preset: str, study: str, scenario: str, what: str) -> Ratio:

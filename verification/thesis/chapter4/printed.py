@@ -88,7 +88,7 @@ def against_printed(measured: Ratio, printed: float, of: int) -> ProportionContr
     return difference(measured, Ratio(round(printed * of), of))
 
 
-def agrees(found: ProportionContrast, level: float = PRINTED_LEVEL) -> bool:
+def agrees(found: ProportionContrast) -> bool:
     """Return whether the interval of the difference contains 0."""
-    low, high = found.interval(level)
+    low, high = found.interval(PRINTED_LEVEL)
     return low <= 0 <= high

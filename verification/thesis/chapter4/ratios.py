@@ -22,7 +22,6 @@ from dincl.errors import InvalidProblem
 from tissue.study.estimates import LEVEL
 
 COLUMNS = ("count", "of", "runs", "value", "low", "high", "effective")
-INTERVALS = f"{100 * LEVEL:g} % Wilson intervals on the effective number of cells"
 
 Floats = NDArray[np.float64]
 
@@ -108,7 +107,7 @@ def ratio(hits: pd.Series, replicate: pd.Series) -> Ratio:
     return Ratio(int(found.sum()), len(hits), effective_size(found, np.bincount(run)))
 
 
-def ratios(hits: pd.Series, replicate: pd.Series, category: pd.Series, level: float = LEVEL) -> pd.DataFrame:
+def ratios(hits: pd.Series, replicate: pd.Series, category: pd.Series) -> pd.DataFrame:
     """Compute r(D_k) of (4.12), one row for each category that has cells, in the order of the categories.
 
     All cells of a category count alike, as in Remark 4.1. Cells without a category (missing) do not count.
@@ -117,8 +116,6 @@ def ratios(hits: pd.Series, replicate: pd.Series, category: pd.Series, level: fl
     ----------
     hits, replicate, category
         Of each cell: whether it is one, its replicate, its category.
-    level
-        Of the intervals.
 
     Returns
     -------
@@ -132,7 +129,7 @@ def ratios(hits: pd.Series, replicate: pd.Series, category: pd.Series, level: fl
     for code in range(len(names)):
         mine = codes == code
         one = ratio(hit[mine], run[mine])
-        rows.append((one.count, one.of, len(np.unique(run[mine])), one.value, *one.interval(level), one.size))
+        rows.append((one.count, one.of, len(np.unique(run[mine])), one.value, *one.interval(), one.size))
     return pd.DataFrame(rows, index=pd.Index(list(names), name=category.name, dtype=object), columns=list(COLUMNS))
 
 

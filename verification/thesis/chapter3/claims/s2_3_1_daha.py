@@ -158,11 +158,11 @@ def _choice() -> Evidence:
     )
 
 
-def last_move(product: float, steps: int = 2000) -> float:
+def last_move(product: float) -> float:
     """Return the last relative move for a bounded force, steep where it rests, dtau^2 alpha max W'' = ``product``."""
     width = 0.1
     before = now = 1.3
-    for _ in range(steps):
+    for _ in range(2000):
         before, now = now, float(damped(now, before, product * width * np.tanh((now - 1) / width), C, 1.0))
     return abs(now - before) / abs(before)
 

@@ -57,6 +57,22 @@ NOTCH = 1.57
 # Corrections with which DAHA was run: its signs, its rows, and rest lengths that are not negative.
 DAHA = ("c3.daha-multiplier", "c3.passive-springs")
 FLOOR = "rest lengths ≥ 0 as corrected in c3.passive-springs"
+# Why tissues grow faster as printed.
+STRONGER = (
+    "with the printed denominators springs and repulsion are stronger against (3.12), and the tissue grows faster: "
+    "Figures 14 to 16 show runs of the program, which divides by squares"
+)
+
+
+def floored_lengths(depends: str, place: int) -> Correction:
+    """Return the correction of a comparison with DAHA whose runs do not end as printed."""
+    return Correction(
+        "the same with the desired rest lengths max(0, ·) of c3.passive-springs",
+        Effect.MODEL,
+        depends,
+        why="with the printed rest lengths no run of DAHA reaches 10 h, so that there is no tissue to compare with",
+        place=place,
+    )
 
 
 def ways(seed: int) -> list[float]:
@@ -160,13 +176,7 @@ def _iterations(tables: Tables) -> Evidence:
         "[μ = 0.1333] Here, the choice of n* is the median obtained from Figure 11. We will later see that this choice"
         " is almost optimal."
     ),
-    correction=Correction(
-        "the same with the desired rest lengths max(0, ·) of c3.passive-springs",
-        Effect.MODEL,
-        "μ of (3.32) and Table 5",
-        why="with the printed rest lengths no run of DAHA reaches 10 h, so that there is no tissue to compare with",
-        place=2137,
-    ),
+    correction=floored_lengths("μ of (3.32) and Table 5", 2137),
     needs=(made.FITS, made.SHARES),
     rests_on=(*DAHA, "c3.time-scale"),
     chosen=f"the step of DAHA is α, as in (3.26), from which 0.1333 is derived; almost: within a factor 1.5; {FLOOR}",
@@ -230,13 +240,7 @@ def beyond(row: pd.Series, value: float) -> float:
     "After 10 h the nuclei of one simulation by both methods are 6 % apart at μ = 0.14.",
     source="section 3.4",
     quote="‖X^DAHA(10 h) - X^PBD(10 h)‖/‖X^DAHA(10 h)‖ ≈ 0.06 for μ = 0.14",
-    correction=Correction(
-        "the same with the desired rest lengths max(0, ·) of c3.passive-springs",
-        Effect.MODEL,
-        "the agreement of both models in section 3.4",
-        why="with the printed rest lengths no run of DAHA reaches 10 h, so that there is no tissue to compare with",
-        place=2229,
-    ),
+    correction=floored_lengths("the agreement of both models in section 3.4", 2229),
     needs=(made.DISTANCES, made.SHARES),
     rests_on=(*DAHA, "c3.update"),
     chosen=f"the step of DAHA is α, as in (3.26); {FLOOR}; one run is compared with the spread of single runs",
@@ -296,12 +300,8 @@ def _condition(tables: Tables) -> Evidence:
     "Tissues by both methods are as high and as wide.",
     source="section 3.4",
     quote="More importantly, the macroscopic quantities such as tissue height, shape and growth, remain intact",
-    correction=Correction(
-        "the same with the desired rest lengths max(0, ·) of c3.passive-springs",
-        Effect.MODEL,
-        "the main goal of section 3.4, that the calibration of [Fer+19] applies to the first-order model",
-        why="with the printed rest lengths no run of DAHA reaches 10 h, so that there is no tissue to compare with",
-        place=2233,
+    correction=floored_lengths(
+        "the main goal of section 3.4, that the calibration of [Fer+19] applies to the first-order model", 2233
     ),
     needs=(made.DISTANCES, made.SHARES),
     rests_on=(*DAHA, "c3.update"),
@@ -364,10 +364,7 @@ def _accumulation() -> Evidence:
         "the same with the squared denominators of c3.dimensions; with the printed ones the height gains 68 %",
         Effect.MODEL,
         "Figure 14, and the growth that section 4 compares with the embryo",
-        why=(
-            "with the printed denominators springs and repulsion are stronger against (3.12), and the tissue grows "
-            "faster: Figures 14 to 16 show runs of the program, which divides by squares"
-        ),
+        why=STRONGER,
         place=2244,
     ),
     needs=(made.RATIOS,),
@@ -392,12 +389,9 @@ def _less_than_half(tables: Tables) -> Evidence:
     "With μ = 0.2 the first-order model grows as the quasi-steady one.",
     source="Figure 15",
     quote="Values around μ = 0.2 give similar results as the QSS-PSE model.",
-    correction=Correction(
-        "the same with the desired rest lengths max(0, ·) of c3.passive-springs",
-        Effect.MODEL,
+    correction=floored_lengths(
         "Figure 15; c3.dimensions, c3.accumulation and c3.less-than-half, where PBD with μ = 0.2 h stands for DAHA",
-        why="with the printed rest lengths no run of DAHA reaches 10 h, so that there is no tissue to compare with",
-        place=2253,
+        2253,
     ),
     needs=(made.DISTANCES, made.SHARES),
     rests_on=DAHA,
@@ -469,10 +463,7 @@ def _damping(tables: Tables) -> Evidence:
         "doubles the height",
         Effect.MODEL,
         "Figure 16 and the choice of μ in section 4",
-        why=(
-            "with the printed denominators springs and repulsion are stronger against (3.12), and the tissue grows "
-            "faster: Figures 14 to 16 show runs of the program, which divides by squares"
-        ),
+        why=STRONGER,
         place=2258,
     ),
     needs=(made.DOUBLING,),

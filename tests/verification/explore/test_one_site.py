@@ -15,7 +15,7 @@ APP = FastAPI()
 
 @APP.get("/")
 def page():
-    """What is guarded."""
+    """What only this site may see."""
     return "seen"
 
 
