@@ -167,7 +167,8 @@ def _run_grid(
 
 def _prepared(bind: Callable[[], Stepper], grids: tuple[TimeGrid, ...], times: Floats) -> Stepper:
     stepper = bind()
-    stepper.prepare(grids, times)
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # of functions of time, as in steps
+        stepper.prepare(grids, times)
     return stepper
 
 

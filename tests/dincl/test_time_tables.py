@@ -1,5 +1,7 @@
 """Sets that depend on time alone are tabulated: the same paths as with functions that are called in each step."""
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -170,6 +172,18 @@ def test_a_rough_function_is_called_in_each_step():
     assert whole.stats.callbacks >= 400
     assert np.array_equal(whole.x[0], first.x[0])
     assert whole.violation().max() <= 1e-11
+
+
+@pytest.mark.parametrize("steps", [50, 500])
+def test_a_value_behind_the_end_of_a_run_warns_of_nothing(steps):
+    def path(t):
+        return 0.0, 0.2 * t + np.log(np.float64(1.0 if t < 0.7 else -1.0))
+
+    moving = problem(dincl.Moving(dincl.HalfSpace((0, 1), -0.95, RADIUS), path))
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        assert dincl.solve(moving, dincl.PBD(1 / steps), 1.0, until=lambda t, x: t - 0.5).status.name == "STOPPED"
+    assert not said
 
 
 def test_what_fails_late_is_said_late():
