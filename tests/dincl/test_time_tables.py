@@ -180,7 +180,7 @@ def test_a_value_behind_the_end_of_a_run_warns_of_nothing(steps):
         return 0.0, 0.2 * t + np.log(np.float64(1.0 if t < 0.7 else -1.0))
 
     moving = problem(dincl.Moving(dincl.HalfSpace((0, 1), -0.95, RADIUS), path))
-    with warnings.catch_warnings(record=True) as said:
+    with np.errstate(all="warn"), warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")
         assert dincl.solve(moving, dincl.PBD(1 / steps), 1.0, until=lambda t, x: t - 0.5).status.name == "STOPPED"
     assert not said
