@@ -293,10 +293,10 @@ def test_equalities_that_cannot_be_met_are_no_silent_success(scheme, name):
 
 
 @pytest.mark.parametrize("level", [lambda t: 0.0, lambda t: t * (1.0 - t)], ids=["fixed", "moving"])
-@pytest.mark.parametrize("scheme", SCHEMES[:7], ids=lambda one: type(one).__name__)
+@pytest.mark.parametrize("scheme", [*SCHEMES[:7], SCHEMES[8]], ids=lambda one: type(one).__name__)
 def test_an_equality_at_zero_is_not_said_to_be_off_by_rounding(scheme, level):
     problem = dincl.Problem([[0.0]], constant([0.7]), [dincl.Smooth(lambda t, x: x[0] - level(t), equality=True)])
-    assert abs(dincl.solve(problem, scheme, 1.0).final[0, 0]) < 0.01
+    assert abs(dincl.solve(problem, scheme, 1.0).final[0, 0]) < 0.02  # of Penalty: 1.7 over its strength
 
 
 def test_a_wall_must_not_turn_across_an_axis_that_repeats():
