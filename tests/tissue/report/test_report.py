@@ -85,11 +85,15 @@ def test_every_figure_is_drawn_and_written(study):
         assert all(file.read_bytes().startswith(begins) for file in files)
 
 
-def test_positions_are_the_median_of_all_cells():
+def test_positions_are_the_median_of_all_cells_with_bands_that_the_axis_has():
     results = of_scenarios(["alone"])
-    cells, (panel,) = results.cells("alone"), drawn(results, "positions").axes
+    (panel,), kept = drawn(results, "positions").axes, results.cells("alone")[["ab_0h", "ab_24h", "ab_48h"]]
     median = next(line for line in panel.lines if line.get_color() == "black")
-    assert median.get_ydata() == pytest.approx(cells[["ab_0h", "ab_24h", "ab_48h"]].median().to_numpy())
+    assert median.get_ydata() == pytest.approx(kept.median().to_numpy())
+    for band, share in zip(panel.collections[::-1], (0.25, 0.05), strict=True):
+        low, high = (kept.quantile(one).to_numpy() for one in (share, 1 - share))
+        assert sorted(set(band.get_paths()[0].vertices[:, 1])) == pytest.approx(sorted([*low, *high]))
+    assert panel.get_ylim() == pytest.approx((low.min() - 0.1, high.max() + 0.1))
 
 
 def test_ratios_against_time_have_their_bands_and_times_of_events_are_marked():
