@@ -92,6 +92,16 @@ def test_a_curve_through_points_passes_them_and_goes_on_straight():
     assert not bend[:, 2].any()
 
 
+@pytest.mark.parametrize("name", ["open", "closed"])
+def test_a_curve_through_points_is_measured_along_itself(name):
+    curve, h = CURVES[name], 1e-4
+    s = (np.linspace(0.01, 0.99, 400) - (0.0 if curve.around else 0.5)) * curve.length
+    (before, turned_before, _), (_, tangent, bend), (behind, turned, _) = map(curve.evaluate, (s - h, s, s + h))
+    np.testing.assert_allclose(np.hypot(*tangent), 1.0, rtol=0, atol=1e-5)
+    np.testing.assert_allclose((behind - before) / (2 * h), tangent, rtol=0, atol=1e-5)
+    np.testing.assert_allclose((turned - turned_before) / (2 * h), bend, rtol=0, atol=1e-3)
+
+
 # Runs
 
 
