@@ -25,7 +25,35 @@ def test_scenes_come_again_and_are_of_all_kinds() -> None:
 
 
 # Of few particles: together they have all layouts and drifts, and nearly all kinds of sets in each dimension.
-SMALL = (1, 2, 6, 17, 22, 33, 43, 44, 60, 68, 71, 72, 73, 82, 84, 100, 101, 104, 106, 121, 122, 125, 127, 130, 137, 145, 148)
+SMALL = (
+    1,
+    2,
+    6,
+    17,
+    22,
+    33,
+    43,
+    44,
+    60,
+    68,
+    71,
+    72,
+    73,
+    82,
+    84,
+    100,
+    101,
+    104,
+    106,
+    121,
+    122,
+    125,
+    127,
+    130,
+    137,
+    145,
+    148,
+)
 SMALL += (154, 188, 190, 191, 196)
 
 
