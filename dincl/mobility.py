@@ -18,7 +18,7 @@ import numpy as np
 from dincl.constraints.base import Constraint
 from dincl.drifts.affine import AffineDrift
 from dincl.matrices import row_squares
-from dincl.problem import Problem
+from dincl.problem import Problem, changed
 from dincl.rows.base import DiscPairs
 from dincl.rows.kinds import AffineRows, DistanceRows
 from dincl.trajectory import Between
@@ -54,12 +54,6 @@ class Scaling:
         fixed = self.root == 0.0
         found: Floats = np.where(fixed, 0.0, 1.0)[:, None] * v / np.where(fixed, 1.0, self.root)[:, None]
         return found
-
-
-def scaling_of(x0: Floats, mobility: Floats) -> Scaling:
-    """Make the coordinates for mobilities (N,) >= 0, of which one is > 0, and a start (N, d)."""
-    most = float(mobility.max())
-    return Scaling(np.sqrt(mobility / most), np.where((mobility > 0)[:, None], 0.0, x0), most)
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,19 +133,12 @@ def scaled_drift(drift: Any, scaling: Scaling) -> Any:
 
 def in_scaled_coordinates(problem: Problem) -> tuple[Problem, Scaling]:
     """Return a problem without mobilities for the scaled coordinates of one with mobilities, and these coordinates."""
-    scaling = scaling_of(problem.x0, np.asarray(problem.mobility))
+    mobility, x0 = np.asarray(problem.mobility), problem.x0
+    most = float(mobility.max())
+    scaling = Scaling(np.sqrt(mobility / most), np.where((mobility > 0)[:, None], 0.0, x0), most)
     sets = tuple([Scaled(one, scaling, one.timed) for one in problem.constraints])
-    same: Any = object.__new__(Problem)
-    # Checked already, as the problem of the user.
-    vars(same).update(
-        x0=scaling.coordinates(problem.x0),
-        drift=scaled_drift(problem.drift, scaling),
-        constraints=sets,
-        mobility=None,
-        box=problem.box,
-        scaling=scaling,
-    )
-    return same, scaling
+    parts = {"x0": scaling.coordinates(x0), "drift": scaled_drift(problem.drift, scaling), "constraints": sets}
+    return changed(problem, **parts, mobility=None, scaling=scaling), scaling
 
 
 @dataclass(frozen=True, eq=False)

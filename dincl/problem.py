@@ -222,7 +222,7 @@ def at_end(problem: Problem, x: Floats) -> Problem:
     """Return the problem with the end x (N, d) of a run as its start, which need not be feasible."""
     start = x.copy()
     start.flags.writeable = False
-    return _changed(problem, x0=start)
+    return changed(problem, x0=start)
 
 
 def check_start(problem: Problem, t: float) -> None:
@@ -239,11 +239,11 @@ def with_counted_drift(problem: Problem, is_spent: Callable[[int], bool] | None 
         if compiled_drift is None
         else CountedCompiledDrift(compiled_drift, is_spent)
     )
-    return _changed(problem, drift=drift), drift
+    return changed(problem, drift=drift), drift
 
 
-def _changed(problem: Problem, **parts: Any) -> Problem:
-    """Return a problem, which was checked, with another part."""
+def changed(problem: Problem, **parts: Any) -> Problem:
+    """Return a problem, which was checked, with other parts."""
     same = object.__new__(type(problem))
     vars(same).update(vars(problem) | parts)
     return same

@@ -10,8 +10,7 @@ import numpy as np
 
 from dincl import checks
 from dincl.checks import array, describe, flag, function, instance, number
-from dincl.constraints import Constraint, Distance, Moving, Smooth
-from dincl.constraints.selection import row_lengths, select
+from dincl.constraints.selection import gradient_lengths, select
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.problem import Problem, at_end, check_start
 from dincl.schemes.base import WHOLE, Scheme, Span, Watch
@@ -100,14 +99,10 @@ def solve(
     trajectory = Trajectory(problem=problem, t0=start, **parts)
     if raises and not trajectory.status:
         raise StepFailed(trajectory) from outcome.failure
-    if trajectory.status and trajectory.error is None and any(map(_is_equality, problem.constraints)):
+    equalities = any(getattr(one, "equality", False) for one in problem.constraints)
+    if trajectory.status and trajectory.error is None and equalities:
         _warn_if_outside(trajectory)
     return trajectory
-
-
-def _is_equality(one: Constraint) -> bool:
-    of_set = _is_equality(one.constraint) if isinstance(one, Moving) else isinstance(one, Smooth) and one.equality
-    return of_set or isinstance(one, Distance)
 
 
 def _warn_if_outside(path: Trajectory) -> None:
@@ -116,7 +111,7 @@ def _warn_if_outside(path: Trajectory) -> None:
     for index, one in enumerate(path.problem.constraints):
         with suppress(StepFailure):
             (rows,) = select((one,), t, x, 0.0).at(t).blocks
-            gaps = np.maximum(-rows.values(x), 0.0) / row_lengths(rows, x)  # an equality is two opposite rows
+            gaps = np.maximum(-rows.values(x), 0.0) / gradient_lengths(rows, x)  # an equality is two opposite rows
             parts = gaps / getattr(rows, "length", max(float(np.abs(x).max()), 1e-300))
             if parts.max(initial=0.0) > OFF:
                 k = int(parts.argmax())

@@ -96,9 +96,6 @@ class EmtEvent:
     frees
         "apical" or "basal": the spring to this point holds nothing from then on, and so does not count where the rest
         lengths of a cell have a cap. None: neither.
-    mark
-        How tables, pictures and pages write it, the name with a capital if not given: "A" for "a". Those of built-in
-        events may have more capitals, as "AC"; marks that are put together, "BAC", can be told apart.
 
     Raises
     ------
@@ -114,11 +111,9 @@ class EmtEvent:
     after: str | None = None
     starts: tuple[str, ...] = ()
     frees: str | None = None
-    mark: str = ""
 
     def __post_init__(self) -> None:
         _check(self, _LETTERS, "lower-case letters and digits", begin=True, last=True)
-        object.__setattr__(self, "mark", self.mark or self.name.capitalize())
         if self.after is not None:
             string(f"EmtEvent {self.name}: after", self.after)
         items(f"EmtEvent {self.name}: starts", self.starts, str, "names of events")
@@ -126,6 +121,11 @@ class EmtEvent:
             raise InvalidProblem(f'EmtEvent {self.name}: frees = {self.frees!r}: must be "apical", "basal" or None')
         if self.begin is None and self.last is None:
             raise InvalidProblem(f"EmtEvent {self.name}: must have a function begin, last, or both")
+
+    @property
+    def mark(self) -> str:
+        """How tables, pictures and pages write it: "A" for "a"; marks that are put together can be told apart."""
+        return "AC" if self.name == "ac" else self.name.capitalize()
 
 
 @dataclass(frozen=True)
@@ -300,6 +300,8 @@ class Variable:
 @dataclass(frozen=True)
 class Parameter:
     """A key ``own.NAME`` of parameter files, and a number ``numbers.NAME`` for functions of users.
+
+    Cells of a named type may have another value, the key ``types.TYPE.own.NAME``, for events and rules of divisions.
 
     Attributes
     ----------

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dincl.callables import UserFunction
-from dincl.checks import array, describe, function, vector
+from dincl.checks import array, describe, function, instance, vector
 from dincl.constraints.base import Constraint, Recent
 from dincl.errors import InvalidProblem
 from dincl.norms import longest
@@ -122,8 +122,7 @@ class Moving(Constraint):
     path: Callable[[float], Any] | RigidMotion
 
     def __post_init__(self) -> None:
-        if not isinstance(self.constraint, Constraint):
-            raise InvalidProblem(f"constraint = {describe(self.constraint)}: must be a Constraint")
+        instance("constraint", self.constraint, Constraint, "a Constraint")
         if not isinstance(self.path, RigidMotion):
             function("path", self.path, "a dincl.RigidMotion, or a callable of t that returns shape (d,)")
 
@@ -166,6 +165,11 @@ class Moving(Constraint):
         moves = path.numbers(t, d) if isinstance(path, RigidMotion) else PATH.evaluated(path, t, shape=(d,))
         of_set = self.constraint.parameters(t, x) if self._set_is_timed else None
         return moves if of_set is None else np.concatenate((moves, of_set))
+
+    @property
+    def equality(self) -> bool:
+        """Whether the set is one of equalities."""
+        return bool(getattr(self.constraint, "equality", False))
 
     @cached_property
     def _set_is_timed(self) -> bool:

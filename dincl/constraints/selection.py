@@ -65,8 +65,8 @@ class Selection:
         before, after = (constraint.displacement(time, self.shape[1]) for time in times)
         if before is not None and after is not None:
             return linearised(flat.placed(None, after - before), x)
-        length = row_lengths(rows, x)
-        change = later.values(x) * length / row_lengths(later, x) - rows.values(x)
+        length = gradient_lengths(rows, x)
+        change = later.values(x) * length / gradient_lengths(later, x) - rows.values(x)
         return AffineRows(flat.matrix, flat.bound - change)
 
     def take(self, keep: NDArray[np.bool_]) -> Selection:
@@ -95,7 +95,7 @@ class Selection:
         return max((one.change(start, end, x, search_radius) for one in self.constraints if one.timed), default=0.0)
 
 
-def row_lengths(rows: RowsOfOneKind, x: NDArray[np.float64]) -> NDArray[np.float64]:
+def gradient_lengths(rows: RowsOfOneKind, x: NDArray[np.float64]) -> NDArray[np.float64]:
     """Compute |grad g_k|, by which gaps are scaled; 1 for distances that are lengths, and where it vanishes."""
     if isinstance(rows, DistanceRows) and rows.plain:
         return np.ones(len(rows))

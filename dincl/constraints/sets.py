@@ -281,6 +281,8 @@ class Distance(MaxDistance):
         The distance, > 0, one for all pairs or shape (m,) [length]; or a function of time: t -> length.
     """
 
+    equality: ClassVar[bool] = True
+
     def __post_init__(self) -> None:
         super().__post_init__()
         ends = np.sort(np.asarray(self.pairs), axis=1)

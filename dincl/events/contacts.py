@@ -32,13 +32,12 @@ def decide_contacts(run: EventWorkspace) -> int:
     it.
     """
     state, system, active = run.state[0], system_at(run.system), run.active
-    d = system.sets.shift.shape[1]
-    code = evaluate(system.drift, d, state.t, run.x, system.program.y)
+    code = evaluate(system, state.t, run.x, system.program.y)
     if code == OK and call_python(system.sets, state.t, run.x, VELOCITIES) != 0:
         code = SETS
     if code != OK:
         return code
-    state.speed = max(state.speed, longest(system.program.y, d))
+    state.speed = max(state.speed, longest(system.program.y, system.sets.shift.shape[1]))
     count = list_touching(run)
     if count < 0:
         return COINCIDENT

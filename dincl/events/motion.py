@@ -102,7 +102,7 @@ def velocity_at(run: EventWorkspace, t: float, x: Floats, rate: Floats, multipli
     """Write x' into ``rate``, and the multipliers, which are refined once."""
     system, active = system_at(run.system), run.active
     rows, gradient, right = system.rows, system.program.gradient, active.right
-    code = evaluate(system.drift, system.sets.shift.shape[1], t, x, rate)
+    code = evaluate(system, t, x, rate)
     if code != OK or active.number[0] == 0:
         return code
     code = linearise_active(run, t, x)

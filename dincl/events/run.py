@@ -9,7 +9,7 @@ import numpy as np
 
 from dincl.compiled.structs import StructPointer
 from dincl.constants import LARGEST
-from dincl.constraints.selection import row_lengths
+from dincl.constraints.selection import gradient_lengths
 from dincl.errors import StepFailure
 from dincl.events import integrate as kernels
 from dincl.events.dense_output import DenseOutput
@@ -133,7 +133,7 @@ class EventSystem:
             return x
         # The tolerance of a projection is in units of g, that of contacts is a length.
         rows = problem.rows_within(t, x, violation)
-        longest_row = max((float(row_lengths(block, x).max(initial=0.0)) for block in rows.blocks), default=1.0)
+        longest_row = max((float(gradient_lengths(block, x).max(initial=0.0)) for block in rows.blocks), default=1.0)
         feasible = FeasibleSet(problem, ActiveSet(allowed * max(1.0, longest_row)).solver(), work, linearised=False)
         return feasible.nearest(t, x, x, violation).point
 
@@ -237,7 +237,7 @@ class EventRun:
         normals = []
         for point in (x, x + away):
             rows = selection.at(t)
-            lengths = np.concatenate([row_lengths(block, point) for block in rows.blocks])
+            lengths = np.concatenate([gradient_lengths(block, point) for block in rows.blocks])
             normals.append(rows.jacobian(point).toarray()[active] / lengths[active, None])
         moved = np.sqrt((normals[0] != 0).astype(float) @ away.ravel() ** 2)
         curvature = np.sqrt(((normals[1] - normals[0]) ** 2).sum(axis=1)) / np.where(moved > 0, moved, 1.0)
@@ -245,7 +245,7 @@ class EventRun:
         k = int(rates.argmax())
         if rates[k] * float(self._state["last_h"][0]) * self._unit.time < STIFF:
             return ""
-        constraint, row = system.names[int(active[k])]
+        constraint, row = selection.names[int(active[k])]
         return (
             f"{SLOWLY}: {row} (constraints[{constraint}]) is pulled against a set so curved that it turns at the rate "
             f"{rates[k]:.2g}, the pull over the radius of curvature: use a larger radius, or a scheme with fixed steps."
@@ -254,7 +254,7 @@ class EventRun:
     @property
     def events(self) -> tuple[Event, ...]:
         """The changes of the contacts so far; those of one time with contacts first, in the order of their names."""
-        names, found = self._system.names, []
+        names, found = self._system.selection.names, []
         for t, row, closes, phase in np.concatenate(self._events):
             found.append((phase, not closes, names[int(row)], float(t) * self._unit.time))
         return tuple(Event(t, "release" if opens else "contact", *name) for _, opens, name, t in sorted(found))

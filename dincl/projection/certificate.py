@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from dincl.checks import describe, number
+from dincl.checks import instance, number
 from dincl.constants import NARROW, OPPOSITE
-from dincl.errors import InvalidProblem, StepFailure
+from dincl.errors import StepFailure
 from dincl.matrices import combined, divided, row_squares
 from dincl.norms import length
 from dincl.rows.kinds import linearised
@@ -106,8 +106,7 @@ class Projection(ABC):
 
 def check_projection(projection: object) -> None:
     """Raise InvalidProblem unless this is what a scheme can be given to project with."""
-    if not isinstance(projection, Projection):
-        raise InvalidProblem(f"projection = {describe(projection)}: must be a projection such as Daqp(tol=1e-9)")
+    instance("projection", projection, Projection, "a projection such as Daqp(tol=1e-9)")
 
 
 class Solver(ABC):

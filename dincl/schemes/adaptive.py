@@ -130,7 +130,7 @@ class AdaptiveRuns:
 
         self.problem, self.tol, self._scales = problem, tol, scales
         self._watch: Watch | None = None
-        self._stepper = CompiledStepper.projecting(problem, None, ActiveSet(tol), Settings())
+        self._stepper = CompiledStepper.projecting(problem, None, ActiveSet(tol), Settings(), exact=False)
         self._stepper.system.sets.tabulate(scales.smooth)
         self._memory = StructPointer(adapting(problem.x0.size))
         self._timed = any(one.timed for one in problem.constraints)

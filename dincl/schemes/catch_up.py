@@ -85,5 +85,5 @@ def bind(problem: Problem, projection: Projection, *, linearised: bool, midpoint
     from dincl.steps.loop import Settings
     from dincl.steps.stepper import CompiledStepper
 
-    kernel, settings = run_linearised if linearised else run_catch_up, Settings(exact=not linearised, midpoint=midpoint)
-    return CompiledStepper.projecting(problem, kernel, projection, settings)
+    run = run_linearised if linearised else run_catch_up
+    return CompiledStepper.projecting(problem, run, projection, Settings(midpoint=midpoint), exact=not linearised)

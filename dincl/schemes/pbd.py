@@ -127,6 +127,5 @@ def _sweeping(
     from dincl.steps.stepper import CompiledStepper
 
     settings = Settings(sweeps=sweeps, compliance=compliance)
-    kernels, multipliers = (getattr(sweeping, run + of) for of in ("", "_of_any")), run == "run_xpbd"
-    plain, of_any = kernels
-    return CompiledStepper.sweeping(problem, plain, settings, of_any=of_any, multipliers=multipliers, v0=v0)
+    plain, of_any = getattr(sweeping, run), getattr(sweeping, f"{run}_of_any")
+    return CompiledStepper.sweeping(problem, plain, settings, of_any=of_any, multipliers=run == "run_xpbd", v0=v0)

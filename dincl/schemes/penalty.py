@@ -46,4 +46,4 @@ class Penalty(FixedStep):
         from dincl.steps.sweeping import run_penalty
 
         settings = Settings(strength=self.strength, exponent=self.exponent)
-        return CompiledStepper.sweeping(problem, run_penalty, settings)
+        return CompiledStepper.sweeping(problem, run_penalty, settings, of_any=run_penalty)

@@ -335,7 +335,7 @@ def adaptive_step(
     error = max(error, longest(middle, d))
     for k in range(z.size):
         middle[k] = run.rate[k]
-    code = evaluate(system.drift, d, t + h, z, run.rate)
+    code = evaluate(system, t + h, z, run.rate)
     error = max(error, 0.5 * h * farthest(run.rate, middle, d))
     for k in range(z.size):
         middle[k] = z[k]
@@ -367,7 +367,7 @@ def adapt(
     run, kept = stepping_at(place), adapting_at(memory)
     system = system_at(run.system)
     made, repeated, least = 0, 0, SHORTEST * longest_step
-    code = evaluate(system.drift, system.sets.shift.shape[1], t, run.x, kept.first)
+    code = evaluate(system, t, run.x, kept.first)
     while t < stop and code == OK and made + repeated < most:
         h = min(h, longest_step)
         step, number = h, np.ceil((end - t) / h * (1.0 - 1e-12))

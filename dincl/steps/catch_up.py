@@ -16,7 +16,7 @@ from dincl.system.arrays import OK, SystemArrays, evaluate, longest, system_at
 def drift_step(system: SystemArrays, t: float, at: Floats, h: float, x: Floats, rate: Floats) -> int:
     """Write x + h F(t, at) into y, and F into ``rate``."""
     y = system.program.y
-    code = evaluate(system.drift, system.sets.shift.shape[1], t, at, rate)
+    code = evaluate(system, t, at, rate)
     for k in range(x.size):
         y[k] = x[k] + h * rate[k]
     return code

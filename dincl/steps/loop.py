@@ -54,7 +54,6 @@ class Settings(NamedTuple):
     strength: float = 0.0
     exponent: int = 2
     tol: float = 0.0  # of projections [length]
-    exact: int = 0  # 1: onto S itself, 0: onto its linearisation
     midpoint: int = 0
 
 

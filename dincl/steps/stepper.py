@@ -12,7 +12,7 @@ from dincl.compiled.arrays import axes_of
 from dincl.compiled.calls import SETS
 from dincl.compiled.structs import StructPointer
 from dincl.constraints.selection import Selection
-from dincl.errors import StepFailure
+from dincl.errors import InvalidProblem, StepFailure
 from dincl.neighbours import ALL_PAIRS, FIRST_SKIN, WIDEST_SKIN
 from dincl.neighbours.lists import BUILDS, CANDIDATES, CORRECTIONS, COUNT, NO_ROOM, NUMBERS, OUTDATED, PairList
 from dincl.neighbours.search import neighbour_pairs
@@ -261,19 +261,25 @@ class CompiledStepper(Stepper):
     ) -> CompiledStepper:
         """Bind a scheme that takes one row after another; with ``multipliers`` each row has one.
 
-        The kernel ``of_any`` is taken for discs in scaled coordinates or a periodic box, where that is another one.
+        The kernel ``of_any`` serves discs with mobilities or in a periodic box, such as one made with
+        ``project_any_often``; without it InvalidProblem is raised for them.
         """
         swept = SweptSets(problem, multipliers=multipliers)
-        run = run if swept.plain or of_any is None else of_any
+        if not swept.plain:
+            if of_any is None:
+                raise InvalidProblem("scheme: its kernel serves discs without mobilities and without a box, see of_any")
+            run = of_any
         system = CompiledProblem.for_sweeps(problem, swept.selection)
         system.functions += swept.searches
         system.sets.updates += swept.updates
         return cls(problem, run, settings, system=system, swept=swept, v0=v0)
 
     @classmethod
-    def projecting(cls, problem: Problem, run: Any, projection: Projection, settings: Settings) -> CompiledStepper:
-        """Bind a scheme that projects onto S, or onto its linearisation, in each step."""
-        system = CompiledProblem.for_projections(problem, exact=settings.exact != 0)
+    def projecting(
+        cls, problem: Problem, run: Any, projection: Projection, settings: Settings, *, exact: bool
+    ) -> CompiledStepper:
+        """Bind a scheme that projects onto S (``exact``), or onto its linearisation, in each step."""
+        system = CompiledProblem.for_projections(problem, exact=exact)
         return cls(problem, run, settings._replace(tol=projection.tol), system=system)
 
     def start(self) -> StepState:

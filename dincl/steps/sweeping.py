@@ -363,7 +363,7 @@ def drift_at_start(run: Stepping, system: SystemArrays, t: float, x: Floats) -> 
     if run.repeats[0] != 0:
         run.repeats[0] = 0
         return OK
-    return int(evaluate(system.drift, system.sets.shift.shape[1], t, x, run.rate))
+    return int(evaluate(system, t, x, run.rate))
 
 
 def sweeps_of(sweep: Callable[..., int]) -> Callable[..., int]:

@@ -62,6 +62,8 @@ class Study:
         Columns that name a row of a run beside the key; none: rows of one run stand in the same order.
     prepare
         Called before the first run that is missing, such as to compute a reference that all runs share.
+    unit
+        Of the progress, where a key names a batch of runs.
 
     Raises
     ------
@@ -79,6 +81,7 @@ class Study:
     columns: Mapping[str, str] = field(default_factory=dict)
     by: tuple[str, ...] = ()
     prepare: Callable[[], object] | None = None
+    unit: str = "runs"
 
     def __post_init__(self) -> None:
         names: set[tuple[Any, ...]] = set()
@@ -185,7 +188,7 @@ class Study:
             last = time.monotonic()
             took = last - start
 
-        with progress(self.title, len(missing), "runs") as show:
+        with progress(self.title, len(missing), self.unit) as show:
 
             def keep(key: Key, rows: list[Row]) -> None:
                 self._check(key, rows, kinds)

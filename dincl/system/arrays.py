@@ -70,8 +70,9 @@ system_at = reader(SYSTEM)
 
 
 @inner
-def evaluate(drift: Drift, d: int, t: float, x: Floats, out: Floats) -> int:
-    """Compute F(t, x), finite: OK or DRIFT."""
+def evaluate(system: SystemArrays, t: float, x: Floats, out: Floats) -> int:
+    """Write F(t, x), finite, into ``out``: OK or DRIFT."""
+    drift, d = system.drift, system.sets.shift.shape[1]
     drift.calls[0] += 1
     time, length, speed, point = drift.unit[0] * t, drift.unit[1], drift.unit[2], x
     if length != 1.0:

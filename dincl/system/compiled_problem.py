@@ -13,8 +13,8 @@ from dincl.compiled.calls import SETS
 from dincl.compiled.structs import StructPointer
 from dincl.constants import LARGEST
 from dincl.constraints.moving import derivative
+from dincl.constraints.selection import gradient_lengths, select, transfer_multipliers
 from dincl.constraints.selection import rates as gap_rates
-from dincl.constraints.selection import row_lengths, select, transfer_multipliers
 from dincl.errors import StepFailure
 from dincl.norms import longest
 from dincl.rows.base import TableRows
@@ -138,7 +138,7 @@ class SetsPointer(PythonFunction):
         self._paths: dict[int, Any] = {f: partial(one.displacement, d=d) for f, one in moving.items()}
         self._general = {f: one for f, one in timed.items() if f not in moving}
         m = self._select(selection, called)
-        entries = entries_for(m * count * d)
+        entries = min(m * count * d, MOST_DENSE)
         if timed or m:
             super().__init__(self._answer, SETS)
         self.arrays = Sets(
@@ -270,7 +270,7 @@ class SetsPointer(PythonFunction):
             write_numbers(table, mine, in_units(part, unit.length))
             self._written[f] = t
         if rates:
-            found = gap_rates(one, self._blocks[f], t, x, *self._differences(t)) / row_lengths(rows, x)
+            found = gap_rates(one, self._blocks[f], t, x, *self._differences(t)) / gradient_lengths(rows, x)
             arrays.rate[mine] = found / unit.speed
 
     def _change(self, t: float, f: int, one: Constraint, x: Any) -> float:
@@ -332,11 +332,6 @@ def write_numbers(table: RowTable, rows: slice, part: TableRows) -> None:
     table.row["length"][rows] = part.numbers["length"]
     table.row["square"][rows] = part.numbers.get("square", 0.0)
     table.coefficient[table.start[rows.start] : table.stop[rows.stop - 1]] = part.coefficient
-
-
-def entries_for(dense: int) -> int:
-    """Return how many entries there is room for at first, of a Jacobian with so many when dense."""
-    return min(dense, MOST_DENSE)
 
 
 class CompiledProblem:
@@ -475,11 +470,6 @@ class CompiledProblem:
         self.sets.reselect(self.selection, called)
         self.arrays.near.number[0] = m
 
-    @property
-    def names(self) -> tuple[tuple[int, str], ...]:
-        """The index of the constraint of each row in the table, and the row in words."""
-        return self.selection.names
-
     def count(self, work: Work) -> None:
         """Add the work since the last call, and let the drift count its evaluations."""
         arrays, before = self.arrays, self._counted
@@ -532,8 +522,7 @@ class CompiledProblem:
         if not self._programs or (self._events and not contradicting):
             return failure
         from dincl.matrices import divided, from_rows
-        from dincl.projection.certificate import row_lengths as lengths_of
-        from dincl.projection.certificate import why_unsolved
+        from dincl.projection.certificate import row_lengths, why_unsolved
 
         rows, program, near = self.arrays.rows, self.arrays.program, self.arrays.near
         listed = near.row[: near.number[0]]
@@ -543,7 +532,7 @@ class CompiledProblem:
         place = np.concatenate([np.zeros(0, dtype=np.int64), *entries])
         indptr = np.cumsum([0, *map(len, entries)])
         matrix = from_rows(indptr, rows.column[place], program.gradient[place], program.y.size)
-        lengths, kind, sign = lengths_of(matrix), rows.row["kind"][listed], rows.row["sign"][listed]
+        lengths, kind, sign = row_lengths(matrix), rows.row["kind"][listed], rows.row["sign"][listed]
         missing = (program.bound[listed] - matrix @ program.y) / lengths
         # A point of a curved set obeys the linearisation of a container, but not that of an obstacle.
         binding = (kind == AFFINE) | ((kind == DISTANCE) & (sign < 0)) | (not self._exact)
@@ -584,5 +573,5 @@ def tabulate(
     coefficient = np.concatenate([np.zeros(0), *(numbers for _, _, numbers in parts)])
     rows = np.concatenate([np.zeros(0, dtype=ROW), *(row for row, _, _ in parts)])
     loose = bool(called) and not dense
-    more, tail = (entries_for(before * n), len(column)) if loose else (0, -1)
+    more, tail = (min(before * n, MOST_DENSE), len(column)) if loose else (0, -1)
     return row_table(rows, np.cumsum(entries), column, coefficient, tail=tail, more=more), tuple(called)

@@ -41,9 +41,9 @@ MOST_VALUES = 5000
 # What is not smooth is cut at this part, or at one minus it: the part where the function turns most is the shorter one.
 # No cut is at a time that people choose, for a break that lies on a cut is in neither part.
 CUT = 0.3819660112501051
-# A run of at least so many equal steps looks at sets at the time of one step in so many, but at most so many times,
-# besides output times.
-FEWEST_STEPS, STEPS_OF_A_LOOK, MOST_LOOKS = 200, 8, 50_000
+# A run of at least so many equal steps looks at sets before it begins, which costs as much as ten steps that call them:
+# at the time of each step or, from so many on, of one in so many, but at most so many times, besides output times.
+FEWEST_STEPS, MANY_STEPS, STEPS_OF_A_LOOK, MOST_LOOKS = 40, 200, 8, 50_000
 # A look is taken at so many times besides, at more of what depends on time; at output times; and beside each of at most
 # so many of them, at these parts of the time to the next one. A drift that has the same value at x0 at all of the first
 # ones does not depend on time.
@@ -162,9 +162,9 @@ def time_scales(
 def smooth_pieces(problem: Problem, grids: Sequence[TimeGrid], times: NDArray[np.float64]) -> dict[int, list[Interval]]:
     """Find the ``smooth`` pieces of ``TimeScales`` for a run of equal steps.
 
-    Grids end at breaks. Sets are looked at at these output times and at the time of every eighth step, but at most at
-    MOST_LOOKS, and refused where they would be in a step. A function is called less often than there are steps, and no
-    more than MOST_VALUES times besides, and 18 times for each break.
+    Grids end at breaks. Sets are looked at at these output times and at the time of each step, of every eighth one in
+    long runs, but at most at MOST_LOOKS, and refused where they would be in a step. A function is called once more for
+    two steps, at most MOST_VALUES times, and 18 times for each break.
     """
     found: dict[int, list[Interval]] = {}
     if not any(one.timed for one in problem.constraints):
@@ -172,7 +172,7 @@ def smooth_pieces(problem: Problem, grids: Sequence[TimeGrid], times: NDArray[np
     steps, named = sum(grid.steps for grid in grids), [grid.time(grid.steps) for grid in grids[:-1]]
     if steps < max(FEWEST_STEPS, 4 * len(NODES) * len(named)):
         return found
-    number = min(max(LOOKS, steps // STEPS_OF_A_LOOK), MOST_LOOKS)
+    number = steps if steps < MANY_STEPS else min(max(LOOKS, steps // STEPS_OF_A_LOOK), MOST_LOOKS)
     each = [np.linspace(0, one.steps, max(2, number * one.steps // steps)).round() for one in grids]
     of_steps = [one.origin + k * (one.t_end / one.steps) for one, k in zip(grids, each, strict=True)]
     looks = np.union1d(np.concatenate(of_steps), times)

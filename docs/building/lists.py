@@ -39,6 +39,8 @@ of the start.""",
     "sensitivity": """`tissue.sensitivity`, `sensitivity.csv`. Of a fit, `sample.csv` has a column for each parameter,
 and `design.parquet` those of `runs` and `summary` that the data have, with `batch`, `point` and the shares of EMT cells
 `basal_{t}h`, `apical_{t}h` and `below_{t}h`.""",
+    "simplify": "`simplify.parquet` of `tissue simplify`: one row for each model, scenario and run.",
+    "answer": "`Simplified.table`, `answer.csv` of `tissue simplify`: one row for each simplification.",
 }
 
 

@@ -1,6 +1,7 @@
 """Mobilities, equalities, periodic boxes and walls for some particles: exact solutions, formulas, what is invariant."""
 
 import warnings
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -8,6 +9,9 @@ import pytest
 
 import dincl
 from dincl.drifts import constant, swirl
+from dincl.steps.loop import Settings
+from dincl.steps.stepper import CompiledStepper
+from dincl.steps.sweeping import run_pbd
 
 FIXED_STEP = {
     "PBD": (dincl.PBD, 1),
@@ -315,6 +319,23 @@ def test_second_order_pbd_takes_velocities_of_the_user():
     problem = dincl.Problem([[0.0, 1.0], [5.0, 1.0]], constant((0.0, -2.0)), mobility=[0.25, 0.0])
     path = dincl.solve(problem, dincl.SecondOrderPBD(1e-3, v0=[[1.0, 2.0], [3.0, 3.0]]), [1.0])
     assert np.abs(path.final - [[1.0, 1.0 + 2.0 - 0.25], [5.0, 1.0]]).max() < 1e-3
+
+
+@dataclass(frozen=True)
+class OfPlainDiscs(dincl.FixedStep):
+    """A scheme of a user, whose kernel reads neither mobilities nor a box."""
+
+    def stepper(self, problem):
+        return CompiledStepper.sweeping(problem, run_pbd, Settings())
+
+
+@pytest.mark.parametrize("more", [{"mobility": [1.0, 0.5]}, {"box": (9.0, None)}])
+def test_a_kernel_of_plain_discs_is_refused(more):
+    x0, sets = np.array([[0.0, 1.0], [3.0, 1.0]]), [dincl.NonOverlap(0.5), dincl.HalfSpace((0, 1))]
+    plain = dincl.Problem(x0, swirl((0.0, 0.0), 1.0), sets)
+    assert np.array_equal(*(dincl.solve(plain, one, [1.0]).x for one in (OfPlainDiscs(0.1), dincl.PBD(0.1))))
+    with pytest.raises(dincl.InvalidProblem, match="of_any"):
+        dincl.solve(dincl.Problem(x0, plain.drift, sets, **more), OfPlainDiscs(0.1), [1.0])
 
 
 @pytest.mark.parametrize(

@@ -122,10 +122,12 @@ def test_a_function_of_time_is_called_less_often_than_there_are_steps(scheme):
         (lambda t: np.sqrt(max(t, 0.0)), [0.2, 0.81], dincl.AdaptiveCatchUp(1e-3), 2800),
         (lambda t: np.sqrt(max(-t, 0.0)), [0.2, 0.81], dincl.AdaptiveCatchUp(1e-3), 2800),
         # A set that Python evaluates is compared once with where it was, at each of the times of a step.
-        (lambda t: t, [0.5], dincl.MidpointCatchUp(1 / 50, dincl.ActiveSet(1e-10)), 500),
-        (lambda t: t, [0.5], dincl.LinearisedCatchUp(1 / 50, dincl.ActiveSet(1e-10)), 200),
+        (lambda t: t, [0.5], dincl.MidpointCatchUp(1 / 36, dincl.ActiveSet(1e-10)), 360),
+        (lambda t: t, [0.5], dincl.LinearisedCatchUp(1 / 36, dincl.ActiveSet(1e-10)), 144),
+        # From 40 steps on it is looked at before the run.
+        (lambda t: t, [0.5], dincl.MidpointCatchUp(1 / 50, dincl.ActiveSet(1e-10)), 120),
     ],
-    ids=["kinks", "root", "root before", "midpoint", "linearised"],
+    ids=["kinks", "root", "root before", "midpoint", "linearised", "looked at before"],
 )
 def test_a_function_of_time_is_called_seldom(height, places, scheme, most):
     for place in places:

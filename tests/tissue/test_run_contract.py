@@ -157,8 +157,6 @@ def test_one_state_and_many_seeds():
     assert not np.array_equal(branches[1].final.cells.y[:30], branches[2].final.cells.y[:30])
     assert all(np.array_equal(branch.frames[0].cells.x, run.frames[4].cells.x) for branch in branches)
     assert same_end(branches[1], simulate(parameters, 4, branches[1].frames[2]))
-    later = [branch.frames[2] for branch in branches]
-    assert all(map(same_end, branches, simulate_many(parameters, [3, 4, 5], later)))
 
 
 def test_a_control_tissue_gets_its_emt_cells_in_the_middle_when_it_branches():
@@ -260,13 +258,3 @@ def test_only_states_of_runs_are_starts(tmp_path):
             simulate(parameters, start=start)
     with pytest.raises(InvalidProblem, match="no run has made"):
         bare.save(tmp_path / "bare.npz")
-
-
-def test_starts_of_many_runs_are_one_for_each_and_of_one_time():
-    parameters = parameters_of("thesis")
-    frames = simulate(parameters).frames
-    for starts in (frames[1:3], frames[1:2]):
-        with pytest.raises(
-            InvalidProblem, match=r"start = \d frames at t = .* h: must be 2, one for each seed, of one time"
-        ):
-            simulate_many(parameters, range(2), starts)

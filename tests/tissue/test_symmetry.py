@@ -62,9 +62,7 @@ def mirrored(tissue, closed=False):
     made = type(tissue.cells)(*(array[order].copy() for array in tissue.cells))
     for name in ALONG:
         getattr(made, name)[:] *= -1.0
-    made = _with_junctions(tissue, made, lambda i: n - 1 - i, closed)
-    made.emt.since_x[:] *= -1.0
-    return made
+    return _with_junctions(tissue, made, lambda i: n - 1 - i, closed)
 
 
 def turned(tissue, first, length):

@@ -136,7 +136,7 @@ def test_um_follow_the_soft_radius():
 
 def test_a_state_that_is_not_finite_has_no_rows(run):
     broken = run.final._replace(t=11.0, cells=run.final.cells._replace(y=np.full(len(run.final.cells.y), np.nan)))
-    failed = Run(run.parameters, 4, (*run.frames, broken), Status.NON_FINITE, "t = 11 h", run.stats, run.separation)
+    failed = Run(run.parameters, 4, (*run.frames, broken), Status.NON_FINITE, "t = 11 h", run.stats, "")
     pd.testing.assert_frame_equal(failed.table(), run.table())
     pd.testing.assert_frame_equal(failed.summary(), run.summary())
 

@@ -96,7 +96,7 @@ def test_a_type_like_control_cells_changes_no_bit():
 
 
 def test_what_the_start_has_of_each_type():
-    held, _ = started(MIXED, streams(2))
+    held = started(MIXED, streams(2))
     cells, n = held.cells, MIXED.tissue.cells
     kind = cells.kind[:n]
     assert np.bincount(kind).tolist() == [25, 0, 8, 9, 3]
@@ -111,7 +111,7 @@ def test_what_the_start_has_of_each_type():
     scattered = np.flatnonzero(quick)
     assert np.ptp(scattered) > len(scattered)
     longer = MIXED.changed({"types.stiff.initial_rest_length": "1 R_soft"})
-    rest = started(longer, streams(2))[0].cells.rest_bx[:n]
+    rest = started(longer, streams(2)).cells.rest_bx[:n]
     assert (rest == np.where(kind == NAMED, 1.0, MIXED.start_numbers().initial_rest_length)).all()
 
 
@@ -145,13 +145,13 @@ def test_what_a_type_is_drawn_is_its_own():
     timed = {"types.b.cells": 5, "types.b.a": "1 h to 9 h, 50 %", "types.b.divides": False, "types.b.inm": 0.5}
     one = SHORT.changed(timed)
     two = SHORT.changed({"types.a.cells": 4, "types.a.place": 0.1, "emt.cells": 3, "types.b.place": 0.8} | timed)
-    (first, _), (second, _) = started(one, streams(1)), started(two, streams(1))
+    first, second = started(one, streams(1)), started(two, streams(1))
     np.testing.assert_array_equal(
         first.emt.at, second.emt.at[:, second.cells.kind[:45][second.cells.emt[:45] >= 0] == 3]
     )
     moves = [held.cells.moves[:45][held.cells.kind[:45] == k] for held, k in ((first, 2), (second, 3))]
     np.testing.assert_array_equal(*moves)
-    other, _ = started(one, streams(2))
+    other = started(one, streams(2))
     assert not np.array_equal(first.emt.at, other.emt.at)
 
 
@@ -171,10 +171,10 @@ def test_tables_and_phases_know_the_types():
 
 def test_a_group_that_is_apart_is_spread_evenly():
     far = {"types.far.cells": 3, "types.far.place": "apart"}
-    held, _ = started(preset("published").changed(far), streams(1))
+    held = started(preset("published").changed(far), streams(1))
     assert np.flatnonzero(held.cells.kind[:45] == NAMED).tolist() == [7, 22, 37]
     after = preset("published").changed({"types.first.cells": 15, "types.first.place": 0} | far)
-    held, _ = started(after, streams(1))
+    held = started(after, streams(1))
     assert np.flatnonzero(held.cells.kind[:45] == NAMED + 1).tolist() == [19, 30, 40]
 
 

@@ -94,10 +94,10 @@ def test_what_others_draw_is_not_changed(own):
     times = {"emt.a": "1 h to 4 h, 50 %", "emt.squeeze": "1 h to 4 h, 50 %"}
     with_own = tissue.load(own).changed(times)
     without = PUBLISHED.changed({"emt.cells": 4, "emt.a": "1 h to 4 h, 50 %"})
-    (one, _), (two, _) = (started(given, streams(3)) for given in (with_own, without))
+    one, two = (started(given, streams(3)) for given in (with_own, without))
     np.testing.assert_array_equal(one.emt.at[row("a")], two.emt.at[row("a")])
     np.testing.assert_array_equal(one.cells.x, two.cells.x)
-    third, _ = started(with_own.changed({"emt.a": "never", "emt.s": "2 h"}), streams(3))
+    third = started(with_own.changed({"emt.a": "never", "emt.s": "2 h"}), streams(3))
     np.testing.assert_array_equal(one.emt.at[row("squeeze")], third.emt.at[row("squeeze")])
     assert not np.isinf(third.emt.at[row("squeeze")]).all()
 
@@ -186,7 +186,7 @@ def event(name, begin=nothing, **more):
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: event("c"), "EmtEvent c: must have another name or mark, C is amb"),
+        (lambda: event("c"), "EmtEvent c: must have another name, C is amb"),
         (lambda: event("Two words"), "name = 'Two words': must be lower-case"),
         (lambda: event("idle", None), "EmtEvent idle: must have a function begin, last, or both"),
         (lambda: event("a"), "EmtEvent a: must have another"),
@@ -395,6 +395,12 @@ def test_a_surface_holds_basal_points_against_a_force(when, moved):
         ({"own.ratio": 0.5}, "own.ratio = 0.5: must be a number without unit from 1 to inf, such as 0.2"),
         ({"own.ratio": "3 um"}, r'own.ratio = "3 um": must be a number without unit from 1'),
         ({"own.ratios": 2}, "own.ratios = 2: unknown key; the nearest known one is own.ratio$"),
+        (
+            {"types.sensing.own.ratio": 0.5},
+            "types.sensing.own.ratio = 0.5: must be a number without unit from 1",
+        ),
+        ({"types.sensing.own.speed": "2 h"}, r'types.sensing.own.speed = "2 h": must be a speed from -1 to 1000 um/h'),
+        ({"types.sensing.own.ratios": 2}, "types.sensing.own.ratios = 2: unknown key; .* is types.sensing.own.ratio$"),
         ({"forces.wall": -1}, "forces.wall = -1: must be a number >= 0, without unit"),
         ({"forces.wall": "1 um"}, "forces.wall = '1 um': must be a number >= 0, without unit"),
         ({"forces.walls": 1}, "forces.walls = 1: unknown key; the nearest known one is forces.wall$"),
@@ -416,7 +422,11 @@ def test_parameters_are_keys_of_files_and_studies(tmp_path):
     text = STUDY.replace("mine", "again").replace("emt.squeeze", "own.ratio").replace('"1 h to 4 h"', "4")
     (tmp_path / "study.toml").write_text(text.replace('own.ratio = "never"', ""), "utf-8")
     found = load_study(tmp_path / "study.toml").scenarios
-    assert [one.own.value("ratio") for one in found.values()] == [4.0, 2.5]
+    assert [one.own.values()["ratio"] for one in found.values()] == [4.0, 2.5]
+    of_type = given.changed({"types.sensing.own.uptake": "3 nM/h"})
+    assert (of_type.numbers().own, of_type.named_numbers()[0].own[:4]) == (given.numbers().own, (3.0, 5.0, 180.0, 2.5))
+    (tmp_path / "typed.toml").write_text(of_type.as_toml(), "utf-8")
+    assert tissue.load(tmp_path / "typed.toml") == of_type != given
 
 
 @pytest.mark.usefixtures("variables")

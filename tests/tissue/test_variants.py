@@ -31,7 +31,7 @@ def started(parameters, **changes):
     """Cells as they start, without discs to part."""
     start = parameters.start_numbers()._replace(**changes)
     numbers = parameters.numbers()._replace(hard_radius=0.0, enlarged_radius=0.0)
-    return contents(first_state(start, numbers, np.random.default_rng(7))[0])
+    return contents(first_state(start, numbers, np.random.default_rng(7)))
 
 
 def in_all_phases(parameters):
@@ -249,8 +249,8 @@ CHANGES = {
     ),
     "events.at_depth": ("stays", {"[[]P] way at depth": 0}),
 }
-# Keys that no step depends on, and those with tests of their own: the other solver, times of events, [AC], divisions.
-WHOLE = ("emt", "daha", "layer", "own", "space", "types")
+# Keys that no step depends on, and those with tests of their own: times of events, [AC], divisions.
+WHOLE = ("emt", "layer", "own", "space", "types")
 ASIDE = (
     "tissue.dimension",
     "cell.soft_radius",

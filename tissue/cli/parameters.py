@@ -16,7 +16,7 @@ from tissue.files.parameter_files import FOLDER, PRESETS, flat, general, merged,
 if TYPE_CHECKING:
     from tissue.files.keys import KeyFacts
 
-SECTIONS = "own, tissue, cell, numerics, rules, division, start, emt, events, forces, daha, layer, space, types"
+SECTIONS = "own, tissue, cell, numerics, rules, division, start, emt, events, forces, layer, space, types"
 Name = Annotated[
     str | None, typer.Argument(metavar="KEY", help=f"A key such as numerics.mu, or a section: {SECTIONS}.")
 ]

@@ -13,7 +13,7 @@ from dincl.study import progress
 from tissue.cli.messages import messages, table
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     import pandas as pd
 
@@ -171,15 +171,18 @@ def _write_csv(results: Results) -> Iterator[Path]:
     from tissue.study.answers import answer_table, scenario_changes, scenario_means
 
     stored = list(results.summary().query("runs > 0")["scenario"])
-    runs = [results.runs(name).assign(scenario=name) for name in stored]
-    series = [results.series(name).assign(scenario=name) for name in stored]
+
+    def joined(read: Callable[[str], pd.DataFrame]) -> pd.DataFrame:
+        parts = [read(name).assign(scenario=name) for name in stored]
+        return pd.concat(parts, ignore_index=True) if parts else pd.DataFrame()
+
     tables = {
         "answers": answer_table(results),
         "means": scenario_means(results),
         "parameters": scenario_changes(results).replace("nan", ""),
-        "runs": pd.concat(runs, ignore_index=True) if runs else pd.DataFrame(),
-        "cells": results.to_frame() if stored else pd.DataFrame(),
-        "series": pd.concat(series, ignore_index=True) if series else pd.DataFrame(),
+        "runs": joined(results.runs),
+        "cells": joined(results.cells),
+        "series": joined(results.series),
     }
     for name, rows in tables.items():
         if len(rows):
@@ -200,15 +203,18 @@ def simplify(
     """Find the simplest model that answers a question of a study as the full one does, within a tolerance.
 
     Fewer substeps, no noise, fewer cells and others run beside the full model with the same seeds; equivalence tests
-    decide. Writes answer.csv. After any interruption the same command goes on.
+    decide. Writes answer.csv, and columns.csv, which says what columns mean. After any interruption the same command
+    goes on.
     """
     from dincl.study.table import write_csv
+    from tissue.runs.columns import TABLES, dictionary
     from tissue.study.simplify import simplify as find
 
     folder = out or Path("results") / f"simplify_{Path(file).stem}"
     with messages(resumes=True):
         found = find(file, tolerance, outcome=outcome, scenarios=scenario or (), at=at, runs=runs, out=folder)
         write_csv(found.table, folder / "answer.csv")
+        write_csv(dictionary({"simplify": TABLES["simplify"], "answer": found.table}), folder / "columns.csv")
     heads = ("model", "verdict", "difference", "work", "runs")
     rows = (
         (
@@ -226,4 +232,4 @@ def simplify(
         print(f"Enough: {', '.join(found.answer)}. A run takes {found.saving:.1f} times less work.")
     else:
         print("No simplification is shown to be enough: take the full model.")
-    print(f"{folder}: answer.csv")
+    print(f"{folder}: answer.csv, columns.csv")

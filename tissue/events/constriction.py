@@ -34,7 +34,6 @@ def begin(state: TissueState, i: int, bit: int, numbers: Numbers) -> None:
 
 EVENT = EmtEvent(
     name="ac",
-    mark="AC",
     meaning="apical constriction: the cells that constrict together leave the apical layer as a chain of their own",
     source="the public TypeScript program",
     begin=begin,

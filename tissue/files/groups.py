@@ -127,13 +127,19 @@ def _chosen(crowd: Crowd, group: CellGroup, places: Generator, lattice: Lattice 
     return np.sort(listed[crowd.kind[listed] == CONTROL][:m])
 
 
-def too_late(groups: Iterable[CellGroup], end: float) -> list[str]:
-    """Return a sentence for each event that no run begins, as it ends before [h]."""
+def never_begun(groups: Iterable[CellGroup], end: float) -> list[str]:
+    """Return a sentence for each event that no run begins: it ends before [h], or [emt] has no cells.
+
+    Named types may have none at the start: events make cells of them.
+    """
     found: dict[str, None] = {}
-    for group in (one for one in groups if one.cells):
+    for group in groups:
         for event in events():
-            time = group.times.get(event.name, Timing())
-            if time.ever and end < time.low:
-                why = f'{group.section}.{event.name} = "{time}", and numerics.t_end = "{end:g} h"'
-                found[f"[{event.mark}] never begins: {why}"] = None
+            time, why = group.times.get(event.name, Timing()), ""
+            if group.cells and end < time.low:
+                why = f'numerics.t_end = "{end:g} h"'
+            elif not group.cells and group.section == "emt":
+                why = "emt.cells = 0"
+            if time.ever and why:
+                found[f'[{event.mark}] never begins: {group.section}.{event.name} = "{time}", and {why}'] = None
     return list(found)

@@ -77,7 +77,7 @@ def _keys_of(name: str, section: type[BaseModel]) -> Iterator[KeyFacts]:
     """Give the keys of a section: its fields, and those that have the names of events or forces."""
     if section is Types:
         name, section = f"types.{TYPE}", CellType
-    for key, field in section.model_fields.items():
+    for key, field in ((key, field) for key, field in section.model_fields.items() if key != "own"):
         own = OWN_KEYS.get(key) if section is CellType else None
         default = NOTHING if field.is_required() else f"that of {own}.{key}" if own else field.default
         about: Any = field.description, field.title or "", field.json_schema_extra
@@ -85,10 +85,10 @@ def _keys_of(name: str, section: type[BaseModel]) -> Iterator[KeyFacts]:
     for event in events() if issubclass(section, EmtGroup) else ():
         symbol = f"T^{event.mark}" if event.name in OF_THESIS else ""
         yield _facts(f"{name}.{event.name}", event.meaning, symbol, event.source, NEVER, *get_args(q.Begin))
-    for one in registered(Parameter) if section is Own else ():
-        yield KeyFacts(
-            f"{name}.{one.name}", one.meaning, "", one.source, one.unit or "number", one.allowed, one.default
-        )
+    where, of_all = (f"{name}.own", "that of own.") if section is CellType else (name, "")
+    for one in registered(Parameter) if section in (Own, CellType) else ():
+        default = f"{of_all}{one.name}" if of_all else one.default
+        yield KeyFacts(f"{where}.{one.name}", one.meaning, "", one.source, one.unit or "number", one.allowed, default)
     for force in registered(Force) if section is Forces else ():
         yield _facts(f"{name}.{force.name}", force.meaning, "", force.source, 0, *get_args(q.NonNegative))
 

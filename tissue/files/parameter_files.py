@@ -91,7 +91,7 @@ def written(tables: Mapping[str, Mapping[str, Any]], comments: Mapping[str, str]
 def _leaves(tables: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Mapping[str, Any]]]:
     """Give the tables that have values, under their whole names."""
     for name, table in tables.items():
-        if any(isinstance(value, Mapping) for value in table.values()):
-            yield from _leaves(table, f"{above}{name}.")
-        else:
-            yield f"{above}{name}", table
+        inside = {key: value for key, value in table.items() if isinstance(value, Mapping)}
+        if len(inside) < len(table) or not table:
+            yield f"{above}{name}", {key: value for key, value in table.items() if key not in inside}
+        yield from _leaves(inside, f"{above}{name}.")

@@ -27,8 +27,8 @@ from tissue.network.lattice import Lattice, ball_lattice, flat_lattice, round_la
 from tissue.plugins import DivisionRule
 from tissue.state.basal_curve import LINE, BasalCurve
 from tissue.state.cells import PARAMETERS
-from tissue.state.numbers import Daha, Numbers, StartNumbers, UserNumbers
-from tissue.state.space import MEAN, PRESENT, SPATIAL
+from tissue.state.numbers import Numbers, StartNumbers, UserNumbers
+from tissue.state.space import SPATIAL
 
 # The choices that are yes or no for kernels: the key, and its value that is yes.
 CHOICES = {
@@ -62,7 +62,6 @@ class Parameters(BaseModel):
     emt: sections.EmtGroup
     events: sections.Events
     forces: sections.Forces = sections.Forces.model_validate({})
-    daha: sections.Daha
     layer: sections.Layer = sections.Layer()
     space: sections.Space = sections.Space()
     types: sections.Types = sections.Types.model_validate({})
@@ -126,12 +125,12 @@ class Parameters(BaseModel):
 
     def named_numbers(self) -> tuple[Numbers, ...]:
         """Return the numbers of the cells of each named type, in the order of [types]."""
-        return tuple(self.numbers_of(*self.of_type(one)) for one in self.types.named().values())
+        return tuple(self.numbers_of(*self.of_type(one), one.own) for one in self.types.named().values())
 
     def of_type(self, one: sections.TypeKeys) -> tuple[sections.Tissue, sections.Cell]:
         """Return [tissue] and [cell] with what a type has of its own."""
         own: dict[str, dict[str, Any]] = {"tissue": {}, "cell": {}}
-        for name, value in one.own().items():
+        for name, value in one.changes().items():
             own[sections.OWN_KEYS[name]][name] = value
         return self.tissue.model_copy(update=own["tissue"]), self.cell.model_copy(update=own["cell"])
 
@@ -140,12 +139,13 @@ class Parameters(BaseModel):
         unit, values = self.cell.soft_radius, (pair for section in of for pair in section)
         return {name: value.over(unit) if isinstance(value, Quantity) else value for name, value in values}
 
-    def numbers_of(self, tissue: sections.Tissue, cell: sections.Cell) -> Numbers:
-        """Fill the numbers by name from all sections, of which these two may be those of a type."""
+    def numbers_of(self, tissue: sections.Tissue, cell: sections.Cell, own: sections.UserKeys | None = None) -> Numbers:
+        """Fill the numbers by name from all sections, of which these may be those of a type."""
         found = self._plain(tissue, cell, self.numerics, self.rules, self.division, self.events)
         found |= {name: found[key] == yes for name, (key, yes) in CHOICES.items()}
         found |= {"variance": 2 * found["diffusion"], "repulsion": self.rules.repulsion_factor * cell.alpha_xx}
-        found["own"] = UserNumbers(*self._plain([(name, self.own.value(name)) for name in PARAMETERS]).values())
+        of_users = self.own.values() | (own.given() if own else {})
+        found["own"] = UserNumbers(*self._plain([(name, of_users[name]) for name in PARAMETERS]).values())
         return Numbers(**{name: found[name] for name in Numbers._fields})
 
     def start_numbers(self) -> StartNumbers:
@@ -157,10 +157,6 @@ class Parameters(BaseModel):
         low, high = self.start.nuclei_height
         found |= {"nuclei_low": low * found["height"], "nuclei_high": high * found["height"]}
         return StartNumbers(**{name: found[name] for name in StartNumbers._fields})
-
-    def daha_numbers(self) -> Daha:
-        """Return the parameters of the solver of the quasi-steady model."""
-        return Daha(**dict(self.daha))
 
     def division_rule(self) -> DivisionRule:
         """Return the rule of what becomes of a cell at the end of its cycle."""
@@ -184,13 +180,11 @@ class Parameters(BaseModel):
             return round_lattice(cells, self.rows(), around, inside=inside, periodic=periodic)
         return flat_lattice(cells, self.rows(), found["basal_spacing"], periodic=periodic)
 
-    def joining(self) -> tuple[float, int]:
-        """Return the longest edge at a free boundary of a tissue in space [R_soft], inf without one; and the rule of
-        the rest length of new neighbours.
-        """
+    def longest_edge(self) -> float:
+        """Return the longest edge at a free boundary of a tissue in space [R_soft]; inf without one."""
         longest = max(LEAST_EDGE, EDGE * self._plain(self.tissue)["max_basal_distance"])
         free = self.space.boundary == "open" and self.layer.shape != "sphere"
-        return longest if free else math.inf, MEAN if self.space.new_rest == "mean" else PRESENT
+        return longest if free else math.inf
 
     def groups(self) -> tuple[CellGroup, ...]:
         """Return the groups that are no control cells: that of [emt], then each named type."""

@@ -36,7 +36,7 @@ from tissue.plugins import Force, registered
 from tissue.state.basal_curve import LINE, BasalCurve, ellipse, through
 from tissue.state.cells import PARAMETERS
 
-T1, T2, T3, T4, T5 = (f"Table {k} of chapter 3" for k in range(1, 6))
+T1, T2, T3, T5 = (f"Table {k} of chapter 3" for k in (1, 2, 3, 5))
 CURVED = "chapter 3 names curved layers as further work"
 DEEP = "chapter 3 names three dimensions as further work"
 TYPESCRIPT = "the public TypeScript program"
@@ -125,8 +125,8 @@ Place = Annotated[
 ]
 
 
-class Own(Section):
-    """[own]: what is not in this package: files of users, and by their names the parameters that these register."""
+class UserKeys(Section):
+    """Parameters that files of users register, by their names."""
 
     model_config = ConfigDict(extra="allow")
     __pydantic_extra__: dict[
@@ -134,14 +134,8 @@ class Own(Section):
         Annotated[Any, PlainSerializer(lambda value: str(value) if isinstance(value, Quantity) else value)],
     ]
 
-    modules: Modules = key(
-        "files, relative to this one, that register events, forces, observables or rules of divisions",
-        "docs/tutorials/own_event.md",
-        default=[],
-    )
-
     @model_validator(mode="after")
-    def _values(self) -> Own:
+    def _values(self) -> UserKeys:
         for name, raw in self.__pydantic_extra__.items():
             with suppress(ValueError):
                 self.__pydantic_extra__[name] = raw if isinstance(raw, Quantity) else PARAMETERS[name].read(raw)
@@ -149,10 +143,23 @@ class Own(Section):
             raise wrong(name, raw, PARAMETERS[name].allowed)
         return self
 
-    def value(self, name: str) -> Quantity | float:
-        """Return the value of a parameter of users, its default if none is given."""
-        given: Any = self.__pydantic_extra__.get(name)
-        return PARAMETERS[name].read(PARAMETERS[name].default) if given is None else given
+    def given(self) -> dict[str, Any]:
+        """Return the values that are given, by name."""
+        return dict(self.__pydantic_extra__)
+
+
+class Own(UserKeys):
+    """[own]: what is not in this package: files of users, and by their names the parameters that these register."""
+
+    modules: Modules = key(
+        "files, relative to this one, that register events, forces, observables or rules of divisions",
+        "docs/tutorials/own_event.md",
+        default=[],
+    )
+
+    def values(self) -> dict[str, Any]:
+        """Return the values of all parameters of users, the default of one that is not given."""
+        return {name: one.read(one.default) for name, one in PARAMETERS.items()} | self.given()
 
 
 class Tissue(Section):
@@ -312,7 +319,7 @@ class Start(Section):
 class EmtGroup(Section):
     """[emt]: the group of cells in the middle of the tissue that undergoes EMT (section 2.3 of chapter 4).
 
-    Besides those below each event of ``tissue.events.known.events`` is a key; where it is not given, it never begins.
+    Each event that a file of own.modules registers is a key, too. An event that is not given never begins.
 
     An event fires in the step dt that ends at its time, or in which its time lies: it acts from the beginning of this
     step, so up to dt before its time.
@@ -375,8 +382,9 @@ class TypeKeys(EmtGroup):
         "section 2.2.5 of chapter 3",
         default=True,
     )
+    own: UserKeys | None = key("parameters of users, in place of those of [own]", default=None)
 
-    def own(self) -> dict[str, Any]:
+    def changes(self) -> dict[str, Any]:
         """Return the values that the type gives itself, by keys of OWN_KEYS."""
         return {name: value for name in OWN_KEYS if (value := getattr(self, name)) is not None}
 
@@ -469,18 +477,6 @@ class Forces(Section):
         return tuple((known[name], strength) for name, strength in sorted(self) if strength > 0)
 
 
-class Daha(Section):
-    """[daha]: the damped Arrow-Hurwicz method of the quasi-steady model."""
-
-    alpha: q.Positive = key("weight of the energy and of the multipliers", f"{T4}, (3.25)", "alpha")
-    beta: q.Positive = key("rate of the multipliers", f"{T4}, Method 3.4", "beta")
-    gamma: q.NonNegative = key("weight of the term against oscillations", f"{T4}, (3.25)", "gamma")
-    c: q.Positive = key("damping", f"{T4}, (3.25)", "c")
-    dtau: q.Positive = key("step", f"{T4}, (3.25)", "Delta tau")
-    eps: q.Positive = key("relative move at which the iteration ends", f"{T4}, (3.24)", "epsilon")
-    most_iterations: Annotated[int, q.count(1_000_000_000)] = key("iterations after which it gives up")
-
-
 class Layer(Section):
     """[layer]: the basal layer, a line in the thesis."""
 
@@ -545,9 +541,4 @@ class Space(Section):
         "what is beyond the ends of a plane or of a cylinder: the tissue again, or nothing",
         DEEP,
         default="periodic",
-    )
-    new_rest: Literal["mean", "distance"] = key(
-        "rest length of the junction of new neighbours: the mean of the junctions that both have, or their distance",
-        DEEP,
-        default="mean",
     )

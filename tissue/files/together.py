@@ -43,9 +43,12 @@ def check(parameters: Parameters) -> None:
     """Check all that concerns more than one section."""
     tissue, layer, unit = parameters.tissue, parameters.layer, parameters.cell.soft_radius
     named = parameters.types.named()
-    for parameter in PARAMETERS.values():
-        if not parameter.fits(value := parameters.own.value(parameter.name), unit.value):
-            raise wrong(f"own.{parameter.name}", value, parameter.allowed)
+    of_users = {"own": parameters.own.values()}
+    of_users |= {f"types.{name}.own": one.own.given() for name, one in named.items() if one.own}
+    for where, values in of_users.items():
+        for name, value in values.items():
+            if not PARAMETERS[name].fits(value, unit.value):
+                raise wrong(f"{where}.{name}", value, PARAMETERS[name].allowed)
     shapes = SHAPES[tissue.dimension]
     if layer.shape not in shapes:
         raise wrong("layer.shape", layer.shape, f"{' or '.join(map(show, shapes))} {IN[tissue.dimension]}")
@@ -158,9 +161,9 @@ def _check_space(parameters: Parameters) -> None:
     if parameters.division.rule != BESIDE.name:
         raise wrong("division.rule", parameters.division.rule, f"{show(BESIDE.name)} {IN[3]}")
     for name, one in parameters.types.named().items():
-        for key in one.own().keys() & set(PAIR_KEYS):
+        for key in one.changes().keys() & set(PAIR_KEYS):
             all_cells = f"{OWN_KEYS[key]}.{key}"
-            raise wrong(f"types.{name}.{key}", one.own()[key], f"left to {all_cells} {IN[3]}")
+            raise wrong(f"types.{name}.{key}", one.changes()[key], f"left to {all_cells} {IN[3]}")
 
 
 def _check_rows(parameters: Parameters) -> None:

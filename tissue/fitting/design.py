@@ -46,8 +46,8 @@ def design(fit: Fit) -> Study:
         **own_code(),
     }
     keys = tuple({"batch": number} for number in range(batches))
-    title = f"{fit.title}, eight runs at once"
-    return Study(NAME, title, ("batch",), keys, partial(_rows, fit), settings, by=("point", "replicate"))
+    run, by, unit = partial(_rows, fit), ("point", "replicate"), "batches"
+    return Study(NAME, fit.title, ("batch",), keys, run, settings, by=by, unit=unit)
 
 
 def _rows(fit: Fit, key: Key) -> list[Row]:

@@ -76,6 +76,14 @@ class Range:
         value = float(f"{self.value(part):.12g}")
         return round(value) if self.whole else f"{value:.12g} {self.unit}" if self.unit else value
 
+    def of_runs(self, part: Floats) -> Floats:
+        """Return the parts of the range that runs have: where it counts something, those of whole numbers."""
+        if not self.whole:
+            return part
+        low, high = self.low, self.high
+        value: Floats = np.round(self.value(part))
+        return np.log(value / low) / np.log(high / low) if self.log else (value - low) / (high - low)
+
     @property
     def label(self) -> str:
         """Key and unit, for axes and tables."""
@@ -139,7 +147,7 @@ def load_fit(path: str | PathLike[str], *, values: bool = True) -> Fit:
     file = checked(FitFile, read(found), str(found))
     try:
         base = based_on(file.base, found.parent)
-        base = base.changed(flat(placed(dict(file.overrides), found.parent, base.own.modules)))
+        base = base.changed(_overrides(placed(dict(file.overrides), found.parent, base.own.modules)))
         data = _read_data(found.parent / file.data, values)
         times = [f"{t:.12g} h" for t in sorted({float(t) for t in data["time_h"]} - {0.0})]
         base = base.changed({"numerics.t_end": times[-1], "numerics.keep": times})
@@ -150,6 +158,16 @@ def load_fit(path: str | PathLike[str], *, values: bool = True) -> Fit:
     except InvalidProblem as error:
         raise InvalidProblem(f"{found}: {str(error).removeprefix('changed parameters: ')}") from None
     return fit
+
+
+def _overrides(tables: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what changes in the base; raises InvalidProblem for times, which the data say."""
+    values = flat(tables)
+    for key in ("numerics.t_end", "numerics.keep"):
+        if key in values:
+            must = "must be left out: runs end at the last time of the data, and are measured at these times"
+            raise InvalidProblem(f"overrides.{key} = {describe(values[key])}: {must}")
+    return values
 
 
 def _check_corners(fit: Fit) -> None:

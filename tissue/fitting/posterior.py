@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.special import softmax
-from scipy.stats import chi2, qmc
+from scipy.stats import qmc
 
 from tissue.fitting.emulator import Emulator
 from tissue.state.cells import Floats
@@ -51,11 +51,6 @@ class Posterior(NamedTuple):
     def drawn(self, number: int, seed: int = 0) -> Floats:
         """Return points of equal weight, (number, d)."""
         return self.u[np.random.default_rng(seed).choice(len(self.u), number, p=self.weights)]
-
-    def p_value(self, outputs: int, identified: int) -> float:
-        """Return the probability of a misfit as large as the least one, if the model is right; NaN without freedom."""
-        freedom = outputs - identified
-        return float(chi2.sf(self.misfits.min(), freedom)) if freedom > 0 else float("nan")
 
 
 def posterior(emulator: Emulator, values: Floats, errors: Floats, tissues: int) -> Posterior:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.spatial import KDTree
+from scipy.stats import chi2
 
 from dincl.checks import path as checked_path
 from dincl.errors import InvalidProblem
@@ -115,7 +116,8 @@ class FitResults:
     @cached_property
     def points(self) -> Floats:
         """The parameters of the points, (points, d) in [-1, 1] of the ranges."""
-        return 2 * sobol_points(self.fit, self.fit.points) - 1
+        parts = zip(self.fit.ranges, sobol_points(self.fit, self.fit.points).T, strict=True)
+        return 2 * np.column_stack([one.of_runs(part) for one, part in parts]) - 1
 
     @cached_property
     def emulator(self) -> Emulator:
@@ -179,7 +181,8 @@ class FitResults:
         The square of the distance of data and model, over the covariance of both, has the distribution chi^2 then, with
         the number of data less that of identified parameters; NaN where that is not positive.
         """
-        return self.posterior.p_value(len(self.fit.data), int(self.intervals()["identified"].sum()))
+        freedom = len(self.fit.data) - int(self.intervals()["identified"].sum())
+        return float(chi2.sf(self.posterior.misfits.min(), freedom)) if freedom > 0 else float("nan")
 
     def sensitivity(self) -> pd.DataFrame:
         """Return a row for each output and parameter: the part of the variance of the mean of runs that the parameter

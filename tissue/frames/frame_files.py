@@ -23,14 +23,14 @@ from tissue.events.known import events
 from tissue.frames.frame import Frame
 from tissue.state.basal_curve import BasalCurve
 from tissue.state.cells import COORDINATES, DEPTHS, NAMED, VARIABLES, CellLayers, Cells, Emt
-from tissue.state.checkpoint import DRAWN, WORDS, Separation, TissueCheckpoint
+from tissue.state.checkpoint import DRAWN, WORDS, TissueCheckpoint
 from tissue.state.running import COUNTERS
 from tissue.state.space import Mesh, Sheets, wrong_mesh
 from tissue.state.surface import CYLINDER, PLANE, SPHERE, Surface
 
-VERSION = "tissue frame 6"
+VERSION = "tissue frame 7"
 # The classes that a frame is made of; none of another name is made of a file.
-PARTS = (Frame, Cells, CellLayers, Emt, BasalCurve, TissueCheckpoint, Separation, Sheets, Mesh, Surface)
+PARTS = (Frame, Cells, CellLayers, Emt, BasalCurve, TissueCheckpoint, Sheets, Mesh, Surface)
 # What archives and arrays raise that are damaged, or are none.
 UNREADABLE = (
     *(OSError, EOFError, ValueError, LookupError, TypeError, SyntaxError, RuntimeError, MemoryError, AttributeError),

@@ -11,15 +11,14 @@ from numpy.random import Generator
 
 from dincl.compiled import inner
 from tissue.kernels import kernel
+from tissue.kernels.layers import chained_behind
 from tissue.kernels.rules import Rules, call_split, call_splits
 from tissue.model.emt import last_events
 from tissue.model.springs import apical_length, basal_length, cell_length
-from tissue.rules.sheet import shrink_edges
-from tissue.rules.slice import shrink_junctions
 from tissue.state.cells import Cells
 from tissue.state.numbers import Numbers, numbers_of
-from tissue.state.running import CELLS, TissueState
-from tissue.state.space import SPATIAL
+from tissue.state.running import APICAL, CELLS, TissueState
+from tissue.state.space import EDGES, SPATIAL
 
 
 @inner
@@ -103,6 +102,47 @@ def adapt_rest_lengths(state: TissueState, t: float, numbers: Numbers, rules: Ru
         cells.rest_bx[i] = wanted_bx + (rest_bx - wanted_bx) * keep_bx
         if cells.events[i]:
             last_events(state, i, rest_ax, rest_bx, own, rules)
+
+
+@inner
+def shrink_junctions(state: TissueState, numbers: Numbers) -> None:
+    """Relax each rest length towards 0 over one dt, eta <- eta exp(-k dt)  (3.6); k is the mean of both cells."""
+    cells, rate, kept, place = state.cells, 0.0, 1.0, 0
+    for i in range(state.sizes[CELLS]):
+        j, place = _joined_behind(state, i, place)
+        k = 0.5 * (numbers_of(numbers, cells.kind[i]).rate_aa + numbers_of(numbers, cells.kind[j]).rate_aa)
+        if k != rate:  # mostly the same: few exponentials for many junctions
+            rate, kept = k, math.exp(-k * numbers.dt)
+        cells.rest_aa[i] *= kept
+
+
+@inner
+def _joined_behind(state: TissueState, i: int, place: int) -> tuple[int, int]:
+    """Return the cell behind cell i that a junction joins to it, cell i itself if there is none, and the next place.
+
+    ``place``: the first one of the apical layer that is not before cell i.
+    """
+    layer, size = state.layers.apical, state.sizes[APICAL]
+    if place < size and layer[place] == i:
+        if place + 1 < size:
+            return layer[place + 1], place + 1
+        return layer[0] if state.curve.ring > 0.0 else i, place + 1
+    return max(i, chained_behind(state.cells, state.sizes[CELLS], i)), place
+
+
+@inner
+def shrink_edges(state: TissueState, numbers: Numbers) -> None:
+    """Relax each rest length towards 0 over one dt, eta <- eta exp(-k dt)  (3.6); k is the mean of both cells."""
+    network, kind = state.space.apical, state.cells.kind
+    rate, kept = 0.0, 1.0
+    for i in range(state.sizes[CELLS]):  # those of cells are not used, but are in tables
+        state.cells.rest_aa[i] *= math.exp(-numbers_of(numbers, kind[i]).rate_aa * numbers.dt)
+    for edge in range(network.sizes[EDGES]):
+        i, j = network.edges[edge, 0], network.edges[edge, 1]
+        own = 0.5 * (numbers_of(numbers, kind[i]).rate_aa + numbers_of(numbers, kind[j]).rate_aa)
+        if own != rate:  # mostly the same: few exponentials for many junctions
+            rate, kept = own, math.exp(-own * numbers.dt)
+        network.rest[edge] *= kept
 
 
 # Division (section 2.2.5 of chapter 3)

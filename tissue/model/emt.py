@@ -58,7 +58,6 @@ def inherit_events(state: TissueState, i: int) -> None:
     for event in range(emt.at.shape[0]):
         emt.at[event, number] = emt.at[event, k]
     emt.new[number] = emt.new[k]
-    emt.onset_ab[number], emt.side[number] = emt.onset_ab[k], emt.side[k]
-    emt.since[number], emt.since_x[number] = emt.since[k], emt.since_x[k]
+    emt.onset_ab[number], emt.side[number], emt.since[number] = emt.onset_ab[k], emt.side[k], emt.since[k]
     state.cells.emt[i] = number
     state.sizes[EMT_CELLS] += 1

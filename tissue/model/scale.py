@@ -207,7 +207,7 @@ def winding_around(state: TissueState, x: float, y: float) -> int:
 
 @inner
 def watch_sides(state: TissueState, t: float, kind: Kind) -> None:
-    """Keep since when and where each EMT cell is outside of the tissue."""
+    """Keep since when each EMT cell is outside of the tissue."""
     cells, emt = state.cells, state.emt
     if len(emt.side) == 0:
         return
@@ -217,4 +217,4 @@ def watch_sides(state: TissueState, t: float, kind: Kind) -> None:
         if k >= 0:
             side = side_of(state, i, low, kind)
             if side != emt.side[k]:
-                emt.side[k], emt.since[k], emt.since_x[k] = side, t, cells.x[i]
+                emt.side[k], emt.since[k] = side, t

@@ -12,10 +12,10 @@ import numpy as np
 
 from dincl.compiled import inner
 from dincl.errors import InvalidProblem
-from tissue.network.triangulation import distances, triangulate
+from tissue.network.triangulation import triangulate
 from tissue.state.cells import Floats, Integers
 from tissue.state.running import APICAL, BASAL, TissueState
-from tissue.state.space import EDGES, PRESENT, SUM, TRIANGLES, Network, in_use, no_network, write
+from tissue.state.space import EDGES, SUM, TRIANGLES, Network, in_use, no_network, write
 from tissue.state.surface import Surface, differences
 
 # Steps dt from one triangulation to the next: a quarter of an hour of the presets. In periodic sheets heights, y_AB and
@@ -42,15 +42,14 @@ def connected(surface: Surface, points: Floats, rest: float, longest: float, cap
 def renew(state: TissueState) -> None:
     """Make the networks of both layers Delaunay's triangulations of their points.
 
-    Junctions keep their rest lengths; see ``Space.new_rest`` for those of new neighbours. Raises InvalidProblem if
-    points of a layer have no triangulation, see ``triangulate``.
+    Junctions keep their rest lengths; that of new neighbours is the mean over the junctions that both have. Raises
+    InvalidProblem if points of a layer have no triangulation, see ``triangulate``.
     """
     space = state.space
     for network, (layer, points) in ((space.apical, apical_points(state)), (space.basal, basal_points(state))):
         edges, triangles = triangulate(space.surface, points, space.longest)
-        new = distances(space.surface, points, edges) if space.new_rest == PRESENT else None
         pairs = layer[edges]
-        write(network, pairs, _rest_lengths(network, pairs, new), layer[triangles])
+        write(network, pairs, _rest_lengths(network, pairs), layer[triangles])
 
 
 def apical_points(state: TissueState) -> tuple[Integers, Floats]:
@@ -74,20 +73,18 @@ def fresh_triangles(state: TissueState, layer: Integers, points: Floats, network
     return found
 
 
-def _rest_lengths(network: Network, pairs: Integers, new: Floats | None) -> Floats:
-    """Return the rest lengths of pairs (m, 2): what they have, else ``new`` or the mean over the junctions of both."""
-    edges, rest, _ = in_use(network)
+def _rest_lengths(network: Network, pairs: Integers) -> Floats:
+    """Return the rest lengths of pairs (m, 2): what they have, else the mean over the junctions of both."""
+    (edges, rest, _), room = in_use(network), network.capacity
     if not len(edges):
-        return np.zeros(len(pairs)) if new is None else new
-    if new is None:
-        room = network.capacity
-        total = np.bincount(edges.ravel(), np.repeat(rest, 2), room)[pairs].sum(axis=1)
-        new = total / np.maximum(np.bincount(edges.ravel(), minlength=room)[pairs].sum(axis=1), 1)
-    known, wanted = (edges[:, 0] * network.capacity + edges[:, 1], pairs[:, 0] * network.capacity + pairs[:, 1])
+        return np.zeros(len(pairs))
+    total = np.bincount(edges.ravel(), np.repeat(rest, 2), room)[pairs].sum(axis=1)
+    mean: Floats = total / np.maximum(np.bincount(edges.ravel(), minlength=room)[pairs].sum(axis=1), 1)
+    known, wanted = edges[:, 0] * room + edges[:, 1], pairs[:, 0] * room + pairs[:, 1]
     order = np.argsort(known)
     known = known[order]
     place = np.searchsorted(known, wanted).clip(max=len(known) - 1)
-    return np.where(known[place] == wanted, rest[order[place]], new)
+    return np.where(known[place] == wanted, rest[order[place]], mean)
 
 
 @inner

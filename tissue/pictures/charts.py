@@ -32,7 +32,7 @@ OUTCOMES: dict[What, tuple[str, LineStyle, str]] = {
     "apical": ("#3f7fc1", "--", "apical extrusion"),
     "below": ("#e0a100", "-.", "below all control cells"),
 }
-POSITION, TIME, RATIO = "$y_{AB}$", "time [h]", "ratio of EMT cells [%]"
+TIME, RATIO = "time [h]", "share of EMT cells [%]"
 CONTROLS = "control cells, apical extrusion"
 CAP: dict[str, Any] = {"capsize": 2.5, "elinewidth": 1.0, "capthick": 1.0}
 # Inches: of a column of panels at least, what stands around them, of a further line of titles, of a column of a legend.

@@ -1,4 +1,4 @@
-"""Figures of a study: answers, each with the groups that are compared; positions of EMT cells and ratios in time."""
+"""Figures of a study: answers, each with the groups that are compared; ratios of EMT cells in time."""
 
 from __future__ import annotations
 
@@ -12,21 +12,18 @@ from dincl.plotting import log_ticks
 from tissue.pictures.charts import (
     CAP,
     CHART_STYLE,
-    POSITION,
     RATIO,
     TIME,
     draw_time_series,
     grid,
     legend,
-    mark_events,
     page,
-    time_axis,
     time_series_entries,
     verbatim,
 )
-from tissue.pictures.sheet import GREY, Axes, Figure, Line2D, Patch, style
+from tissue.pictures.sheet import Axes, Figure, style
 from tissue.study.answers import outcome_name, scenario_means
-from tissue.study.categories import EXTREME, kept_times
+from tissue.study.categories import EXTREME
 
 if TYPE_CHECKING:
     from tissue.study.plan import Weights
@@ -38,9 +35,6 @@ FAR = 1e9  # past the edge of each axis
 MOST_PLAIN = 1e6  # ratio of the ends of an axis up to which its numbers are plain
 PLUS, MINUS, PLAIN = "#2c6fbb", "#8a8a8a", "#222222"
 HEIGHT = 1.8  # inches of a panel
-PERCENTILES = (5, 25, 50, 75, 95)
-BAND = "#4a4a4a"
-WIDEST, LEAST = (-2.0, 3.0), (-0.3, 1.3)  # of the scale, shown at most and at least
 
 
 def effect_figure(results: Results, row: Mapping[str, Any], weights: Weights) -> Figure:
@@ -109,32 +103,4 @@ def ratios_against_time(results: Results, scenarios: Sequence[str]) -> Figure:
         for scenario, panel in zip(scenarios, panels, strict=True):
             draw_time_series(panel, results.cells(scenario), results.runs(scenario))
         legend(figure, time_series_entries())
-    return figure
-
-
-def positions(results: Results, scenarios: Sequence[str]) -> Figure:
-    """Draw y_AB (3.3.1) against time by scenario: median, half and nine tenths of the cells.
-
-    The scenarios have EMT cells. The axis has nine tenths of the cells of each.
-    """
-    low, high = LEAST
-    with style(**CHART_STYLE):
-        figure, panels = grid(scenarios, HEIGHT, x=TIME, y=f"position {POSITION}", sharey=True)
-        for panel, scenario in zip(panels, scenarios, strict=True):
-            cells = results.cells(scenario)
-            times = kept_times(cells)
-            curves = np.array(cells[[f"ab_{t:g}h" for t in times]], np.float64)
-            lowest, lower, median, upper, highest = np.percentile(curves, PERCENTILES, axis=0)
-            panel.fill_between(times, lowest, highest, color=BAND, alpha=0.18, linewidth=0)
-            panel.fill_between(times, lower, upper, color=BAND, alpha=0.3, linewidth=0)
-            panel.plot(times, median, color="black", linewidth=1.6, zorder=4)
-            for layer in (0.0, 1.0):
-                panel.axhline(layer, color=GREY, linewidth=0.9, zorder=1)
-            mark_events(panel, cells)
-            time_axis(panel, times[-1])
-            low, high = min(low, lowest.min() - 0.1), max(high, highest.max() + 0.1)
-        panels[0].set_ylim(max(WIDEST[0], low), min(WIDEST[1], high))
-        marks: dict[str, Line2D | Patch] = {"median of all cells": Line2D([], [], color="black", linewidth=1.6)}
-        bands = {"half of them": 0.42, "nine tenths": 0.18}
-        legend(figure, marks | {name: Patch(color=BAND, alpha=alpha, linewidth=0) for name, alpha in bands.items()})
     return figure

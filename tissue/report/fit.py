@@ -15,7 +15,8 @@ from tissue.pictures.charts import CAP, CHART_STYLE, TIME, WIDTH, grid, legend, 
 from tissue.pictures.sheet import Axes, Figure, Line2D, Patch, style
 from tissue.report.page import NAME, Drawable, html_table, image, template
 
-DRAWS, BINS, SIDE, HEIGHT = 4000, 40, 2.2, 2.4
+# A column of panels that stays legible at the width of a telephone.
+DRAWS, BINS, SIDE, HEIGHT, COLUMN = 4000, 40, 2.2, 2.4, 5.0
 LINE, BAND = "#2e78b7", "#a9c8e4"
 PAIRS = "Draws from the posterior; each axis is the range of a parameter."
 CURVES = "Blue: 95 % of what the fitted model gives, for as many tissues as were measured. Bars: data, 95 %."
@@ -106,7 +107,7 @@ def predicted(results: FitResults) -> Figure:
     table = results.predicted()
     measures = list(dict.fromkeys(table["measure"]))
     with style(**CHART_STYLE):
-        figure, panels = grid(measures, HEIGHT, x=TIME)
+        figure, panels = grid(measures, HEIGHT, x=TIME, columns=1, width=COLUMN)
         for name, panel in zip(measures, panels, strict=True):
             rows = table[table["measure"] == name].sort_values("time_h")
             t, middle = rows["time_h"], rows["mean"]

@@ -21,7 +21,7 @@ from tissue.pictures.emt import event_colours, label_of
 from tissue.pictures.movie import small_movie
 from tissue.pictures.picture import stills
 from tissue.pictures.sheet import COLOURS, Figure, webp, write
-from tissue.report.figures import effect_figure, positions, ratios_against_time
+from tissue.report.figures import effect_figure, ratios_against_time
 from tissue.runs.simulate import simulate
 from tissue.state.surface import SPHERE
 from tissue.study.answers import (
@@ -99,22 +99,12 @@ def write_figures(results: Results, kind: str) -> Iterator[Path]:
         yield path
 
 
-def write_page(results: Results, path: Path | None = None) -> Path:
-    """Write the page of a study, complete or not; it has all of its pictures and movies inside.
+def write_page(results: Results) -> Path:
+    """Write page.html into the folder of a study, complete or not; it has all of its pictures and movies inside.
 
-    Parameters
-    ----------
-    results
-        Of the study; nothing of it may be stored yet.
-    path
-        Where to; None: page.html in its folder.
-
-    Raises
-    ------
-    InvalidProblem
-        If a file of the study is damaged.
+    Raises InvalidProblem if a file of the study is damaged.
     """
-    file = results.folder / NAME if path is None else path
+    file = results.folder / NAME
     study, stored, plan = results.study, results.summary(), plan_of(results)
     shown = (study.scenarios if study.compare is None else study.compare.scenarios)[:MOST_MOVIES]
     movies = {name: movie for name in shown if (movie := _movie(results, name)) is not None}
@@ -171,8 +161,7 @@ def _answers(results: Results) -> list[Answer]:
 def _of_scenarios(results: Results) -> Iterator[Drawable]:
     """Give the figures of all scenarios that have EMT cells together."""
     if names := [name for name in _stored(results) if not results.cells(name, ["replicate"]).empty]:
-        yield Drawable("positions", "Positions of EMT cells in time", partial(positions, results, names))
-        yield Drawable("ratios", "Ratios of extrusion in time", partial(ratios_against_time, results, names))
+        yield Drawable("ratios", "Shares of EMT cells outside in time", partial(ratios_against_time, results, names))
 
 
 def _stored(results: Results) -> list[str]:

@@ -14,7 +14,7 @@ from tissue.network.neighbours import add_daughter, remove_cell
 from tissue.state.cells import Floats, Integers
 from tissue.state.numbers import Numbers, numbers_of
 from tissue.state.running import APICAL, BASAL, CELLS, DIVISIONS, NEXT_ID, TissueState
-from tissue.state.space import EDGES, Network, TissueRules
+from tissue.state.space import Network, TissueRules
 from tissue.state.surface import PLANE, Surface, normal, onto
 
 Vector = tuple[float, float, float]
@@ -149,21 +149,6 @@ def _leave(
         state.sizes[size] = remove_from(layer, state.sizes[size], k)
         remove_cell(state.space.surface, network, points, i, bridge)
     return int(k >= 0)
-
-
-@inner
-def shrink_edges(state: TissueState, numbers: Numbers) -> None:
-    """Relax each rest length towards 0 over one dt, eta <- eta exp(-k dt)  (3.6); k is the mean of both cells."""
-    network, kind = state.space.apical, state.cells.kind
-    rate, kept = 0.0, 1.0
-    for i in range(state.sizes[CELLS]):  # those of cells are not used, but are in tables
-        state.cells.rest_aa[i] *= math.exp(-numbers_of(numbers, kind[i]).rate_aa * numbers.dt)
-    for edge in range(network.sizes[EDGES]):
-        i, j = network.edges[edge, 0], network.edges[edge, 1]
-        own = 0.5 * (numbers_of(numbers, kind[i]).rate_aa + numbers_of(numbers, kind[j]).rate_aa)
-        if own != rate:  # mostly the same: few exponentials for many junctions
-            rate, kept = own, math.exp(-own * numbers.dt)
-        network.rest[edge] *= kept
 
 
 @cache

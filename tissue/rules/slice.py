@@ -122,32 +122,6 @@ def leave_basal_in_slice(state: TissueState, i: int, bridge: int) -> int:
     return int(k >= 0)
 
 
-@inner
-def shrink_junctions(state: TissueState, numbers: Numbers) -> None:
-    """Relax each rest length towards 0 over one dt, eta <- eta exp(-k dt)  (3.6); k is the mean of both cells."""
-    cells, rate, kept, place = state.cells, 0.0, 1.0, 0
-    for i in range(state.sizes[CELLS]):
-        j, place = _joined_behind(state, i, place)
-        k = 0.5 * (numbers_of(numbers, cells.kind[i]).rate_aa + numbers_of(numbers, cells.kind[j]).rate_aa)
-        if k != rate:  # mostly the same: few exponentials for many junctions
-            rate, kept = k, math.exp(-k * numbers.dt)
-        cells.rest_aa[i] *= kept
-
-
-@inner
-def _joined_behind(state: TissueState, i: int, place: int) -> tuple[int, int]:
-    """Return the cell behind cell i that a junction joins to it, cell i itself if there is none, and the next place.
-
-    ``place``: the first one of the apical layer that is not before cell i.
-    """
-    layer, size = state.layers.apical, state.sizes[APICAL]
-    if place < size and layer[place] == i:
-        if place + 1 < size:
-            return layer[place + 1], place + 1
-        return layer[0] if state.curve.ring > 0.0 else i, place + 1
-    return max(i, chained_behind(state.cells, state.sizes[CELLS], i)), place
-
-
 @cache
 def slice_rules() -> TissueRules:
     """Compile the rules of a slice, on first use."""

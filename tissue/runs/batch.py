@@ -19,12 +19,12 @@ from tissue.kernels.workspace import LOST, RUNNING
 from tissue.model.measures import Measures, measure
 from tissue.runs.compiled_rules import together
 from tissue.runs.group import Group, OwnNumbers
-from tissue.runs.resume import checkpoint_of, resumed, steps_made
+from tissue.runs.resume import resumed, steps_made
 from tissue.runs.run import Run
 from tissue.runs.stability import LOOKS, stability_fault, surely_stable, swings
 from tissue.runs.start import started
 from tissue.state.cells import COORDINATES, DEPTHS, DTYPES, VARIABLES, Cells
-from tissue.state.checkpoint import Separation, Streams, TissueCheckpoint, generator_states, streams
+from tissue.state.checkpoint import Streams, TissueCheckpoint, generator_states, streams
 from tissue.state.running import APICAL, CELLS, COUNTERS, NEXT_ID, TissueState, contents, copied
 from tissue.state.space import kept
 from tissue.step.advance import find_lost
@@ -69,10 +69,9 @@ class Batch:
         self._begin = steps_made(self.parameters, starts[0]) if starts else 0
         if starts:
             states, random = zip(*map(resumed, self.each, starts, seeds), strict=True)
-            self._separation: Sequence[Separation] = [checkpoint_of(start).separation for start in starts]
         else:
             random = tuple(streams(seed) for seed in seeds)
-            states, self._separation = zip(*map(started, self.each, random), strict=True)
+            states = tuple(map(started, self.each, random))
         self._random = random
         # In space they are not side by side.
         own, size = [own_numbers(one) for one in self.each], len(states)
@@ -186,7 +185,7 @@ class Batch:
         state, random, mine = self.state(k), self._random[k], self.each[k]
         if id(mine) not in self._texts:
             self._texts[id(mine)] = mine.as_toml()
-        checkpoint = checkpoint_at(state, self.seeds[k], random, self._separation[k], self._texts[id(mine)])
+        checkpoint = checkpoint_at(state, self.seeds[k], random, self._texts[id(mine)])
         time = t if self.goes_on(k) else self._stopped(k)
         sheets = kept(state.space) if self.parameters.in_space else None
         return Frame(time, *contents(state), mine.curve(), checkpoint, sheets)
@@ -227,8 +226,8 @@ class Batch:
     def run(self, k: int, frames: Sequence[Frame]) -> Run:
         """Run k with these frames."""
         stats = dict(zip(COUNTERS, self.state(k).counts.tolist(), strict=True))
-        ended = self.status(k), self.failure(k), stats, self._separation[k]
-        return Run(self.each[k], self.seeds[k], tuple(frames), *ended, folded=self.remark(k))
+        ended = self.status(k), self.failure(k), stats, self.remark(k)
+        return Run(self.each[k], self.seeds[k], tuple(frames), *ended)
 
     def _advance(self, made: int, step: int) -> None:
         """Make steps; where a function of a user fails in them, they did not end a run."""
@@ -298,12 +297,10 @@ def _require_same_times(each: Sequence[Parameters], runs: int) -> None:
             raise InvalidProblem(f"parameters: {key} = {found}: must be the same for runs side by side")
 
 
-def checkpoint_at(
-    state: TissueState, seed: int, random: Streams, separation: Separation, text: str
-) -> TissueCheckpoint:
+def checkpoint_at(state: TissueState, seed: int, random: Streams, text: str) -> TissueCheckpoint:
     """Return a copy of what a run is besides its cells, at the present time; ``text``: of its parameters."""
     numbers = int(state.sizes[NEXT_ID]), copied(state.emt), state.counts.copy(), generator_states(random)
-    return TissueCheckpoint(seed, *numbers, separation, text)
+    return TissueCheckpoint(seed, *numbers, text)
 
 
 def output_steps(parameters: Parameters) -> Iterator[int]:

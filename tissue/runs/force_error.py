@@ -53,7 +53,7 @@ def force_error(force: Force, run: Run, strength: float = 1.0) -> float:
     frame = measurable(run.frames)[-1]
     past = frame.past
     curve, n = curve_numbers(frame.curve), len(frame.cells.x)
-    space = in_plane() if frame.sheets is None else space_of(frame.sheets, run.parameters.joining(), n)
+    space = in_plane() if frame.sheets is None else space_of(frame.sheets, run.parameters.longest_edge(), n)
     state = new_state(frame.cells, frame.layers, past.next_id, past.emt, capacity=n, curve=curve, space=space)
     state.clock[:] = frame.t
     slopes, forces = np.zeros((2, 6 if frame.sheets is None else 9, n))

@@ -61,8 +61,8 @@ def _check(thing: Any) -> None:
     if thing.name in taken or (thing.name in mine and _files(mine[thing.name]) != _files(thing)):
         raise InvalidProblem(f"{kind.__name__} {thing.name}: must have another name, this one is taken")
     if isinstance(thing, EmtEvent):
-        if thing.mark != thing.name.capitalize() or any(thing.mark in one.mark for one in BUILT_IN):
-            raise InvalidProblem(f"EmtEvent {thing.name}: must have another name or mark, {thing.mark} is ambiguous")
+        if any(thing.mark in one.mark for one in BUILT_IN):
+            raise InvalidProblem(f"EmtEvent {thing.name}: must have another name, {thing.mark} is ambiguous")
         # Only for one that was there before: so none waits for itself through others.
         names = [one.name for one in events()]
         before = names[: names.index(thing.name)] if thing.name in names else names

@@ -20,6 +20,8 @@ from tissue.frames.frame import A_START, Frame
 from tissue.frames.frame_files import checked
 from tissue.kernels.workspace import LOST
 from tissue.network.lattice import Lattice
+from tissue.network.neighbours import apical_points, basal_points
+from tissue.network.triangulation import triangulate
 from tissue.plugins import EmtEvent, registered
 from tissue.rules.slice import in_plane
 from tissue.runs.start import of_kinds, space_of
@@ -64,15 +66,18 @@ def resumed(parameters: Parameters, start: Frame, seed: int) -> tuple[TissueStat
         getattr(cells, name)[changed] = getattr(start.cells, name)[changed]
     curve = curve_numbers(parameters.curve())
     capacity = 2 * len(cells.x)
-    space = in_plane() if start.sheets is None else space_of(start.sheets, parameters.joining(), capacity)
+    space = in_plane() if start.sheets is None else space_of(start.sheets, parameters.longest_edge(), capacity)
     state = new_state(cells, start.layers, past.next_id, emt, capacity=capacity, curve=curve, space=space)
     state.counts[:], state.clock[:] = past.counts, start.t
-    lost = find_lost(state)
-    if lost >= 0:
-        raise InvalidProblem(
-            f"start at t = {start.t:g} h: cell {cells.id[lost]} has a coordinate that is not finite, or beyond "
-            f"{LOST:g} R_soft: must be a state before the run failed"
-        )
+    if (lost := find_lost(state)) >= 0:
+        what = f"cell {cells.id[lost]} has a coordinate that is not finite, or beyond {LOST:g} R_soft"
+        raise InvalidProblem(f"start at t = {start.t:g} h: {what}: must be a state before the run failed")
+    for _, points in (apical_points(state), basal_points(state)) if start.sheets is not None else ():
+        try:
+            triangulate(space.surface, points, space.longest)
+        except InvalidProblem as error:
+            what = f"start at t = {start.t:g} h: must be a state before the run failed, but its network is torn"
+            raise InvalidProblem(f"{what}: {error}") from None
     return state, random
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from base64 import b64encode
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from html import escape
 from os import PathLike
 from typing import TYPE_CHECKING, Any
@@ -16,7 +16,6 @@ from dincl.extras import needs
 from dincl.status import Status
 from tissue.frames.frame import Frame
 from tissue.frames.observables import measurable
-from tissue.state.checkpoint import Separation
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -43,8 +42,6 @@ class Run:
         How the run ended, and the particulars in words ("" on success).
     stats
         Counted work by name, since t = 0: of a run that was started from a state all that has led to it counts, too.
-    separation
-        What made the drawn state at t = 0 feasible.
     folded
         When and how the apical layer was folded first, at an output time, so that heights and positions mean nothing;
         "" if it never was. ``summary`` has a reason for each time, see ``tissue.model.measures``.
@@ -56,8 +53,7 @@ class Run:
     status: Status
     detail: str
     stats: dict[str, int]
-    separation: Separation
-    folded: str = field(default="", kw_only=True)
+    folded: str
 
     @property
     def final(self) -> Frame:

@@ -11,12 +11,11 @@ import numpy as np
 from dincl.checks import flag, items
 from dincl.checks import seed as checked_seed
 from dincl.errors import InvalidProblem
-from tissue.files.groups import too_late
+from tissue.files.groups import never_begun
 from tissue.files.parameters import Parameters
-from tissue.frames.frame import A_START, Frame
+from tissue.frames.frame import Frame
 from tissue.kernels.lanes import WIDTH
 from tissue.runs.batch import Batch
-from tissue.runs.resume import checkpoint_of
 from tissue.runs.run import Run, RunFailed
 
 
@@ -71,7 +70,7 @@ def simulate(
 def simulate_many(
     parameters: Parameters | Sequence[Parameters],
     seeds: Sequence[int],
-    start: Frame | Sequence[Frame] | None = None,
+    start: Frame | None = None,
     *,
     throw: bool = True,
 ) -> tuple[Run, ...]:
@@ -89,20 +88,20 @@ def simulate_many(
     seeds
         A list of integers >= 0. A last lot of two to seven takes as long as eight.
     start
-        As of ``simulate``: one saved state for all seeds, or one for each, all of the same time.
+        As of ``simulate``: one saved state for all seeds.
     throw
         Whether a run that fails raises, and the others are lost; otherwise its Status says so.
 
     Raises
     ------
     InvalidProblem
-        As ``simulate``, for starts of different times or another number than seeds, and likewise for parameters.
+        As ``simulate``, and for another number of parameters than of seeds, or ones of other output times.
     RunFailed
         As ``simulate``: of the eight runs side by side in which a function of the user fails, all do.
     """
     listed = items("seeds", seeds, (int, np.integer), "a list of integers >= 0")
     wanted = [checked_seed("seeds", seed) for seed in listed]
-    return _simulated(parameters, wanted, _for_each(start, len(wanted)), throw)
+    return _simulated(parameters, wanted, [] if start is None else [start] * len(wanted), throw)
 
 
 def _simulated(
@@ -116,7 +115,7 @@ def _simulated(
     flag("throw", throw)
     listed = isinstance(parameters, (list, tuple))
     each: Any = parameters if listed else [parameters]
-    late = (too_late(one.groups(), one.t_end) for one in each if isinstance(one, Parameters))
+    late = (never_begun(one.groups(), one.t_end) for one in each if isinstance(one, Parameters))
     for line in dict.fromkeys(line for lines in late for line in lines):
         warn(line, UserWarning, stacklevel=3)
     if listed and len(each) != len(seeds):
@@ -136,18 +135,3 @@ def _simulated(
         meaning = "the apical layer was folded, so that heights and positions mean nothing"
         warn(f"{many}{meaning}: {folded[0]}", UserWarning, stacklevel=3)
     return tuple(runs)
-
-
-def _for_each(start: Frame | Sequence[Frame] | None, count: int) -> list[Frame]:
-    """Return the start of each run; none where they begin at t = 0."""
-    if start is None or isinstance(start, Frame):
-        return [] if start is None else [start] * count
-    starts = list(items("start", start, Frame, f"{A_START}, or a list of them"))
-    for frame in starts:
-        checkpoint_of(frame)
-    if len(starts) != count or len({frame.t for frame in starts}) > 1:
-        times = ", ".join(f"{frame.t:g}" for frame in starts)
-        raise InvalidProblem(
-            f"start = {len(starts)} frames at t = {times} h: must be {count}, one for each seed, of one time"
-        )
-    return starts

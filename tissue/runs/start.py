@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial, reduce
+from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -22,7 +22,6 @@ from tissue.rules.sheet import sheet_rules
 from tissue.rules.slice import in_plane
 from tissue.state.basal_curve import LINE, BasalCurve, CurveNumbers, curve_numbers
 from tissue.state.cells import Cells, Floats, Integers, empty
-from tissue.state.checkpoint import Separation
 from tissue.state.numbers import Numbers, StartNumbers, numbers_pointer
 from tissue.state.running import STRAIGHT, TissueState, new_state
 from tissue.state.space import FLAT, SPATIAL, Sheets, Space, network_of
@@ -36,7 +35,7 @@ TOUCHING = 1e-10
 MOST_SWEEPS = 10_000
 
 
-def started(parameters: Parameters, random: Streams) -> tuple[TissueState, Separation]:
+def started(parameters: Parameters, random: Streams) -> TissueState:
     """Make the first state of a run, with the cells of its types where the parameters have them.
 
     Raises
@@ -50,7 +49,7 @@ def started(parameters: Parameters, random: Streams) -> tuple[TissueState, Separ
     types = CellTypes(crowd, parameters.named_numbers(), [one.initial_rest_length for one in groups])
     if lattice is None:
         return first_state(start, parameters.numbers(), random.start, types, parameters.curve())
-    return first_sheet(start, parameters.numbers(), random.start, types, lattice, parameters.joining())
+    return first_sheet(start, parameters.numbers(), random.start, types, lattice, parameters.longest_edge())
 
 
 class CellTypes(NamedTuple):
@@ -67,7 +66,7 @@ def first_state(
     draws: Generator,
     types: CellTypes | None = None,
     curve: BasalCurve = LINE,
-) -> tuple[TissueState, Separation]:
+) -> TissueState:
     """Draw a tissue and make it feasible; ``types``: of its cells, all control cells if it is None.
 
     Apical and basal points stand on straight lines, evenly spaced and centred; ages are uniform on [0, own cycle]. What
@@ -91,28 +90,28 @@ def first_sheet(
     draws: Generator,
     types: CellTypes,
     lattice: Lattice,
-    joining: tuple[float, int],
-) -> tuple[TissueState, Separation]:
+    longest: float,
+) -> TissueState:
     """Draw a tissue on a surface and make it feasible.
 
     Basal points stand on a lattice on the surface, apical points above them; all else is as of ``first_state``.
-    ``joining``: see ``Parameters.joining``.
+    ``longest``: edge at a free boundary, see ``Parameters.longest_edge``.
     """
     cells = drawn_cells(start, numbers, draws, types, partial(_points_above, start, lattice))
     apical, basal = np.stack((cells.ax, cells.ay, cells.az), axis=1), np.stack((cells.bx, cells.by, cells.bz), axis=1)
-    surface, (longest, new_rest), capacity = lattice.surface, joining, 2 * start.cells
+    surface, capacity = lattice.surface, 2 * start.cells
     networks = (
         connected(surface, apical, start.new_junction, longest, capacity),
         connected(surface, basal, 0.0, longest, capacity),
     )
-    space = Space(SPATIAL, surface, *networks, sheet_rules(), longest, new_rest)
+    space = Space(SPATIAL, surface, *networks, sheet_rules(), longest)
     return _separated(cells, start, numbers, types, STRAIGHT, space)
 
 
-def space_of(sheets: Sheets, joining: tuple[float, int], capacity: int) -> Space:
-    """Make what a tissue in space goes on with from kept networks; ``joining`` of the parameters."""
+def space_of(sheets: Sheets, longest: float, capacity: int) -> Space:
+    """Make what a tissue in space goes on with from kept networks; ``longest`` edge of the parameters."""
     apical, basal = network_of(sheets.apical, capacity), network_of(sheets.basal, capacity)
-    return Space(SPATIAL, sheets.surface, apical, basal, sheet_rules(), *joining)
+    return Space(SPATIAL, sheets.surface, apical, basal, sheet_rules(), longest)
 
 
 def drawn_cells(
@@ -198,7 +197,7 @@ def _columns(start: StartNumbers, basal: Floats, draws: Generator) -> Floats:
 
 def _separated(
     cells: Cells, start: StartNumbers, numbers: Numbers, types: CellTypes, curve: CurveNumbers, space: Space
-) -> tuple[TissueState, Separation]:
+) -> TissueState:
     """Store the cells and sweep over their pairs until no nuclei overlap."""
     state = new_state(cells, emt=types.crowd.emt(), capacity=2 * start.cells, curve=curve, space=space)
     set_phases(state, 0.0, numbers_pointer(numbers, types.numbers))
@@ -208,17 +207,14 @@ def _separated(
     if not in_plane:
         workspaces = SurfaceWorkspaces(n, 1, space.surface)
     work = workspaces.flat.value
-    before = np.stack([getattr(state.cells, axis)[:n] for axis in axes])
-    for axis, line in zip(axes, before, strict=True):
-        getattr(work, axis)[:n] = line
+    for axis in axes:
+        getattr(work, axis)[:n] = getattr(state.cells, axis)[:n]
     work.radius[:n] = state.cells.radius[:n]
-    sweeps = sweep(workspaces.flat.address, workspaces.wide.address, n, TOUCHING, MOST_SWEEPS)
-    if sweeps < 0:
+    if sweep(workspaces.flat.address, workspaces.wide.address, n, TOUCHING, MOST_SWEEPS) < 0:
         raise InvalidProblem(
             f"tissue.cells = {n}: more than fit: their hard discs could not be separated in {MOST_SWEEPS} sweeps; must "
             "be fewer cells, a larger box or smaller hard discs"
         )
-    after = np.stack([getattr(work, axis)[:n] for axis in axes])
-    for axis, line in zip(axes, after, strict=True):
-        getattr(state.cells, axis)[:n] = line
-    return state, Separation(sweeps, float(reduce(np.hypot, after - before).max()))
+    for axis in axes:
+        getattr(state.cells, axis)[:n] = getattr(work, axis)[:n]
+    return state

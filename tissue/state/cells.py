@@ -94,7 +94,6 @@ class Emt(NamedTuple):
     onset_ab: Floats  # y_AB when the first event began (4.8), inf before
     side: Integers  # where the nucleus is: -1 below the basal layer, 1 above the apical layer, else 0  (4.3)
     since: Floats  # since when it has been there [h]; of side 0 not kept
-    since_x: Floats  # x of the nucleus then
 
 
 # The kinds of the fields that are not numbers.
@@ -118,7 +117,7 @@ def emt_cells(at: Floats) -> Emt:
     """EMT cells with events at these times [h], (events, m), see ``tissue.events.known.settled``."""
     m = at.shape[1]
     side, new = np.zeros((2, m), np.int64)
-    return Emt(np.ascontiguousarray(at), new, np.full(m, np.inf), side, np.zeros(m), np.zeros(m))
+    return Emt(np.ascontiguousarray(at), new, np.full(m, np.inf), side, np.zeros(m))
 
 
 def no_emt() -> Emt:

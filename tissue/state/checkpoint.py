@@ -41,13 +41,6 @@ WORDS = 6
 _LOW = (1 << 64) - 1
 
 
-class Separation(NamedTuple):
-    """Separation of the drawn nuclei, which makes their positions feasible."""
-
-    sweeps: int  # over all pairs
-    moved: float  # largest displacement of a nucleus [R_soft]
-
-
 class TissueCheckpoint(NamedTuple):
     """All that the steps of a run depend on, besides parameters, time, cells and layers; and what it has counted.
 
@@ -59,7 +52,6 @@ class TissueCheckpoint(NamedTuple):
     emt: Emt  # its arrays are copies
     counts: Integers  # one for each of ``tissue.state.running.COUNTERS``, since t = 0
     generators: Words  # (2, WORDS): where the streams DRAWN stand
-    separation: Separation  # at t = 0
     parameters: str  # the text of the parameter file
 
     @property

@@ -106,21 +106,6 @@ class StartNumbers(NamedTuple):
     new_junction: float  # eta of the apical junctions
 
 
-class Daha(NamedTuple):
-    """Table 4 of chapter 3; made from the parameters of a file by ``Parameters.daha_numbers``.
-
-    Lengths are in units of R_soft.
-    """
-
-    alpha: float  # weight of the descent
-    beta: float  # of the ascent in the multipliers
-    gamma: float  # of the term that damps the constraints
-    c: float  # damping
-    dtau: float  # step
-    eps: float  # of the stopping rule (3.24)
-    most_iterations: int  # after these it has not terminated
-
-
 # Yes and no are integers in memory.
 _PLAIN: Any = (0.0 if kind is float else 0 for kind in [*get_type_hints(Numbers).values()][:-1])
 _EXAMPLE: Any = Numbers(*_PLAIN)

@@ -14,10 +14,9 @@ from tissue.state.surface import FLAT_SURFACE, Surface
 FLAT, SPATIAL = 2, 3
 # Places in Network.sizes. A triangulation of n cells has at most 3 n edges and 2 n triangles.
 EDGES, TRIANGLES = range(2)
-# Rest lengths of new junctions: the distance of the cells then, or the mean of those that the two cells have; that of a
-# junction that closes the gap of a cell that left may be the sum of the two whose place it takes, so that the tension
-# stays.
-PRESENT, MEAN, SUM = range(3)
+# Rest lengths of a junction that closes the gap of a cell that left: the distance of its cells then, or the sum of the
+# two whose place it takes, so that the tension stays.
+PRESENT, SUM = range(2)
 
 
 class Mesh(NamedTuple):
@@ -65,7 +64,6 @@ class Space(NamedTuple):
     basal: Network  # of basal points that stay near each other (C2)
     rules: TissueRules
     longest: float = math.inf  # edge at a free boundary, see ``tissue.network.triangulation`` [R_soft]
-    new_rest: int = MEAN  # rest length of the junction of new neighbours: PRESENT or MEAN
 
 
 class Sheets(NamedTuple):

@@ -136,9 +136,8 @@ def _cells(batch: Batch, replicates: Sequence[int], at_times: Mapping[str, NDArr
     """Return one row for each EMT cell of the start of the sound runs."""
     kept = np.flatnonzero(sound)
     states, m = [batch.state(int(k)) for k in kept], emt_count(batch.parameters)
-    side, onset, since, since_x = (
-        np.array([getattr(held.emt, name)[:m] for held in states]).ravel()
-        for name in ("side", "onset_ab", "since", "since_x")
+    side, onset, since = (
+        np.array([getattr(held.emt, name)[:m] for held in states]).ravel() for name in ("side", "onset_ab", "since")
     )
     at = np.array([held.emt.at[:, :m] for held in states]).reshape(len(states), len(events()), m)
     began = {events()[k].name: at[:, k].ravel() for k in acting()}
@@ -162,7 +161,6 @@ def _cells(batch: Batch, replicates: Sequence[int], at_times: Mapping[str, NDArr
         "onset_ab": pa.array(onset, mask=np.isinf(onset)),
         "extruded": pa.DictionaryArray.from_arrays((side + 1).astype(np.int8), list(SIDES)),
         "extruded_h": pa.array(since, mask=side == 0),
-        "extruded_x_um": pa.array(batch.parameters.cell.soft_radius.value * since_x, mask=side == 0),
     }
     return pa.table(columns | {name: array[kept].ravel() for name, array in at_times.items()})
 

@@ -20,7 +20,7 @@ from pydantic import AfterValidator, AllowInfNan, BaseModel, Field, Strict, Vali
 from dincl.checks import describe
 from dincl.checks import path as checked_path
 from dincl.errors import InvalidProblem
-from tissue.files.groups import too_late
+from tissue.files.groups import never_begun
 from tissue.files.keys import refuse, unknown
 from tissue.files.own_modules import placed
 from tissue.files.parameter_files import flat, merged, read
@@ -213,7 +213,7 @@ class TissueStudy:
     @property
     def remarks(self) -> list[str]:
         """One sentence for each event of a scenario that no run begins, as it ends before."""
-        found = ((name, too_late(one.groups(), one.t_end)) for name, one in self.scenarios.items())
+        found = ((name, never_begun(one.groups(), one.t_end)) for name, one in self.scenarios.items())
         return [f"scenario {describe(name)}: {line}" for name, lines in found for line in lines]
 
     def seeds(self, part: Part) -> list[int]:

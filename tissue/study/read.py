@@ -143,7 +143,8 @@ class Results:
         instance("outcome", outcome, str, "the name of an outcome, such as 'basal'")
         if not self._parts.stored(scenario):
             raise NoValues(f"nothing of the scenario {describe(scenario)} is stored yet")
-        end, columns = self.parameters(scenario).t_end, ["replicate", "status"]
+        parameters, columns = self.parameters(scenario), ["replicate", "status"]
+        end = parameters.t_end
         if outcome not in get_args(What):
             columns.append(f"{outcome}_{end:g}h")
         if outcome in (*CONTROL_SIDES, "below"):
@@ -157,19 +158,14 @@ class Results:
             raise NoValues(f"no run of {describe(scenario)} has control cells that a cell could be below")
         cells = runs.iloc[:0]
         if outcome in get_args(What):
-            cells = self.cells(scenario, ["replicate", *self.end_columns(scenario)])
+            names = ("ab", "below", "beyond") if parameters.curve().ring else ("ab", "below")
+            cells = self.cells(scenario, ["replicate", *(f"{name}_{end:g}h" for name in names)])
             if cells.empty:
                 raise NoValues(f"no run of {describe(scenario)} that did not fail has EMT cells")
         found = run_values(cells, runs, outcome, end)
         if found.isna().any():
             raise NoValues(f"{found.isna().sum()} of {len(found)} runs of {describe(scenario)} have no {outcome}")
         return found
-
-    def end_columns(self, scenario: str) -> list[str]:
-        """Return the columns of ``cells`` from which the outcomes at the end follow."""
-        parameters = self.parameters(scenario)
-        names = ("ab", "below", "beyond") if parameters.curve().ring else ("ab", "below")
-        return [f"{name}_{parameters.t_end:g}h" for name in names]
 
     def summary(self) -> pd.DataFrame:
         """Return one row for each scenario: ``scenario``, and how many ``runs`` are stored, of which ``failed``.
@@ -185,17 +181,6 @@ class Results:
             failed, folded = (runs["status"] != "SUCCESS").sum(), (runs["folded"] != "no").sum()
             rows.append((name, len(runs), int(failed), int(folded)))
         return pd.DataFrame(rows, columns=["scenario", "runs", "failed", "folded"])
-
-    def to_frame(self) -> pd.DataFrame:
-        """Return ``cells`` of all scenarios that have stored rows, with a column ``scenario`` before the others."""
-        import pandas as pd
-
-        stored = [name for name in self.study.scenarios if self._parts.stored(name)]
-        if not stored:
-            raise InvalidProblem(f"{self.folder}: nothing is stored yet")
-        tables = {name: self.cells(name) for name in stored}
-        whole = pd.concat(tables, names=["scenario", None], sort=False)
-        return whole.reset_index("scenario").reset_index(drop=True)
 
     def __repr__(self) -> str:
         state = "complete" if self.complete else "not complete"

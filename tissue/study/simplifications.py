@@ -54,7 +54,7 @@ def applicable(scenarios: Iterable[Parameters]) -> dict[str, str]:
     for name in KINDS:
         try:
             changed = [simplified(one, [name]) is not one for one in scenarios]
-            reasons[name] = "" if any(changed) else "these parameters have nothing of it"
+            reasons[name] = "" if any(changed) else "these parameters are so already"
         except InvalidProblem as error:
             reasons[name] = str(error).partition(": ")[2].strip()
     return reasons
@@ -75,7 +75,7 @@ def _changes(parameters: Parameters) -> dict[str, Changes]:
     def of_types(key: str, value: Any) -> Changes:
         """Change a key of [cell], and of the types that have their own, where any is not 0 yet."""
         keys = {f"cell.{key}": getattr(cell, key)}
-        keys |= {f"{name}.{key}": one.own()[key] for name, one in types.items() if key in one.own()}
+        keys |= {f"{name}.{key}": one.changes()[key] for name, one in types.items() if key in one.changes()}
         return dict.fromkeys(keys, value) if any(getattr(old, "value", old) for old in keys.values()) else {}
 
     bending = of_types("alpha_axb", 0)

@@ -140,8 +140,8 @@ def simplify(
                 for model in (FULL, *models)
                 for scenario in full
             )
-            title = f"{len(models)} models by {BLOCK}"
-            made = Study("simplify", title, ("model", "scenario", "first"), keys, run, settings)
+            title, unit = f"{len(models)} simplifications", "batches"
+            made = Study("simplify", title, ("model", "scenario", "first"), keys, run, settings, unit=unit)
             rows = made.complete(Path(folder), threads)
             return _compared(rows[rows["replicate"] < first + runs], models, list(full), tolerance, shares)
 

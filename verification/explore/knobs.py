@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 GROUPS = {
     "EMT": ("emt.cells", "emt.inm"),
     "Tissue": ("tissue.cells", "tissue.height", "tissue.two_daughters", "tissue.diffusion", "numerics.t_end"),
-    "Three dimensions": ("tissue.dimension", "space.boundary", "space.new_rest"),
+    "Three dimensions": ("tissue.dimension", "space.boundary"),
     "Basal layer": ("layer.shape", "layer.perimeter", "layer.aspect", "layer.side", "layer.closed"),
     "Energies": ("cell.alpha_aa", "cell.alpha_ax", "cell.alpha_bx", "cell.alpha_xx", "cell.alpha_axb"),
     "Numerics": ("numerics.mu", "numerics.substeps", "numerics.dt"),

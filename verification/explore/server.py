@@ -172,8 +172,10 @@ def _publish(app: FastAPI, site: Site) -> None:
             ui.label(str(error)).classes("faults").props('role="alert"')
             ui.link("Begin anew", "/")
             return
-        await ui.context.client.connected(PATIENCE)
-        TissuePage(session, site.streams, site.end)
+        client = ui.context.client
+        await client.connected(PATIENCE)
+        if not client.is_deleted:  # it is, if the server ends before the page has come back
+            TissuePage(session, site.streams, site.end)
 
     core_app.on_shutdown(_leave)
     ui.run_with(

@@ -4,30 +4,27 @@ from __future__ import annotations
 
 from functools import cache
 from importlib import import_module
+from pkgutil import iter_modules
 
 from verification.claims import Claim, stated_in
 from verification.claims.decide import refuse_one_id_for_two
 from verification.claims.graph import ordered
 
-# The modules of each folder ``claims``, in the order of the thesis.
-SECTIONS = {
-    "chapter1": ("s1_model", "s2_1_inclusions", "s4_1_sets", "s4_5_existence", "s4_6_proofs"),
-    "chapter2": ("s1_methods", "s2_2_method", "s2_4_algorithm", "s3_consistency", "s4_1_numerics", "conclusions"),
-    "chapter3": (
-        *("s1_3_model", "s2_2_1_cycle", "s2_2_6_energies", "s2_3_minimisers", "s2_3_1_daha", "s3_1_first_order"),
-        "s3_4_comparison",
-    ),
-    "chapter4": ("s2_2_4_protrusion", "s4_1_isolated", "s4_4_groups", "s4_6_conditional"),
-    "chapter5": (
-        *("s1_introduction", "s2_model", "s2_5_bounds", "s2_5_speed", "s3_1_limit", "s3_4_stability"),
-        *("s3_5_convergence", "appendix"),
-    ),
-}
-
 
 def modules() -> list[str]:
-    """Return the modules that state claims."""
-    return [f"verification.thesis.{folder}.claims.{name}" for folder, names in SECTIONS.items() for name in names]
+    """Return the modules that state claims, in the order of the thesis."""
+    found: list[str] = []
+    for chapter in range(1, 6):
+        folder = f"verification.thesis.chapter{chapter}.claims"
+        names = [one.name for one in iter_modules(import_module(folder).__path__)]
+        found += [f"{folder}.{name}" for name in sorted(names, key=_place)]
+    return found
+
+
+def _place(name: str) -> tuple[bool, list[int], str]:
+    """Return the section with which the name of a module begins; conclusions and the appendix are last."""
+    numbers = [int(part) for part in name.removeprefix("s").split("_") if part.isdigit()]
+    return not numbers, numbers, name
 
 
 @cache

@@ -62,7 +62,7 @@ def test_the_same_bytes_for_the_same_state(frame, file, tmp_path):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"version": "tissue frame 7"}, "its version is 'tissue frame 7', here it is 'tissue frame 6, a b s p ac'"),
+        ({"version": "tissue frame 6"}, "its version is 'tissue frame 6', here it is 'tissue frame 7, a b s p ac'"),
         ({"cells.x": None}, r"cells\.x is missing"),
         ({"more": np.zeros(2)}, "more is unknown"),
         ({"cells.y": np.zeros(4)}, r"the shape \(4,\) of cells\.y is not possible"),

@@ -26,7 +26,7 @@ from tissue.files.sections import MOST_TYPES, OWN_KEYS
 from tissue.runs.simulate import simulate
 from tissue.runs.start import started
 from tissue.state.checkpoint import streams
-from tissue.state.numbers import Daha, Numbers, StartNumbers
+from tissue.state.numbers import Numbers, StartNumbers
 
 THESIS = preset("thesis")
 SOFT = {"types.soft.cells": 10, "types.soft.place": 0.2}
@@ -38,11 +38,10 @@ RARE, THIRD = 1e-3, 1 / 3
 # that change a step ``tests.tissue.test_variants`` has values, and of types those of [cell] and [tissue].
 OTHERS = {"cell.soft_radius": "4.5 um", "numerics.t_end": "10 h", "numerics.keep": ["1 h", "4 h"]}
 OTHERS |= {"numerics.folded": "stop", "emt.cells": 3, "emt.inm": 0.5, "emt.a": "12 h", "emt.b": "6 h to 12 h"}
-OTHERS |= {"emt.s": "6 h to 12 h, 70 %", "emt.ac": "0.5 h", "daha.alpha": 1e-3, "daha.beta": 0.5, "daha.gamma": 0.0}
-OTHERS |= {"daha.c": 1.0, "daha.dtau": 0.5, "daha.eps": 1e-8, "daha.most_iterations": 7500, "layer.shape": "circle"}
+OTHERS |= {"emt.s": "6 h to 12 h, 70 %", "emt.ac": "0.5 h", "layer.shape": "circle"}
 OTHERS |= {"layer.perimeter": "400 um", "layer.aspect": 0.5, "layer.side": "outside", "layer.closed": True}
 OTHERS |= {"layer.points": [["1 um", "0 um"]] * 4, "space.rows": 10, "space.boundary": "open"}
-OTHERS |= {"space.new_rest": "distance", "types.soft.cells": 3, "types.soft.inm": 0.5, "types.soft.place": "apart"}
+OTHERS |= {"types.soft.cells": 3, "types.soft.inm": 0.5, "types.soft.place": "apart"}
 OTHERS |= {"types.soft.divides": False, "types.soft.a": "12 h", "types.soft.b": "1 h", "types.soft.s": "1 h"}
 OTHERS |= {"types.soft.ac": "1 h", "types.soft.soft_radius": "6 um"}
 # Of these other tests tell: they do not go alone, or name what is registered.
@@ -82,8 +81,8 @@ def test_each_key_is_settable_on_its_own_and_refuses_what_is_none(known):
 
 def plain(parameters):
     """All numbers that runs compute with."""
-    found = parameters.numbers()._asdict() | parameters.start_numbers()._asdict() | parameters.daha_numbers()._asdict()
-    return found | {"t_end": parameters.t_end, "lattice": parameters.joining()}
+    found = parameters.numbers()._asdict() | parameters.start_numbers()._asdict()
+    return found | {"t_end": parameters.t_end, "lattice": parameters.longest_edge()}
 
 
 LENGTHS_IN_R_SOFT = {
@@ -353,7 +352,7 @@ def test_any_value_gives_finite_numbers_or_invalid_problem(key, value):
         return
     stepped = parameters.numbers()
     assert 0.0 < stepped.max_cytoskeleton <= math.inf  # inf is none
-    numbers = [*stepped._replace(max_cytoskeleton=0.0), *parameters.start_numbers(), *parameters.daha_numbers()]
+    numbers = [*stepped._replace(max_cytoskeleton=0.0), *parameters.start_numbers()]
     assert all(math.isfinite(number) for number in (*numbers, parameters.t_end) if isinstance(number, float))
 
 
@@ -477,7 +476,7 @@ def test_events_of_cells_are_independent():
 @pytest.mark.parametrize(("cells", "group", "first"), [(60, 1, 29), (51, 1, 25), (45, 10, 17), (12, 10, 1)])
 def test_the_group_stands_in_the_middle(cells, group, first):
     parameters = preset("thesis").changed({"tissue.cells": cells, "emt.cells": group, "emt.inm": 0.5, "emt.a": "9 h"})
-    held, _ = started(parameters, streams(4))
+    held = started(parameters, streams(4))
     chosen = np.flatnonzero(held.cells.emt[:cells] >= 0)
     assert chosen.tolist() == list(range(first, first + group))
     assert held.cells.emt[chosen].tolist() == list(range(group))
@@ -487,12 +486,13 @@ def test_the_group_stands_in_the_middle(cells, group, first):
     assert held.cells.moves[others].all()
 
 
-def test_an_event_after_the_end_warns():
+def test_an_event_that_never_begins_warns():
     late = preset("thesis").changed({"emt.cells": 1, "emt.a": "3 h", "numerics.t_end": "0.1 h"})
     with pytest.warns(UserWarning, match=r'^\[A\] never begins: emt.a = "3 h", and numerics.t_end = "0.1 h"$'):
         simulate(late)
     simulate(late.changed({"emt.a": "0.1 h"}))  # in the last step
-    simulate(late.changed({"emt.cells": 0}))
+    with pytest.warns(UserWarning, match=r'^\[A\] never begins: emt.a = "3 h", and emt.cells = 0$'):
+        simulate(late.changed({"emt.cells": 0}))
 
 
 FILE = """
@@ -599,7 +599,6 @@ def test_presets_have_the_numbers_of_the_thesis_and_of_published_runs(name):
         for field, value in expected._asdict().items():
             close = pytest.approx(value, rel=1e-15, abs=0) if type(value) is float else value
             assert getattr(found, field) == close, field
-    assert parameters.daha_numbers() == Daha(1e-4, 0.25, 1e-3, 2.0, 1.0, 1e-6, 100_000)
     assert (parameters.t_end, str(parameters.numerics.keep)) == (t_end, "1 h")
     if name == "sheet":  # the outline of a hexagon of its lattice is the measured one, 9.93 um, to a part in a hundred
         assert 5 * parameters.lattice().spacing * 2 * math.sqrt(3) == pytest.approx(9.93, rel=0.01)

@@ -141,6 +141,8 @@ def sobol_like(d, n):
         ('"numerics.mu" = ["0.05 h"', '"numerics.dt" = ["0.05 h"', "all runs of a design share this one"),
         ("data.csv", "no.csv", "no.csv: must be a readable CSV file"),
         ("cells = 20", "cells = 0", "tissue.cells = 0"),
+        ("cells = 20", 'cells = 20\n[overrides.numerics]\nt_end = "3 h"', "overrides.numerics.t_end = '3 h': must be"),
+        ("cells = 20", 'cells = 20\n[overrides.numerics]\nkeep = "3 h"', "overrides.numerics.keep = '3 h': must be"),
     ],
 )
 def test_a_bad_fit_file_is_refused(file, old, new, says):
@@ -180,6 +182,10 @@ def test_values_at_parts_of_a_range_and_points_that_begin_alike(file):
         "0.4 h",
         13,
     )
+    counts, parts = Range("tissue.cells", 10, 20, whole=True), np.array([0.0, 0.33, 1.0])
+    assert counts.of_runs(parts) == pytest.approx([0.0, 0.3, 1.0])
+    logs = replace(counts, log=True)
+    assert logs.value(logs.of_runs(parts)) == pytest.approx([10, 13, 20])
     assert plan.outputs == ["height_um_3h", "height_um_6h", "cells_6h"]
     assert plan.base.t_end == 6.0
     assert plan.parameters(np.array([0.0, 1.0])).numerics.mu.value == 0.05

@@ -71,7 +71,7 @@ def test_every_figure_is_drawn_and_written(study):
     mine = of_scenarios(NAMES)
     for results, answers in ((study, 9), (mine, 0)):
         found = list(figures(results))
-        names = [*(f"answer_{k}" for k in range(1, answers + 1)), "positions", "ratios"]
+        names = [*(f"answer_{k}" for k in range(1, answers + 1)), "ratios"]
         assert [one.name for one in found] == names
         for one in found:
             figure = one.draw()
@@ -83,17 +83,6 @@ def test_every_figure_is_drawn_and_written(study):
         files = list(write_figures(mine, kind))
         assert files == [Path(f"mine/figures/{name}.{kind}") for name in names]
         assert all(file.read_bytes().startswith(begins) for file in files)
-
-
-def test_positions_are_the_median_of_all_cells_with_bands_that_the_axis_has():
-    results = of_scenarios(["alone"])
-    (panel,), kept = drawn(results, "positions").axes, results.cells("alone")[["ab_0h", "ab_24h", "ab_48h"]]
-    median = next(line for line in panel.lines if line.get_color() == "black")
-    assert median.get_ydata() == pytest.approx(kept.median().to_numpy())
-    for band, share in zip(panel.collections[::-1], (0.25, 0.05), strict=True):
-        low, high = (kept.quantile(one).to_numpy() for one in (share, 1 - share))
-        assert sorted(set(band.get_paths()[0].vertices[:, 1])) == pytest.approx(sorted([*low, *high]))
-    assert panel.get_ylim() == pytest.approx((low.min() - 0.1, high.max() + 0.1))
 
 
 def test_ratios_against_time_have_their_bands_and_times_of_events_are_marked():
@@ -191,11 +180,11 @@ def test_the_page_has_every_answer_with_its_picture_and_loads_nothing(study):
 
 
 @pytest.mark.slow
-def test_a_page_of_a_study_without_a_plan_or_without_runs(study, monkeypatch, tmp_path):
+def test_a_page_of_a_study_without_a_plan_or_without_runs(study, monkeypatch):
     monkeypatch.setattr(page, "_movie", lambda *_: None)
     Path("plain.toml").write_text(HEAD.replace("replicates = 40", "replicates = 8") + FACTORS)
     results = tissue.run_study("plain.toml", "plain")
-    text = write_page(results, tmp_path / "plain.html").read_text("utf-8")
+    text = write_page(results).read_text("utf-8")
     assert "[compare] in the study file" in text
     for row in answer_table(results).itertuples():
         assert f"<td>{escape(row.finding)}</td>" in text
@@ -236,5 +225,6 @@ def test_tables_as_csv_are_those_of_the_results(study):
     answers = pd.read_csv("out/csv/answers.csv")
     assert answers["value"].tolist() == pytest.approx(answer_table(study)["value"].tolist())
     cells = pd.read_csv("out/csv/cells.csv")
-    pd.testing.assert_series_equal(cells["ab_48h"], study.to_frame()["ab_48h"], rtol=1e-12)
+    every = pd.concat(map(study.cells, study.study.scenarios), ignore_index=True)
+    pd.testing.assert_series_equal(cells["ab_48h"], every["ab_48h"], rtol=1e-12)
     assert len(pd.read_csv("out/csv/runs.csv")) == 64

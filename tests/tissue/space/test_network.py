@@ -17,7 +17,7 @@ from tissue.network.triangulation import distances, edges_of, triangulate
 from tissue.state import surface as s
 from tissue.state.cells import empty
 from tissue.state.running import new_state
-from tissue.state.space import MEAN, PRESENT, SPATIAL, SUM, Space, TissueRules, in_use, network_of, no_network, write
+from tissue.state.space import PRESENT, SPATIAL, SUM, Space, TissueRules, in_use, network_of, no_network, write
 
 every = pytest.mark.parametrize("name", KINDS)
 
@@ -195,12 +195,12 @@ def test_points_without_a_triangulation_are_refused(surface, points, match):
         triangulate(surface, points)
 
 
-def state_of(surface, points, new_rest=MEAN, rest=0.5):
+def state_of(surface, points):
     """A tissue whose apical and basal points are these, all in both layers."""
     x, y, z = points.T
     cells = empty(len(points))._replace(ax=x, ay=y, az=z, bx=x, by=y, bz=z, id=np.arange(len(points)))
-    networks = (connected(surface, points, length, math.inf, len(points)) for length in (rest, 0.0))
-    space = Space(SPATIAL, surface, *networks, TissueRules(), math.inf, new_rest)
+    networks = (connected(surface, points, length, math.inf, len(points)) for length in (0.5, 0.0))
+    space = Space(SPATIAL, surface, *networks, TissueRules())
     return new_state(cells, capacity=2 * len(points), space=space)
 
 
@@ -209,11 +209,10 @@ def rests_of(network):
     return dict(zip(map(tuple, edges.tolist()), rest.tolist(), strict=True))
 
 
-@pytest.mark.parametrize("rule", [MEAN, PRESENT])
-def test_pairs_that_stay_keep_their_rest_lengths(rule):
-    """The diagonal of four points changes: the mean of what both cells have, or their distance."""
+def test_pairs_that_stay_keep_their_rest_lengths():
+    """The diagonal of four points changes: the new one has the mean of what both cells have."""
     points = np.array([(0.0, 0.0, 0.0), (0.0, 0.0, 2.0), (1.1, 0.0, 1.0), (-1.1, 0.0, 1.0)])
-    state = state_of(s.plane(), points, rule)
+    state = state_of(s.plane(), points)
     network, sides = state.space.apical, {(0, 2), (0, 3), (1, 2), (1, 3)}
     assert rests_of(network).keys() == sides | {(0, 1)}
     network.rest[:5] = 0.1 * np.arange(1, 6)
@@ -223,7 +222,7 @@ def test_pairs_that_stay_keep_their_rest_lengths(rule):
     after = rests_of(network)
     assert after.keys() == sides | {(2, 3)}
     assert all(after[pair] == before[pair] for pair in sides)
-    assert after[2, 3] == pytest.approx(np.mean([before[pair] for pair in sides]) if rule == MEAN else 1.1)
+    assert after[2, 3] == pytest.approx(np.mean([before[pair] for pair in sides]))
 
 
 @every

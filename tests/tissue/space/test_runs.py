@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import tissue
+from dincl.errors import InvalidProblem
 from tests.tissue.space.in_space import SURFACES, of_surface, parameters
 from tissue.frames.observables import extents, layer_area
 from tissue.runs.simulate import simulate
@@ -70,6 +71,8 @@ def test_a_failed_network_ends_the_run_with_its_status():
     assert run.status.name == "NETWORK_TORN"
     assert run.final.t == pytest.approx(0.1)
     assert len(run.final.layers.apical) == 2
+    with pytest.raises(InvalidProblem, match=r"t = 0.1 h: must be a state before the run failed, but its network is"):
+        simulate(run.parameters, 0, run.final)
 
 
 def test_the_edge_of_a_sheet_does_not_fray():

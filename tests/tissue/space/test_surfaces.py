@@ -85,7 +85,7 @@ def test_the_nuclei_of_daughters_lie_on_both_sides_of_the_mother(name, turn):
     given, offset = of_surface(name), 0.05
     surface = given.lattice().surface
     for cell in (11, 37, 60):
-        held, _ = started(given, streams(2))
+        held = started(given, streams(2))
         cells, n = held.cells, held.sizes[CELLS]
         before = np.column_stack((cells.x, cells.y, cells.z))[:n]
         t = np.array(direction(surface, turn, *(float(line[cell]) for line in (cells.bx, cells.by, cells.bz))))

@@ -76,7 +76,6 @@ def test_what_became_of_the_cells(made):
     side = np.where(end < 0, -1, np.where(end > 1, 1, 0))
     assert cells["extruded"].tolist() == [SIDES[s + 1] for s in side]
     assert (cells["extruded_h"].isna() == (side == 0)).all()
-    assert (cells["extruded_x_um"].isna() == (side == 0)).all()
     for s, since, row in zip(side, cells["extruded_h"], columns(cells, "ab").T, strict=True):
         if s:
             after = row[np.array(TIMES) >= since]

@@ -104,13 +104,14 @@ def test_files_that_are_none_are_named(tmp_path):
     ("emt", "remark"),
     [
         ('b = "48 h"', None),
+        ('b = "48 h"\ncells = 0', '[B] never begins: emt.b = "48 h", and emt.cells = 0'),
         ('b = "60 h"', '[B] never begins: emt.b = "60 h", and numerics.t_end = "48 h"'),
         ('b = "6 h to 60 h, 5 %"', None),
     ],
 )  # fmt: skip
 def test_where_no_run_begins_an_event_there_is_a_remark(emt, remark):
     head = GOOD[: GOOD.index("[scenarios")].replace('a = "6 h"', "")
-    study = load_study(write(f"{head}[scenarios.x]\nemt = {{ {emt} }}\n[scenarios.y]\n"))
+    study = load_study(write(f"{head}[scenarios.x.emt]\n{emt}\n[scenarios.y]\n"))
     assert study.remarks == ([f"scenario 'x': {remark}"] if remark else [])
 
 

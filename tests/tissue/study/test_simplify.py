@@ -99,7 +99,7 @@ def test_those_that_are_equivalent_are_combined_and_tested_with_fresh_seeds() ->
     assert verdicts["fewest substeps"] == verdicts["no noise"] == verdicts["half of the cells"] == "equivalent"
     assert verdicts["no bending"] == verdicts["no hard discs"] == "different"
     assert rows.loc["no hard discs", "reason"] == "64 of its runs fail"
-    assert found.left_out["a slice"] == "these parameters have nothing of it"
+    assert found.left_out["a slice"] == "these parameters are so already"
     # 0.3 and 0.4 add up to more than half of the tolerance: fewer substeps save more work.
     assert {"fewest substeps", "a third of the cells"} < set(found.answer)
     assert len({KINDS[name] for name in found.answer}) == len(found.answer)
@@ -185,6 +185,10 @@ def test_the_command_prints_verdicts_and_writes_the_table() -> None:
     assert "times less work." in result.stdout
     rows = pd.read_csv("out/answer.csv").set_index("model")
     assert rows.loc["no bending", "verdict"] == "different"
+    known = pd.read_csv("out/columns.csv")
+    assert set(known.loc[known["table"] == "answer", "column"]) == {"model", *rows}
+    assert set(known.loc[known["table"] == "simplify", "column"]) == set(pd.read_parquet("out/simplify.parquet"))
+    assert known["meaning"].notna().all()
     bad = CliRunner().invoke(app, ["simplify", "study.toml", "--tolerance", "-1", *asks])
     assert bad.exit_code == 2
     assert "tolerance = -1" in bad.stderr

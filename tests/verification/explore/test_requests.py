@@ -161,3 +161,11 @@ def test_work_without_an_end_does_not_keep_the_server(folder):
                 return await asyncio.to_thread(process.wait, PATIENCE)
 
         assert asyncio.run(visit()) in (0, -15)
+
+
+def test_a_server_that_ends_before_a_page_has_come_back_says_nothing_of_it(folder):
+    with served(folder) as (address, process):
+        assert asyncio.run(get(address)).status_code == 200
+        process.terminate()
+        process.wait(PATIENCE)
+        assert process.stdout.read() == "Ctrl-C ends it.\n"

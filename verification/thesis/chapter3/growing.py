@@ -91,7 +91,7 @@ def growing(name: str, seed: int, **changes: Any) -> Growing:
 def growing_from(parameters: Parameters, seed: int, **changes: Any) -> Growing:
     """Return a run at its start, with some of its ``Numbers`` changed."""
     random, numbers = streams(seed), parameters.numbers()
-    held, _ = started(parameters, random)
+    held = started(parameters, random)
     return Growing(numbers._replace(**changes), held, random, far_from(contents(held)[0]))
 
 

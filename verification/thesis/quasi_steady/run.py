@@ -63,7 +63,7 @@ class _Steps:
         self._parameters, self._seed = parameters, seed
         self._minimiser = TissueArrowHurwicz(daha)
         self._random = streams(seed)
-        self._state, self._separation = started(parameters, self._random)
+        self._state = started(parameters, self._random)
         self._found: list[tuple[int, bool, float, float]] = []
 
     def run(self) -> QuasiSteadyRun:
@@ -78,7 +78,7 @@ class _Steps:
             if not status:
                 break
         stats = dict(zip(COUNTERS, self._state.counts.tolist(), strict=True))
-        run = Run(self._parameters, self._seed, tuple(frames), status, detail, stats, self._separation)
+        run = Run(self._parameters, self._seed, tuple(frames), status, detail, stats, "")
         iterations, terminated, energy, violation = (np.array(column) for column in zip(*self._found, strict=True))
         return QuasiSteadyRun(
             **vars(run), iterations=iterations, terminated=terminated, energy=energy, violation=violation
@@ -87,7 +87,7 @@ class _Steps:
     def _frame(self, t: float) -> Frame:
         """Return a copy of the present state."""
         text = self._parameters.as_toml()
-        checkpoint = checkpoint_at(self._state, self._seed, self._random, self._separation, text)
+        checkpoint = checkpoint_at(self._state, self._seed, self._random, text)
         return Frame(t, *contents(self._state), checkpoint=checkpoint)
 
     def _step(self, t: float) -> tuple[Status, str]:
