@@ -29,7 +29,7 @@ SMALL = "1 2 6 17 22 33 43 44 60 68 71 72 73 82 84 100 101 104 106 121 122 125 1
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", map(int, SMALL.split()))
+@pytest.mark.parametrize("seed", [int(seed) for seed in SMALL.split()])
 def test_small_scenes_are_those_of_the_table_that_ships(seed: int) -> None:
     """The coarsest run by PBD is as far from the solution, here by events, as it says."""
     table, given = shipped("decisions").query(f"seed == {seed} and method == 'PBD'"), scene(seed)
