@@ -13,6 +13,7 @@ from tissue.model.energy import forces
 from tissue.runs.group import Group
 from tissue.runs.simulate import simulate
 from tissue.state.basal_curve import LINE, curve_numbers, ellipse, through
+from tissue.state.running import BASAL_CORRECTIONS
 
 QUIET = {"tissue.diffusion": "0 um^2/h", "tissue.two_daughters": 0}
 RING = {"layer.shape": "circle", "layer.closed": True, "layer.perimeter": "60 R_soft", "tissue.cells": 180}
@@ -141,6 +142,17 @@ def test_substeps_on_a_circle(closed):
     group = Group([held], numbers)
     assert group.make_substeps()
     assert distance(kernels.taken(group.states[0]).cells, expected) < 1e-10
+
+
+@pytest.mark.parametrize("gap", [24.0, -0.5])
+def test_what_closes_a_ring_is_counted(gap):
+    """Its first and last basal points are drawn together, or pushed apart; the others stay."""
+    numbers, curve = states.numbers(variance=0.0, substeps=1, max_basal_distance=9.0, mu=1e12), CURVES["ring"]
+    cells, layers = states.cells(40, 0), states.layers(40)
+    cells = cells._replace(along=np.linspace(0.0, 60.0 - gap, 40))
+    group = Group([kernels.held(kernels.Tissue(cells, layers, 0), curve=curve_numbers(curve))], numbers)
+    assert group.make_substeps()
+    assert group.states[0].counts[BASAL_CORRECTIONS] == 1
 
 
 def test_a_large_circle_is_nearly_a_line():
