@@ -13,6 +13,7 @@ from tissue.model.energy import forces
 from tissue.runs.group import Group
 from tissue.runs.simulate import simulate
 from tissue.state.basal_curve import LINE, curve_numbers, ellipse, through
+from tissue.state.running import BASAL_CORRECTIONS
 
 QUIET = {"tissue.diffusion": "0 um^2/h", "tissue.two_daughters": 0}
 RING = {"layer.shape": "circle", "layer.closed": True, "layer.perimeter": "60 R_soft", "tissue.cells": 180}
@@ -92,6 +93,16 @@ def test_a_curve_through_points_passes_them_and_goes_on_straight():
     assert not bend[:, 2].any()
 
 
+@pytest.mark.parametrize("name", ["open", "closed"])
+def test_a_curve_through_points_is_measured_along_itself(name):
+    curve, h = CURVES[name], 1e-4
+    s = (np.linspace(0.01, 0.99, 400) - (0.0 if curve.around else 0.5)) * curve.length
+    (before, turned_before, _), (_, tangent, bend), (behind, turned, _) = map(curve.evaluate, (s - h, s, s + h))
+    np.testing.assert_allclose(np.hypot(*tangent), 1.0, rtol=0, atol=1e-5)
+    np.testing.assert_allclose((behind - before) / (2 * h), tangent, rtol=0, atol=1e-5)
+    np.testing.assert_allclose((turned - turned_before) / (2 * h), bend, rtol=0, atol=1e-3)
+
+
 # Runs
 
 
@@ -131,6 +142,17 @@ def test_substeps_on_a_circle(closed):
     group = Group([held], numbers)
     assert group.make_substeps()
     assert distance(kernels.taken(group.states[0]).cells, expected) < 1e-10
+
+
+@pytest.mark.parametrize("gap", [24.0, -0.5])
+def test_what_closes_a_ring_is_counted(gap):
+    """Its first and last basal points are drawn together, or pushed apart; the others stay."""
+    numbers, curve = states.numbers(variance=0.0, substeps=1, max_basal_distance=9.0, mu=1e12), CURVES["ring"]
+    cells, layers = states.cells(40, 0), states.layers(40)
+    cells = cells._replace(along=np.linspace(0.0, 60.0 - gap, 40))
+    group = Group([kernels.held(kernels.Tissue(cells, layers, 0), curve=curve_numbers(curve))], numbers)
+    assert group.make_substeps()
+    assert group.states[0].counts[BASAL_CORRECTIONS] == 1
 
 
 def test_a_large_circle_is_nearly_a_line():

@@ -114,6 +114,12 @@ def test_forces_in_space_are_the_slope_of_the_energy(name, power):
         slopes[place] = sum(parts_of(*shifted, of, steps.surface)).imag / STEP
     found = forces_of(*points, of, steps.surface)
     np.testing.assert_allclose(found, -slopes, rtol=0.0, atol=1e-12 * abs(slopes).max())
+    if name == "tight plane":  # cells are where their images are
+        images = points + np.array([steps.surface.period_x, 0.0, -steps.surface.period_z])[:, None] * (
+            np.arange(20) % 2
+        )
+        moved = forces_of(*images, of, steps.surface)
+        np.testing.assert_allclose(moved, found, rtol=0.0, atol=1e-12 * abs(slopes).max())
 
 
 def test_cost_does_not_grow_with_the_number_of_all_pairs():

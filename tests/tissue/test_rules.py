@@ -229,15 +229,16 @@ def test_daughters(two):
     ],
 )
 def test_a_second_daughter_stands_behind_the_first(due, ids):
-    """Also in the layers, if her mother is; on the line or off it."""
-    cells, network, next_id, _ = ruled(row_of(4, due), 0.0, ALWAYS)
+    """Also in the layers, if her mother is; on the line or off it; however short her cycle is."""
+    brief = ALWAYS._replace(min_cycle=0.5, max_cycle=0.9)
+    cells, network, next_id, _ = ruled(row_of(4, due), 0.0, brief)
     assert cells.id.tolist() == ids
     assert next_id == 4 + len(due)
     assert [cells.id[i - 1] for i, mother in enumerate(cells.mother) if mother >= 0] == due
     assert all(layer.tolist() == list(range(len(ids))) for layer in network)
     assert (np.diff(cells.x) > 0).all()
     left = layers(4, apical=[0, 2, 3], basal=[1, 2])
-    cells, network, *_ = ruled(row_of(4, due, left), 0.0, ALWAYS)
+    cells, network, *_ = ruled(row_of(4, due, left), 0.0, brief)
     for layer, before in zip(network, left, strict=True):
         inside = np.isin(np.where(cells.mother < 0, cells.id, cells.mother), before)
         assert layer.tolist() == np.flatnonzero(inside).tolist()

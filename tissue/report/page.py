@@ -193,10 +193,10 @@ def _movie(results: Results, scenario: str) -> Movie | None:
 
 def _through_emt(frame: Frame) -> Frame:
     """Move a sheet or cylinder along z, where all is the same, so that z = 0 is at its first EMT cell."""
-    cells = frame.cells
-    if frame.sheets is None or frame.sheets.surface.bends == SPHERE or not (cells.emt >= 0).any():
+    cells, emt = frame.cells, np.flatnonzero(frame.cells.emt >= 0)
+    if frame.sheets is None or frame.sheets.surface.bends == SPHERE or not len(emt):
         return frame
-    z = cells.z[cells.emt >= 0][0]
+    z = cells.z[emt[0]]
     return frame._replace(cells=cells._replace(z=cells.z - z, az=cells.az - z, bz=cells.bz - z))
 
 

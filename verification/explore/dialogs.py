@@ -24,10 +24,6 @@ if TYPE_CHECKING:
     from verification.explore.setting import Setting
 
 
-# Seeds of studies are drawn below it, so that nobody has looked at their runs.
-MOST_SEED = 2**32
-
-
 def parameters_text(setting: Setting) -> str:
     """Write the text of a parameter file of a setting; its base is a preset, or a file in the same folder."""
     comments = {name: facts.comment for name, facts in all_keys(Parameters).items()}
@@ -110,7 +106,7 @@ def make_study(session: Session) -> None:
     def make() -> str:
         settings = {side.name: side.setting for side in sides}
         seen = {side.name: 0 if side.answer is None else side.answer.runs for side in sides}
-        new = secrets.randbelow(MOST_SEED)
+        new = secrets.randbits(32)  # so that nobody has looked at its runs
         remarks = looked_at(seen, session.seed)
         text = study_text(title.value or "", settings, int(runs.value or 0), new, remarks)
         return command(session.folder.save(name.value or "", text).name)

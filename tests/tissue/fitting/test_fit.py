@@ -73,6 +73,11 @@ def test_the_emulator_finds_mean_spread_correlation_and_its_own_error():
         assert np.all(np.diagonal(e.covariance(at, tissues)[0])[:3] > e.deviations(at)[0, :3] ** 2 / tissues)
     few = emulate(U[:20], list(runs_of(U[:20], 2)))
     assert np.all(np.diagonal(few.covariance(at, 10**6)[0] - e.covariance(at, 10**6)[0])[:3] > 0)
+    # What no polynomial has: at each point the first output is off by 1 or -1, the second one by the opposite.
+    off = np.random.default_rng(2).choice([-1.0, 1.0], (100, 1, 1)) * [1.0, -1.0, 0.0, 0.0]
+    rough = emulate(U, list(runs_of(U, 8, spread=0.02) + off))
+    assert rough.lack[:2, :2] == pytest.approx(np.array([[1.0, -1.0], [-1.0, 1.0]]), rel=0.2)
+    assert np.abs(rough.lack[2:]).max() < 0.01
 
 
 def test_too_few_points_are_refused():

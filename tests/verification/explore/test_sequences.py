@@ -63,4 +63,5 @@ def test_runs_to_decide_are_those_at_which_most_sequences_have_decided():
     assert 0.72 < decided < 0.92
     assert 20 < n < 100
     assert runs_to_decide(0.25, 1.0) > 3 * n
+    assert runs_to_decide(100.0, 1.0) == 11  # of ten the sequence says nothing
     assert runs_to_decide(0.0, 1.0) is None

@@ -57,9 +57,10 @@ RUNS = 24
 # Settings
 
 
+@pytest.mark.parametrize("changes", [{}, {"cell.alpha_aa": 0, "tissue.diffusion": "0 um^2/h"}], ids=["", "zeros"])
 @pytest.mark.parametrize("name", PRESETS)
-def test_a_slider_begins_at_its_value_and_every_place_of_it_can_be(name):
-    setting = Setting(name, tissue.preset(name))
+def test_a_slider_begins_at_its_value_and_every_place_of_it_can_be(name, changes):
+    setting = Setting(name, tissue.preset(name).changed(changes))
     for facts in (facts for group in groups().values() for facts in group):
         scale = scale_of(facts, setting.values()[facts.name])
         if scale is None:

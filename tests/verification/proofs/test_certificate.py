@@ -51,16 +51,28 @@ def test_the_file_proves_what_the_proof_says(proof, tmp_path):
     assert float(verdict.end) == 1.5
 
 
-def test_a_force_that_pulls_adds_to_the_defect_what_it_moves(proof):
-    """Two discs of diameter 1 are pulled together by 1e-3 each: sqrt 2 of this in the norm of all coordinates."""
+@pytest.mark.parametrize("off", [0.0, 0.05])
+def test_a_force_that_pulls_adds_to_the_defect_what_it_moves(proof, off):
+    """Two discs of diameter 1 are pulled together by 1e-3 each: sqrt 2 of this in the norm of all coordinates.
+
+    A multiplier is the force times the distance, which is within ``off`` of 1.
+    """
     problem = enclosures.ExactProblem(proof.certificate, {})
     piece = next(one for one in proof.certificate.pieces if 0 in one.active)
     current = checker.PieceInBalls(piece, problem, enclosures.ZERO, checker.Work(10**6))
-    current.force[0] = arb_poly([-1e-3])
+    current.row(0).q += arb_poly([off])
     ends = arb(0), arb(0.01)
     velocity = [enclosures.span(v, *ends) for v in current.velocity]
+    current.force[0] = arb_poly([-1e-3])
     _, added = checker.touched(current, 0, *ends, arb(1e-9), velocity)
-    assert 1e-3 * math.sqrt(2) <= float(added) < 1.01e-3 * math.sqrt(2)
+    assert (1 + off) * 1e-3 * math.sqrt(2) <= float(added) < (1.01 + off) * 1e-3 * math.sqrt(2)
+    current.force[0] = arb_poly([1e-3, 2e-3])
+    near, added = checker.touched(current, 0, *ends, arb(1e-9), velocity)
+    assert float(added) == 0.0
+    bounds = near.gap, near.m, near.m_bends, near.m_change * current.half
+    m = 1.02e-3 * (1 + off)
+    for bound, least in zip(bounds, (off, m, m / (1 - off), 2e-3 * (1 + off)), strict=True):
+        assert least * (1 - 1e-9) <= float(bound) < 1.01 * least + 1e-6
 
 
 def of_row(of_kind, **changes):

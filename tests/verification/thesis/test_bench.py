@@ -18,6 +18,18 @@ def test_pbd_rows_state_their_load(monkeypatch):
     assert (table["steps_per_list"] > 5).all()
 
 
+@pytest.mark.slow
+def test_rows_of_tissues_state_their_load(monkeypatch):
+    monkeypatch.setattr(bench, "SETTLED", 0.1)
+    table = bench.tissue_table((20,), 4_000)
+    assert (table["us_median"] >= table["us_best"]).all()
+    assert table["us_best"].between(0.1, 1e4).all()
+    # In a substep, of 190 pairs and 19 neighbours; nuclei are crowded, and few basal points are out of order.
+    assert table["pairs"].between(10, 190).all()
+    assert (table[["corrections", "basal_corrections"]].max() < 38).all()
+    assert (table[["corrections", "basal_corrections"]].max() > 1e-3).all()
+
+
 def test_jostling_discs_all_move_with_speed_one():
     problem = bench.jostle(100)
     speed = np.linalg.norm(problem.velocity(0.0, problem.x0), axis=1)
