@@ -16,7 +16,7 @@ from dincl.system.arrays import OK, system_at
 SAFETY = 2.0
 # Nodes are the ends of this many equal parts of a step; minima between them are searched for.
 PARTS = 4
-# A minimum is searched for if an interpolant falls below this part of the values around it.
+# The minimum of a multiplier or a speed is searched for if a parabola falls below this part of the values around it.
 SUSPICIOUS = 0.5
 # A multiplier, or a speed, vanishes linearly in time, and the displacement by a late release is of second order: the
 # accuracy of its time, as a part of the step, for a tolerance of 1. A gap is followed to rounding, and so is a
@@ -68,13 +68,17 @@ def root_of(run: EventWorkspace, which: int, r: int, a: float, first: float, b: 
 
 @inner
 def first_closing(run: EventWorkspace, r: int, latest: float) -> float:
-    """Find when the gap of row r closes, at a node or between nodes; NEVER if not until ``latest``."""
+    """Find when the gap of row r closes, at a node or between nodes; NEVER if not until ``latest``.
+
+    Each minimum between nodes is located: no interpolant of values and slopes sees how deep two small discs pass
+    through each other that fly past.
+    """
     before, falling = np.inf, 0.0
     for j in range(PARTS + 1):
         left, end = (j - 1) / PARTS, j / PARTS
         value, slope = gap_and_slope_at(run, r, end)
         low = value
-        if not value < 0.0 and falling < 0.0 < slope and dips(before, falling / PARTS, value, slope / PARTS):
+        if not value < 0.0 and falling < 0.0 < slope:
             end = root_of(run, CLOSING, r, left, -falling, end, -slope)
             low = event_function_at(run, GAP, r, end)
         if low < 0.0:
@@ -120,17 +124,6 @@ def first_negative(run: EventWorkspace, which: int, r: int, latest: float) -> fl
             break
         two, one = one, value
     return NEVER
-
-
-@inner
-def dips(before: float, falling: float, after: float, rising: float) -> bool:
-    """Return whether the cubic with these values and slopes at the ends of [0, 1] falls low between them."""
-    cube = 2.0 * (before - after) + falling + rising
-    square = 3.0 * (after - before) - 2.0 * falling - rising
-    root = np.sqrt(max(square * square - 3.0 * cube * falling, 0.0))
-    bottom = -falling / (square + root) if square + root > 0.0 else 0.5
-    low = before + bottom * (falling + bottom * (square + bottom * cube))
-    return not low > SUSPICIOUS * min(before, after)
 
 
 @inner

@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 
 import dincl
 from dincl import scenes
-from dincl.events.location import dips, sinks
+from dincl.events.location import sinks
 from tests.dincl.random_scenes import random_scene
 from tests.dincl.test_schemes import EXACT
 from verification.methods.hard.drawn import drawn
@@ -151,18 +151,27 @@ def test_output_times_in_or_beside_a_pulse_show_it(times, width):
     assert abs(path.final[0, 0] - 2.0) <= path.error[-1]
 
 
-def test_a_gap_that_may_close_between_two_looks_is_looked_at(rng):
-    """The cubic through values and slopes, and the parabola through three values, fall below half of what is beside."""
+def test_a_multiplier_that_may_vanish_between_two_looks_is_looked_at(rng):
+    """The parabola through three values falls below half of the middle one."""
     s, found = np.linspace(0.0, 1.0, 2001), set()
-    for before, after, falling, rising in rng.uniform((0.1, 0.1, 0.0, 0.0), (1.0, 1.0, 6.0, 6.0), (400, 4)):
-        rest = before * (1 + 2 * s) * (1 - s) ** 2 + after * s**2 * (3 - 2 * s)
-        low = (rest - falling * s * (1 - s) ** 2 - rising * s**2 * (1 - s)).min() / min(before, after)
-        assert dips(before, -falling, after, rising) == (low <= 0.5) or abs(low - 0.5) < 1e-4
+    for before, after in rng.uniform(0.1, 1.0, (400, 2)):
         middle = 0.8 * before
         low = (before * (1 - s) * (1 - 2 * s) + 4 * middle * s * (1 - s) + after * s * (2 * s - 1)).min() / middle
         assert sinks(before, middle, after) == (middle <= after and low <= 0.5) or abs(low - 0.5) < 1e-4
-        found |= {dips(before, -falling, after, rising), 2 * sinks(before, middle, after)}
-    assert found == {0, 1, 2}
+        found.add(sinks(before, middle, after))
+    assert found == {False, True}
+
+
+def test_small_discs_that_fly_past_each_other_touch():
+    """Wherever in a step the shortest distance lies, and however little of the step the overlap takes."""
+    growing = dincl.NonOverlap(lambda t: 0.004 * (1 + 0.1 * t))
+    around = dincl.InsideBall((0.0, 0.0), lambda t: 9 + np.cos(t))
+    for nearest in np.linspace(0.05, 0.95, 46):
+        discs = problem([[0.0, 0.0], [5 * nearest, 0.0024]], ((5.0, 0.0), (0.0, 0.0)), growing, around)
+        touched = dincl.solve(discs, dincl.EventDriven(1e-5), 1.0).events[0].t
+        assert 5 * (nearest - touched) == pytest.approx(
+            np.sqrt((0.008 * (1 + 0.1 * touched)) ** 2 - 0.0024**2), rel=1e-6
+        )
 
 
 # What is not reached is said ----------------------------------------------------------------------------------------
