@@ -16,9 +16,6 @@ from verification.site.store import shipped
 
 # Fewer runs of these have other ratios: the smallest form has the columns alone.
 FEWER = ("curved_ways_out", "emt_groups", "emt_ranking", "emt_effects")
-# Made when event-driven runs took other steps, on which references rest, and compiled steps called Python.
-STALE = pytest.mark.xfail(reason="to be made again on a quiet machine before 0.10", strict=True)
-NAMES = [pytest.param(n, marks=[STALE] if n == "decisions" else []) for n in STUDIES]
 SLOW = ("orders", "proved_", "work_", "hard", "programs", "decisions")
 SLOW += ("tissue_", "emt_", "meanfield_", "space_", "curved_", "needs_", "fit_")
 
@@ -33,7 +30,7 @@ def test_the_table_that_ships_has_every_run(name: str) -> None:
 
 
 @pytest.mark.slow_with(*SLOW)
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", STUDIES)
 def test_the_smallest_form_gives_rows_of_the_table_that_ships(name: str) -> None:
     study, smallest, table = STUDIES[name](), STUDIES[name](smallest=True), shipped(name)
     if not smallest.runs:
