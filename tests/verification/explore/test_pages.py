@@ -108,13 +108,13 @@ def another_run(page):
 def change(page, key, text):
     with another_run(page):
         enter(page, key, text)
-    assert "changed" in knob(page, key).get_attribute("class")
+    page.locator(f'[data-key="{key}"].changed').wait_for()
 
 
 def undo(page, key):
     with another_run(page):
         knob(page, key).get_by_label(f"{key} as it was").click()
-    assert "changed" not in knob(page, key).get_attribute("class")
+    page.locator(f'[data-key="{key}"]:not(.changed)').wait_for()
 
 
 def test_it_shows_a_tissue_and_an_answer_with_intervals(page):
@@ -186,7 +186,8 @@ def test_the_picture_plays_pauses_steps_and_cells_are_followed(page):
 
 def test_two_settings_are_compared_and_the_exported_study_has_the_numbers_of_the_page(page, folder):
     wait_for_runs(page)
-    page.get_by_role("button", name="Compare: hold this").click()
+    with another_run(page):
+        page.get_by_role("button", name="Compare: hold this").click()
     change(page, "emt.s", "1 h")
     wait_for_runs(page, "B")
     shown = numbers(page)
