@@ -17,7 +17,7 @@ from verification.thesis.chapter1 import prox_constants as geometry
 from verification.thesis.chapter3 import accuracy, daha, growth, substeps
 from verification.thesis.chapter3 import page as minimisers
 from verification.thesis.chapter3 import stability as steps
-from verification.thesis.chapter4 import differences, groups, in_time, programs
+from verification.thesis.chapter4 import differences, groups, outcomes
 from verification.thesis.chapter4 import page as transitions
 from verification.thesis.chapter5 import page as meanfield
 from verification.tissues import curved, fits
@@ -47,8 +47,8 @@ STUDIES: Mapping[str, Callable[..., Study]] = {
     "tissue_growth": growth.study,
     steps.NAME: steps.study,
     "tissue_daha": daha.study,
-    "emt_in_time": in_time.study,
-    "emt_ratios": programs.study,
+    "emt_in_time": outcomes.in_hours,
+    "emt_ratios": outcomes.at_the_end,
     "emt_groups": groups.study,
     "emt_ranking": groups.ranking,
     "emt_effects": differences.effects,
