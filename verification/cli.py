@@ -89,7 +89,7 @@ def claims(
 
 
 def _list_claims(table: pd.DataFrame) -> None:
-    """Print each claim with its place, quotation, verdict and measured numbers, then the verdicts not recorded."""
+    """Print each claim with place, quotation, choices, verdict and measured numbers, then the verdicts not recorded."""
     from verification.claims.decide import differing
 
     listed = Table(show_lines=True)
@@ -98,7 +98,8 @@ def _list_claims(table: pd.DataFrame) -> None:
     for row in table.itertuples():
         verdict = Text.assemble(f"{row.id}\n{row.source}\n", (row.verdict, COLOURS[Verdict(row.verdict)]))
         corrected = f"\nCorrected: {row.correction}" if row.correction else ""
-        listed.add_row(verdict, Text(f"“{row.quote}”{corrected}\n{row.measured}"))
+        chosen = f"\nChosen here: {row.chosen}" if row.chosen else ""
+        listed.add_row(verdict, Text(f"“{row.quote}”{corrected}{chosen}\n{row.measured}"))
     console = Console(highlight=False)
     console.print(listed)
     other = differing(table)
