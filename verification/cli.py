@@ -73,17 +73,15 @@ def claims(
     from verification.claims.decide import decide_all, differing
     from verification.site.context import Context
     from verification.site.store import DATA
-    from verification.thesis import selection
-    from verification.thesis.register import register
-    from verification.thesis.text.errata import FILE, errata
+    from verification.thesis.register import FILE, errata, register, select_claims, tables_for
 
     try:
-        chosen = selection.select_claims(register(), chapter or (), name or ())
+        chosen = select_claims(register(), chapter or (), name or ())
     except ValueError as error:
         raise typer.BadParameter(str(error)) from None
     with workers() as executor:
         context = Context(out, full, executor, STUDIES, complete=DATA)
-        tables = selection.tables_for(chosen, context)
+        tables = tables_for(chosen, context)
         table = decide_all(chosen, tables, executor)
     _list_claims(table)
     print(f"{len(errata())} errata, each with the reason that settles it, are in {FILE}")
