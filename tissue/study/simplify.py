@@ -26,6 +26,7 @@ from dincl.checks import path as checked_path
 from dincl.errors import InvalidProblem
 from dincl.study import Study
 from tissue.files.parameters import Parameters
+from tissue.runs.registration import own_code
 from tissue.study.categories import CONTROL_SIDES, What, run_values
 from tissue.study.estimates import Floats, holm
 from tissue.study.outcomes import emt_count, outcomes
@@ -125,7 +126,7 @@ def simplify(
     reasons = applicable(full.values())
     tried = [name for name in KINDS if not reasons[name]]
     texts = {name: parameters.as_toml() for name, parameters in full.items()}
-    settings = {"outcome": outcome, "seed": plan.seed, "scenarios": texts}
+    settings = {"outcome": outcome, "seed": plan.seed, "scenarios": texts, **own_code()}
     run = partial(measure, full, outcome, plan.seed)
 
     with (
