@@ -113,7 +113,9 @@ class StudyFile(Section):
         none = not self.scenarios and not self.factors
         _refused_if(none, f"scenarios is missing: must be {SCENARIOS}")
         for name in crossed(self.factors).keys() & self.scenarios.keys():
-            raise ValueError(f"scenarios.{describe(name)}: must have another name: levels of factors make this scenario")
+            raise ValueError(
+                f"scenarios.{describe(name)}: must have another name: levels of factors make this scenario"
+            )
         keys = {
             name: {key for level in levels.values() for key in flat(level)} for name, levels in self.factors.items()
         }
