@@ -12,11 +12,10 @@ from tissue.frames.observables import height
 from tissue.model.energy import energy
 from tissue.runs.simulate import simulate
 from verification.site.store import shipped
-from verification.thesis.chapter3 import accuracy, daha, growing, growth, linear, stability, substeps
-from verification.thesis.chapter3.frozen import Frozen, begun, floored, swing
-from verification.thesis.chapter3.growing import OUT_OF_BOUNDS, PRESETS, SUCCESS
-from verification.thesis.chapter3.intervals import over_seeds
-from verification.thesis.quasi_steady.run import simulate_quasi_steady
+from verification.thesis.chapter3 import accuracy, daha, growing, growth, stability, substeps
+from verification.thesis.chapter3.growing import OUT_OF_BOUNDS, PRESETS, SUCCESS, Frozen, begun, floored, swing
+from verification.thesis.chapter3.sampled import over_seeds
+from verification.thesis.quasi_steady.daha import simulate_quasi_steady
 
 
 def simulated(name, seed, end, **changes):
@@ -141,12 +140,12 @@ def test_hessian_of_a_cell_is_that_of_its_energy(rng):
     along = rng.standard_normal(5)
 
     def moved(sign):
-        names = zip(linear.UNKNOWNS, along, strict=True)
+        names = zip(accuracy.UNKNOWNS, along, strict=True)
         place = {name: getattr(state, name) + sign * step * part for name, part in names}
         return energy(state._replace(**place), network, THESIS)
 
     second = (moved(1) - 2 * moved(0) + moved(-1)) / step**2
-    assert along @ linear.own_hessians(state, THESIS)[0] @ along == pytest.approx(second, rel=1e-4)
+    assert along @ accuracy.own_hessians(state, THESIS)[0] @ along == pytest.approx(second, rel=1e-4)
 
 
 def test_swing_is_the_period_two_part_of_the_substeps():
