@@ -90,7 +90,7 @@ def own_code() -> dict[str, str]:
     """
     modules = {name: digest for one in _every_function() for name, digest in sources(one.__module__).items()}
     mine = {name: digest for name, digest in sorted(modules.items()) if name.partition(".")[0] not in PACKAGES}
-    plain = (one for kind in (Variable, Parameter) for one in registered(kind))
+    plain: list[Any] = [*registered(Variable), *registered(Parameter)]
     return mine | {f"{type(one).__name__} {one.name}": repr(one) for one in plain}
 
 
