@@ -308,6 +308,12 @@ def test_a_wall_must_not_turn_across_an_axis_that_repeats():
         assert "must not cross an axis that repeats" in path.detail
 
 
+def test_an_order_holds_along_an_axis_of_a_box_that_does_not_repeat():
+    crossing = constant([[1.0, 1.0], [1.0, -1.0]])
+    problem = dincl.Problem([[0.0, 0.0], [0.0, 1.0]], crossing, [dincl.Ordered([0, 1], 1)], box=(9.0, None))
+    assert dincl.solve(problem, dincl.EventDriven(1e-9), 2.0).final == pytest.approx(np.array([[2.0, 0.5], [2.0, 0.5]]))
+
+
 @pytest.mark.parametrize("box", [False, True])
 @pytest.mark.parametrize("d", [2, 3])
 def test_sets_that_are_functions_of_time_are_tabulated_with_mobilities_and_boxes_too(d, box):
