@@ -185,6 +185,7 @@ def test_a_page_says_how_it_ended_with_picture_and_summary(run):
     assert "&lt;lost&gt;" in page
     assert b64decode(page.partition("base64,")[2].partition('"')[0]).startswith(b"RIFF")
     assert page.count("<tr>") == 5  # states below the head, which has a style
+    assert "<th>0</th>" not in page
 
 
 def test_a_run_pickles(run):

@@ -257,6 +257,8 @@ def test_what_is_not_identified_is_said_first(stand_in):
     alone = stand_in.given(data[:1])
     assert alone.intervals()["identified"].tolist() == [True, False]
     assert alone.remarks()[0].startswith("tissue.two_daughters is not identified: its 95 % interval covers 9")
+    assert alone._repr_html_().startswith(f"<ul><li>{alone.remarks()[0]}</li>")
+    assert "<th>0</th>" not in alone._repr_html_()  # numbers of rows say nothing
     assert np.isnan(stand_in.given(data[2:]).p_value()) or stand_in.given(data[2:]).remarks()
     together = stand_in.given(data[2:].assign(standard_error=0.01))  # the sum alone
     assert any("are identified together only: their correlation is -0.9" in line for line in together.remarks())

@@ -325,6 +325,7 @@ def test_results_are_the_tables_in_order():
     assert results.summary().to_dict("list") == counts
     assert [len(results.cells(name)) for name in record.scenarios] == [138, 138]
     assert "2 scenarios of 70 runs, complete" in results._repr_html_()
+    assert "<th>0</th>" not in results._repr_html_()
     assert results.origin["runs of each scenario, as planned"] == "70"
     assert {"dincl-testbed", "numba", "numpy"} <= results.origin.keys()
     assert repr(pickle.loads(pickle.dumps(results))) == repr(results)

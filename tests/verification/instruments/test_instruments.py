@@ -116,6 +116,7 @@ def test_results_show_and_keep_themselves(chart, tmp_path):
     for result in (orders, chart):
         pd.testing.assert_frame_equal(pickle.loads(pickle.dumps(result)).table, result.table)
         assert result._repr_html_().count("<table") >= 1
+        assert "<th>0</th>" not in result._repr_html_()
         axes = result.plot()
         assert result.plot(axes) is axes
 

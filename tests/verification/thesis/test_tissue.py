@@ -1,8 +1,12 @@
 """The studies of the tissue: substeps, growth, stability and DAHA measure what they say, seen by other means."""
 
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.container import ErrorbarContainer
+from matplotlib.figure import Figure
 from scipy.stats import t as student
 
 from tests.tissue.states import THESIS, cells, layers, numbers, tissue
@@ -12,11 +16,12 @@ from tissue.frames.observables import height
 from tissue.model.energy import energy
 from tissue.runs.simulate import simulate
 from verification.site.store import shipped
-from verification.thesis.chapter3 import accuracy, daha, growing, growth, linear, stability, substeps
+from verification.thesis.chapter3 import accuracy, daha, figures, growing, growth, linear, stability, substeps
 from verification.thesis.chapter3.frozen import Frozen, begun, floored, swing
 from verification.thesis.chapter3.growing import OUT_OF_BOUNDS, PRESETS, SUCCESS
 from verification.thesis.chapter3.intervals import over_seeds
 from verification.thesis.quasi_steady.run import simulate_quasi_steady
+from verification.tissues.needs import page, study
 
 
 def simulated(name, seed, end, **changes):
@@ -286,3 +291,38 @@ def test_substeps_and_catch_up_approach_one_motion():
 def test_pbd_is_cheapest_where_little_accuracy_is_asked_for():
     won = accuracy.MOTION.result(shipped("tissue_motion")).cheapest([1e-2, 1e-4]).set_index("target")["cheapest"]
     assert won.to_dict() == {1e-2: "substeps of PBD", 1e-4: "MidpointCatchUp"}
+
+
+# Figures
+
+
+def heights():
+    made = substeps.accuracy(shipped("tissue_substeps"))
+    return figures.substeps, (made,), 100 * made.loc[made["t"] == made["t"].max(), ["low", "high"]].dropna()
+
+
+def dampings():
+    table = shipped("tissue_daha")
+    found = daha.distances(table)
+    ends = found.loc[found["kind"] == "pbd", ["low", "high", "height_low", "height_high"]]
+    return figures.damping, (found, daha.fitted(table)), 100 * ends
+
+
+def needs():
+    rows = shipped(study.NAME)
+    rows = rows[rows["question"] == rows["question"].iloc[0]]
+    return page.draw, (rows, "points", 100.0), 100 * rows[["low", "high"]].dropna()
+
+
+@pytest.mark.parametrize("case", [heights, dampings, needs])
+def test_intervals_are_drawn_from_end_to_end(case, tmp_path, monkeypatch):
+    drawn = []
+    monkeypatch.setattr(Figure, "savefig", lambda figure, file, **_: (drawn.append(figure), Path(file).touch()))
+    draw, given, ends = case()
+    draw(*given, tmp_path / "x.png")
+    errors = [one for panel in drawn[0].axes for one in panel.containers if isinstance(one, ErrorbarContainer)]
+    bars = np.array([bar for one in errors for lines in one[2] for bar in lines.get_segments() if len(bar)])
+    along = np.ptp(bars, axis=1).argmax(axis=1)
+    found = bars[np.arange(len(bars)), :, along].tolist()
+    expected = ends.to_numpy().reshape(-1, 2).tolist()
+    np.testing.assert_allclose(sorted(found), sorted(expected))
