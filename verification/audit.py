@@ -5,14 +5,11 @@ from collections.abc import Callable, Mapping
 from dincl.study import Study
 from verification.methods import large_steps, orders, proved, references, strengths
 from verification.methods import page as experiments
-from verification.methods.chart import page as chart
 from verification.methods.chart import programs as engines
 from verification.methods.chart import references as charted
 from verification.methods.chart import work_precision
-from verification.methods.decisions import section as decisions
-from verification.methods.decisions import study as decided
-from verification.methods.hard import page as hard
-from verification.methods.hard import study as drawn
+from verification.methods.decisions import study as decisions
+from verification.methods.hard import study as hard
 from verification.methods.stability import page as stability
 from verification.site.report import Page
 from verification.thesis import page as claims
@@ -20,12 +17,11 @@ from verification.thesis.chapter1 import prox_constants as geometry
 from verification.thesis.chapter3 import accuracy, daha, growth, substeps
 from verification.thesis.chapter3 import page as minimisers
 from verification.thesis.chapter3 import stability as steps
-from verification.thesis.chapter4 import differences, groups, in_time, programs
+from verification.thesis.chapter4 import differences, groups, outcomes
 from verification.thesis.chapter4 import page as transitions
 from verification.thesis.chapter5 import page as meanfield
 from verification.tissues import curved, fits
-from verification.tissues.needs import page as needs
-from verification.tissues.needs import study as asked
+from verification.tissues.needs import study as needs
 from verification.tissues.space import growth as grown
 from verification.tissues.space import isolated, sheet
 from verification.tissues.space import page as space
@@ -43,16 +39,16 @@ STUDIES: Mapping[str, Callable[..., Study]] = {
     "work_references": charted.study,
     "work_precision": work_precision.study,
     "programs": engines.study,
-    "decisions": decided.study,
-    "hard_scenes": drawn.study,
+    "decisions": decisions.study,
+    "hard_scenes": hard.study,
     "tissue_substeps": substeps.study,
     "tissue_motion": accuracy.motion,
     "tissue_judged": accuracy.steps,
     "tissue_growth": growth.study,
     steps.NAME: steps.study,
     "tissue_daha": daha.study,
-    "emt_in_time": in_time.study,
-    "emt_ratios": programs.study,
+    "emt_in_time": outcomes.in_hours,
+    "emt_ratios": outcomes.at_the_end,
     "emt_groups": groups.study,
     "emt_ranking": groups.ranking,
     "emt_effects": differences.effects,
@@ -61,11 +57,11 @@ STUDIES: Mapping[str, Callable[..., Study]] = {
     "space_isolated": isolated.study,
     "space_sheet": sheet.study,
     "curved_ways_out": curved.study,
-    "needs_answers": asked.study,
+    "needs_answers": needs.study,
     "fit_coverage": fits.study,
 }
 # Modules with ``run`` and ``show``; what they write about is in docs/results. The claims read the tables of all others.
 PAGES: tuple[Page, ...] = (
-    *(experiments, chart, decisions, needs, stability, hard, geometry),
+    *(experiments, work_precision, decisions, needs, stability, hard, geometry),
     *(minimisers, transitions, curved, space, meanfield, claims),
 )

@@ -73,17 +73,15 @@ def claims(
     from verification.claims.decide import decide_all, differing
     from verification.site.context import Context
     from verification.site.store import DATA
-    from verification.thesis import selection
-    from verification.thesis.register import register
-    from verification.thesis.text.errata import FILE, errata
+    from verification.thesis.register import FILE, errata, register, select_claims, tables_for
 
     try:
-        chosen = selection.select_claims(register(), chapter or (), name or ())
+        chosen = select_claims(register(), chapter or (), name or ())
     except ValueError as error:
         raise typer.BadParameter(str(error)) from None
     with workers() as executor:
         context = Context(out, full, executor, STUDIES, complete=DATA)
-        tables = selection.tables_for(chosen, context)
+        tables = tables_for(chosen, context)
         table = decide_all(chosen, tables, executor)
     _list_claims(table)
     print(f"{len(errata())} errata, each with the reason that settles it, are in {FILE}")
@@ -91,7 +89,7 @@ def claims(
 
 
 def _list_claims(table: pd.DataFrame) -> None:
-    """Print each claim with its place, quotation, verdict and measured numbers, then the verdicts not recorded."""
+    """Print each claim with place, quotation, choices, verdict and measured numbers, then the verdicts not recorded."""
     from verification.claims.decide import differing
 
     listed = Table(show_lines=True)
@@ -100,7 +98,8 @@ def _list_claims(table: pd.DataFrame) -> None:
     for row in table.itertuples():
         verdict = Text.assemble(f"{row.id}\n{row.source}\n", (row.verdict, COLOURS[Verdict(row.verdict)]))
         corrected = f"\nCorrected: {row.correction}" if row.correction else ""
-        listed.add_row(verdict, Text(f"“{row.quote}”{corrected}\n{row.measured}"))
+        chosen = f"\nChosen here: {row.chosen}" if row.chosen else ""
+        listed.add_row(verdict, Text(f"“{row.quote}”{corrected}{chosen}\n{row.measured}"))
     console = Console(highlight=False)
     console.print(listed)
     other = differing(table)

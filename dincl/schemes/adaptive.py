@@ -101,13 +101,17 @@ def stretches(scales: TimeScales, times: Floats, part: float) -> list[Stretch]:
 
 
 class Reached(NamedTuple):
-    """A state ``x`` (N, d) at time t, the length of the step that led to it from ``before`` (N, d), and of the next."""
+    """A state ``x`` (N, d) at time t, the length of the step that led to it from ``before`` (N, d), and of the next.
+
+    Behind a break the run begins ``anew``: the step before tells nothing of the next one.
+    """
 
     t: float
     x: Floats
     before: Floats
     last: float
     h: float
+    anew: bool = False
 
     def at(self, t: float) -> Floats:
         """Compute x(t) within the last step by (1.48)."""
@@ -180,7 +184,8 @@ class AdaptiveRuns:
 
         stepper = self._stepper
         place, memory = stepper.pointer.address, self._memory.address
-        t, h, last, code, total, most = state.t, state.h, state.last, OK, 0, max(CHUNK // len(self.problem.x0), 1)
+        last = 0.0 if state.anew else state.last
+        t, h, code, total, most = state.t, state.h, OK, 0, max(CHUNK // len(self.problem.x0), 1)
         since, tried, slow = t, 0, False
         most = most if self._watch is None else 1
         stepper.pointer.value.x[:] = state.x.ravel()
@@ -199,7 +204,7 @@ class AdaptiveRuns:
                 if self._watch is not None and made:
                     self.reached = self._here(t, last, h)
                     self._look(self.reached)
-        self.reached = self._here(t, last, h) if total else Reached(t, state.x, state.before, last, h)
+        self.reached = self._here(t, last, h) if total else state
         if code == TOO_SHORT:
             raise StepFailure(Status.STEP_TOO_SMALL, "The estimated error of a step does not fall with its length.")
         if code != OK:
@@ -227,10 +232,11 @@ class AdaptiveRuns:
         if part.resume == part.until:
             return state
         x, violation = state.x, self.problem.violation(part.resume, state.x)
+        self.reached = state._replace(t=part.resume, h=FIRST * part.longest_step, anew=True)
         if violation > self.tol:
             feasible = FeasibleSet(self.problem, ActiveSet(self.tol).solver(), self._stepper.work, linearised=False)
             x = feasible.nearest(part.resume, x, x, violation).point
-        self.reached = Reached(part.resume, x, x, 0.0, FIRST * part.longest_step)
+            self.reached = self.reached._replace(x=x, before=x, last=0.0)
         self._look(self.reached)
         return self.reached
 

@@ -53,8 +53,10 @@ def test_a_disc_that_slides_is_pushed_as_its_exact_solution_says(scheme):
 def test_a_moving_wall_pushes_with_the_velocity_it_gives():
     wall = dincl.Moving(dincl.HalfSpace((1, 0)), lambda t: (2.0 * t, 0.0))
     problem = dincl.Problem([(0.0, 0.0)], lambda t, x: np.full_like(x, -0.5), [wall])
-    for scheme in (dincl.EventDriven(1e-9), dincl.CatchUp(0.01, dincl.ActiveSet(1e-12))):
+    for scheme in (dincl.EventDriven(1e-9), dincl.CatchUp(0.01, dincl.ActiveSet(1e-12)), dincl.AdaptiveCatchUp(1e-3)):
         assert dincl.solve(problem, scheme, t=1.0).forces(0.5).load(0) == pytest.approx([2.5, 0.0], abs=1e-8)
+        at_break = dincl.solve(problem, scheme, t=[0.5, 1.0], breaks=[0.5])
+        assert at_break.forces([0.5, 1.0])[0].load(0) == pytest.approx([2.5, 0.0], abs=1e-8)
 
 
 def test_dependent_contacts_share_their_load_evenly():

@@ -222,12 +222,13 @@ def test_a_study_ends_with_one_line_on_what_was_done():
     assert list(failures(results, results.summary())) == failed  # of each Status that there is
     again = call("study", "small.toml", "--out", "out")
     assert again.stdout.startswith("140 runs, 0 of them now in ")
-    for args in (("run", "tissue.toml"), ("simplify", "small.toml", "--tolerance", 1)):
+    for args, message in (
+        (("run", "tissue.toml"), "holds the results of a study; must be another folder"),
+        (("simplify", "small.toml", "--tolerance", 1), "must be new, empty or the folder of this simplification; it "),
+    ):
         other = call(*args, "--out", "out")
-        assert (other.exit_code, other.stderr) == (
-            2,
-            "Error: out: holds the results of a study; must be another folder\n",
-        )
+        assert other.exit_code == 2
+        assert other.stderr.startswith(f"Error: out: {message}")
 
 
 @pytest.mark.parametrize(

@@ -112,6 +112,10 @@ class StudyFile(Section):
     def _together(self) -> StudyFile:
         none = not self.scenarios and not self.factors
         _refused_if(none, f"scenarios is missing: must be {SCENARIOS}")
+        for name in crossed(self.factors).keys() & self.scenarios.keys():
+            raise ValueError(
+                f"scenarios.{describe(name)}: must have another name: levels of factors make this scenario"
+            )
         keys = {
             name: {key for level in levels.values() for key in flat(level)} for name, levels in self.factors.items()
         }
@@ -354,10 +358,13 @@ def _planned(asked: Compare, factors: Factors, scenarios: Mapping[str, Parameter
         found = all_pairs(scenarios, asked.outcomes, asked.measures)
     else:
         questions = list(_effects(asked.effect, asked.by, factors)) if asked.effect or asked.by else []
-        for question, weights in asked.contrasts.items():
-            _check_weights(f"compare.contrasts.{describe(question)}", weights, scenarios)
-        contrasts = {question: weights for question, weights, _ in questions} | asked.contrasts
         effects = {question: effect for question, _, effect in questions}
+        for question, weights in asked.contrasts.items():
+            key = f"compare.contrasts.{describe(question)}"
+            if question in effects:
+                raise InvalidProblem(f"{key}: must have another name: compare.effect asks a question of this name")
+            _check_weights(key, weights, scenarios)
+        contrasts = {question: weights for question, weights, _ in questions} | asked.contrasts
         found = PlannedComparisons(asked.outcomes, asked.measures, contrasts, effects)
     shares = [one for one in asked.outcomes if one in get_args(What)]
     bare = ", ".join(repr(name) for name in found.scenarios if not emt_count(scenarios[name]))

@@ -26,15 +26,16 @@ from dincl.checks import path as checked_path
 from dincl.errors import InvalidProblem
 from dincl.study import Study
 from tissue.files.parameters import Parameters
+from tissue.runs.registration import own_code
 from tissue.study.categories import CONTROL_SIDES, What, run_values
 from tissue.study.estimates import Floats, holm
 from tissue.study.outcomes import emt_count, outcomes
 from tissue.study.plan import TissueStudy, load_study, outcome_names, run_seeds
 from tissue.study.simplifications import KINDS, applicable, simplified
-from tissue.study.store import refuse_study
+from tissue.study.store import refuse_others
 
 Outcome = str | Callable[[pd.DataFrame, float], pd.Series]
-FULL, AND = "the full model", " + "
+NAME, FULL, AND = "simplify", "the full model", " + "
 # Probability that "equivalent" is said of any model that is not; half of it for single ones, half for the combination.
 ERROR = 0.05
 # Runs of one piece of work; the first replicate of the combination, which no simplification was chosen by.
@@ -107,16 +108,16 @@ def simplify(
     runs
         Of each model, 16 at least.
     out
-        The folder of the table of runs, from which the same call goes on; None: it is not kept.
+        The folder of the table of runs, new or empty, from which the same call goes on; None: it is not kept.
 
     Raises
     ------
     InvalidProblem
-        If the study or an argument is not in order, or most runs of the full model fail.
+        If the study or an argument is not in order, ``out`` holds something else, or most runs of the full model fail.
     """
     plan = load_study(study)
-    if out is not None:
-        refuse_study(checked_path("out", out))
+    if out is not None and not any(checked_path("out", out).glob(f"{NAME}.*")):
+        refuse_others(checked_path("out", out), "simplification")
     full = _asked(plan, scenarios, outcome, at)
     shares = not callable(outcome) and outcome in (*get_args(What), *CONTROL_SIDES)
     if number("tolerance", tolerance, positive=True) >= 1 and shares:
@@ -125,7 +126,7 @@ def simplify(
     reasons = applicable(full.values())
     tried = [name for name in KINDS if not reasons[name]]
     texts = {name: parameters.as_toml() for name, parameters in full.items()}
-    settings = {"outcome": outcome, "seed": plan.seed, "scenarios": texts}
+    settings = {"outcome": outcome, "seed": plan.seed, "scenarios": texts, **own_code()}
     run = partial(measure, full, outcome, plan.seed)
 
     with (
@@ -141,7 +142,7 @@ def simplify(
                 for scenario in full
             )
             title, unit = f"{len(models)} simplifications", "batches"
-            made = Study("simplify", title, ("model", "scenario", "first"), keys, run, settings, unit=unit)
+            made = Study(NAME, title, ("model", "scenario", "first"), keys, run, settings, unit=unit)
             rows = made.complete(Path(folder), threads)
             return _compared(rows[rows["replicate"] < first + runs], models, list(full), tolerance, shares)
 

@@ -2,8 +2,16 @@
 
 from __future__ import annotations
 
+from verification.claims import Table
 from verification.methods import large_steps, orders, references, strengths
 from verification.site.context import Context
+
+# The tables that claims of chapter 2 read, and what makes each.
+PAGE = "verification.methods.page"
+REFERENCES = Table("references", f"{PAGE}:refer")
+ORDERS, FITS = (Table(name, f"{PAGE}:converge") for name in ("orders", "order_fits"))
+PENALTY_BEST = Table("penalty_best", f"{PAGE}:overlap")
+LARGE_STEPS = Table("large_steps", f"{PAGE}:stride")
 
 
 def run(context: Context) -> None:

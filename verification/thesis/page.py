@@ -9,8 +9,7 @@ from verification.claims import Effect, Verdict
 from verification.claims.decide import READING, decide_all, readings
 from verification.claims.graph import corrected_below
 from verification.site.context import Context
-from verification.thesis.register import chapter_of, register
-from verification.thesis.text.errata import errata
+from verification.thesis.register import chapter_of, errata, register
 
 ERRATA = {
     "id": "Erratum",

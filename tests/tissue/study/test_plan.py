@@ -200,6 +200,8 @@ def test_contrasts_of_named_scenarios():
         ('by = "shape"', 'contrasts = 3', "compare.contrasts = 3: must be a table of weights of scenarios for each"),
         ('by = "shape"', 'contrasts.q = { "late, arc" = 1, "late, line" = -2 }', "compare.contrasts.'q' = {'late, "),
         ('by = "shape"', 'contrasts.q = { "late, arc" = 1, "lat" = -1 }', "compare.contrasts.'q'.'lat' = -1: must be"),
+        ('by = "shape"', 'contrasts."early - late" = { "late, arc" = 1, "early, arc" = -1 }',
+         "compare.contrasts.'early - late': must have another name: compare.effect asks"),
     ],
 )  # fmt: skip
 def test_what_is_wrong_in_compare_is_said_in_one_message(old, new, message):
@@ -213,6 +215,7 @@ def test_what_is_wrong_in_compare_is_said_in_one_message(old, new, message):
     [
         (FACTORS.replace("arc = ", "#"), "factors = {'time': "),
         (FACTORS.replace("line = {}", 'line = { emt.a = "9 h" }'), "factors time and shape both set emt.a: must set "),
+        (FACTORS + '[scenarios."early, arc"]\n', "scenarios.'early, arc': must have another name: levels of factors"),
         ("", "scenarios is missing: must be at least one table"),
         (
             FACTORS + "[compare]\n",

@@ -14,6 +14,7 @@ from typer.testing import CliRunner
 
 import tissue
 from dincl.errors import InvalidProblem
+from tests.tissue.users import shelves
 from tissue.cli.app import app
 from tissue.files.parameters import Parameters
 from tissue.study.outcomes import Outcomes
@@ -116,6 +117,10 @@ def test_those_that_are_equivalent_are_combined_and_tested_with_fresh_seeds() ->
     count = len(MADE)
     assert simplify("study.toml", 1.1, out="out", **ASKS).answer == found.answer
     assert len(MADE) == count
+    with shelves():  # runs of other modules of users are other runs
+        tissue.register(tissue.Variable("dose", "of a drug"))
+        simplify("study.toml", 1.1, out="out", **ASKS)
+    assert len(MADE) == 2 * count
 
 
 @pytest.mark.slow

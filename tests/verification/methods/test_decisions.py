@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 import dincl
-from verification.methods.decisions import section, study
+from verification.methods.decisions import study
 from verification.methods.decisions.scenes import DRIFTS, LAYOUTS, SETS, scene
 from verification.site.store import shipped
 
@@ -57,11 +57,11 @@ def test_the_promise_of_auto_is_judged_against_what_is_true() -> None:
     rows.append(row(2, study.AUTO, 5e-3, 12.0, stated=5e-4))
     rows.append(row(3, study.AUTO, np.nan, 1.0, status="NOT_CONVERGED"))
     rows.append(row(4, "", np.nan, np.nan, status=study.NO_REFERENCE))
-    kept = section.promise(pd.DataFrame(rows))
+    kept = study.promise(pd.DataFrame(rows))
     assert kept[["count", "of"]].to_numpy().tolist() == [[2, 4], [2, 3], [1, 3], [1, 3]]
     assert (kept["low"] < kept["share"]).all()
     assert (kept["share"] < kept["high"]).all()
-    costs = section.costs_of_auto(pd.DataFrame(rows))
+    costs = study.costs_of_auto(pd.DataFrame(rows))
     assert costs["scenes"].tolist() == [3, 3, 3]
     assert costs["median"].tolist() == [4.0, 4.0, 2.0]
     assert costs["most"].tolist() == pytest.approx([5.6, 5.6, 2.8])
@@ -74,7 +74,7 @@ def test_a_profile_counts_who_is_the_cheapest_who_ties_and_who_fails() -> None:
         for name, cost in zip((PBD, MIDPOINT, EVENTS), seconds, strict=True):
             rows.append(row(seed, name, 1e-4 if np.isfinite(cost) else 1.0, min(cost, 9.0)))
     rows.append(row(4, "", np.nan, np.nan, status=study.NO_REFERENCE))
-    found = section.shares(pd.DataFrame(rows)).set_index(["cost", "error", "method"]).sort_index()
+    found = study.shares(pd.DataFrame(rows)).set_index(["cost", "error", "method"]).sort_index()
     mine = found.loc["CPU time", "10⁻⁴ to 10⁻³"]
     assert (mine["scenes"] == 4).all()
     assert mine.loc[PBD, ["alone", "1", "reached"]].tolist() == [0.25, 0.5, 0.5]
@@ -88,7 +88,7 @@ def test_a_profile_counts_who_is_the_cheapest_who_ties_and_who_fails() -> None:
 
 @pytest.mark.slow
 def test_a_scene_is_run_by_all_methods() -> None:
-    rows = pd.DataFrame(study.run({"seed": 2}, smallest=False))
+    rows = pd.DataFrame(study.run_scene({"seed": 2}, smallest=False))
     assert set(rows["method"]) == {*study.LOOKS, study.AUTO}
     assert set(rows) == set(shipped("decisions"))
     auto = rows[rows["method"] == study.AUTO].iloc[0]
@@ -99,8 +99,8 @@ def test_a_scene_is_run_by_all_methods() -> None:
 
 
 def test_auto_keeps_the_error_on_the_kept_scenes() -> None:
-    right, _, stated, beyond = section.promise(shipped("decisions")).itertuples()
+    right, _, stated, beyond = study.promise(shipped("decisions")).itertuples()
     assert right.of >= 0.9 * len(study.SEEDS)
-    assert right.share >= section.WANTED["right"]
-    assert stated.share >= section.WANTED["stated"]
+    assert right.share >= study.WANTED["right"]
+    assert stated.share >= study.WANTED["stated"]
     assert beyond.count == 0

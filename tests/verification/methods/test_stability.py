@@ -13,7 +13,7 @@ import dincl
 from dincl import FixedStep, study
 from tests.executors import Here
 from verification import cli
-from verification.methods.stability import cases, crowd, drift, penalty, radius, rows, saddle, sweeps_or_steps
+from verification.methods.stability import cases, few_sweeps, long_steps
 from verification.methods.stability.page import MAPS, places_and_kinds
 from verification.methods.stability.schemes import SCHEMES
 from verification.site import sheet
@@ -58,7 +58,12 @@ def test_contraction_of_dual_sweeps(count):
 
 @pytest.mark.parametrize("n", [1, 2, 3, 8])
 def test_penalty_limit_of_a_row(n):
-    matrix = rows.pressed(n).rows_within(0.0, rows.pressed(n).x0, 0.05).jacobian(rows.pressed(n).x0).toarray()
+    matrix = (
+        few_sweeps.pressed(n)
+        .rows_within(0.0, few_sweeps.pressed(n).x0, 0.05)
+        .jacobian(few_sweeps.pressed(n).x0)
+        .toarray()
+    )
     assert cases.row_limit(n) == pytest.approx(2 / np.linalg.eigvalsh(matrix @ matrix.T)[-1], rel=1e-12)
 
 
@@ -68,7 +73,7 @@ def test_equilibrium_of_pbd_in_a_row(n):
     dt = 1e-3
     overlaps = [n - k - 1 + (n if k == 1 else 0) for k in range(1, n)]
     assert cases.equilibrium(n, dt) == pytest.approx(dt * np.concatenate(([0], np.cumsum(overlaps))), abs=1e-10)
-    assert rows.sunk(n) == sum(overlaps)
+    assert few_sweeps.sunk(n) == sum(overlaps)
     # More sweeps help, and smaller steps.
     if n > 1:
         assert cases.equilibrium(n, dt, sweeps=4)[-1] < cases.equilibrium(n, dt)[-1] / 2
@@ -77,21 +82,21 @@ def test_equilibrium_of_pbd_in_a_row(n):
 def test_densest_heap():
     # Four discs: a rhombus; seven: a disc and its ring; ten: a double hexagon around a bond, sum |x|^2 = 13.5. A heap
     # of many is a round disc, R / sqrt(2).
-    assert crowd.densest(4) == pytest.approx(math.sqrt(0.5))
-    assert crowd.densest(10) == pytest.approx(math.sqrt(1.35))
-    assert crowd.densest(7) == pytest.approx(math.sqrt(6 / 7))
-    assert crowd.densest(4000) == pytest.approx(crowd.radius(4000) / math.sqrt(2), rel=1e-3)
+    assert few_sweeps.densest(4) == pytest.approx(math.sqrt(0.5))
+    assert few_sweeps.densest(10) == pytest.approx(math.sqrt(1.35))
+    assert few_sweeps.densest(7) == pytest.approx(math.sqrt(6 / 7))
+    assert few_sweeps.densest(4000) == pytest.approx(few_sweeps.radius(4000) / math.sqrt(2), rel=1e-3)
 
 
 def test_a_chain_is_pulled_straight_and_a_column_stands():
-    far = dincl.solve(sweeps_or_steps.chain(), dincl.EventDriven(1e-8), t=[20.0]).final
-    assert np.linalg.norm(np.diff(far, axis=0), axis=1) == pytest.approx(np.ones(sweeps_or_steps.LINKS - 1), abs=1e-6)
-    rest = dincl.solve(sweeps_or_steps.column(), dincl.EventDriven(1e-8), t=[5.0]).final
-    assert rest[:, 0] == pytest.approx(0.5 + np.arange(sweeps_or_steps.COLUMN), abs=1e-6)
+    far = dincl.solve(few_sweeps.chain(), dincl.EventDriven(1e-8), t=[20.0]).final
+    assert np.linalg.norm(np.diff(far, axis=0), axis=1) == pytest.approx(np.ones(few_sweeps.LINKS - 1), abs=1e-6)
+    rest = dincl.solve(few_sweeps.column(), dincl.EventDriven(1e-8), t=[5.0]).final
+    assert rest[:, 0] == pytest.approx(0.5 + np.arange(few_sweeps.COLUMN), abs=1e-6)
 
 
 def test_one_sweep_with_the_smallest_step_is_never_far_from_the_best():
-    best = sweeps_or_steps.divisions(shipped("stability_sweeps_or_steps"))
+    best = few_sweeps.divisions(shipped("stability_sweeps_or_steps"))
     assert best["one"].max() < 2.0
     four = best[best["method"].str.contains("four discs")]
     assert (four["best"] == 1).all()
@@ -100,19 +105,19 @@ def test_one_sweep_with_the_smallest_step_is_never_far_from_the_best():
 
 # Name of a map -> values of x and y, method -> outcome.
 CELLS = [
-    (rows.MAP, (1 / 64, 2), {"PBD": "inaccurate"}),
-    (rows.MAP, (1 / 64, 8), {"PBD": "infeasible", "catch-up with Daqp": "converged"}),
-    (crowd.NUMBERS, (1.0, 16), {"PBD": "refused"}),
-    (crowd.NUMBERS, (2.2, 16), {"PBD": "unstable"}),
-    (crowd.SWEEPS, (0.3, 1), {"PBD": "infeasible"}),
-    (penalty.MAP, (0.01, 300.0), {penalty.SPRINGS: "unstable", penalty.PRINTED: "infeasible"}),
-    (penalty.MAP, (0.01, 100.0), {penalty.SPRINGS: "converged"}),
-    (penalty.MAP, (0.01, 5.0), {penalty.SPRINGS: "infeasible"}),
-    (radius.MAP, (0.5, 3.0), {"catch-up with Daqp": "inaccurate", "linearised with Daqp": "converged"}),
-    (drift.MAP, (0.5, 4.5), {"PBD": "unstable", "second-order PBD": "inaccurate"}),
-    (saddle.MAP, (0.5, 0.5), {saddle.PLAIN: "converged"}),
-    (saddle.MAP, (1.0, 1.5), {saddle.UZAWA: "converged"}),
-    (saddle.MAP, (1.0, 2.5), {saddle.UZAWA: "did not terminate"}),
+    (few_sweeps.ROW, (1 / 64, 2), {"PBD": "inaccurate"}),
+    (few_sweeps.ROW, (1 / 64, 8), {"PBD": "infeasible", "catch-up with Daqp": "converged"}),
+    (few_sweeps.CROWD_NUMBERS, (1.0, 16), {"PBD": "refused"}),
+    (few_sweeps.CROWD_NUMBERS, (2.2, 16), {"PBD": "unstable"}),
+    (few_sweeps.CROWD_SWEEPS, (0.3, 1), {"PBD": "infeasible"}),
+    (long_steps.PENALTY, (0.01, 300.0), {long_steps.SPRINGS: "unstable", long_steps.PRINTED: "infeasible"}),
+    (long_steps.PENALTY, (0.01, 100.0), {long_steps.SPRINGS: "converged"}),
+    (long_steps.PENALTY, (0.01, 5.0), {long_steps.SPRINGS: "infeasible"}),
+    (long_steps.RADIUS, (0.5, 3.0), {"catch-up with Daqp": "inaccurate", "linearised with Daqp": "converged"}),
+    (long_steps.DRIFT, (0.5, 4.5), {"PBD": "unstable", "second-order PBD": "inaccurate"}),
+    (long_steps.SADDLE, (0.5, 0.5), {long_steps.PLAIN: "converged"}),
+    (long_steps.SADDLE, (1.0, 1.5), {long_steps.UZAWA: "converged"}),
+    (long_steps.SADDLE, (1.0, 2.5), {long_steps.UZAWA: "did not terminate"}),
 ]
 
 
@@ -126,10 +131,10 @@ def test_cells_say_what_happened(drawn, at, expected):
 @pytest.mark.parametrize(
     ("drawn", "method", "failure"),
     [
-        (drift.MAP, "PBD", "unstable"),
-        (drift.MAP, "second-order PBD", "unstable"),
-        (penalty.MAP, penalty.SPRINGS, "unstable"),
-        (radius.MAP, "catch-up with Daqp", "inaccurate"),
+        (long_steps.DRIFT, "PBD", "unstable"),
+        (long_steps.DRIFT, "second-order PBD", "unstable"),
+        (long_steps.PENALTY, long_steps.SPRINGS, "unstable"),
+        (long_steps.RADIUS, "catch-up with Daqp", "inaccurate"),
     ],
 )
 def test_shipped_cells_fail_beyond_the_limit_that_is_drawn(drawn, method, failure):

@@ -10,10 +10,10 @@ import dincl
 from tests.executors import Here, Nowhere
 from verification.audit import STUDIES
 from verification.instruments.charts import made_of
-from verification.methods.chart import page as chapter
 from verification.methods.chart import work_precision
+from verification.methods.chart import work_precision as chapter
 from verification.methods.chart.references import SCENES, known
-from verification.methods.decisions import section as decisions
+from verification.methods.decisions import study as decisions
 from verification.methods.methods import (
     ADAPTIVE,
     CHARTED,

@@ -10,8 +10,7 @@ from tests.executors import Nowhere
 from verification.audit import STUDIES
 from verification.site.context import Context
 from verification.site.store import DATA
-from verification.thesis.register import register
-from verification.thesis.selection import tables_for
+from verification.thesis.register import register, tables_for
 
 CLAIMS = {claim.id: claim for claim in register()}
 

@@ -12,7 +12,7 @@ from tests.executors import Here
 from verification import cli
 from verification.claims import Claim, Correction, Effect, Evidence, Table, Tables, Verdict, decide, equal
 from verification.site.context import Context
-from verification.thesis import register, selection
+from verification.thesis import register
 
 
 def right() -> Evidence:
@@ -56,14 +56,14 @@ def few(monkeypatch: pytest.MonkeyPatch) -> None:
     ],
 )
 def test_selection(chapters: tuple[int, ...], names: tuple[str, ...], ids: list[str]) -> None:
-    assert [claim.id for claim in selection.select_claims(CLAIMS, chapters, names)] == ids
+    assert [claim.id for claim in register.select_claims(CLAIMS, chapters, names)] == ids
 
 
 def test_a_name_or_chapter_without_claims_is_refused() -> None:
     with pytest.raises(ValueError, match=r"no claim is named c1\.rihgt; the nearest are c1\.right"):
-        selection.select_claims(CLAIMS, names=("c1.rihgt",))
+        register.select_claims(CLAIMS, names=("c1.rihgt",))
     with pytest.raises(ValueError, match="chapter 7 has no claims: those that have are 1, 2"):
-        selection.select_claims(CLAIMS, chapters=(7,))
+        register.select_claims(CLAIMS, chapters=(7,))
 
 
 @pytest.mark.usefixtures("few")
@@ -101,7 +101,7 @@ def test_a_solver_that_fails_decides_nothing() -> None:
 def test_command_fails_if_a_verdict_differs(
     options: list[str], code: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(selection, "tables_for", lambda *_: {"orders": pd.DataFrame({"order": [0.5]})})
+    monkeypatch.setattr(register, "tables_for", lambda *_: {"orders": pd.DataFrame({"order": [0.5]})})
     done = CliRunner().invoke(cli.app, ["claims", *options, "--out", str(tmp_path)])
     assert done.exit_code == code, done.output
     assert ("c2.table: refuted, recorded is holds" in done.output) is bool(code)
@@ -123,6 +123,6 @@ def test_only_what_the_claims_read_is_made_and_only_once(tmp_path: Path) -> None
     unread = replace(CLAIMS[2], id="c2.unread", needs=(other,))
     context = Context(tmp_path, False, Here())
     for chosen in (claims, claims[:1]):
-        assert selection.tables_for(chosen, context)["orders"]["order"].tolist() == [0.0]
+        assert register.tables_for(chosen, context)["orders"]["order"].tolist() == [0.0]
     with pytest.raises(ModuleNotFoundError, match="no"):
-        selection.tables_for([unread], context)
+        register.tables_for([unread], context)

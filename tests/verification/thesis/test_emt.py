@@ -18,13 +18,13 @@ from tissue.pictures.charts import OUTCOMES
 from verification.audit import STUDIES
 from verification.claims import Comparison, Verdict
 from verification.site.store import shipped
-from verification.thesis.chapter4 import differences, figures, frequencies, printed, ranking
-from verification.thesis.chapter4.categories import happened
+from verification.thesis.chapter4 import differences, frequencies, groups, page, printed
 from verification.thesis.chapter4.claims import s4_1_isolated
 from verification.thesis.chapter4.ensembles import ENERGIES, NAMES, PRESETS, ensemble, preset_of
 from verification.thesis.chapter4.frequencies import GROUPS, RATIOS, READINGS, Sized
+from verification.thesis.chapter4.groups import by_importance, factors_of_cells, shuffled
 from verification.thesis.chapter4.questions import QUESTIONS, QuestionAnswer, answer, answered
-from verification.thesis.chapter4.ranking import by_importance, factors, shuffled
+from verification.thesis.chapter4.ratios import happened
 
 EMT = [name for name in STUDIES if name.startswith("emt_")]
 CLAIMS = {name: claim for name, claim in ALL.items() if name.startswith("c4.")}
@@ -43,12 +43,12 @@ def coloured(panel, colour):
 
 
 @pytest.mark.slow_with("10", "12", "14", "15", "20")
-@pytest.mark.parametrize("number", figures.FIGURES)
+@pytest.mark.parametrize("number", page.FIGURES)
 def test_figures_are_drawn(number: int, tmp_path, monkeypatch) -> None:
     """Of Figures 10 and 21 a line has the numbers of the table."""
     drawn = []
-    monkeypatch.setattr(figures, "write", lambda figure, path: drawn.append(figure))
-    assert figures.draw(number, tables(), tmp_path / "x.png") == tmp_path / "x.png"
+    monkeypatch.setattr(page, "write", lambda figure, path: drawn.append(figure))
+    assert page.draw(number, tables(), tmp_path / "x.png") == tmp_path / "x.png"
     panels = {panel.get_title("left"): panel for panel in drawn[0].axes}
     assert all(panel.get_title("left").endswith(tuple(PRESETS)) for panel in drawn[0].axes)
     if number == 10:
@@ -57,7 +57,7 @@ def test_figures_are_drawn(number: int, tmp_path, monkeypatch) -> None:
         assert line.get_ydata() == pytest.approx((100 * rows["count"] / rows["of"]).to_numpy())
     if number == 21:
         rows = tables()["emt_groups"].query("study == 'table5_7' and given == 'onset_ab' and kind == 'no INM'")
-        (line,) = coloured(panels["without INM, thesis"], figures.COLOURS["table5_7"])
+        (line,) = coloured(panels["without INM, thesis"], page.COLOURS["table5_7"])
         assert line.get_ydata() == pytest.approx(100 * rows["value"].to_numpy())
 
 
@@ -184,7 +184,7 @@ def hits(cells):
 
 
 def test_factors_are_finite_numbers(cells):
-    numbers, found = factors(cells, END)
+    numbers, found = factors_of_cells(cells, END)
     assert np.isfinite(numbers.to_numpy()).all()
     assert {factor.name for factor in found} == set(numbers) - {"S", "S time"}
     by_name = {factor.name: factor for factor in found}
@@ -196,7 +196,7 @@ def test_factors_are_finite_numbers(cells):
 
 
 def test_only_cells_with_an_event_exchange_its_times(cells):
-    numbers, found = factors(cells, END)
+    numbers, found = factors_of_cells(cells, END)
     test = np.arange(500, 1500)
     part, rng = numbers.iloc[test], np.random.default_rng(0)
     had = happened(cells, END)["A"].to_numpy()[test]
@@ -215,7 +215,7 @@ def test_only_cells_with_an_event_exchange_its_times(cells):
 
 @pytest.mark.slow
 def test_importance_finds_what_made_the_outcome(cells, hits, monkeypatch):
-    monkeypatch.setattr(ranking, "SHUFFLES", 2)
+    monkeypatch.setattr(groups, "SHUFFLES", 2)
     found = by_importance(cells, hits, END, seed=0)
     # Shuffling [A] shuffles its time, too: both tell of the time.
     assert list(found["factor"][:2]) == ["P", "onset"]

@@ -1,12 +1,11 @@
 """Errata are rows of a table, each complete and none of them a claim."""
 
 from verification.claims import Effect
-from verification.thesis.register import register
-from verification.thesis.text import errata
+from verification.thesis.register import errata, register
 
 
 def test_every_erratum_is_complete_and_none_is_a_claim() -> None:
-    table = errata.errata()
+    table = errata()
     assert len(table) >= 180
     assert not table.isna().any(axis=None)
     assert table["id"].is_unique

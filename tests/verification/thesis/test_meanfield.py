@@ -7,7 +7,7 @@ import pytest
 from meanfield import State, solve_ode
 from verification.instruments.rates import IID, QUANTILES
 from verification.site.store import shipped
-from verification.thesis.chapter5 import cases, cost, exact, failures, rates, stability_constant
+from verification.thesis.chapter5 import cases, cost, failures, rates, stability_constant
 from verification.thesis.chapter5.instant import general_instant, kinetic, potential
 
 
@@ -29,7 +29,7 @@ def test_the_rig_under_the_checks_moves_on_the_constraint_and_keeps_the_energy()
 def test_the_closed_form_solves_the_equations_of_motion(name: str) -> None:
     """(5.6) with y'' by differences: m X'' = F1 - g_X lambda, y'' = F0 - <g_y lambda>, and g = const."""
     X, h, model = np.array([[0.7], [1.2], [1.3]]), 1e-3, cases.model(name)
-    path = exact.harmonic(name, X, 0.8 + h * np.arange(-2, 3))
+    path = cases.harmonic(name, X, 0.8 + h * np.arange(-2, 3))
     weights = np.array([-1, 16, -30, 16, -1]) / (12 * h**2)
     bent_y, bent_X = weights @ path.y, np.einsum("k,kij->ij", weights, path.X)
     y, x, multiplier = path.y[2], path.X[2], path.multipliers[2]
@@ -62,7 +62,7 @@ def test_powers_are_compared_with_those_of_theory() -> None:
     assert at_once.loc["Unit interval, quantiles", "agrees"] == "yes"
     assert at_once.loc["Unit square", "low"] > -0.5  # slower than without the logarithm
     second = float(cases.law("uniform").moments()[1][0, 0])
-    true = exact.harmonic("straight", np.array([[np.sqrt(second)]]), np.array([rates.T])).y
+    true = cases.harmonic("straight", np.array([[np.sqrt(second)]]), np.array([rates.T])).y
     assert rates.runs()["uniform StraightFibre, quantiles"].limit[0].y == pytest.approx(true, abs=1e-11)
 
 

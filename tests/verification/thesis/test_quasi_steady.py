@@ -20,11 +20,10 @@ from tissue.state.cells import COORDINATES, Cells
 from tissue.state.checkpoint import streams
 from tissue.state.running import contents, new_state
 from verification.thesis.chapter3.accuracy import left_over
-from verification.thesis.chapter3.frozen import Frozen
-from verification.thesis.quasi_steady.daha import Stopped, TissueArrowHurwicz, violation
+from verification.thesis.chapter3.growing import Frozen
+from verification.thesis.quasi_steady.daha import Stopped, TissueArrowHurwicz, simulate_quasi_steady, violation
 from verification.thesis.quasi_steady.frozen import cells_at, constraints, frozen_problem, made_feasible, particles
 from verification.thesis.quasi_steady.iteration import TABLE_4
-from verification.thesis.quasi_steady.run import simulate_quasi_steady
 
 # The frozen tissue
 

@@ -11,7 +11,6 @@ from dincl.errors import InvalidProblem
 from tissue.study.categories import outcome
 from verification.claims import Evidence, Verdict
 from verification.thesis.chapter4 import frequencies
-from verification.thesis.chapter4.categories import by_order, given, happened, outcome_published
 from verification.thesis.chapter4.frequencies import (
     CLAIM_LEVEL,
     MODEL,
@@ -26,8 +25,12 @@ from verification.thesis.chapter4.printed import against_printed, agrees
 from verification.thesis.chapter4.ratios import (
     ProportionContrast,
     Ratio,
+    by_order,
     difference,
     effective_size,
+    given,
+    happened,
+    outcome_published,
     ratio,
     ratios,
     wilson,

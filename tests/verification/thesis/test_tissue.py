@@ -16,12 +16,11 @@ from tissue.frames.observables import height
 from tissue.model.energy import energy
 from tissue.runs.simulate import simulate
 from verification.site.store import shipped
-from verification.thesis.chapter3 import accuracy, daha, figures, growing, growth, linear, stability, substeps
-from verification.thesis.chapter3.frozen import Frozen, begun, floored, swing
-from verification.thesis.chapter3.growing import OUT_OF_BOUNDS, PRESETS, SUCCESS
-from verification.thesis.chapter3.intervals import over_seeds
-from verification.thesis.quasi_steady.run import simulate_quasi_steady
-from verification.tissues.needs import page, study
+from verification.thesis.chapter3 import accuracy, daha, growing, growth, page, stability, substeps
+from verification.thesis.chapter3.growing import OUT_OF_BOUNDS, PRESETS, SUCCESS, Frozen, begun, floored, swing
+from verification.thesis.chapter3.sampled import over_seeds
+from verification.thesis.quasi_steady.daha import simulate_quasi_steady
+from verification.tissues.needs import study
 
 
 def simulated(name, seed, end, **changes):
@@ -146,12 +145,12 @@ def test_hessian_of_a_cell_is_that_of_its_energy(rng):
     along = rng.standard_normal(5)
 
     def moved(sign):
-        names = zip(linear.UNKNOWNS, along, strict=True)
+        names = zip(accuracy.UNKNOWNS, along, strict=True)
         place = {name: getattr(state, name) + sign * step * part for name, part in names}
         return energy(state._replace(**place), network, THESIS)
 
     second = (moved(1) - 2 * moved(0) + moved(-1)) / step**2
-    assert along @ linear.own_hessians(state, THESIS)[0] @ along == pytest.approx(second, rel=1e-4)
+    assert along @ accuracy.own_hessians(state, THESIS)[0] @ along == pytest.approx(second, rel=1e-4)
 
 
 def test_swing_is_the_period_two_part_of_the_substeps():
@@ -298,20 +297,20 @@ def test_pbd_is_cheapest_where_little_accuracy_is_asked_for():
 
 def heights():
     made = substeps.accuracy(shipped("tissue_substeps"))
-    return figures.substeps, (made,), 100 * made.loc[made["t"] == made["t"].max(), ["low", "high"]].dropna()
+    return page.draw_substeps, (made,), 100 * made.loc[made["t"] == made["t"].max(), ["low", "high"]].dropna()
 
 
 def dampings():
     table = shipped("tissue_daha")
     found = daha.distances(table)
     ends = found.loc[found["kind"] == "pbd", ["low", "high", "height_low", "height_high"]]
-    return figures.damping, (found, daha.fitted(table)), 100 * ends
+    return page.draw_damping, (found, daha.fitted(table)), 100 * ends
 
 
 def needs():
     rows = shipped(study.NAME)
     rows = rows[rows["question"] == rows["question"].iloc[0]]
-    return page.draw, (rows, "points", 100.0), 100 * rows[["low", "high"]].dropna()
+    return study.draw, (rows, "points", 100.0), 100 * rows[["low", "high"]].dropna()
 
 
 @pytest.mark.parametrize("case", [heights, dampings, needs])
@@ -323,6 +322,6 @@ def test_intervals_are_drawn_from_end_to_end(case, tmp_path, monkeypatch):
     errors = [one for panel in drawn[0].axes for one in panel.containers if isinstance(one, ErrorbarContainer)]
     bars = np.array([bar for one in errors for lines in one[2] for bar in lines.get_segments() if len(bar)])
     along = np.ptp(bars, axis=1).argmax(axis=1)
-    found = bars[np.arange(len(bars)), :, along].tolist()
-    expected = ends.to_numpy().reshape(-1, 2).tolist()
-    np.testing.assert_allclose(sorted(found), sorted(expected))
+    found = bars[np.arange(len(bars)), :, along]
+    expected = ends.to_numpy().reshape(-1, 2)
+    np.testing.assert_allclose(sorted(found.tolist()), sorted(expected.tolist()), atol=1e-12)

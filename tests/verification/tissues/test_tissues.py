@@ -15,7 +15,7 @@ from verification.site.store import DATA, shipped
 from verification.thesis.chapter4.questions import QUESTIONS as CHAPTER4
 from verification.tissues import curved
 from verification.tissues.fits import HEIGHT, OTHERS, OWN
-from verification.tissues.needs import page
+from verification.tissues.needs import study
 from verification.tissues.needs.study import EIGHT, NAME, QUESTIONS, placed, without_protrusions
 from verification.tissues.space import growth, isolated
 from verification.tissues.space import sheet as fitted
@@ -107,7 +107,7 @@ def test_the_questions_are_those_of_chapter_4() -> None:
 
 def test_the_summary_names_a_simplest_model_or_says_why_not(tmp_path) -> None:
     context = Context(tmp_path, False, Nowhere(), STUDIES, complete=DATA)
-    page.run(context)
+    study.run(context)
     table = context.tables["needs_summary"].set_index("id")
     assert table["work"].isna().tolist() == table["model"].isin(["not decided", "the full model"]).tolist()
     first = context.tables[NAME].groupby("question", sort=False)[["full", "tolerance"]].first()
@@ -202,8 +202,8 @@ def test_a_comparison_has_the_verdict_of_its_interval():
 def test_sheets_have_the_events_of_the_slices_beside_them():
     mine = load_study(isolated.PLAN).scenarios
     assert {name.rsplit(", ", 1)[1] for name in mine} == {isolated.GROWING, isolated.PERIODIC}
-    for scenario, study in isolated.SLICES.items():
-        beside = load_study(study).scenarios[scenario]
+    for scenario, name in isolated.SLICES.items():
+        beside = load_study(name).scenarios[scenario]
         for of in (isolated.GROWING, isolated.PERIODIC):
             parameters = mine[f"{scenario}, {of}"]
             here, there = parameters.groups()[1], beside.groups()[0]

@@ -15,6 +15,7 @@ from dincl.study import Key, Row, Study
 from verification.methods.hard.drawn import drawn
 from verification.methods.hard.scenes import SCENES, HardScene
 from verification.methods.stability.schemes import tied
+from verification.site.context import Context
 from verification.site.sheet import NOTE, sheet
 
 # One of each family of ``hard_problem``.
@@ -50,10 +51,12 @@ def study(smallest: bool = False) -> Study:
     """Return all methods on all scenes; in the smallest form on two scenes of each kind."""
     few = 2 if smallest else None
     runs = tuple({"kind": kind, "scene": name} for kind, scenes in KINDS.items() for name in list(scenes)[:few])
-    return Study("hard_scenes", "Hard scenes", ("kind", "scene"), runs, run, columns=COLUMNS, by=("method", "setting"))
+    return Study(
+        "hard_scenes", "Hard scenes", ("kind", "scene"), runs, run_scene, columns=COLUMNS, by=("method", "setting")
+    )
 
 
-def run(key: Key) -> list[Row]:
+def run_scene(key: Key) -> list[Row]:
     """Return the rows of a scene: the status of each method at each setting, its true and its stated error."""
     scene = KINDS[key["kind"]][key["scene"]]()
     return [
@@ -133,3 +136,15 @@ def draw(found: pd.DataFrame, path: Path) -> Path:
         panel.set_xticks(np.arange(len(METHODS)) + 0.5, METHODS, rotation=40, ha="right")
         panel.set_yticks(np.arange(len(order)) + 0.5, [name for _, name in order], fontsize=NOTE)
     return path
+
+
+def run(context: Context) -> None:
+    """Complete the study; keep the verdicts."""
+    context.keep("hard_verdicts", verdicts(context.rows("hard_scenes")))
+
+
+def show(context: Context) -> None:
+    """Give how often each method is right, and a cell for each scene and method."""
+    found = context.tables["hard_verdicts"]
+    context.show("hard_methods", context.headed("hard_scenes", counted(found)), "hard_verdicts")
+    context.draw("hard_scenes", draw, found)

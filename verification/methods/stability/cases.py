@@ -15,7 +15,7 @@ from dincl.drifts import constant
 from dincl.minimise import minimise
 from dincl.study import Study
 from verification.instruments.predicted import Case, Found, boundary, cases_study, happens, within
-from verification.methods.stability import crowd, drift, radius, rows, saddle
+from verification.methods.stability import few_sweeps, long_steps
 from verification.methods.stability.schemes import SCHEMES, Maker
 
 Floats = NDArray[np.float64]
@@ -58,7 +58,7 @@ def _springs(make: Callable[[], dincl.Problem], expected: float, allowed: float,
 def chatter(dt: float, strength: float) -> float:
     """Measure how far a disc that the force 1 presses onto a wall moves to and fro, under the force as printed."""
     scheme = dincl.Penalty(dt=dt, strength=strength, exponent=1)
-    return float(np.ptp(dincl.solve(rows.pressed(1), scheme, t=dt * np.arange(1000, 2001)).x))
+    return float(np.ptp(dincl.solve(few_sweeps.pressed(1), scheme, t=dt * np.arange(1000, 2001)).x))
 
 
 def _printed() -> Found:
@@ -75,7 +75,7 @@ SPRINGS = (
         "penalty-wall",
         "Springs, one disc on a wall",
         "unstable beyond dt k |J Jᵀ| = 2: dt k = 2",
-        partial(_springs, partial(rows.pressed, 1), 2.0, 2 * SPRING_PRECISION, "one disc on a wall"),
+        partial(_springs, partial(few_sweeps.pressed, 1), 2.0, 2 * SPRING_PRECISION, "one disc on a wall"),
     ),
     Case(
         "penalty-pair",
@@ -87,7 +87,7 @@ SPRINGS = (
         "penalty-row-8",
         "Springs, a row of 8 on a wall",
         "λ_max(J Jᵀ) = 2 + 2 cos(2π/(2n + 1)) → 4",
-        partial(_springs, partial(rows.pressed, 8), row_limit(8), 2 * SPRING_PRECISION, "8 discs in a row"),
+        partial(_springs, partial(few_sweeps.pressed, 8), row_limit(8), 2 * SPRING_PRECISION, "8 discs in a row"),
     ),
     Case(
         "penalty-printed",
@@ -107,7 +107,7 @@ SETTLING, MEASURING = 1.0, 0.25
 def contraction(count: int) -> float:
     """Return the factor by which a sweep of XPBD shortens the overlap of a row of ``count`` contacts in a step."""
     row = np.arange(count + 1)[:, None]
-    problem = dincl.Problem(1.0 * row, constant(-1e-3 * row), [dincl.NonOverlap(rows.RADIUS)])
+    problem = dincl.Problem(1.0 * row, constant(-1e-3 * row), [dincl.NonOverlap(few_sweeps.RADIUS)])
     first, more = max(4, round(SETTLING * count**2)), max(6, round(MEASURING * count**2))
     ends = [dincl.solve(problem, dincl.XPBD(1.0, sweeps=sweeps), t=1.0) for sweeps in (first, first + more)]
     overlaps = [float(end.violation()[-1]) for end in ends]
@@ -128,15 +128,17 @@ def _contraction(count: int) -> Found:
 def equilibrium(n: int, dt: float, sweeps: int = 1) -> Floats:
     """Return where PBD leaves the row, shape (n,): how much closer to the wall than it should be, from a run of PBD."""
     end = dt * (40 * n + 4 * n**2)
-    path = dincl.solve(rows.pressed(n), dincl.PBD(dt=dt, sweeps=sweeps), t=end)
-    left: Floats = (rows.packed(n) - path.final)[:, 0]
+    path = dincl.solve(few_sweeps.pressed(n), dincl.PBD(dt=dt, sweeps=sweeps), t=end)
+    left: Floats = (few_sweeps.packed(n) - path.final)[:, 0]
     return left
 
 
 def _equilibrium() -> Found:
     counts = (2, 3, 5, 8, 16)
-    worst = max(abs(equilibrium(n, dt)[-1] / (dt * rows.sunk(n)) - 1) for n in counts for dt in (1e-4, 1e-3, 2e-3))
-    shown = ", ".join(f"{n}: {rows.sunk(n):g}" for n in counts)
+    worst = max(
+        abs(equilibrium(n, dt)[-1] / (dt * few_sweeps.sunk(n)) - 1) for n in counts for dt in (1e-4, 1e-3, 2e-3)
+    )
+    shown = ", ".join(f"{n}: {few_sweeps.sunk(n):g}" for n in counts)
     words = f"depth of the last disc / (dt |F|), n: depth {shown}; largest deviation {worst:.0e}"
     return Found(0.0, worst, worst < 1e-3, words)
 
@@ -171,16 +173,18 @@ def _collapse() -> Found:
     """Let a thousand discs collapse under one sweep."""
     found = []
     for dt, sweeps in ((1e-3, 1), (1e-2, 1), (1e-1, 1), (1e-1, 16), (1e-2, 16)):
-        path = dincl.solve(crowd.crowd(MANY), dincl.PBD(dt=dt, sweeps=sweeps), t=SETTLED)
-        found.append((dt, sweeps, crowd.gyration(path.final) / crowd.densest(MANY), float(path.violation()[-1])))
+        path = dincl.solve(few_sweeps.crowd(MANY), dincl.PBD(dt=dt, sweeps=sweeps), t=SETTLED)
+        found.append(
+            (dt, sweeps, few_sweeps.gyration(path.final) / few_sweeps.densest(MANY), float(path.violation()[-1]))
+        )
     listed = "; ".join(f"dt = {dt:g}, {sweeps}: {size:.2f}, {overlap:.2f}" for dt, sweeps, size, overlap in found)
     # Across a radius of the heap R discs lie behind each other, and dt R^2/2 is what their drift adds up to in a step.
-    load = crowd.radius(MANY) ** 2 / 2
+    load = few_sweeps.radius(MANY) ** 2 / 2
     collapsed, cured = found[1][2], found[-1][2]
     return happens(
-        collapsed < 0.75 and found[2][2] < 0.4 and cured > 1 - crowd.ALIKE and found[0][3] > 1e-3 * load / 2,
+        collapsed < 0.75 and found[2][2] < 0.4 and cured > 1 - few_sweeps.ALIKE and found[0][3] > 1e-3 * load / 2,
         f"radius of gyration over that of the densest heap, and largest overlap, for dt, sweeps: {listed} (a single "
-        f"sweep needs dt well below 2/R² = {1 / load:.3f}, R = {crowd.radius(MANY):.0f} discs)",
+        f"sweep needs dt well below 2/R² = {1 / load:.3f}, R = {few_sweeps.radius(MANY):.0f} discs)",
     )
 
 
@@ -233,8 +237,8 @@ BLOWN, DRIFT_STEPS = 100.0, 1000
 
 def bounded(label: str, rate: float) -> bool:
     """Return whether steps of length 1 stay within BLOWN times the start."""
-    path = dincl.solve(drift.drawn(rate), SCHEMES[label](dt=1.0), t=float(DRIFT_STEPS), throw=False)
-    return float(np.abs(path.final).max()) <= BLOWN * float(np.abs(drift.START).max())
+    path = dincl.solve(long_steps.drawn(rate), SCHEMES[label](dt=1.0), t=float(DRIFT_STEPS), throw=False)
+    return float(np.abs(path.final).max()) <= BLOWN * float(np.abs(long_steps.START).max())
 
 
 def _stiff(label: str, expected: float) -> Found:
@@ -249,7 +253,7 @@ DRIFTS = (
         "drift-second",
         "A stiff drift, second-order PBD",
         "symplectic Euler: dt² k = 4",
-        partial(_stiff, drift.SECOND, 4.0),
+        partial(_stiff, long_steps.SECOND, 4.0),
     ),
 )
 
@@ -263,14 +267,14 @@ MANY_SWEEPS = 256
 
 def stays(make: Maker, dt: float) -> bool:
     """Return whether the point is above the gap after one step."""
-    problem, height = radius.opening(0.6)
+    problem, height = long_steps.opening(0.6)
     path = dincl.solve(problem, make(dt=dt), t=dt, throw=False)
     return bool(path.status) and float(path.final[0, 1]) > height / 2
 
 
 def _passes(make: Maker, over: float, words: str) -> Found:
     """Find the step, over h, at which the point stops staying above."""
-    height = radius.opening(0.6)[1]
+    height = long_steps.opening(0.6)[1]
     found = boundary(lambda part: stays(make, part * height), 0.5 * over, 2 * over, GAP_PRECISION)
     return within(over, found, 3 * GAP_PRECISION, f"{words}, c = 0.6")
 
@@ -296,7 +300,7 @@ RADII = (
             "a local minimum above: it passes only at step = 2h, not at h",
             partial(_passes, SCHEMES[label], 2.0, f"{label}: step / h"),
         )
-        for name, label in zip(("catch_up_ipopt", "catch_up_daqp"), radius.SEARCH, strict=True)
+        for name, label in zip(("catch_up_ipopt", "catch_up_daqp"), long_steps.SEARCH, strict=True)
     ),
     Case("gap-linearised", "Through the gap of two discs, linearised", "never: S̃ is the wedge above", _linearised),
 )
@@ -309,47 +313,49 @@ NEAR, MOST, ALLOWED = 0.05, 2000, 1e-2
 
 
 def weight() -> dincl.Problem:
-    """Return min x for x >= 1, from 1.5: the same minimum as ``saddle.spring`` with h = 0."""
+    """Return min x for x >= 1, from 1.5: the same minimum as ``long_steps.spring`` with h = 0."""
     push = constant(np.array([[-1.0]]))
     return dincl.Problem([[1.5]], push, [dincl.HalfSpace(normal=(1,), offset=1.0)])
 
 
 def converges(method: str, alpha: float, beta: float) -> bool:
-    """Return whether a method gets near the minimum of ``saddle.spring``."""
-    limit = MOST // 4 if method == saddle.UZAWA else MOST  # each of its steps is a minimisation
-    found = minimise(saddle.spring(), saddle.minimiser(method, alpha, beta, limit=limit), throw=False)
+    """Return whether a method gets near the minimum of ``long_steps.spring``."""
+    limit = MOST // 4 if method == long_steps.UZAWA else MOST  # each of its steps is a minimisation
+    found = minimise(long_steps.spring(), long_steps.minimiser(method, alpha, beta, limit=limit), throw=False)
     return found.residual <= NEAR
 
 
 def _alpha() -> Found:
     """alpha (2 h + beta j) = 4 at beta = 1: the eigenvalue -1 of [[1 - a, a], [-b (1 - a), 1 - a b]]."""
-    found = boundary(lambda alpha: converges(saddle.PLAIN, alpha, 1.0), 0.3, 1.9, PRECISION)
+    found = boundary(lambda alpha: converges(long_steps.PLAIN, alpha, 1.0), 0.3, 1.9, PRECISION)
     return within(4 / 3, found, ALLOWED, "α at β = 1, Arrow-Hurwicz")
 
 
 def _beta() -> Found:
-    found = boundary(lambda beta: converges(saddle.PLAIN, 0.5, beta), 1.0, 50.0, PRECISION)
+    found = boundary(lambda beta: converges(long_steps.PLAIN, 0.5, beta), 1.0, 50.0, PRECISION)
     return within(6.0, found, ALLOWED, "β at α = 0.5, Arrow-Hurwicz")
 
 
 def _damped() -> Found:
     """The modulus 1 of a complex pair of [[1 - a h / 2, a / 2], [-b, 1]]: its determinant 1 - a (h - b) / 2."""
-    found = boundary(lambda beta: converges(saddle.DAMPED, 1.0, beta), 0.2, 5.0, PRECISION)
+    found = boundary(lambda beta: converges(long_steps.DAMPED, 1.0, beta), 0.2, 5.0, PRECISION)
     return within(1.0, found, ALLOWED, "dτ β at α = 1, damped, γ = 0: β dτ < h")
 
 
 def _uzawa() -> Found:
-    found = boundary(lambda step: converges(saddle.UZAWA, 1.0, step), 0.3, 9.0, PRECISION)
+    found = boundary(lambda step: converges(long_steps.UZAWA, 1.0, step), 0.3, 9.0, PRECISION)
     return within(2.0, found, ALLOWED, "step of Uzawa, 2 / |B A⁻¹ Bᵀ|")
 
 
 def _weight() -> Found:
     """h = 0: the determinant is 1, and the pair swings for ever, whatever the steps; gamma damps it."""
     choices = [(alpha, beta) for alpha in (0.01, 0.1) for beta in (0.1, 1.0)]
-    swings = [minimise(weight(), saddle.minimiser(saddle.PLAIN, *steps), throw=False).status for steps in choices]
-    damped = minimise(weight(), saddle.minimiser(saddle.DAMPED, 0.1, 0.1, gamma=0.1), throw=False)
+    swings = [
+        minimise(weight(), long_steps.minimiser(long_steps.PLAIN, *steps), throw=False).status for steps in choices
+    ]
+    damped = minimise(weight(), long_steps.minimiser(long_steps.DAMPED, 0.1, 0.1, gamma=0.1), throw=False)
     reported = sum(status is dincl.Status.NOT_CONVERGED for status in swings)
-    words = f"a weight on a floor: {reported} of {len(swings)} choices reach {saddle.LIMIT} steps; damped with γ: "
+    words = f"a weight on a floor: {reported} of {len(swings)} choices reach {long_steps.LIMIT} steps; damped with γ: "
     agrees = reported == len(swings) and bool(damped.status)
     return happens(agrees, f"{words}{damped.status.name} in {damped.iterations}")
 

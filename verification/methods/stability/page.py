@@ -8,13 +8,22 @@ import pandas as pd
 
 from dincl.study import Study
 from verification.instruments.stability import StabilityMap
-from verification.methods.stability import cases, crowd, drift, penalty, radius, rows, saddle, sweeps_or_steps
+from verification.methods.stability import cases, few_sweeps, long_steps
 from verification.methods.stability.schemes import Map
 from verification.site.context import Context
 
 # All maps, in the order of the page, and the studies of this room.
 MAPS: tuple[Map, ...] = (
-    *(rows.MAP, crowd.SWEEPS, crowd.NUMBERS, drift.MAP, penalty.MAP, radius.MAP, saddle.MAP, sweeps_or_steps.MAP),
+    *(
+        few_sweeps.ROW,
+        few_sweeps.CROWD_SWEEPS,
+        few_sweeps.CROWD_NUMBERS,
+        long_steps.DRIFT,
+        long_steps.PENALTY,
+        long_steps.RADIUS,
+        long_steps.SADDLE,
+        few_sweeps.SWEEPS_OR_STEPS,
+    ),
 )
 STUDIES: dict[str, Callable[..., Study]] = {
     "stability_cases": cases.study,
@@ -39,7 +48,7 @@ def run(context: Context) -> None:
     counts = [_found(context, one).summaries()[CELLS].assign(map=one.name) for one in MAPS]
     context.keep("stability_outcomes", pd.concat(counts, ignore_index=True))
     table = context.tables["stability_sweeps_or_steps"]
-    context.keep("stability_divisions", sweeps_or_steps.divisions(table))
+    context.keep("stability_divisions", few_sweeps.divisions(table))
 
 
 def show(context: Context) -> None:

@@ -16,20 +16,52 @@ from scipy.optimize import nnls
 import dincl
 from dincl.study import Key, Row, Study
 from tissue.model.energy import energy, forces
-from tissue.state.cells import Cells
+from tissue.state.cells import CellLayers, Cells, Forces
+from tissue.state.numbers import Numbers
 from verification.instruments.budget import CpuSeconds
 from verification.instruments.method import Method
 from verification.instruments.references import Known
 from verification.instruments.speed_accuracy import WorkPrecisionRuns
-from verification.thesis.chapter3 import linear
-from verification.thesis.chapter3.frozen import Frozen, begun, floored, substepped
-from verification.thesis.chapter3.intervals import over_seeds
-from verification.thesis.chapter3.printed import DT
+from verification.thesis.chapter3.growing import Frozen, begun, floored, substepped
+from verification.thesis.chapter3.sampled import DT, over_seeds
 from verification.thesis.quasi_steady.daha import Stopped, TissueArrowHurwicz, violation
 from verification.thesis.quasi_steady.frozen import constraints, frozen_problem, made_feasible, particles
 from verification.thesis.quasi_steady.iteration import TABLE_4
 
 Floats = NDArray[np.float64]
+# Second derivatives of the energy of a cell, by complex steps.
+# Unknowns of a cell whose basal point is on its line.
+UNKNOWNS = ("x", "y", "ax", "ay", "bx")
+# Of the complex step: its square is nothing beside any force.
+STEP = 1e-20
+
+
+def own_hessians(cells: Cells, numbers: Numbers) -> Floats:
+    """Return d^2 W/dZ dZ of each cell by itself, without junctions and repulsion: Z its UNKNOWNS, shape (n, 5, 5)."""
+    alone, nobody = numbers._replace(repulsion=0.0), CellLayers(np.zeros(0, np.int64), np.zeros(0, np.int64))
+    columns = []
+    for name in UNKNOWNS:
+        moved = _complex(cells)
+        getattr(moved, name)[:] += 1j * STEP
+        columns.append(_slopes(forces(moved, nobody, alone)).T)
+    return np.stack(columns, axis=2)
+
+
+def largest_eigenvalue(matrix: Floats) -> Floats:
+    """Return the largest eigenvalue of symmetric matrices (..., m, m)."""
+    return np.asarray(np.linalg.eigvalsh(matrix)[..., -1], dtype=np.float64)
+
+
+def _complex(cells: Cells) -> Cells:
+    names = (*UNKNOWNS, "by")
+    return cells._replace(**{name: getattr(cells, name).astype(np.complex128) for name in names})
+
+
+def _slopes(at: Forces) -> Floats:
+    """Return -d(force)/d(the coordinate moved), shape (5, n)."""
+    return -np.stack([getattr(at, name).imag for name in UNKNOWNS]) / STEP
+
+
 # The frozen tissue of the motion: seed, age [h], tolerance of its projections; steps in dt of the reference.
 SEED, AGE, FINE_TOL, REFERENCE = 0, 5.0, 1e-10, 2560
 SUBSTEPS = (5, 10, 20, 40, 80, 160, 320, 640, 1280, 2560)
@@ -165,7 +197,7 @@ def minimum(cells: Cells, state: Frozen) -> Stopped:
     The step alpha is half of one over a bound of the largest curvature. What ``left_over`` says there is the
     certificate: it knows nothing of the way.
     """
-    alpha = 0.5 / (MORE + float(linear.largest(linear.own_hessians(cells, state.numbers)).max()))
+    alpha = 0.5 / (MORE + float(largest_eigenvalue(own_hessians(cells, state.numbers)).max()))
     own = TABLE_4._replace(alpha=alpha, gamma=10 * alpha, **DESCENT)
     return TissueArrowHurwicz(own).minimise(cells, state.layers, state.numbers)
 

@@ -16,11 +16,10 @@ from dincl.study import Key, Row, Study
 from tissue.files.parameters import Parameters, preset
 from tissue.frames.frame import Frame
 from tissue.frames.observables import extents, height
-from verification.thesis.chapter3.frozen import FLOORED
-from verification.thesis.chapter3.growing import growing_from, nuclei, rms, with_noise
-from verification.thesis.chapter3.intervals import CONFIDENCE, over_seeds
+from verification.thesis.chapter3.growing import FLOORED, growing_from, nuclei, rms, with_noise
+from verification.thesis.chapter3.sampled import CONFIDENCE, over_seeds
+from verification.thesis.quasi_steady.daha import simulate_quasi_steady
 from verification.thesis.quasi_steady.iteration import TABLE_4, Daha
-from verification.thesis.quasi_steady.run import simulate_quasi_steady
 
 Floats = NDArray[np.float64]
 # What (3.26) as printed does: it leaves out the factor 1/2 of (3.25).

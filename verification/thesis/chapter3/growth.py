@@ -11,7 +11,7 @@ from dincl.study import Key, Row, Study
 from tissue.files.parameters import preset
 from tissue.frames.observables import height
 from verification.thesis.chapter3.growing import PRESETS, SUCCESS, growing
-from verification.thesis.chapter3.intervals import over_seeds
+from verification.thesis.chapter3.sampled import over_seeds
 
 DAMPINGS = (0.2, 0.15, 0.1, 0.05, 0.025)
 # Length of the runs of Figure 16, how often a height is kept [h], largest h / mu of the fine runs.

@@ -1,16 +1,49 @@
-"""Seeds, corrections of the model, comparisons of means and rows of tables that the claims of chapter 3 share."""
+"""Printed values, means over seeds with their confidence, and comparisons that the claims of chapter 3 share."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
+from numpy.typing import ArrayLike
 from scipy.special import stdtrit
 
 from verification.claims import Comparison, MissingRow, Tables, at_least
-from verification.thesis.chapter3.intervals import over_seeds
+
+# Table 2: soft radius [μm]; phases [h]; stiffnesses.
+R_SOFT = 5.0
+G2, MITOSIS = 0.5, 0.5
+AA, AX, XX, AXB = 5.0, 2.0, 1.0, 15.0
+# Table 3: time step [h], substeps.
+DT, SUBSTEPS = 0.1, 20
+# Table 4.
+ALPHA, BETA, GAMMA, C, EPS = 1e-4, 0.25, 1e-3, 2.0, 1e-6
+# Section 3.1: iterations of DAHA in a step.
+USUAL = 7500
+
+
+CONFIDENCE = 0.95
+
+
+class MeanInterval(NamedTuple):
+    """A mean with the interval that covers it; NaN for fewer than two values."""
+
+    mean: float
+    low: float
+    high: float
+
+
+def over_seeds(values: ArrayLike) -> MeanInterval:
+    """Return mean +- t_{n-1} s / sqrt(n): Student's 95 % interval of the mean of values (n,), one for each seed."""
+    kept = np.asarray(values, dtype=np.float64)
+    if kept.size < 2:
+        return MeanInterval(float(kept.mean()) if kept.size else np.nan, np.nan, np.nan)
+    half = float(stdtrit(kept.size - 1, 0.5 + 0.5 * CONFIDENCE) * kept.std(ddof=1) / np.sqrt(kept.size))
+    return MeanInterval(float(kept.mean()), float(kept.mean()) - half, float(kept.mean()) + half)
+
 
 SEEDS = tuple(range(4))
 # The claim on which those about simulated tissues rest; the errata name the other misprints of the model.

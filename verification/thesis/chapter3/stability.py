@@ -13,8 +13,7 @@ from dincl.study import Study
 from tissue.files.parameters import preset
 from verification.instruments.outcome import Outcome
 from verification.instruments.stability import Limit, StabilityMap, StabilityRuns
-from verification.thesis.chapter3.frozen import Frozen, swing
-from verification.thesis.chapter3.growing import OUT_OF_BOUNDS, PRESETS, SUCCESS, growing
+from verification.thesis.chapter3.growing import OUT_OF_BOUNDS, PRESETS, SUCCESS, Frozen, growing, swing
 
 # Growing tissues are looked at after this time [h], a multiple of every dt of the map; the seed of their runs. Nuclei
 # that swing by more than SEEN jitter [R_soft].

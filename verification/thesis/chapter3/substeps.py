@@ -16,7 +16,7 @@ from tissue.frames.frame import Frame
 from tissue.frames.observables import height
 from verification.instruments.order import estimate, order_text
 from verification.thesis.chapter3.growing import PRESETS, Growing, growing, nuclei, rms
-from verification.thesis.chapter3.intervals import over_seeds
+from verification.thesis.chapter3.sampled import over_seeds
 
 SUBSTEPS, REFERENCE, SEEDS = (1, 2, 5, 10, 20, 40, 80, 160, 320, 640), 2560, 20
 # Output times, multiples of dt in both presets; the length of the runs whose seconds are given [h].

@@ -20,10 +20,9 @@ from dincl.study import Key, Row, Study
 from tissue.files.parameters import Parameters
 from tissue.study.categories import outcome
 from tissue.study.estimates import LEVEL
-from verification.thesis.chapter4.categories import outcome_published
 from verification.thesis.chapter4.ensembles import ensemble, made, values_of
 from verification.thesis.chapter4.printed import END, LATER, PRINTED, Printed
-from verification.thesis.chapter4.ratios import quantile
+from verification.thesis.chapter4.ratios import outcome_published, quantile
 
 
 class Variant(NamedTuple):

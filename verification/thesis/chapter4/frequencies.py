@@ -18,7 +18,7 @@ import pandas as pd
 from tissue.study.estimates import POWER
 from verification.claims import Claim, Comparison, Evidence, Interval, Table, Tables, claim
 from verification.thesis.chapter4.ensembles import PRESETS, preset_of
-from verification.thesis.chapter4.groups import EVENTS
+from verification.thesis.chapter4.groups import BY_EVENTS
 from verification.thesis.chapter4.ratios import ProportionContrast, Ratio, as_ratio, difference, quantile
 
 # By preset.
@@ -94,7 +94,7 @@ def groups(tables: Tables, preset: str, given: str) -> pd.DataFrame:
 
 def category(tables: Tables, preset: str, study: str, *categories: str) -> Ratio:
     """Return the basally extruded ones among the cells of a mixed group with these events, in any of some orders."""
-    rows = groups(tables, preset, EVENTS).set_index(["study", "kind"])
+    rows = groups(tables, preset, BY_EVENTS).set_index(["study", "kind"])
     return pooled([as_ratio(rows.loc[(study + PRESETS[preset], name)]) for name in categories])
 
 

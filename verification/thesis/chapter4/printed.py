@@ -11,7 +11,7 @@ from dincl.errors import InvalidProblem
 from tissue.study.categories import What
 from verification.claims import Tables
 from verification.thesis.chapter4.ensembles import PRESETS
-from verification.thesis.chapter4.in_time import LOOKS_AHEAD
+from verification.thesis.chapter4.outcomes import LOOKS_AHEAD
 from verification.thesis.chapter4.ratios import ProportionContrast, Ratio, difference
 
 # Runs of each scenario of Figures 10 and 12; the end of the runs of the thesis [h], and of those that were published.

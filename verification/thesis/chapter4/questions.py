@@ -16,7 +16,6 @@ import pandas as pd
 
 from tissue.study.estimates import LEVEL
 from verification.claims import Comparison, Evidence, Tables, Verdict
-from verification.thesis.chapter4.categories import NO_INM
 from verification.thesis.chapter4.ensembles import POPULATIONS, PRESETS
 from verification.thesis.chapter4.frequencies import (
     CLAIM_LEVEL,
@@ -43,7 +42,7 @@ from verification.thesis.chapter4.frequencies import (
     runs_by_width,
 )
 from verification.thesis.chapter4.groups import ORDERS, RANKED
-from verification.thesis.chapter4.ratios import ProportionContrast, Ratio, as_ratio, quantile
+from verification.thesis.chapter4.ratios import NO_INM, ProportionContrast, Ratio, as_ratio, quantile
 
 ANSWERS = "emt_answers"
 MIXTURES = ("[A]", "[B]", "[A] and [B]")

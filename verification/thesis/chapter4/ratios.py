@@ -3,12 +3,15 @@
 All cells count alike, as in (4.7) and (4.12), and the kept tables hold counts of cells. The cells of one replicate
 share a tissue: ten cells of one replicate tell less, or at most as much, as ten cells of ten replicates. What they tell
 is counted by the effective number of cells, which Wilson's interval takes in place of the number of cells.
+
+EMT categories (3.3.3, 3.3.4) are beneath: which events a cell had in which order, ratios given a time or a position,
+and basal extrusion by the rule of the published code.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,6 +22,7 @@ from scipy.special import ndtri
 
 from dincl.checks import describe
 from dincl.errors import InvalidProblem
+from tissue.study.categories import EVENTS, What, kept_times, outcome, time_column
 from tissue.study.estimates import LEVEL
 
 COLUMNS = ("count", "of", "runs", "value", "low", "high", "effective")
@@ -204,3 +208,66 @@ class ProportionContrast:
 def difference(first: Ratio, second: Ratio) -> ProportionContrast:
     """Return p_1 - p_2 of independent proportions, with Newcombe's interval."""
     return ProportionContrast((1.0, -1.0), (first, second))
+
+
+# EMT categories.
+NO_EVENT = "none"
+NO_INM = " no INM"
+# Part of the end of a run by which an event at the end may be later: 0.1 h + 0.2 h is more than 0.3 h.
+ROUNDING = 1e-12
+WINDOW = 1.0  # [h], over which a nucleus is below 0 on average to be extruded by the published rule
+
+
+def happened(cells: pd.DataFrame, end: float) -> pd.DataFrame:
+    """Return whether each event came by the end of the run [h]; columns "A", "B", "S", "P".
+
+    [P] counts from when it acts, which it does not before [B]: so ``t_p_h`` has it.
+    """
+    return pd.DataFrame({event: cells[time_column(event)] <= end * (1 + ROUNDING) for event in EVENTS})
+
+
+def outcome_published(cells: pd.DataFrame, what: What, t: float) -> pd.Series:
+    """Compute delta(t) as the published code has it, which looks ahead for basal extrusion.
+
+    y_AB < 0 at t, and on average over the output times of the next hour and over all that follow. At the end of the run
+    it is ``outcome``.
+    """
+    hits = outcome(cells, what, t)
+    if what != "basal":
+        return hits
+    later = [f"ab_{u:g}h" for u in kept_times(cells) if u >= t]
+    soon = [f"ab_{u:g}h" for u in kept_times(cells) if t <= u <= t + WINDOW]
+    return hits & (cells[soon].mean(axis=1) < 0) & (cells[later].mean(axis=1) < 0)
+
+
+def by_order(cells: pd.DataFrame, end: float) -> pd.Series:
+    """Return the events of a cell by the end as they followed: "[AB]" for T_A <= T_B, "[BA]" for T_B < T_A.
+
+    Equal times are in the order A, B, S, P. Without INM the name ends with ``NO_INM``; without events it is "none".
+    """
+    times = np.column_stack([cells[time_column(event)] for event in EVENTS])
+    order = np.argsort(times, axis=1, kind="stable")
+    had = np.take_along_axis(happened(cells, end).to_numpy(), order, axis=1)
+    letters = np.where(had, np.array(EVENTS, dtype=object)[order], "").sum(axis=1)
+    names = np.where(letters == "", NO_EVENT, "[" + letters + "]")
+    return pd.Series(names + np.where(cells["inm"], "", NO_INM), index=cells.index)
+
+
+def given(hits: pd.Series, replicate: pd.Series, values: pd.Series, edges: Sequence[float]) -> pd.DataFrame:
+    """Compute E[delta | value in (a, b]] of 3.3.4 for each interval between rising edges, with 95 % intervals.
+
+    Parameters
+    ----------
+    hits, replicate, values
+        Of each cell: whether it is one; its replicate; its event time [h] or its position at the onset. Cells outside
+        of the edges, and those with none (infinite or missing), are in no row.
+
+    Returns
+    -------
+    pd.DataFrame
+        ``low_edge``, ``high_edge`` and the columns of ``ratios``; an interval without cells has no row.
+    """
+    table = ratios(hits, replicate, pd.cut(values.astype(float), list(edges), labels=False))
+    first = table.index.to_numpy(dtype=int)
+    ends = np.asarray(edges, dtype=float)
+    return table.assign(low_edge=ends[first], high_edge=ends[first + 1]).reset_index(drop=True)

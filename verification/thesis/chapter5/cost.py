@@ -16,7 +16,7 @@ from verification.instruments.meanfield_methods import DensityProblem, density_m
 from verification.instruments.result import draw_results
 from verification.instruments.speed_accuracy import WorkPrecision, WorkPrecisionRuns
 from verification.site.context import Context
-from verification.thesis.chapter5 import cases, exact
+from verification.thesis.chapter5 import cases
 
 Floats = NDArray[np.float64]
 NAME, T, REFERENCE = "meanfield_cost", np.array([4.0]), 1e-13
@@ -56,7 +56,7 @@ def reference(name: str) -> Floats:
     law, case = cases.law(name), cases.CASES[name]
     if name == "straight":
         second = float(law.moments()[1][0, 0])
-        return np.asarray(exact.harmonic(name, np.array([[np.sqrt(second)]]), T).y[0])
+        return np.asarray(cases.harmonic(name, np.array([[np.sqrt(second)]]), T).y[0])
     return np.asarray(solve_characteristics(cases.model(name), law, case.y0, case.v0, T, REFERENCE).y[0])
 
 

@@ -32,7 +32,7 @@ from meanfield.model.symbolic import library
 from verification.instruments.meanfield_methods import STYLES
 from verification.instruments.predicted import Case, Found, cases_study, happens, within
 from verification.site.context import Context
-from verification.thesis.chapter5 import cases, exact
+from verification.thesis.chapter5 import cases
 
 Floats = NDArray[np.float64]
 NAME = "meanfield_failures"
@@ -72,7 +72,7 @@ def through_zero(solver: str) -> Found:
 
     def y(t: float) -> float:
         follows = X if solver in SOLVERS else of_law
-        return float(exact.harmonic("straight", follows, np.array([t]), v0[0]).y[0, 0])
+        return float(cases.harmonic("straight", follows, np.array([t]), v0[0]).y[0, 0])
 
     at = float(brentq(y, 0.0, 1.0))
     t = at * np.linspace(0.0, 1.5, KEPT)
@@ -137,7 +137,7 @@ def left_grid() -> Found:
     """Let the density of LinearFibre leave the grid, at a known time."""
     law, case, end = Density.uniform(0.4, 1.6), cases.CASES["linear"], 1.8
     X = law.quantiles(2000)
-    at = float(brentq(lambda t: exact.harmonic("linear", X, np.array([t])).y[0, 0] - case.y0[0] + 1.6 - end, 0.0, 1.0))
+    at = float(brentq(lambda t: cases.harmonic("linear", X, np.array([t])).y[0, 0] - case.y0[0] + 1.6 - end, 0.0, 1.0))
     t = at * np.linspace(0, 2, KEPT)
     motion = solve_pde(cases.model("linear"), law, case.y0, case.v0, t, 400, bounds=(0.0, end), throw=False)
     last = float(motion.t[-1])

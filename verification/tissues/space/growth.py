@@ -17,7 +17,7 @@ from tissue.frames.section import section
 from tissue.model.measures import measure
 from tissue.runs.simulate import simulate
 from tissue.state.cells import Floats, Integers
-from verification.thesis.chapter3.intervals import over_seeds
+from verification.thesis.chapter3.sampled import over_seeds
 
 # The probability that both daughters of a division stay: that of the slice, and that of a sheet.
 SOME, ALL = 0.2, 1.0

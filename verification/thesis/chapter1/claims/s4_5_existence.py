@@ -8,9 +8,22 @@ import dincl
 from verification.claims import Correction, Effect, Evidence, at_least, at_most, claim, equal
 from verification.claims.formal.reals import follows, reals
 from verification.claims.formal.stated import argument
-from verification.thesis.chapter1.cells import GROWN, HARD, TOL, away, in_mitosis, resting
 from verification.thesis.chapter1.lemmas import GROWTH_OF_DISTANCE
-from verification.thesis.chapter1.sets import ROUNDING, SAMPLES, SEED, Floats, apart, catch_up, falling
+from verification.thesis.chapter1.sets import (
+    GROWN,
+    HARD,
+    ROUNDING,
+    SAMPLES,
+    SEED,
+    TOL,
+    Floats,
+    apart,
+    away,
+    catch_up,
+    falling,
+    in_mitosis,
+    resting,
+)
 
 # Half the step of a central difference of numbers that are right to rounding.
 HALF = 1e-5

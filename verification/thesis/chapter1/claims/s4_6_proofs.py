@@ -11,8 +11,19 @@ import dincl
 from verification.claims import Correction, Effect, Evidence, at_most, claim
 from verification.claims.formal.reals import follows, reals
 from verification.claims.formal.stated import argument
-from verification.thesis.chapter1.cells import TOL, State, divided, in_mitosis, nearest, overlap, problem
-from verification.thesis.chapter1.sets import ROUNDING, SAMPLES, SEED, Floats
+from verification.thesis.chapter1.sets import (
+    ROUNDING,
+    SAMPLES,
+    SEED,
+    TOL,
+    Floats,
+    State,
+    divided,
+    in_mitosis,
+    nearest,
+    overlap,
+    problem,
+)
 
 T, A, B, N = 1.0, 0.01, 0.01, 50
 

@@ -8,8 +8,7 @@ import numpy as np
 
 import dincl
 from verification.claims import Evidence, at_least, at_most, claim
-from verification.thesis.chapter1.sets import Floats
-from verification.thesis.chapter2.discs import RADIUS, points_of_step
+from verification.thesis.chapter1.sets import RADIUS, Floats, points_of_step
 
 SEED, SAMPLES = 61, 30
 TOL = 1e-10

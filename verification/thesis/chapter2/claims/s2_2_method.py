@@ -11,7 +11,7 @@ from verification.claims import Evidence, Tables, at_least, at_most, claim, equa
 from verification.claims.formal.algebra import library
 from verification.claims.formal.reals import follows, reals
 from verification.methods.methods import PBD
-from verification.methods.tables import LARGE_STEPS
+from verification.methods.page import LARGE_STEPS
 
 sp = library()
 

@@ -13,8 +13,7 @@ from verification.claims import Correction, Effect, Evidence, at_most, claim, eq
 from verification.claims.formal.algebra import library, vanishes
 from verification.claims.formal.reals import follows, reals
 from verification.claims.formal.stated import argument
-from verification.thesis.chapter1.sets import Floats
-from verification.thesis.chapter2.discs import RADIUS
+from verification.thesis.chapter1.sets import RADIUS, Floats
 
 SEED = 21
 # The four discs of Figure 4; a power of two, so that t += dt ends at END exactly.

@@ -8,8 +8,7 @@ import dincl
 from verification.claims import Correction, Effect, Evidence, at_least, at_most, claim, equal
 from verification.claims.formal.reals import follows, reals, solver_library
 from verification.claims.formal.stated import argument
-from verification.thesis.chapter1.sets import Floats
-from verification.thesis.chapter2.discs import RADIUS, ROUNDING, points_of_step, row
+from verification.thesis.chapter1.sets import RADIUS, ROUNDING, Floats, points_of_step, row
 
 z3 = solver_library()
 x, y, h, n, d, q, power, f, way, last, first = reals("x y h n d q P f way last first")

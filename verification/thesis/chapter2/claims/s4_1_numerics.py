@@ -9,7 +9,7 @@ import numpy as np
 import dincl
 from verification.claims import Comparison, Evidence, Tables, at_least, at_most, claim, equal
 from verification.methods.methods import PBD, REFERENCE_TOL
-from verification.methods.tables import FITS, ORDERS, PENALTY_BEST, REFERENCES
+from verification.methods.page import FITS, ORDERS, PENALTY_BEST, REFERENCES
 
 # The scenes of Figures 4 and 5 in tables.
 FOUR, TEN = "Four discs drawn to one point", "Ten discs falling into a corner"

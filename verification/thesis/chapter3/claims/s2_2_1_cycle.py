@@ -10,10 +10,9 @@ import pandas as pd
 from verification.claims import Correction, Effect, Evidence, Tables, at_most, claim
 from verification.claims.formal.algebra import library
 from verification.claims.formal.stated import identity
-from verification.thesis.chapter3 import tables as made
+from verification.thesis.chapter3 import page as made
 from verification.thesis.chapter3.claims.s1_3_model import grown
-from verification.thesis.chapter3.printed import G2, MITOSIS, R_SOFT
-from verification.thesis.chapter3.sampled import MODEL, SEEDS, daha_runs_ending, of_mean
+from verification.thesis.chapter3.sampled import G2, MITOSIS, MODEL, R_SOFT, SEEDS, daha_runs_ending, of_mean
 
 sp = library()
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
+
 import numpy as np
 
 from tissue.files.parameters import preset
@@ -12,13 +15,43 @@ from verification.claims import Correction, Effect, Evidence, at_most, claim, eq
 from verification.claims.formal.algebra import library, vanishes
 from verification.claims.formal.reals import follows, reals, solver_library
 from verification.claims.formal.stated import argument, implication
-from verification.thesis.chapter3.printed import AA, AX, AXB, R_SOFT, XX
-from verification.thesis.chapter3.sampled import of_mean
-from verification.thesis.chapter3.terms import Point, bending, junction, repulsion, slope, spring
+from verification.thesis.chapter3.sampled import AA, AX, AXB, R_SOFT, XX, of_mean
 from verification.thesis.quasi_steady.frozen import constraints, particles
 
-sp = library()
+Point = tuple[float, float]
+# The energy terms one by one, as they are printed, and their slopes.
 
+# Of central differences: rounding and curvature cost about 1e-9 of the energies here.
+STEP = 1e-5
+
+
+def slope(f: Callable[[float], float], at: float) -> float:
+    """Return f' by a central difference."""
+    return (f(at + STEP) - f(at - STEP)) / (2 * STEP)
+
+
+def spring(d: float, rest: float, stiffness: float, soft: float = 1.0) -> float:
+    """Return (3.9) and (3.10)."""
+    return stiffness / (soft + rest) * (d - soft - rest) ** 2
+
+
+def junction(d: float, rest: float, stiffness: float, soft: float = 1.0) -> float:
+    """Return (3.11)."""
+    return stiffness / (2 * soft) * (d - rest) ** 2
+
+
+def bending(a: Point, x: Point, b: Point, stiffness: float) -> float:
+    """Return (3.12), the first form."""
+    u, v = (a[0] - x[0], a[1] - x[1]), (b[0] - x[0], b[1] - x[1])
+    return stiffness * ((u[0] * v[0] + u[1] * v[1]) / (math.hypot(*u) * math.hypot(*v)) + 1)
+
+
+def repulsion(d: float, stiffness: float, soft: float = 1.0) -> float:
+    """Return (3.13) without its minus."""
+    return stiffness / (2 * soft) * (d - 2 * soft) ** 2 if d <= 2 * soft else 0.0
+
+
+sp = library()
 FEW = tuple(range(3))
 # Force over overlap: (α_i + α_j)/R² with R = 2 R_soft and α = 1, in src/core/compute_forces.jl of SteffenPL/sEMTor.jl.
 PUBLISHED_REPULSION = 0.5

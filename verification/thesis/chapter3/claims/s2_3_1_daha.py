@@ -11,7 +11,7 @@ from dincl.minimise import DampedArrowHurwicz, minimise
 from verification.claims import Correction, Effect, Evidence, at_least, at_most, claim, equal
 from verification.claims.formal.algebra import library, vanishes
 from verification.claims.formal.stated import argument, identity
-from verification.thesis.chapter3.printed import ALPHA, BETA, EPS, GAMMA, C
+from verification.thesis.chapter3.sampled import ALPHA, BETA, EPS, GAMMA, C
 
 sp = library()
 z, before, push, c, h, v, a, b, d, w, size = sp.symbols("z before push c h v a b d w alpha")

@@ -12,8 +12,8 @@ from tissue.state.cells import empty
 from verification.claims import Correction, Effect, Evidence, at_most, claim, equal
 from verification.claims.formal.algebra import library
 from verification.claims.formal.stated import identity
-from verification.thesis.chapter3.linear import own_hessians
-from verification.thesis.chapter3.printed import ALPHA, AX, AXB, BETA, DT, GAMMA, USUAL, C
+from verification.thesis.chapter3.accuracy import own_hessians
+from verification.thesis.chapter3.sampled import ALPHA, AX, AXB, BETA, DT, GAMMA, USUAL, C
 
 sp = library()
 mu, t, tau, delta = sp.symbols("mu t tau delta", positive=True)

@@ -24,16 +24,16 @@ from verification.claims import (
     claim,
     equal,
 )
-from verification.thesis.chapter3 import tables as made
+from verification.thesis.chapter3 import page as made
 from verification.thesis.chapter3.accuracy import minimum
 from verification.thesis.chapter3.daha import COMPARED, DOUBLED_CASE, PRINTED, TERMINATING, THEORY
-from verification.thesis.chapter3.frozen import begun, floored
-from verification.thesis.chapter3.growing import PRESETS
-from verification.thesis.chapter3.intervals import CONFIDENCE
-from verification.thesis.chapter3.printed import SUBSTEPS, USUAL
+from verification.thesis.chapter3.growing import PRESETS, begun, floored
 from verification.thesis.chapter3.sampled import (
+    CONFIDENCE,
     MODEL,
     SEEDS,
+    SUBSTEPS,
+    USUAL,
     daha_runs_ending,
     needed,
     of_column,

@@ -5,9 +5,10 @@ from __future__ import annotations
 from verification.claims import Correction, Effect
 from verification.claims.formal.algebra import matrices, vanishes
 from verification.claims.formal.stated import argument
-from verification.thesis.chapter5.general import (
+from verification.thesis.chapter5.lemmas import (
     BT,
     GT,
+    REDUCED,
     B,
     G,
     a,
@@ -20,7 +21,6 @@ from verification.thesis.chapter5.general import (
     phiT,
     v,
 )
-from verification.thesis.chapter5.lemmas import REDUCED
 
 # A velocity, the force of a particle alone and that of the others, the sum of K(X_k, X_i), and Omega[y', y''].
 U, own, pull, other = matrices("U F1 K W")

@@ -8,8 +8,7 @@ from verification.claims import Correction, Effect, Evidence, at_least, at_most,
 from verification.claims.formal.algebra import library, vanishes
 from verification.claims.formal.reals import reals
 from verification.claims.formal.stated import argument
-from verification.thesis.chapter5.instant import TOL, WRONG, effective_force, force1, with_springs
-from verification.thesis.chapter5.wavy import symbolic_soft
+from verification.thesis.chapter5.instant import TOL, WRONG, effective_force, force1, symbolic_soft, with_springs
 
 sp = library()
 x = sp.symbols("x", positive=True)

@@ -6,8 +6,7 @@ from verification.claims import Correction, Effect
 from verification.claims.formal.algebra import library, matrices, vanishes
 from verification.claims.formal.reals import follows, reals
 from verification.claims.formal.stated import argument, identity, implication
-from verification.thesis.chapter5.general import a, curved, even, f, m, phi, phiT
-from verification.thesis.chapter5.lemmas import PRODUCTS, energy_rate
+from verification.thesis.chapter5.lemmas import PRODUCTS, a, curved, energy_rate, even, f, m, phi, phiT
 
 S, n, M, h = reals("S n M h")
 TERMS = [n >= 1, M >= 0, n * M >= S, -n * M <= S, h <= M, h >= -M]

@@ -10,7 +10,7 @@ from verification.claims import Correction, Effect, Evidence, at_most, claim
 from verification.claims.formal.algebra import library, vanishes
 from verification.claims.formal.reals import follows, reals
 from verification.claims.formal.stated import argument
-from verification.thesis.chapter5.wavy import runge_kutta, symbolic_soft
+from verification.thesis.chapter5.instant import runge_kutta, symbolic_soft
 
 # What the integration of the pendulum leaves, and far above it.
 SLACK = 1e-6

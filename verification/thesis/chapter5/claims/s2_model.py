@@ -10,11 +10,10 @@ import numpy as np
 from verification.claims import Correction, Effect, Evidence, at_least, at_most, claim, equal
 from verification.claims.formal.algebra import library, matrices, vanishes
 from verification.claims.formal.stated import argument, identity
-from verification.thesis.chapter5 import general as of
-from verification.thesis.chapter5.general import BT, GT, B, G, a, curved, dB, dG, f, m, multiplier, phi, phiT, v
+from verification.thesis.chapter5 import lemmas as of
 from verification.thesis.chapter5.instant import TOL, Floats, force1, general_instant, kernel, omega, with_springs
 from verification.thesis.chapter5.instant import phi as map_of
-from verification.thesis.chapter5.lemmas import REDUCED
+from verification.thesis.chapter5.lemmas import BT, GT, REDUCED, B, G, a, curved, dB, dG, f, m, multiplier, phi, phiT, v
 
 sp = library()
 t, n, mass, level, p, q = sp.symbols("t N m lambda p q")

@@ -12,9 +12,18 @@ from verification.claims import Correction, Effect, Evidence, at_least, at_most,
 from verification.claims.formal.algebra import library, vanishes
 from verification.claims.formal.reals import follows, reals
 from verification.claims.formal.stated import argument, identity
-from verification.thesis.chapter5.instant import WRONG, Floats, effective_force, effective_mass, general_instant, phi
+from verification.thesis.chapter5.instant import (
+    WRONG,
+    Floats,
+    effective_force,
+    effective_mass,
+    general_instant,
+    phi,
+    runge_kutta,
+    soft,
+    symbolic_soft,
+)
 from verification.thesis.chapter5.lemmas import PRODUCTS, REDUCED, WEIGHTED
-from verification.thesis.chapter5.wavy import runge_kutta, soft, symbolic_soft
 
 sp = library()
 t, x, z, X, Z, n = sp.symbols("t x z X Z N", real=True)
