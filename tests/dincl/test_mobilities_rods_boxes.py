@@ -366,6 +366,10 @@ def test_a_kernel_of_plain_discs_is_refused(more):
             "normal = .*wall",
         ),
         (lambda x: dincl.Problem(x, constant((0.0, 0.0)), [dincl.Ordered([0, 1], 0)], box=(9.0, None)), "axis = 0"),
+        (
+            lambda x: dincl.Problem(x, constant((0.0, 0.0)), [dincl.Ordered([0, 1], 2)], box=(9.0, 9.0)),
+            "axis = 2.*d = 2",
+        ),
         (lambda x: dincl.Distance([(0, 1), (1, 0)], 1.0), "each pair at most once"),
         (
             lambda x: dincl.Problem(x, constant((0.0, 0.0)), [dincl.Distance([(0, 1)], 1.5)]),

@@ -78,6 +78,8 @@ def test_the_constant_of_stability_is_measured() -> None:
 
 
 def test_the_cheapest_levels_of_the_model() -> None:
-    charts = cost.results(shipped(cost.NAME))
+    table = shipped(cost.NAME)
+    assert set(table["setting"]) == {one for some in cost.SETTINGS.values() for one in some}
+    charts = cost.results(table)
     won = {name: chart.cheapest(cost.TARGETS)["cheapest"].tolist() for name, chart in charts.items()}
     assert won == {"StraightFibre": ["Moments"] * 3, "WavyFibre": ["Characteristics"] * 3}

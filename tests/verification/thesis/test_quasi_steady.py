@@ -122,6 +122,7 @@ def test_a_feasible_state_stays_where_it_is():
 
 BAD = {
     "off the line": ({"by": [0.0, 0.1]}, r"cells.by\[1\] = 0.1: must be 0 in the basal layer"),
+    "apart": ({"chain": [0, 1]}, r"cells.chain\[1\] = 1: must be 0, the energy has the junctions of the layer"),
     "overlap": ({"radius": [1.0, 1.5]}, "violates NonOverlap by 1.5"),
     "order": ({"bx": [0.1, 0.0]}, "violates Ordered by 0.1"),
     "too far": ({"bx": [0.0, 1.0]}, "violates MaxDistance by 0.667"),
