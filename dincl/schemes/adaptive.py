@@ -232,11 +232,12 @@ class AdaptiveRuns:
         if part.resume == part.until:
             return state
         x, violation = state.x, self.problem.violation(part.resume, state.x)
-        self.reached = state._replace(t=part.resume, h=FIRST * part.longest_step, anew=True)
+        reached = state._replace(t=part.resume, h=FIRST * part.longest_step, anew=True)
         if violation > self.tol:
             feasible = FeasibleSet(self.problem, ActiveSet(self.tol).solver(), self._stepper.work, linearised=False)
             x = feasible.nearest(part.resume, x, x, violation).point
-            self.reached = self.reached._replace(x=x, before=x, last=0.0)
+            reached = reached._replace(x=x, before=x, last=0.0)
+        self.reached = reached
         self._look(self.reached)
         return self.reached
 

@@ -81,8 +81,7 @@ def _run(plan: Fit, out: str | os.PathLike[str], executor: Executor | None) -> p
     folder = checked_path("out", out)
     threads = ThreadPoolExecutor(len(os.sched_getaffinity(0))) if executor is None else nullcontext(executor)
     try:
-        if not any(folder.glob(f"{NAME}.*")):
-            refuse_others(folder, "fit")
+        refuse_others(folder, "fit", NAME)
         with threads as workers:
             table = design(plan).complete(folder, workers)
     except OSError as error:

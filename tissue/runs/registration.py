@@ -85,9 +85,7 @@ def _files(thing: Any) -> set[str]:
 
 
 def own_code() -> dict[str, str]:
-    """Return a digest of each module of registered functions and of those that it imports; and what has no functions:
-    variables and parameters.
-    """
+    """Return a digest of each module of registered functions and of those that it imports; variables, parameters."""
     modules = {name: digest for one in _every_function() for name, digest in sources(one.__module__).items()}
     mine = {name: digest for name, digest in sorted(modules.items()) if name.partition(".")[0] not in PACKAGES}
     plain: list[Any] = [*registered(Variable), *registered(Parameter)]

@@ -116,8 +116,8 @@ def simplify(
         If the study or an argument is not in order, ``out`` holds something else, or most runs of the full model fail.
     """
     plan = load_study(study)
-    if out is not None and not any(checked_path("out", out).glob(f"{NAME}.*")):
-        refuse_others(checked_path("out", out), "simplification")
+    if out is not None:
+        refuse_others(checked_path("out", out), "simplification", NAME)
     full = _asked(plan, scenarios, outcome, at)
     shares = not callable(outcome) and outcome in (*get_args(What), *CONTROL_SIDES)
     if number("tolerance", tolerance, positive=True) >= 1 and shares:

@@ -111,8 +111,10 @@ def refuse_study(folder: Path) -> None:
         raise InvalidProblem(f"{folder}: holds the results of a study; must be another folder")
 
 
-def refuse_others(folder: Path, kind: str) -> None:
-    """Refuse a folder with other things in it."""
+def refuse_others(folder: Path, kind: str, table: str | None = None) -> None:
+    """Refuse a folder with other things in it, unless it holds the table of this name."""
+    if table is not None and any(folder.glob(f"{table}.*")):
+        return
     names = [path.name for path in folder.iterdir()] if folder.exists() else []
     if others := sorted(name for name in names if name != LOCK and not name.startswith(PARTIAL)):
         allowed = f"must be new, empty or the folder of this {kind}"
